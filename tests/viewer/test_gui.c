@@ -353,19 +353,19 @@ TEST(texts_read_back_to_the_same_bits)
         } narrow = {(uint32_t)(state >> 32)};
         double back = 0;
         if (isfinite(wide_value.value)) {
-            value_write(wide_value.value, false, &all, text);
-            CHECK(value_read(text, false, &all, &back, why) && back == wide_value.value, "%s: %s",
-                  text, why);
+            value_write(&wide_value.value, 1, false, &all, text);
+            CHECK(value_read(text, 1, false, &all, &back, why) && back == wide_value.value,
+                  "%s: %s", text, why);
         }
         if (isfinite(narrow.value)) {
-            value_write((double)narrow.value, true, &all, text);
-            CHECK(value_read(text, true, &all, &back, why) && (float)back == narrow.value, "%s",
+            value_write(&(double){(double)narrow.value}, 1, true, &all, text);
+            CHECK(value_read(text, 1, true, &all, &back, why) && (float)back == narrow.value, "%s",
                   text);
         }
     }
-    value_write((double)0.1f, true, &unit_range, text);
+    value_write(&(double){(double)0.1f}, 1, true, &unit_range, text);
     CHECK(strcmp(text, "0.1") == 0, "%s", text);
-    value_write(12000, false, &all, text);
+    value_write(&(double){12000}, 1, false, &all, text);
     CHECK(strcmp(text, "12000") == 0, "%s", text);
 }
 

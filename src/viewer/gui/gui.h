@@ -50,11 +50,13 @@ struct gui {
     bool wants_mouse, wants_keys; // the panel takes these events; the camera must not
     bool is_busy;                 // a widget is being dragged or typed into
     bool is_hidden;               // the caller's wish: no panel, but its controls for scripts
-    const char *hovered_help;     // of the control under the mouse, or NULL
-    bool is_floating;      // the caller's wish: a window in the window, not beside the picture
-    float width;           // of what the panel takes of the window; 0 hidden or floating
-    float place[4];        // of the panel: left, top, right, bottom, pixels; 0 while hidden
-    struct gui_state *own; // see gui_state.h
+    const char *used; // id of the value that was changed last; the caller sets it to NULL before a
+                      // row of controls over a copy of something
+    const char *hovered_help; // of the control under the mouse, or NULL
+    bool is_floating;         // the caller's wish: a window in the window, not beside the picture
+    float width;              // of what the panel takes of the window; 0 hidden or floating
+    float place[4];           // of the panel: left, top, right, bottom, pixels; 0 while hidden
+    struct gui_state *own;    // see gui_state.h
 };
 
 bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels a point
@@ -123,6 +125,9 @@ void gui_progress(struct gui *gui, const char *what, double fraction);
 // --- controls ------------------------------------------------------------------------------------
 bool gui_button(struct gui *gui, const char *id, const char *label, const char *help);
 bool gui_switch(struct gui *gui, const char *id, const char *label, const char *help, bool *value);
+// The same of a number that is 0 or 1.
+bool gui_flag(struct gui *gui, const char *id, const char *label, const char *help,
+              uint32_t *value);
 struct gui_range {
     double min, max;
     bool logarithmic; // 0 is allowed as min
@@ -138,6 +143,9 @@ bool gui_float(struct gui *gui, const char *id, const char *label, const char *h
                const struct gui_range *range, float *value);
 bool gui_count(struct gui *gui, const char *id, const char *label, const char *help,
                const struct gui_range *range, uint32_t *value);
+// An angle in radians, shown in degrees. `range` is in degrees.
+bool gui_angle(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, double *radians);
 // names: ended by NULL.
 bool gui_choice(struct gui *gui, const char *id, const char *label, const char *help,
                 const char *const *names, uint32_t *value);

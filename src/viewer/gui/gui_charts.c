@@ -9,7 +9,7 @@
 #define CURVES_POINTS 120.0f // height
 
 static const uint32_t series_colors[] = {
-    IM_RGBA(168, 201, 84, 255), // the glow-worm's
+    IM_GLOW,
     IM_RGBA(104, 170, 224, 255),
     IM_RGBA(226, 149, 92, 255),
     IM_RGBA(190, 140, 220, 255),
@@ -17,40 +17,27 @@ static const uint32_t series_colors[] = {
 #define BAR_COLOR IM_RGBA(128, 152, 66, 255)
 #define SERIES_COLORS (sizeof series_colors / sizeof *series_colors)
 
-static float width_of(const char *text)
-{
-    return im_text_size(text, -1.0f).x;
-}
-
-static void fill(struct ImDrawList *list, float left, float top, float right, float bottom,
-                 uint32_t rgba, float rounding)
-{
-    im_draw_rect(list, (struct im_vec){left, top}, (struct im_vec){right, bottom}, rgba, rounding);
-}
-
 // `labels`: the width of their column. `most`: the longest bar's value.
 static void draw_bar(const struct gui_state *own, const struct gui_bar *bar, const char *unit,
                      float labels, double most)
 {
-    struct ImDrawList *list = im_draw_window();
-    const struct im_vec at = im_cursor();
-    float width = im_room(), line = im_line_height(), number = width_of("000.00 ms");
+    struct ImDrawList *list = im_layer(IM_WINDOW);
+    const struct im_place now = im_now();
+    const struct im_vec at = now.cursor;
+    float width = now.room, line = now.line, number = im_text_width("000.00 ms");
     float least = 16.0f * own->scale; // of the bar
     float left = at.x + fmaxf(fminf(labels, width - number - least), 0.0f);
     float room = fmaxf(at.x + width - number - left, 1.0f);
     char text[64];
     snprintf(text, sizeof text, "%.2f %s", bar->value, unit);
-    const struct im_vec end = {left - im_style_now().item_inner_spacing.x,
-                               at.y + floorf(line * 1.15f)};
-    im_push_clip(list, at, end, true);
-    im_draw_text(list, at, im_rgba(IM_COLOR_TEXT), bar->label);
-    im_pop_clip(list);
+    const struct im_rect clip = {at.x, at.y, left - now.inner_spacing, at.y + floorf(line * 1.15f)};
+    im_draw_text(list, at.x, at.y, IM_TEXT, bar->label, &clip, 0.0f);
     float part = most > 0.0 ? room * (float)(bar->value / most) : 0.0f;
     float top = floorf(at.y + 0.22f * line), bottom = floorf(at.y + 0.92f * line);
-    fill(list, left, top, left + room, bottom, im_rgba(IM_COLOR_FRAME), 2.0f);
-    fill(list, left, top, left + fmaxf(part, 1.0f), bottom, BAR_COLOR, 2.0f);
-    im_draw_text(list, (struct im_vec){at.x + width - width_of(text), at.y}, im_rgba(IM_COLOR_TEXT),
-                 text);
+    im_draw_rect(list, (struct im_rect){left, top, left + room, bottom}, IM_FRAME, 2.0f);
+    im_draw_rect(list, (struct im_rect){left, top, left + fmaxf(part, 1.0f), bottom}, BAR_COLOR,
+                 2.0f);
+    im_draw_text(list, at.x + width - im_text_width(text), at.y, IM_TEXT, text, NULL, 0.0f);
 }
 
 void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const char *unit)
@@ -58,19 +45,19 @@ void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const
     const struct gui_state *own = gui->own;
     if (!own->is_drawn)
         return;
-    const struct im_style style = im_style_now();
+    const struct im_place now = im_now();
     double most = 0.0;
-    float labels = own->label_width - style.window_padding.x;
+    float labels = own->label_width - now.window_padding.x;
     for (uint32_t i = 0; i < count; i++) {
         most = fmax(most, bars[i].value);
         if (bars[i].label)
-            labels = fmaxf(labels, width_of(bars[i].label) + 6.0f * own->scale);
+            labels = fmaxf(labels, im_text_width(bars[i].label) + 6.0f * own->scale);
     }
-    float height = floorf(im_line_height() * 1.15f);
+    float height = floorf(now.line * 1.15f);
     for (uint32_t i = 0; i < count; i++) {
         if (bars[i].label)
             draw_bar(own, &bars[i], unit, labels, most);
-        im_dummy(1.0f, height - style.item_spacing.y * 0.5f);
+        im_dummy(1.0f, height - now.spacing.y * 0.5f);
     }
 }
 
@@ -176,15 +163,14 @@ static void draw_columns(struct ImDrawList *list, const struct axes *axes)
     for (uint32_t i = 0; i < ticks.count; i++) {
         float x = floorf(place(axes, ticks.values[i], pow(10.0, axes->y[0])).x);
         im_draw_line(list, (struct im_vec){x, axes->min.y}, (struct im_vec){x, axes->max.y},
-                     im_rgba(IM_COLOR_SEPARATOR), 1.0f);
+                     IM_LINE, 1.0f);
         char text[32];
         write_tick(ticks.values[i], text, sizeof text);
-        float width = width_of(text);
+        float width = im_text_width(text);
         float left = fminf(floorf(x - 0.5f * width), axes->max.x - width);
         if (left < free_from)
             continue;
-        im_draw_text(list, (struct im_vec){left, axes->max.y + 1.0f},
-                     im_rgba(IM_COLOR_TEXT_DISABLED), text);
+        im_draw_text(list, left, axes->max.y + 1.0f, IM_DIM, text, NULL, 0.0f);
         free_from = left + width * 1.5f;
     }
 }
@@ -193,17 +179,17 @@ static void draw_rows(struct ImDrawList *list, const struct axes *axes)
 {
     struct ticks ticks;
     find_ticks(axes->y, &ticks);
-    float height = im_line_height(), free_below = FLT_MAX;
+    float height = im_now().line, free_below = FLT_MAX;
     for (uint32_t i = 0; i < ticks.count; i++) {
         float y = floorf(place(axes, pow(10.0, axes->x[0]), ticks.values[i]).y);
         im_draw_line(list, (struct im_vec){axes->min.x, y}, (struct im_vec){axes->max.x, y},
-                     im_rgba(IM_COLOR_SEPARATOR), 1.0f);
+                     IM_LINE, 1.0f);
         if (y + 0.5f * height > free_below)
             continue;
         char text[32];
         write_tick(ticks.values[i], text, sizeof text);
-        im_draw_text(list, (struct im_vec){axes->min.x - width_of(text) - 4.0f, y - 0.5f * height},
-                     im_rgba(IM_COLOR_TEXT_DISABLED), text);
+        im_draw_text(list, axes->min.x - im_text_width(text) - 4.0f, y - 0.5f * height, IM_DIM,
+                     text, NULL, 0.0f);
         free_below = y - 0.6f * height;
     }
 }
@@ -253,14 +239,15 @@ static void draw_curve(struct ImDrawList *list, const struct axes *axes,
 static void draw_legend(struct ImDrawList *list, const struct axes *axes,
                         const struct gui_curve *curves, uint32_t count, float scale)
 {
-    float line = im_line_height(), y = axes->min.y + 2.0f * scale;
+    float line = im_now().line, y = axes->min.y + 2.0f * scale;
     for (uint32_t i = 0; i < count; i++) {
         if (!curves[i].label)
             continue;
-        float x = axes->max.x - width_of(curves[i].label) - 4.0f * scale;
-        fill(list, x - 12.0f * scale, y + 0.3f * line, x - 4.0f * scale, y + 0.7f * line,
-             series_colors[i % SERIES_COLORS], 2.0f);
-        im_draw_text(list, (struct im_vec){x, y}, im_rgba(IM_COLOR_TEXT), curves[i].label);
+        float x = axes->max.x - im_text_width(curves[i].label) - 4.0f * scale;
+        const struct im_rect sign = {x - 12.0f * scale, y + 0.3f * line, x - 4.0f * scale,
+                                     y + 0.7f * line};
+        im_draw_rect(list, sign, series_colors[i % SERIES_COLORS], 2.0f);
+        im_draw_text(list, x, y, IM_TEXT, curves[i].label, NULL, 0.0f);
         y += line;
     }
 }
@@ -271,24 +258,25 @@ void gui_curves(struct gui *gui, const struct gui_curve *curves, uint32_t count,
     const struct gui_state *own = gui->own;
     if (!own->is_drawn)
         return;
-    struct ImDrawList *list = im_draw_window();
-    const struct im_vec at = im_cursor(), size = {im_room(), floorf(CURVES_POINTS * own->scale)};
-    const uint32_t dim = im_rgba(IM_COLOR_TEXT_DISABLED);
-    float line = im_line_height();
+    struct ImDrawList *list = im_layer(IM_WINDOW);
+    const struct im_place now = im_now();
+    const struct im_vec at = now.cursor, size = {now.room, floorf(CURVES_POINTS * own->scale)};
+    const float line = now.line;
     struct axes axes;
     bool is_some = find_axes(curves, count, &axes);
-    axes.min = (struct im_vec){at.x + width_of("1e-00") + 5.0f, at.y + line + 2.0f};
+    axes.min = (struct im_vec){at.x + im_text_width("1e-00") + 5.0f, at.y + line + 2.0f};
     axes.max = (struct im_vec){at.x + size.x - 1.0f, at.y + size.y - line - 2.0f};
-    im_draw_text(list, at, dim, y_label);
-    im_draw_text(list, (struct im_vec){axes.max.x - width_of(x_label), at.y}, dim, x_label);
-    im_draw_rect(list, axes.min, axes.max, im_rgba(IM_COLOR_POPUP), 0.0f);
+    im_draw_text(list, at.x, at.y, IM_DIM, y_label, NULL, 0.0f);
+    im_draw_text(list, axes.max.x - im_text_width(x_label), at.y, IM_DIM, x_label, NULL, 0.0f);
+    const struct im_rect box = {axes.min.x, axes.min.y, axes.max.x, axes.max.y};
+    im_draw_rect(list, box, IM_POPUP, 0.0f);
     if (is_some) {
         draw_columns(list, &axes);
         draw_rows(list, &axes);
-        im_push_clip(list, axes.min, axes.max, true);
+        im_clip_begin(list, box);
         for (uint32_t i = 0; i < count; i++)
             draw_curve(list, &axes, &curves[i], series_colors[i % SERIES_COLORS], own->scale);
-        im_pop_clip(list);
+        im_clip_end(list);
         if (count > 1)
             draw_legend(list, &axes, curves, count, own->scale);
     }

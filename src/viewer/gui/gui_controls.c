@@ -1,11 +1,108 @@
-// Controls: each is entered into the registry, takes what a script wants of it, and is drawn.
+// Controls: each is entered into the registry, takes what a script wants of it, and is drawn: a
+// label at the left, the value at the right.
+#include "base/maths.h"
+#include "image/image.h"
 #include "viewer/gui/gui_state.h"
+#include "viewer/gui/imgui_bridge.h"
 
 #include <assert.h>
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define WHY_BYTES 512
+#define REFUSAL_SECONDS 4.0
+
+// --- what all share ------------------------------------------------------------------------------
+
+// Where the last thing drawn by ImGui is, and whether the mouse is over it.
+static void note_drawn(struct gui *gui, struct gui_item *item)
+{
+    struct gui_state *own = gui->own;
+    const struct im_item last = im_last();
+    const struct im_rect box = last.box, clip = last.clip;
+    float y = 0.5f * (box.top + box.bottom);
+    item->is_shown =
+        y > clip.top && y < clip.bottom && box.left < clip.right && box.right > clip.left;
+    item->rect[0] = fmaxf(box.left, clip.left);
+    item->rect[1] = fmaxf(box.top, clip.top);
+    item->rect[2] = fmaxf(fminf(box.right, clip.right), item->rect[0]);
+    item->rect[3] = fmaxf(fminf(box.bottom, clip.bottom), item->rect[1]);
+    if (last.is_hovered) {
+        gui->hovered_help = item->help;
+        snprintf(own->hovered_id, sizeof own->hovered_id, "%s", item->id);
+    }
+    if (own->reveal_frames && strcmp(own->reveal, item->id) == 0)
+        im_scroll_here();
+}
+
+// The label in its column; what follows fills the rest of the line.
+static void put_label(struct gui *gui, struct gui_item *item)
+{
+    const float column = gui->own->label_width;
+    const struct im_place now = im_now();
+    const struct im_vec at = now.cursor;
+    float width = fmaxf(column - (at.x - now.window.x) - now.inner_spacing, 1.0f);
+    const struct im_rect box = {at.x, at.y, at.x + width, at.y + now.frame};
+    im_draw_text(im_layer(IM_WINDOW), at.x, at.y + now.frame_padding.y, IM_TEXT, item->label, &box,
+                 0.0f);
+    im_dummy(width, now.frame);
+    note_drawn(gui, item);
+    im_same_line(column, -1.0f);
+}
+
+// Enters a control, and begins to draw it where it is drawn. *wish: what a script wants of it.
+static struct gui_item *begin(struct gui *gui, const char *id, enum gui_kind kind,
+                              const char *label, const char *help, const char **wish)
+{
+    struct gui_state *own = gui->own;
+    struct gui_item *item = items_add(own, id, kind, label, help);
+    bool has_label = kind != GUI_GROUP && kind != GUI_BUTTON && kind != GUI_ROW;
+    *wish = items_wish(own, item);
+    if (!own->is_drawn)
+        return item;
+    im_item_begin(item->id, !item->is_enabled);
+    if (own->same_line)
+        im_same_line(0.0f, -1.0f);
+    else if (has_label && item->label[0])
+        put_label(gui, item);
+    return item;
+}
+
+static bool end(struct gui *gui, struct gui_item *item, bool is_changed)
+{
+    struct gui_state *own = gui->own;
+    bool is_value = item->kind != GUI_GROUP && item->kind != GUI_BUTTON && item->kind != GUI_ROW;
+    if (is_changed && is_value)
+        gui->used = item->id;
+    if (!own->is_drawn)
+        return is_changed;
+    note_drawn(gui, item);
+    im_item_end();
+    own->same_line = false;
+    return is_changed;
+}
+
+static float rest_of_line(void)
+{
+    return fmaxf(im_now().room, 1.0f);
+}
+
+// --- groups --------------------------------------------------------------------------------------
+
+static bool draw_group(struct gui *gui, struct gui_item *item, bool is_open)
+{
+    bool is_inner = gui->own->depth > 0;
+    im_item_begin(item->id, false);
+    if (!is_inner)
+        im_dummy(0.0f, 0.0f);
+    bool now = im_tree(item->label, is_open, !is_inner);
+    note_drawn(gui, item);
+    im_item_end();
+    if (is_inner && now)
+        im_indent(1);
+    return now;
+}
 
 bool gui_group_begin(struct gui *gui, const char *id, const char *label, const char *help,
                      bool open_at_first)
@@ -23,7 +120,7 @@ bool gui_group_begin(struct gui *gui, const char *id, const char *label, const c
     else if (wish)
         is_open = wish[0] == 'o';
     if (own->is_drawn)
-        is_open = widget_group(gui, item, is_open);
+        is_open = draw_group(gui, item, is_open);
     if (group)
         group->is_open = is_open;
     snprintf(item->value, sizeof item->value, "%s", is_open ? "open" : "closed");
@@ -38,8 +135,8 @@ void gui_group_end(struct gui *gui)
 {
     struct gui_state *own = gui->own;
     assert(own->depth > 0);
-    if (own->is_drawn)
-        widget_group_end(gui);
+    if (own->is_drawn && own->depth > 1)
+        im_indent(-1);
     own->is_drawn = own->stack_drawn[--own->depth];
     own->is_enabled = true;
     own->same_line = false;
@@ -60,63 +157,293 @@ void gui_same_line(struct gui *gui)
     gui->own->same_line = true;
 }
 
+// --- simple ones ---------------------------------------------------------------------------------
+
 bool gui_button(struct gui *gui, const char *id, const char *label, const char *help)
 {
-    struct gui_state *own = gui->own;
-    struct gui_item *item = items_add(own, id, GUI_BUTTON, label, help);
-    bool pressed = items_wish(own, item) != NULL;
-    if (own->is_drawn && widget_button(gui, item))
-        pressed = true;
-    return pressed;
+    const char *wish;
+    struct gui_item *item = begin(gui, id, GUI_BUTTON, label, help, &wish);
+    bool pressed = gui->own->is_drawn && im_button(item->label, (struct im_vec){0}, false);
+    return end(gui, item, pressed || wish);
+}
+
+bool gui_row(struct gui *gui, const char *id, const char *label, const char *help, bool is_chosen)
+{
+    const char *wish;
+    char text[GUI_LABEL_MAX + 8];
+    struct gui_item *item = begin(gui, id, GUI_ROW, label, help, &wish);
+    snprintf(text, sizeof text, "%s##row", item->label);
+    bool pressed = gui->own->is_drawn && im_row(text, is_chosen);
+    snprintf(item->value, sizeof item->value, "%s", is_chosen || pressed || wish ? "on" : "off");
+    return end(gui, item, pressed || wish);
 }
 
 bool gui_switch(struct gui *gui, const char *id, const char *label, const char *help, bool *value)
 {
     struct gui_state *own = gui->own;
-    struct gui_item *item = items_add(own, id, GUI_SWITCH, label, help);
-    const char *wish = items_wish(own, item);
-    bool before = *value;
-    char why[WHY_BYTES];
+    const char *wish;
+    char why[GUI_WHY_MAX], text[GUI_LABEL_MAX + 8];
+    bool before = *value, same_line = own->same_line;
+    struct gui_item *item = begin(gui, id, GUI_SWITCH, label, help, &wish);
     if (wish && !value_read_switch(wish, value, why))
         items_refuse(own, "%s: %s", id, why);
-    bool changed = *value != before;
-    if (own->is_drawn && widget_switch(gui, item, value))
-        changed = true;
+    snprintf(text, sizeof text, "%s##switch", same_line ? item->label : "");
+    if (own->is_drawn)
+        im_checkbox(text, value);
     snprintf(item->value, sizeof item->value, "%s", *value ? "on" : "off");
-    return changed;
+    return end(gui, item, *value != before);
+}
+
+bool gui_flag(struct gui *gui, const char *id, const char *label, const char *help, uint32_t *value)
+{
+    bool on = *value != 0;
+    if (!gui_switch(gui, id, label, help, &on))
+        return false;
+    *value = on;
+    return true;
+}
+
+// Its words are rows of their own while it is open.
+static void draw_choice(struct gui *gui, const struct gui_item *item, const char *const *names,
+                        uint32_t *value)
+{
+    struct gui_state *own = gui->own;
+    if (!im_combo_begin("##choice", names[*value]))
+        return;
+    own->has_popup = true;
+    for (uint32_t i = 0; names[i]; i++) {
+        char id[GUI_ID_MAX];
+        if (snprintf(id, sizeof id, "%s=%s", item->id, names[i]) >= GUI_ID_MAX)
+            id[GUI_ID_MAX - 1] = '\0'; // names of a scene may be of any length
+        struct gui_item *entry = items_add(own, id, GUI_ROW, names[i], item->help);
+        bool wished = items_wish(own, entry) != NULL;
+        if (im_row(names[i], i == *value) || wished)
+            *value = i;
+        note_drawn(gui, entry);
+        snprintf(entry->value, sizeof entry->value, "%s", i == *value ? "on" : "off");
+    }
+    im_combo_end();
+}
+
+bool gui_choice(struct gui *gui, const char *id, const char *label, const char *help,
+                const char *const *names, uint32_t *value)
+{
+    const char *wish;
+    char why[GUI_WHY_MAX];
+    uint32_t before = *value;
+    struct gui_item *item = begin(gui, id, GUI_CHOICE, label, help, &wish);
+    if (wish && !value_read_choice(wish, names, value, why))
+        items_refuse(gui->own, "%s: %s", id, why);
+    if (gui->own->is_drawn)
+        draw_choice(gui, item, names, value);
+    snprintf(item->value, sizeof item->value, "%s", names[*value]);
+    return end(gui, item, *value != before);
+}
+
+// --- typing --------------------------------------------------------------------------------------
+
+static bool is_editing(const struct gui_state *own, const char *id)
+{
+    return own->edit_id[0] && strcmp(own->edit_id, id) == 0;
+}
+
+static void edit_start(struct gui_state *own, const char *id, const char *text)
+{
+    snprintf(own->edit_id, sizeof own->edit_id, "%s", id);
+    snprintf(own->edit_text, sizeof own->edit_text, "%s", text);
+    own->edit_idle = 0;
+}
+
+// A box with a text, which can be typed into. True: that ended, and edit_text is what was typed.
+static bool text_box(struct gui_state *own, const char *id, const char *text, uint32_t size,
+                     float width)
+{
+    char copy[GUI_TEXT_MAX];
+    bool is_mine = is_editing(own, id), begins = is_mine && own->edit_begins;
+    snprintf(copy, sizeof copy, "%s", text);
+    im_input("##edit", is_mine ? own->edit_text : copy, size < GUI_TEXT_MAX ? size : GUI_TEXT_MAX,
+             width, begins);
+    const struct im_item last = im_last();
+    if (!is_mine && last.is_active && !own->edit_id[0]) // else that one ends in this frame
+        edit_start(own, id, copy);
+    if (!is_mine)
+        return false;
+    own->edit_begins = false;
+    own->edit_idle = 0;
+    if (!last.was_deactivated)
+        return false;
+    own->edit_id[0] = '\0';
+    return last.was_edited; // not given up
+}
+
+bool gui_text(struct gui *gui, const char *id, const char *label, const char *help, char *value,
+              uint32_t size)
+{
+    struct gui_state *own = gui->own;
+    const char *wish, *to = NULL;
+    struct gui_item *item = begin(gui, id, GUI_TEXT, label, help, &wish);
+    if (wish && strlen(wish) >= size)
+        items_refuse(own, "%s: longer than %u bytes", id, size - 1);
+    else
+        to = wish;
+    if (own->is_drawn && text_box(own, item->id, value, size, rest_of_line()))
+        to = own->edit_text;
+    bool is_changed = to && strcmp(value, to) != 0;
+    if (is_changed)
+        snprintf(value, size, "%s", to);
+    snprintf(item->value, sizeof item->value, "%s", value);
+    return end(gui, item, is_changed);
+}
+
+// --- numbers -------------------------------------------------------------------------------------
+
+static void type_number(struct gui_state *own, const char *id, float width,
+                        const struct gui_range *range, bool is_float, double *value)
+{
+    char why[GUI_WHY_MAX];
+    if (!text_box(own, id, "", GUI_VALUE_MAX, width) ||
+        value_read(own->edit_text, 1, is_float, range, value, why))
+        return;
+    snprintf(own->refusal, sizeof own->refusal, "%.90s: %.400s", id, why);
+    own->refusal_until = own->clock + REFUSAL_SECONDS;
+}
+
+// The mouse drags the last item, whose width is given. A click with Ctrl, or two, begin to type.
+static void drag_number(struct gui_state *own, const char *id, float width,
+                        const struct gui_range *range, bool is_float, double *value)
+{
+    const struct im_item last = im_last();
+    if (last.was_activated) {
+        own->drag_start = *value;
+        own->drag_widths = 0.0;
+        own->drag_types = last.has_control || last.is_double_clicked;
+    }
+    if (last.is_dragged) {
+        own->drag_types = false;
+        own->drag_widths += (double)(last.drag / width);
+        *value = value_dragged(own->drag_start, own->drag_widths, range, is_float);
+    }
+    if (last.was_deactivated && own->drag_types) {
+        char text[GUI_VALUE_MAX];
+        value_write(value, 1, is_float, range, text);
+        edit_start(own, id, text);
+        own->edit_begins = true;
+    }
+}
+
+// With as many digits as there is room for; below it, where the range is a picture of the number,
+// how much of it that fills.
+static void draw_number(float width, const struct gui_range *range, double value)
+{
+    const struct im_place now = im_now();
+    const float x = now.cursor.x, bottom = now.cursor.y + now.frame;
+    const double span = range->max - range->min;
+    char text[GUI_VALUE_MAX], label[GUI_VALUE_MAX + 16];
+    float shown = FLT_MAX;
+    for (int digits = 6; digits >= 3 && shown > width; digits--) {
+        value_show(value, range, digits, text);
+        shown = im_text_width(text);
+    }
+    snprintf(label, sizeof label, "%s###number", text);
+    im_button(label, (struct im_vec){width, now.frame}, true);
+    if (range->logarithmic || range->drag > 0.0 || !(span <= 1e4))
+        return;
+    const struct im_rect bar = {x, bottom - floorf(0.15f * now.frame),
+                                x + width * (float)((value - range->min) / span), bottom};
+    im_draw_rect(im_layer(IM_WINDOW), bar, IM_DIM_GLOW, now.rounding);
+}
+
+// Boxes in what is left of the line, as one item.
+static void draw_boxes(struct gui_state *own, const char *id, uint32_t count,
+                       const struct gui_range *range, bool is_float, double *value)
+{
+    static const char *const axes[3] = {".x", ".y", ".z"};
+    const float space = im_now().inner_spacing * 0.5f;
+    const float all = rest_of_line() - (float)(count - 1) * space;
+    const float width = fmaxf(count > 1 ? floorf(all / (float)count) : all, 1.0f);
+    im_group_begin();
+    for (uint32_t i = 0; i < count; i++) {
+        char part[GUI_ID_MAX];
+        snprintf(part, sizeof part, "%.90s%s", id, count > 1 ? axes[i] : "");
+        if (i)
+            im_same_line(0.0f, space);
+        im_item_begin(part, false);
+        if (is_editing(own, part)) {
+            type_number(own, part, width, range, is_float, &value[i]);
+        } else {
+            draw_number(width, range, value[i]);
+            drag_number(own, part, width, range, is_float, &value[i]);
+        }
+        im_item_end();
+    }
+    im_group_end();
+}
+
+// Values are linear; what a screen shows and people choose from is encoded as sRGB has it (IEC
+// 61966-2-1). Above 1 a colour is shown, and chosen, as what it is with its greatest component
+// at 1.
+static void draw_swatch(struct gui *gui, struct gui_item *item, const struct gui_range *range,
+                        double value[3])
+{
+    struct gui_state *own = gui->own;
+    const struct im_place now = im_now();
+    float shown[3];
+    double most = fmax(fmax(value[0], value[1]), value[2]);
+    double strength = most > 1.0 && most <= (double)FLT_MAX ? most : 1.0;
+    for (int c = 0; c < 3; c++)
+        shown[c] = image_srgb_from_linear(fminf((float)(value[c] / strength), 1.0f));
+    bool is_open;
+    bool is_changed = im_color("##swatch", shown, now.frame, 180.0f * own->scale, &is_open);
+    own->has_popup = own->has_popup || is_open;
+    for (int c = 0; is_changed && c < 3; c++) {
+        float to = (float)((double)image_srgb_to_linear(shown[c]) * strength);
+        value[c] = fmin(fmax((double)to, range->min), range->max);
+    }
+    note_drawn(gui, item);
+    im_same_line(0.0f, now.inner_spacing);
 }
 
 // Numbers are doubles inside; those of other types come and go as such without loss.
-static bool number(struct gui *gui, const char *id, const char *label, const char *help,
-                   const struct gui_range *range, bool is_float, double *value)
+static bool numbers(struct gui *gui, const char *id, enum gui_kind kind, const char *label,
+                    const char *help, const struct gui_range *range, bool is_float, double *value)
 {
     struct gui_state *own = gui->own;
-    struct gui_item *item = items_add(own, id, GUI_NUMBER, label, help);
-    const char *wish = items_wish(own, item);
-    double to = *value;
-    char why[WHY_BYTES];
-    if (wish && !value_read(wish, is_float, range, &to, why))
+    const char *wish;
+    char why[GUI_WHY_MAX];
+    const uint32_t count = kind == GUI_NUMBER ? 1 : 3;
+    double before[3];
+    memcpy(before, value, count * sizeof *value);
+    struct gui_item *item = begin(gui, id, kind, label, help, &wish);
+    if (wish && !value_read(wish, count, is_float, range, value, why))
         items_refuse(own, "%s: %s", id, why);
-    bool changed = wish && to != *value;
-    if (changed)
-        *value = to;
-    if (own->is_drawn && widget_number(gui, item, range, is_float, value))
-        changed = true;
-    value_write(*value, is_float, range, item->value);
-    return changed;
+    if (own->is_drawn && kind == GUI_COLOR)
+        draw_swatch(gui, item, range, value);
+    if (own->is_drawn)
+        draw_boxes(own, item->id, count, range, is_float, value);
+    value_write(value, count, is_float, range, item->value);
+    bool is_changed = false;
+    for (uint32_t i = 0; i < count; i++)
+        is_changed = is_changed || value[i] != before[i];
+    return end(gui, item, is_changed);
 }
 
 bool gui_number(struct gui *gui, const char *id, const char *label, const char *help,
                 const struct gui_range *range, double *value)
 {
-    return number(gui, id, label, help, range, false, value);
+    return numbers(gui, id, GUI_NUMBER, label, help, range, false, value);
+}
+
+bool gui_vector(struct gui *gui, const char *id, const char *label, const char *help,
+                const struct gui_range *range, double value[3])
+{
+    return numbers(gui, id, GUI_VECTOR, label, help, range, false, value);
 }
 
 bool gui_float(struct gui *gui, const char *id, const char *label, const char *help,
                const struct gui_range *range, float *value)
 {
     double wide = (double)*value;
-    if (!number(gui, id, label, help, range, true, &wide))
+    if (!numbers(gui, id, GUI_NUMBER, label, help, range, true, &wide))
         return false;
     *value = (float)wide;
     return true;
@@ -126,116 +453,53 @@ bool gui_count(struct gui *gui, const char *id, const char *label, const char *h
                const struct gui_range *range, uint32_t *value)
 {
     double wide = (double)*value;
-    if (!number(gui, id, label, help, range, false, &wide))
+    if (!numbers(gui, id, GUI_NUMBER, label, help, range, false, &wide))
         return false;
     *value = (uint32_t)wide;
     return true;
 }
 
-bool gui_choice(struct gui *gui, const char *id, const char *label, const char *help,
-                const char *const *names, uint32_t *value)
+bool gui_angle(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, double *radians)
 {
-    struct gui_state *own = gui->own;
-    struct gui_item *item = items_add(own, id, GUI_CHOICE, label, help);
-    const char *wish = items_wish(own, item);
-    uint32_t to = *value;
-    char why[WHY_BYTES];
-    if (wish && !value_read_choice(wish, names, &to, why))
-        items_refuse(own, "%s: %s", id, why);
-    bool changed = to != *value;
-    *value = to;
-    if (own->is_drawn && widget_choice(gui, item, names, value))
-        changed = true;
-    snprintf(item->value, sizeof item->value, "%s", names[*value]);
-    return changed;
-}
-
-static void write_three(const double value[3], bool is_float, const struct gui_range *range,
-                        char *out)
-{
-    size_t used = 0;
-    for (int c = 0; c < 3; c++) {
-        char one[GUI_VALUE_MAX];
-        value_write(value[c], is_float, range, one);
-        used += (size_t)snprintf(out + used, GUI_VALUE_MAX - used, "%s%.60s", c ? "," : "", one);
-    }
-}
-
-// True: a script changed it.
-static bool three_wish(struct gui_state *own, const struct gui_item *item, bool is_float,
-                       const struct gui_range *range, double value[3])
-{
-    const char *wish = items_wish(own, item);
-    double to[3] = {value[0], value[1], value[2]};
-    char why[WHY_BYTES];
-    if (wish && !value_read_three(wish, is_float, range, to, why))
-        items_refuse(own, "%s: %s", item->id, why);
-    bool changed = to[0] != value[0] || to[1] != value[1] || to[2] != value[2];
-    if (changed)
-        memcpy(value, to, sizeof to);
-    return changed;
+    double degrees = *radians * (180.0 / M_PI);
+    if (!numbers(gui, id, GUI_NUMBER, label, help, range, false, &degrees))
+        return false;
+    *radians = degrees * DEGREE;
+    return true;
 }
 
 bool gui_color(struct gui *gui, const char *id, const char *label, const char *help,
                const struct gui_range *range, float value[3])
 {
-    struct gui_state *own = gui->own;
-    struct gui_item *item = items_add(own, id, GUI_COLOR, label, help);
     double wide[3] = {(double)value[0], (double)value[1], (double)value[2]};
-    bool changed = three_wish(own, item, true, range, wide);
-    for (int c = 0; changed && c < 3; c++)
-        value[c] = (float)wide[c];
-    if (own->is_drawn && widget_color(gui, item, range, value))
-        changed = true;
+    if (!numbers(gui, id, GUI_COLOR, label, help, range, true, wide))
+        return false;
     for (int c = 0; c < 3; c++)
-        wide[c] = (double)value[c];
-    write_three(wide, true, range, item->value);
-    return changed;
-}
-
-bool gui_vector(struct gui *gui, const char *id, const char *label, const char *help,
-                const struct gui_range *range, double value[3])
-{
-    struct gui_state *own = gui->own;
-    struct gui_item *item = items_add(own, id, GUI_VECTOR, label, help);
-    bool changed = three_wish(own, item, false, range, value);
-    if (own->is_drawn && widget_vector(gui, item, range, false, value))
-        changed = true;
-    write_three(value, false, range, item->value);
-    return changed;
-}
-
-bool gui_text(struct gui *gui, const char *id, const char *label, const char *help, char *value,
-              uint32_t size)
-{
-    struct gui_state *own = gui->own;
-    struct gui_item *item = items_add(own, id, GUI_TEXT, label, help);
-    const char *wish = items_wish(own, item);
-    bool changed = false;
-    if (wish && strlen(wish) >= size) {
-        items_refuse(own, "%s: longer than %u bytes", id, size - 1);
-    } else if (wish) {
-        changed = strcmp(value, wish) != 0;
-        snprintf(value, size, "%s", wish);
-    }
-    if (own->is_drawn && widget_text(gui, item, value, size))
-        changed = true;
-    snprintf(item->value, sizeof item->value, "%s", value);
-    return changed;
-}
-
-bool gui_row(struct gui *gui, const char *id, const char *label, const char *help, bool is_chosen)
-{
-    struct gui_state *own = gui->own;
-    struct gui_item *item = items_add(own, id, GUI_ROW, label, help);
-    bool chosen = items_wish(own, item) != NULL;
-    if (own->is_drawn && widget_row(gui, item, is_chosen))
-        chosen = true;
-    snprintf(item->value, sizeof item->value, "%s", is_chosen || chosen ? "on" : "off");
-    return chosen;
+        value[c] = (float)wide[c];
+    return true;
 }
 
 // --- lists ---------------------------------------------------------------------------------------
+
+// In doubles: 10^6 rows are more pixels than single precision tells apart, and rows would tremble;
+// where ImGui itself rounds, all rows are moved together.
+static void find_rows(struct gui_list *list, float height)
+{
+    const struct im_place now = im_now();
+    double scroll = (double)now.scroll, each = (double)now.line_spaced;
+    list->last = (uint32_t)ceil((scroll + (double)height) / each) + 1u;
+    list->last = list->last < list->count ? list->last : list->count;
+    list->first = (uint32_t)fmax(floor(scroll / each), 0.0);
+    list->first = list->first < list->last ? list->first : list->last;
+}
+
+// Goes to where the row begins.
+static void go_to_row(uint32_t row)
+{
+    const struct im_place now = im_now();
+    im_cursor_set_y(now.window_padding.y + (float)((double)row * (double)now.line_spaced));
+}
 
 void gui_list_begin(struct gui *gui, const char *id, struct gui_list *list)
 {
@@ -244,8 +508,14 @@ void gui_list_begin(struct gui *gui, const char *id, struct gui_list *list)
     list->was_drawn = own->is_drawn;
     own->reveal_hit = false;
     own->list_reveal = -1.0;
-    if (own->is_drawn)
-        widget_list_begin(gui, id, list);
+    if (!own->is_drawn)
+        return;
+    const struct im_place now = im_now();
+    uint32_t rows = list->count < list->height ? list->count : list->height;
+    float height = (float)(rows ? rows : 1) * now.line_spaced + 2.0f * now.frame_padding.y;
+    im_child_begin(id, height, true);
+    find_rows(list, height);
+    im_dummy(0.0f, 0.0f);
 }
 
 // Of the rows from `row` on the first that is to be called for.
@@ -276,13 +546,24 @@ bool gui_list_next(struct gui *gui, struct gui_list *list, uint32_t *row)
     own->is_drawn = list->was_drawn && next >= list->first && next < list->last;
     own->same_line = false;
     if (own->is_drawn)
-        widget_list_row(gui, list, next);
+        go_to_row(next);
     return true;
 }
 
 void gui_list_end(struct gui *gui, struct gui_list *list)
 {
-    gui->own->is_drawn = list->was_drawn;
-    if (list->was_drawn)
-        widget_list_end(gui, list);
+    struct gui_state *own = gui->own;
+    own->is_drawn = list->was_drawn;
+    if (!own->is_drawn)
+        return;
+    const struct im_place now = im_now();
+    go_to_row(list->count);
+    im_dummy(1.0f, 0.0f);
+    if (own->list_reveal >= 0.0) {
+        float center = (float)((own->list_reveal + 0.5) * (double)now.line_spaced);
+        im_scroll_set(fmaxf(center - 0.5f * now.window_height, 0.0f));
+    }
+    im_child_end(true);
+    if (own->list_reveal >= 0.0)
+        im_scroll_here();
 }

@@ -77,60 +77,24 @@ static bool must_wait(const struct fed *fed, const struct event *event)
     }
 }
 
-static void feed_key(struct fed *fed, const struct event *event)
+static void note(struct fed *fed, const struct event *event)
 {
-    if (event->code < 0 || event->code >= IM_KEYS)
-        return;
-    im_put_key(event->code, event->down);
-    fed->keys[fed->key_count++] = event->code;
-    fed->special_key |= event->code >= GLFW_KEY_ESCAPE && event->code < GLFW_KEY_LEFT_SHIFT;
-}
-
-static bool is_held(int left, int right)
-{
-    return im_key_is_down(left) || im_key_is_down(right);
-}
-
-// What is held, as far as the event or the keys before it tell.
-static void feed_modifiers(const struct event *event)
-{
-    bool has_them = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && event->down;
-    uint32_t modifiers = has_them ? event->modifiers : 0;
-    im_put_modifiers(is_held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL) ||
-                         modifiers & EVENT_CONTROL,
-                     is_held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT) || modifiers & EVENT_SHIFT,
-                     is_held(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT));
-}
-
-static void feed_one(struct fed *fed, const struct event *event)
-{
-    switch (event->kind) {
-    case EVENT_MOVE:
-        im_put_mouse((float)event->x, (float)event->y);
-        fed->moved = true;
-        break;
-    case EVENT_BUTTON:
-        im_put_button((uint32_t)event->code, event->down);
+    bool is_key = event->kind == EVENT_KEY;
+    fed->moved |= event->kind == EVENT_MOVE;
+    fed->text |= event->kind == EVENT_TEXT;
+    if (event->kind == EVENT_BUTTON)
         fed->buttons |= 1u << event->code;
-        break;
-    case EVENT_SCROLL: // moves what the mouse is over, if anything
-        im_put_wheel((float)event->x, (float)event->y);
-        break;
-    case EVENT_KEY:
-        feed_key(fed, event);
-        break;
-    case EVENT_TEXT:
-        im_put_character((uint32_t)event->code);
-        fed->text = true;
-        break;
-    case EVENT_FOCUS:
-        if (!event->down)
-            im_put_no_keys();
-        break;
-    default:
-        break;
-    }
-    feed_modifiers(event);
+    if (is_key)
+        fed->keys[fed->key_count++] = event->code;
+    fed->special_key |=
+        is_key && event->code >= GLFW_KEY_ESCAPE && event->code < GLFW_KEY_LEFT_SHIFT;
+}
+
+static bool is_known(const struct event *event)
+{
+    return event->kind == EVENT_BUTTON ? event->code >= 0 && event->code < (int)IM_MOUSE_BUTTONS
+           : event->kind == EVENT_KEY  ? event->code >= 0 && event->code < IM_KEYS
+                                       : true;
 }
 
 void events_feed(struct gui *gui)
@@ -139,12 +103,12 @@ void events_feed(struct gui *gui)
     struct fed fed = {0};
     while (own->event_count) {
         const struct event *event = &own->events[own->event_first];
-        bool is_known = event->kind != EVENT_BUTTON ||
-                        (event->code >= 0 && (uint32_t)event->code < IM_MOUSE_BUTTONS);
-        if (is_known && must_wait(&fed, event))
-            return;
-        if (is_known)
-            feed_one(&fed, event);
+        if (is_known(event)) {
+            if (must_wait(&fed, event))
+                return;
+            note(&fed, event);
+            im_put(own->im, event);
+        }
         own->event_first = (own->event_first + 1) % GUI_EVENTS_MAX;
         own->event_count--;
     }

@@ -1,6 +1,6 @@
-// What the files of the panel's widgets share: the registry of controls (gui_items.c, gui_values.c,
-// gui_controls.c), and what draws them with Dear ImGui, through imgui_bridge.h (gui.c,
-// gui_events.c, gui_widgets.c, gui_charts.c, gui_overlay.c).
+// What the files of the panel's controls share: their registry (gui_items.c, gui_values.c), and
+// what draws them with Dear ImGui, through imgui_bridge.h (gui.c, gui_events.c, gui_controls.c,
+// gui_charts.c, gui_overlay.c).
 #ifndef LAMPYRIS_VIEWER_GUI_GUI_STATE_H
 #define LAMPYRIS_VIEWER_GUI_GUI_STATE_H
 
@@ -11,6 +11,7 @@
 #define GUI_WISHES_MAX 16
 #define GUI_EVENTS_MAX 1024
 #define GUI_TEXT_MAX 1024
+#define GUI_WHY_MAX 512
 #define GUI_SLOTS 4096 // a power of two, twice GUI_ITEMS_MAX
 
 // What a script wants.
@@ -57,7 +58,7 @@ struct gui_state {
     char edit_text[GUI_TEXT_MAX];
     bool edit_begins;
     uint32_t edit_idle; // frames without its control
-    double drag_start, drag_pixels;
+    double drag_start, drag_widths;
     bool drag_types;   // it becomes typing where it does not move
     char refusal[512]; // why what was typed last was not taken
     double refusal_until, clock;
@@ -73,14 +74,8 @@ struct gui_state {
     float scale;
     bool same_line; // the next control goes on in the line
     float label_width;
-    struct ImGuiContext *context;
-    const uint8_t *coverage; // the context's
-    uint32_t atlas_width, atlas_height;
-    char *clipboard;
-    struct gpu_vertex *vertices;
-    uint16_t *indices;
-    struct gpu_draw *draws;
-    uint32_t vertex_capacity, index_capacity, draw_capacity;
+    struct im *im;          // see imgui_bridge.h
+    struct gpu_atlas atlas; // its
 };
 
 // --- gui_items.c: never NULL ---------------------------------------------------------------------
@@ -96,16 +91,16 @@ void items_end(struct gui *gui);
 uint32_t items_group(struct gui_state *own, const char *id, bool open_at_first);
 
 // --- gui_values.c --------------------------------------------------------------------------------
-// As text that reads back to the same bits, of a double or of a float. out: GUI_VALUE_MAX.
-void value_write(double value, bool is_float, const struct gui_range *range, char *out);
+// As text that reads back to the same bits, of doubles or of floats: "A", or "A,B,C".
+// out: GUI_VALUE_MAX.
+void value_write(const double *value, uint32_t count, bool is_float, const struct gui_range *range,
+                 char *out);
 // As it is shown: so many digits at most, with the unit.
 void value_show(double value, const struct gui_range *range, int digits, char *out);
-// False: why says what was expected (512 bytes).
-bool value_read(const char *text, bool is_float, const struct gui_range *range, double *out,
-                char *why);
-// "A,B,C", each as above.
-bool value_read_three(const char *text, bool is_float, const struct gui_range *range, double out[3],
-                      char *why);
+// So many numbers, at most 3, with commas between them. False: why says what was expected
+// (GUI_WHY_MAX bytes), and out keeps what it was.
+bool value_read(const char *text, uint32_t count, bool is_float, const struct gui_range *range,
+                double *out, char *why);
 bool value_read_switch(const char *text, bool *out, char *why);
 bool value_read_choice(const char *text, const char *const *names, uint32_t *out, char *why);
 // Where a drag of so many widths of the control leads from `start`, in the range.
@@ -114,28 +109,5 @@ double value_dragged(double start, double widths, const struct gui_range *range,
 // --- gui_events.c --------------------------------------------------------------------------------
 void events_feed(struct gui *gui); // to the frame that begins
 void events_want(struct gui *gui); // says who gets the next event of the mouse
-
-// --- gui_widgets.c -------------------------------------------------------------------------------
-// Draw one control and have its rect noted; called where own->is_drawn alone. True: the user
-// changed the value.
-bool widget_group(struct gui *gui, struct gui_item *item, bool is_open); // true: is open now
-void widget_group_end(struct gui *gui);
-bool widget_button(struct gui *gui, struct gui_item *item);
-bool widget_switch(struct gui *gui, struct gui_item *item, bool *value);
-bool widget_number(struct gui *gui, struct gui_item *item, const struct gui_range *range,
-                   bool is_float, double *value);
-bool widget_vector(struct gui *gui, struct gui_item *item, const struct gui_range *range,
-                   bool is_float, double value[3]);
-bool widget_choice(struct gui *gui, struct gui_item *item, const char *const *names,
-                   uint32_t *value);
-bool widget_color(struct gui *gui, struct gui_item *item, const struct gui_range *range,
-                  float value[3]);
-bool widget_text(struct gui *gui, struct gui_item *item, char *value, uint32_t size);
-bool widget_row(struct gui *gui, struct gui_item *item, bool is_chosen);
-// Where the last thing drawn by ImGui is, and whether the mouse is over it.
-void widget_note(struct gui *gui, struct gui_item *item);
-void widget_list_begin(struct gui *gui, const char *id, struct gui_list *list);
-void widget_list_row(struct gui *gui, const struct gui_list *list, uint32_t row);
-void widget_list_end(struct gui *gui, struct gui_list *list);
 
 #endif

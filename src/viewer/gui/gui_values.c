@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WHY_BYTES 512
-
 static bool same(double a, double b, bool is_float)
 {
     return is_float ? (float)a == (float)b : a == b;
@@ -22,7 +20,7 @@ static const char *word_of(double value, const struct gui_range *range)
     return range && range->least && value <= range->min ? range->least : NULL;
 }
 
-void value_write(double value, bool is_float, const struct gui_range *range, char *out)
+static void write_one(double value, bool is_float, const struct gui_range *range, char *out)
 {
     const char *word = word_of(value, range);
     if (word) {
@@ -38,6 +36,17 @@ void value_write(double value, bool is_float, const struct gui_range *range, cha
         snprintf(out, GUI_VALUE_MAX, "%.*g", digits, value);
         if (same(strtod(out, NULL), value, is_float))
             return;
+    }
+}
+
+void value_write(const double *value, uint32_t count, bool is_float, const struct gui_range *range,
+                 char *out)
+{
+    size_t used = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        char one[GUI_VALUE_MAX];
+        write_one(value[i], is_float, range, one);
+        used += (size_t)snprintf(out + used, GUI_VALUE_MAX - used, "%s%.60s", i ? "," : "", one);
     }
 }
 
@@ -63,13 +72,13 @@ static const char *skip_spaces(const char *text)
 static void say_range(const struct gui_range *range, bool is_float, const char *value, char *why)
 {
     char min[GUI_VALUE_MAX], max[GUI_VALUE_MAX];
-    value_write(range->min, is_float, NULL, min);
-    value_write(range->max, is_float, NULL, max);
+    write_one(range->min, is_float, NULL, min);
+    write_one(range->max, is_float, NULL, max);
     if (range->infinite)
-        snprintf(why, WHY_BYTES, "%.60s is outside [%.40s, %.40s], and not \"%s\"", value, min, max,
-                 range->infinite);
+        snprintf(why, GUI_WHY_MAX, "%.60s is outside [%.40s, %.40s], and not \"%s\"", value, min,
+                 max, range->infinite);
     else
-        snprintf(why, WHY_BYTES, "%.60s is outside [%.40s, %.40s]", value, min, max);
+        snprintf(why, GUI_WHY_MAX, "%.60s is outside [%.40s, %.40s]", value, min, max);
 }
 
 // One number at the beginning of text; *end is behind it and behind the unit, where that stands.
@@ -89,7 +98,7 @@ static bool read_one(const char *text, const char **end, bool is_float,
     char *behind;
     double value = strtod(text, &behind);
     if (behind == text || isnan(value)) {
-        snprintf(why, WHY_BYTES, "\"%.60s\" is no number%s%s%s", text,
+        snprintf(why, GUI_WHY_MAX, "\"%.60s\" is no number%s%s%s", text,
                  range->infinite ? ", and not \"" : "", range->infinite ? range->infinite : "",
                  range->infinite ? "\"" : "");
         return false;
@@ -106,54 +115,42 @@ static bool read_one(const char *text, const char **end, bool is_float,
         return false;
     }
     if (range->integer && value != rint(value)) {
-        snprintf(why, WHY_BYTES, "%s is no whole number", written);
+        snprintf(why, GUI_WHY_MAX, "%s is no whole number", written);
         return false;
     }
     *out = value;
     return true;
 }
 
-bool value_read(const char *text, bool is_float, const struct gui_range *range, double *out,
-                char *why)
-{
-    const char *end;
-    double value;
-    if (!read_one(text, &end, is_float, range, &value, why))
-        return false;
-    if (*skip_spaces(end)) {
-        snprintf(why, WHY_BYTES, "\"%.60s\" has more than a number%s%s", text,
-                 range->unit ? " and its unit, " : "", range->unit ? range->unit : "");
-        return false;
-    }
-    *out = value;
-    return true;
-}
-
-bool value_read_three(const char *text, bool is_float, const struct gui_range *range, double out[3],
-                      char *why)
+bool value_read(const char *text, uint32_t count, bool is_float, const struct gui_range *range,
+                double *out, char *why)
 {
     double values[3];
     const char *end = text;
-    for (int c = 0; c < 3; c++) {
-        const char *begin = end;
-        if (!read_one(begin, &end, is_float, range, &values[c], why))
+    for (uint32_t i = 0; i < count; i++) {
+        if (!read_one(end, &end, is_float, range, &values[i], why))
             return false;
         end = skip_spaces(end);
-        if (c < 2 ? *end != ',' : *end != '\0') {
-            snprintf(why, WHY_BYTES, "\"%.60s\" is not three numbers with commas between them",
-                     text);
-            return false;
+        if (*end == (i + 1 < count ? ',' : '\0')) {
+            end += i + 1 < count;
+            continue;
         }
-        end += c < 2;
+        if (count > 1)
+            snprintf(why, GUI_WHY_MAX, "\"%.60s\" is not three numbers with commas between them",
+                     text);
+        else
+            snprintf(why, GUI_WHY_MAX, "\"%.60s\" has more than a number%s%s", text,
+                     range->unit ? " and its unit, " : "", range->unit ? range->unit : "");
+        return false;
     }
-    memcpy(out, values, sizeof values);
+    memcpy(out, values, count * sizeof *out);
     return true;
 }
 
 bool value_read_switch(const char *text, bool *out, char *why)
 {
     if (strcmp(text, "on") != 0 && strcmp(text, "off") != 0) {
-        snprintf(why, WHY_BYTES, "\"%.60s\" is neither \"on\" nor \"off\"", text);
+        snprintf(why, GUI_WHY_MAX, "\"%.60s\" is neither \"on\" nor \"off\"", text);
         return false;
     }
     *out = text[1] == 'n';
@@ -168,9 +165,9 @@ bool value_read_choice(const char *text, const char *const *names, uint32_t *out
         *out = i;
         return true;
     }
-    size_t used = (size_t)snprintf(why, WHY_BYTES, "no choice \"%.60s\"; there are", text);
-    for (uint32_t i = 0; names[i] && used < WHY_BYTES; i++)
-        used += (size_t)snprintf(why + used, WHY_BYTES - used, "%s %s", i ? "," : "", names[i]);
+    size_t used = (size_t)snprintf(why, GUI_WHY_MAX, "no choice \"%.60s\"; there are", text);
+    for (uint32_t i = 0; names[i] && used < GUI_WHY_MAX; i++)
+        used += (size_t)snprintf(why + used, GUI_WHY_MAX - used, "%s %s", i ? "," : "", names[i]);
     return false;
 }
 

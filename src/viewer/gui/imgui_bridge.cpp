@@ -1,6 +1,4 @@
-// See imgui_bridge.h. The one file of C++: nothing is decided here. One line a function, which
-// clang-format would make four of.
-// clang-format off
+// See imgui_bridge.h. The one file of C++: nothing is decided here.
 #include "viewer/gui/imgui_bridge.h"
 
 #include <GLFW/glfw3.h>
@@ -21,155 +19,259 @@ static_assert(sizeof(ImGuiIO::KeysDown) / sizeof(bool) == IM_KEYS &&
                   sizeof(ImGuiIO::MouseDown) / sizeof(bool) == IM_MOUSE_BUTTONS,
               "what the header says of keys and buttons");
 
-#define COLOR(name, theirs) ImGuiCol_##theirs,
-static const ImGuiCol colors[] = {IM_COLORS(COLOR)};
-#undef COLOR
-
-static const struct {
-    ImGuiKey key;
-    int code;
-} keys[] = {
-    {ImGuiKey_Tab, GLFW_KEY_TAB}, {ImGuiKey_LeftArrow, GLFW_KEY_LEFT},
-    {ImGuiKey_RightArrow, GLFW_KEY_RIGHT}, {ImGuiKey_UpArrow, GLFW_KEY_UP},
-    {ImGuiKey_DownArrow, GLFW_KEY_DOWN}, {ImGuiKey_PageUp, GLFW_KEY_PAGE_UP},
-    {ImGuiKey_PageDown, GLFW_KEY_PAGE_DOWN}, {ImGuiKey_Home, GLFW_KEY_HOME},
-    {ImGuiKey_End, GLFW_KEY_END}, {ImGuiKey_Insert, GLFW_KEY_INSERT},
-    {ImGuiKey_Delete, GLFW_KEY_DELETE}, {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
-    {ImGuiKey_Space, GLFW_KEY_SPACE}, {ImGuiKey_Enter, GLFW_KEY_ENTER},
-    {ImGuiKey_Escape, GLFW_KEY_ESCAPE}, {ImGuiKey_KeyPadEnter, GLFW_KEY_KP_ENTER},
-    {ImGuiKey_A, GLFW_KEY_A}, {ImGuiKey_C, GLFW_KEY_C}, {ImGuiKey_V, GLFW_KEY_V},
-    {ImGuiKey_X, GLFW_KEY_X}, {ImGuiKey_Y, GLFW_KEY_Y}, {ImGuiKey_Z, GLFW_KEY_Z},
+struct im {
+    ImGuiContext *context;
+    ImVector<gpu_vertex> vertices;
+    ImVector<uint16_t> indices;
+    ImVector<gpu_draw> draws;
 };
 
-static ImVec2 in(im_vec v) { return ImVec2(v.x, v.y); }
-static im_vec out(ImVec2 v) { return {v.x, v.y}; }
-static ImGuiIO &io() { return GetIO(); }
-static ImDrawList *drawn(uint32_t list) { return GetDrawData()->CmdLists[list]; }
+static ImVec2 in(im_vec v)
+{
+    return ImVec2(v.x, v.y);
+}
+
+static im_vec out(ImVec2 v)
+{
+    return {v.x, v.y};
+}
+
+static im_rect out(ImVec2 min, ImVec2 max)
+{
+    return {min.x, min.y, max.x, max.y};
+}
 
 // --- life ----------------------------------------------------------------------------------------
 
-ImGuiContext *im_create(const char *(*get_clipboard)(void *),
-                        void (*set_clipboard)(void *, const char *), void *user)
+static void set_colors()
 {
-    ImGuiContext *context = CreateContext();
-    SetCurrentContext(context);
-    io().IniFilename = NULL;
-    io().LogFilename = NULL;
-    io().BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
-    io().ConfigInputTextCursorBlink = false; // pictures of it are the same at any time
-    io().ClipboardUserData = user;
-    io().GetClipboardTextFn = get_clipboard;
-    io().SetClipboardTextFn = set_clipboard;
+    static const struct {
+        ImGuiCol color;
+        uint32_t rgba;
+    } table[] = {
+        {ImGuiCol_Text, IM_TEXT},
+        {ImGuiCol_TextDisabled, IM_DIM},
+        {ImGuiCol_WindowBg, IM_GRAY(0.095f, 0.97f)},
+        {ImGuiCol_ChildBg, 0},
+        {ImGuiCol_PopupBg, IM_POPUP},
+        {ImGuiCol_Border, IM_GRAY(0.25f, 0.6f)},
+        {ImGuiCol_FrameBg, IM_FRAME},
+        {ImGuiCol_FrameBgHovered, IM_GRAY(0.23f, 1.0f)},
+        {ImGuiCol_FrameBgActive, IM_GRAY(0.27f, 1.0f)},
+        {ImGuiCol_Header, IM_GRAY(0.15f, 1.0f)},
+        {ImGuiCol_HeaderHovered, IM_GRAY(0.22f, 1.0f)},
+        {ImGuiCol_HeaderActive, IM_GRAY(0.26f, 1.0f)},
+        {ImGuiCol_Button, IM_GRAY(0.21f, 1.0f)},
+        {ImGuiCol_ButtonHovered, IM_GRAY(0.28f, 1.0f)},
+        {ImGuiCol_ButtonActive, IM_GRAY(0.33f, 1.0f)},
+        {ImGuiCol_CheckMark, IM_GLOW},
+        {ImGuiCol_TextSelectedBg, IM_DIM_GLOW},
+        {ImGuiCol_Separator, IM_LINE},
+        {ImGuiCol_TitleBg, IM_FRAME},
+        {ImGuiCol_TitleBgActive, IM_GRAY(0.23f, 1.0f)},
+        {ImGuiCol_ResizeGrip, IM_DIM_GLOW},
+        {ImGuiCol_ResizeGripHovered, IM_GLOW},
+        {ImGuiCol_ResizeGripActive, IM_GLOW},
+        {ImGuiCol_ScrollbarBg, 0},
+        {ImGuiCol_ScrollbarGrab, IM_GRAY(0.24f, 1.0f)},
+        {ImGuiCol_ScrollbarGrabHovered, IM_GRAY(0.30f, 1.0f)},
+        {ImGuiCol_ScrollbarGrabActive, IM_GRAY(0.36f, 1.0f)},
+    };
+    StyleColorsDark();
+    for (const auto &row : table)
+        GetStyle().Colors[row.color] = ColorConvertU32ToFloat4(row.rgba);
+}
+
+static void set_style(float scale)
+{
+    ImGuiStyle &style = GetStyle();
+    set_colors();
+    style.WindowPadding = ImVec2(8.0f, 8.0f);
+    style.FramePadding = ImVec2(6.0f, 3.0f);
+    style.ItemSpacing = ImVec2(6.0f, 4.0f);
+    style.ItemInnerSpacing = ImVec2(4.0f, 4.0f);
+    style.IndentSpacing = 8.0f;
+    style.ScrollbarSize = 9.0f;
+    style.WindowBorderSize = 0.0f;
+    style.FrameRounding = style.GrabRounding = style.PopupRounding = 3.0f;
+    style.ScrollbarRounding = 4.0f;
+    style.DisabledAlpha = 0.42f;
+    style.ScaleAllSizes(scale);
+}
+
+static void set_keys(ImGuiIO &io)
+{
+    static const struct {
+        ImGuiKey key;
+        int code;
+    } keys[] = {
+        {ImGuiKey_Tab, GLFW_KEY_TAB},
+        {ImGuiKey_LeftArrow, GLFW_KEY_LEFT},
+        {ImGuiKey_RightArrow, GLFW_KEY_RIGHT},
+        {ImGuiKey_UpArrow, GLFW_KEY_UP},
+        {ImGuiKey_DownArrow, GLFW_KEY_DOWN},
+        {ImGuiKey_PageUp, GLFW_KEY_PAGE_UP},
+        {ImGuiKey_PageDown, GLFW_KEY_PAGE_DOWN},
+        {ImGuiKey_Home, GLFW_KEY_HOME},
+        {ImGuiKey_End, GLFW_KEY_END},
+        {ImGuiKey_Insert, GLFW_KEY_INSERT},
+        {ImGuiKey_Delete, GLFW_KEY_DELETE},
+        {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
+        {ImGuiKey_Space, GLFW_KEY_SPACE},
+        {ImGuiKey_Enter, GLFW_KEY_ENTER},
+        {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
+        {ImGuiKey_KeyPadEnter, GLFW_KEY_KP_ENTER},
+        {ImGuiKey_A, GLFW_KEY_A},
+        {ImGuiKey_C, GLFW_KEY_C},
+        {ImGuiKey_V, GLFW_KEY_V},
+        {ImGuiKey_X, GLFW_KEY_X},
+        {ImGuiKey_Y, GLFW_KEY_Y},
+        {ImGuiKey_Z, GLFW_KEY_Z},
+    };
     for (const auto &key : keys)
-        io().KeyMap[key.key] = key.code;
-    return context;
+        io.KeyMap[key.key] = key.code;
 }
 
-void im_use(ImGuiContext *context) { SetCurrentContext(context); }
-void im_destroy(ImGuiContext *context) { DestroyContext(context); }
-
-void im_style_set(const im_style *from, float scale)
+im *im_create(float scale)
 {
-    ImGuiStyle &to = GetStyle();
-    StyleColorsDark(&to);
-    to.WindowPadding = in(from->window_padding);
-    to.FramePadding = in(from->frame_padding);
-    to.ItemSpacing = in(from->item_spacing);
-    to.ItemInnerSpacing = in(from->item_inner_spacing);
-    to.IndentSpacing = from->indent;
-    to.ScrollbarSize = from->scrollbar;
-    to.WindowBorderSize = from->window_border;
-    to.FrameRounding = from->frame_rounding;
-    to.GrabRounding = from->grab_rounding;
-    to.PopupRounding = from->popup_rounding;
-    to.ScrollbarRounding = from->scrollbar_rounding;
-    to.DisabledAlpha = from->disabled_alpha;
-    to.ScaleAllSizes(scale);
+    im *im = IM_NEW(struct im)();
+    im->context = CreateContext();
+    SetCurrentContext(im->context);
+    ImGuiIO &io = GetIO();
+    io.IniFilename = NULL;
+    io.LogFilename = NULL;
+    io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
+    io.ConfigInputTextCursorBlink = false; // pictures of it are the same at any time
+    io.MouseDragThreshold = 3.0f * scale;  // less is a click
+    set_keys(io);
+    set_style(scale);
+    return im;
 }
 
-void im_style_color(im_color color, float r, float g, float b, float a)
+void im_destroy(im *im)
 {
-    GetStyle().Colors[colors[color]] = ImVec4(r, g, b, a);
+    if (im)
+        DestroyContext(im->context);
+    IM_DELETE(im);
 }
 
-im_style im_style_now(void)
-{
-    const ImGuiStyle &s = GetStyle();
-    return {out(s.WindowPadding), out(s.FramePadding), out(s.ItemSpacing), out(s.ItemInnerSpacing),
-            s.IndentSpacing, s.ScrollbarSize, s.WindowBorderSize, s.FrameRounding, s.GrabRounding,
-            s.PopupRounding, s.ScrollbarRounding, s.DisabledAlpha};
-}
-
-bool im_font_file(const char *path, float pixels, const uint16_t *ranges)
-{
-    return io().Fonts->AddFontFromFileTTF(path, pixels, NULL, ranges) != NULL;
-}
-
-void im_font_default(float pixels)
+bool im_font(const char *path, float pixels, const uint16_t *ranges)
 {
     ImFontConfig config;
     config.SizePixels = pixels;
-    io().Fonts->AddFontDefault(&config);
+    ImFontAtlas *fonts = GetIO().Fonts;
+    return path ? fonts->AddFontFromFileTTF(path, pixels, NULL, ranges)
+                : fonts->AddFontDefault(&config);
 }
 
-const uint8_t *im_font_coverage(uint32_t *width, uint32_t *height)
+bool im_atlas(gpu_atlas *out)
 {
     unsigned char *coverage = NULL;
-    int size[2] = {0, 0};
-    io().Fonts->GetTexDataAsAlpha8(&coverage, &size[0], &size[1]);
-    *width = (uint32_t)size[0];
-    *height = (uint32_t)size[1];
-    return coverage;
-}
-
-// --- events --------------------------------------------------------------------------------------
-
-void im_put_mouse(float x, float y) { io().MousePos = ImVec2(x, y); }
-void im_put_button(uint32_t button, bool down) { io().MouseDown[button] = down; }
-void im_put_wheel(float x, float y) { io().MouseWheelH += x; io().MouseWheel += y; }
-void im_put_key(int code, bool down) { io().KeysDown[code] = down; }
-void im_put_no_keys(void) { memset(io().KeysDown, 0, sizeof io().KeysDown); }
-void im_put_character(uint32_t code) { io().AddInputCharacter(code); }
-bool im_key_is_down(int code) { return io().KeysDown[code]; }
-
-void im_put_modifiers(bool control, bool shift, bool alt)
-{
-    io().KeyCtrl = control;
-    io().KeyShift = shift;
-    io().KeyAlt = alt;
+    int width = 0, height = 0;
+    GetIO().Fonts->GetTexDataAsAlpha8(&coverage, &width, &height);
+    *out = {coverage, (uint32_t)width, (uint32_t)height};
+    return coverage != NULL;
 }
 
 // --- frames --------------------------------------------------------------------------------------
 
-void im_frame_setup(float width, float height, float seconds)
+void im_put(im *im, const event *event)
 {
-    io().DisplaySize = ImVec2(width, height);
-    io().DeltaTime = seconds;
+    SetCurrentContext(im->context);
+    ImGuiIO &io = GetIO();
+    const bool *held = io.KeysDown;
+    if (event->kind == EVENT_MOVE) {
+        io.MousePos = ImVec2((float)event->x, (float)event->y);
+    } else if (event->kind == EVENT_BUTTON) {
+        io.MouseDown[event->code] = event->down;
+    } else if (event->kind == EVENT_SCROLL) { // moves what the mouse is over, if anything
+        io.MouseWheelH += (float)event->x;
+        io.MouseWheel += (float)event->y;
+    } else if (event->kind == EVENT_KEY) {
+        io.KeysDown[event->code] = event->down;
+    } else if (event->kind == EVENT_TEXT) {
+        io.AddInputCharacter((unsigned)event->code);
+    } else if (event->kind == EVENT_FOCUS && !event->down) {
+        memset(io.KeysDown, 0, sizeof io.KeysDown);
+    }
+    // What is held, as far as the event or the keys before it tell.
+    bool has_them = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && event->down;
+    uint32_t with = has_them ? event->modifiers : 0;
+    io.KeyCtrl =
+        held[GLFW_KEY_LEFT_CONTROL] || held[GLFW_KEY_RIGHT_CONTROL] || with & EVENT_CONTROL;
+    io.KeyShift = held[GLFW_KEY_LEFT_SHIFT] || held[GLFW_KEY_RIGHT_SHIFT] || with & EVENT_SHIFT;
+    io.KeyAlt = held[GLFW_KEY_LEFT_ALT] || held[GLFW_KEY_RIGHT_ALT] || with & EVENT_ALT;
 }
 
-void im_frame_begin(void) { NewFrame(); }
-void im_frame_end(void) { Render(); }
-im_vec im_display(void) { return out(io().DisplaySize); }
-bool im_is_any_active(void) { return IsAnyItemActive(); }
-bool im_wants_text(void) { return io().WantTextInput; }
-uint32_t im_list_count(void) { return (uint32_t)GetDrawData()->CmdListsCount; }
-
-im_list im_list_at(uint32_t list)
+void im_begin(im *im, float width, float height, float seconds)
 {
-    const ImDrawList *from = drawn(list);
-    return {reinterpret_cast<const gpu_vertex *>(from->VtxBuffer.Data), from->IdxBuffer.Data,
-            (uint32_t)from->VtxBuffer.Size, (uint32_t)from->IdxBuffer.Size,
-            (uint32_t)from->CmdBuffer.Size};
+    SetCurrentContext(im->context);
+    GetIO().DisplaySize = ImVec2(width, height);
+    GetIO().DeltaTime = seconds;
+    NewFrame();
 }
 
-gpu_draw im_list_command(uint32_t list, uint32_t command)
+template <typename To, typename From>
+static void append(ImVector<To> *to, const ImVector<From> &from)
 {
-    const ImDrawCmd &from = drawn(list)->CmdBuffer[(int)command];
-    return {from.ElemCount, from.IdxOffset, from.VtxOffset,
-            {from.ClipRect.x, from.ClipRect.y, from.ClipRect.z, from.ClipRect.w}};
+    const int before = to->Size;
+    to->resize(before + from.Size);
+    if (from.Size)
+        memcpy(to->Data + before, from.Data, (size_t)from.size_in_bytes());
+}
+
+void im_end(im *im, gpu_drawing *out, bool *is_busy, bool *is_typing)
+{
+    Render();
+    const ImDrawData *data = GetDrawData();
+    const ImVec2 size = GetIO().DisplaySize;
+    im->vertices.resize(0);
+    im->indices.resize(0);
+    im->draws.resize(0);
+    for (int list = 0; list < data->CmdListsCount; list++) {
+        const ImDrawList *from = data->CmdLists[list];
+        for (const ImDrawCmd &command : from->CmdBuffer) {
+            const ImVec4 clip = command.ClipRect;
+            const gpu_draw draw = {command.ElemCount,
+                                   command.IdxOffset + (uint32_t)im->indices.Size,
+                                   command.VtxOffset + (uint32_t)im->vertices.Size,
+                                   {clip.x > 0.0f ? clip.x : 0.0f, clip.y > 0.0f ? clip.y : 0.0f,
+                                    clip.z < size.x ? clip.z : size.x,
+                                    clip.w < size.y ? clip.w : size.y}};
+            if (draw.index_count && draw.clip[0] < draw.clip[2] && draw.clip[1] < draw.clip[3])
+                im->draws.push_back(draw);
+        }
+        append(&im->vertices, from->VtxBuffer);
+        append(&im->indices, from->IdxBuffer);
+    }
+    *out = {im->vertices.Data,           im->indices.Data,           im->draws.Data,
+            (uint32_t)im->vertices.Size, (uint32_t)im->indices.Size, (uint32_t)im->draws.Size};
+    *is_busy = IsAnyItemActive();
+    *is_typing = GetIO().WantTextInput;
 }
 
 // --- layout --------------------------------------------------------------------------------------
+
+struct im_place im_now(void)
+{
+    const ImGuiStyle &style = GetStyle();
+    struct im_place now = {};
+    now.display = out(GetIO().DisplaySize);
+    now.window = out(GetWindowPos());
+    now.cursor = out(GetCursorScreenPos());
+    now.window_height = GetWindowHeight();
+    now.scroll = GetScrollY();
+    now.room = GetContentRegionAvail().x;
+    now.line = GetTextLineHeight();
+    now.line_spaced = GetTextLineHeightWithSpacing();
+    now.frame = GetFrameHeight();
+    now.window_padding = out(style.WindowPadding);
+    now.frame_padding = out(style.FramePadding);
+    now.spacing = out(style.ItemSpacing);
+    now.inner_spacing = style.ItemInnerSpacing.x;
+    now.rounding = style.FrameRounding;
+    return now;
+}
 
 void im_panel_begin(float width, float height)
 {
@@ -184,115 +286,139 @@ void im_panel_begin(float width, float height)
     PopStyleVar(2);
 }
 
-im_rect im_panel_begin_floating(const char *title, im_rect at_first)
+struct im_rect im_panel_begin_floating(const char *title, im_rect at_first)
 {
-    ImVec2 min(at_first.min.x, at_first.min.y), max(at_first.max.x, at_first.max.y);
-    ImVec2 size(max.x - min.x, max.y - min.y);
-    SetNextWindowPos(min, ImGuiCond_FirstUseEver);
+    const ImVec2 size(at_first.right - at_first.left, at_first.bottom - at_first.top);
+    SetNextWindowPos(ImVec2(at_first.left, at_first.top), ImGuiCond_FirstUseEver);
     SetNextWindowSize(size, ImGuiCond_FirstUseEver);
     // Narrower or lower ones have no room for a control and its help.
     SetNextWindowSizeConstraints(ImVec2(0.6f * size.x, 0.3f * size.y), GetIO().DisplaySize);
-    const ImVec4 *paint = GetStyle().Colors;
-    PushStyleColor(ImGuiCol_TitleBg, paint[ImGuiCol_FrameBg]);
-    PushStyleColor(ImGuiCol_TitleBgActive, paint[ImGuiCol_FrameBgHovered]);
-    PushStyleColor(ImGuiCol_ResizeGrip, paint[ImGuiCol_SliderGrab]);
-    PushStyleColor(ImGuiCol_ResizeGripHovered, paint[ImGuiCol_SliderGrabActive]);
-    PushStyleColor(ImGuiCol_ResizeGripActive, paint[ImGuiCol_SliderGrabActive]);
     Begin(title, NULL,
           ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
               ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
-    PopStyleColor(5);
-    ImVec2 place = GetWindowPos(), extent = GetWindowSize();
-    return {{place.x, place.y}, {place.x + extent.x, place.y + extent.y}};
+    const ImVec2 at = GetWindowPos(), extent = GetWindowSize();
+    return {at.x, at.y, at.x + extent.x, at.y + extent.y};
 }
 
-void im_panel_end(void) { End(); }
-
-void im_child_begin(const char *id, float height, bool is_padded)
+void im_panel_end(void)
 {
+    End();
+}
+
+void im_child_begin(const char *id, float height, bool is_list)
+{
+    const ImGuiStyle &style = GetStyle();
+    if (is_list) {
+        const ImVec2 padding = style.FramePadding;
+        PushStyleColor(ImGuiCol_ChildBg, IM_POPUP);
+        PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(style.WindowPadding.x, padding.y));
+        PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(padding.x, 0.0f));
+    }
     BeginChild(id, ImVec2(0.0f, height), false,
                ImGuiWindowFlags_NoNav |
-                   (is_padded ? ImGuiWindowFlags_AlwaysUseWindowPadding : 0));
+                   (is_list ? ImGuiWindowFlags_AlwaysUseWindowPadding : ImGuiWindowFlags_None));
+    if (is_list)
+        PopStyleColor();
 }
 
-void im_child_end(void) { EndChild(); }
-void im_group_begin(void) { BeginGroup(); }
-void im_group_end(void) { EndGroup(); }
-void im_push_id(const char *id) { PushID(id); }
-void im_push_id_number(int id) { PushID(id); }
-void im_pop_id(void) { PopID(); }
-void im_push_disabled(bool is_disabled) { BeginDisabled(is_disabled); }
-void im_pop_disabled(void) { EndDisabled(); }
-void im_push_color(im_color color, uint32_t rgba) { PushStyleColor(colors[color], rgba); }
-
-void im_push_color_of(im_color color, im_color as)
+void im_child_end(bool is_list)
 {
-    PushStyleColor(colors[color], GetStyleColorVec4(colors[as]));
+    PopStyleVar(is_list ? 2 : 0);
+    EndChild();
 }
 
-void im_pop_color(void) { PopStyleColor(); }
-
-void im_push_padding(im_vec window, im_vec frame)
+void im_item_begin(const char *id, bool is_disabled)
 {
-    PushStyleVar(ImGuiStyleVar_WindowPadding, in(window));
-    PushStyleVar(ImGuiStyleVar_FramePadding, in(frame));
+    PushID(id);
+    BeginDisabled(is_disabled);
 }
 
-void im_pop_padding(void) { PopStyleVar(2); }
-void im_push_wrap(float x) { PushTextWrapPos(x); }
-void im_pop_wrap(void) { PopTextWrapPos(); }
-void im_same_line(void) { SameLine(); }
-void im_same_line_at(float x) { SameLine(x); }
-void im_same_line_after(float space) { SameLine(0.0f, space); }
-void im_separator(void) { Separator(); }
-void im_indent(void) { Indent(); }
-void im_unindent(void) { Unindent(); }
-void im_dummy(float width, float height) { Dummy(ImVec2(width, height)); }
-void im_next_width(float width) { SetNextItemWidth(width); }
-im_vec im_cursor(void) { return out(GetCursorScreenPos()); }
-void im_cursor_set_y(float y) { SetCursorPosY(y); }
-im_vec im_window_pos(void) { return out(GetWindowPos()); }
-float im_window_height(void) { return GetWindowHeight(); }
-float im_room(void) { return GetContentRegionAvail().x; }
-float im_line_height(void) { return GetTextLineHeight(); }
-float im_line_height_spaced(void) { return GetTextLineHeightWithSpacing(); }
-float im_frame_height(void) { return GetFrameHeight(); }
-float im_scroll(void) { return GetScrollY(); }
-void im_scroll_set(float y) { SetScrollY(y); }
-void im_scroll_here(void) { SetScrollHereY(0.5f); }
-uint32_t im_rgba(im_color color) { return GetColorU32(colors[color]); }
+void im_item_end(void)
+{
+    EndDisabled();
+    PopID();
+}
+
+void im_group_begin(void)
+{
+    BeginGroup();
+}
+
+void im_group_end(void)
+{
+    EndGroup();
+}
+
+void im_same_line(float at, float space)
+{
+    SameLine(at, space);
+}
+
+void im_separator(void)
+{
+    Separator();
+}
+
+void im_indent(int levels)
+{
+    Indent((float)levels * GetStyle().IndentSpacing);
+}
+
+void im_dummy(float width, float height)
+{
+    Dummy(ImVec2(width, height));
+}
+
+void im_cursor_set_y(float y)
+{
+    SetCursorPosY(y);
+}
+
+void im_scroll_set(float y)
+{
+    SetScrollY(y);
+}
+
+void im_scroll_here(void)
+{
+    SetScrollHereY(0.5f);
+}
+
+// --- items ---------------------------------------------------------------------------------------
+
+struct im_item im_last(void)
+{
+    const ImGuiIO &io = GetIO();
+    const ImDrawList *list = GetWindowDrawList();
+    struct im_item last = {};
+    last.box = out(GetItemRectMin(), GetItemRectMax());
+    last.clip = out(list->GetClipRectMin(), list->GetClipRectMax());
+    last.is_hovered = IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
+    last.is_active = IsItemActive();
+    last.was_activated = IsItemActivated();
+    last.was_deactivated = IsItemDeactivated();
+    last.was_edited = IsItemDeactivatedAfterEdit();
+    last.is_double_clicked = IsMouseDoubleClicked(0);
+    last.has_control = io.KeyCtrl;
+    last.is_dragged = last.is_active && IsMouseDragging(0);
+    if (last.is_dragged)
+        last.drag = io.MouseDelta.x * (io.KeyShift ? 0.1f : 1.0f);
+    return last;
+}
+
+void im_text(uint32_t rgba, float wrap, const char *format, va_list arguments)
+{
+    PushStyleColor(ImGuiCol_Text, rgba);
+    PushTextWrapPos(wrap);
+    TextV(format, arguments);
+    PopTextWrapPos();
+    PopStyleColor();
+}
 
 im_vec im_text_size(const char *text, float wrap)
 {
     return out(CalcTextSize(text, NULL, false, wrap));
 }
-
-// --- the last item -------------------------------------------------------------------------------
-
-im_rect im_item_rect(void) { return {out(GetItemRectMin()), out(GetItemRectMax())}; }
-bool im_is_hovered(void) { return IsItemHovered(); }
-
-bool im_is_hovered_even_disabled(void)
-{
-    return IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
-}
-
-bool im_is_active(void) { return IsItemActive(); }
-bool im_is_activated(void) { return IsItemActivated(); }
-bool im_is_deactivated(void) { return IsItemDeactivated(); }
-bool im_is_deactivated_after_edit(void) { return IsItemDeactivatedAfterEdit(); }
-bool im_is_double_clicked(void) { return IsMouseDoubleClicked(0); }
-bool im_is_dragged(float threshold) { return IsMouseDragging(0, threshold); }
-im_vec im_mouse_delta(void) { return out(io().MouseDelta); }
-bool im_is_control_held(void) { return io().KeyCtrl; }
-bool im_is_shift_held(void) { return io().KeyShift; }
-void im_show_resize_cursor(void) { SetMouseCursor(ImGuiMouseCursor_ResizeEW); }
-
-// --- widgets -------------------------------------------------------------------------------------
-
-void im_text(const char *text) { TextUnformatted(text); }
-void im_text_dim(const char *text) { TextDisabled("%s", text); }
-void im_text_v(const char *format, va_list arguments) { TextV(format, arguments); }
 
 bool im_tree(const char *label, bool is_open, bool is_framed)
 {
@@ -300,72 +426,101 @@ bool im_tree(const char *label, bool is_open, bool is_framed)
     return TreeNodeEx("group",
                       ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_SpanAvailWidth |
                           ImGuiTreeNodeFlags_FramePadding |
-                          (is_framed ? ImGuiTreeNodeFlags_Framed : 0),
+                          (is_framed ? ImGuiTreeNodeFlags_Framed : ImGuiTreeNodeFlags_None),
                       "%s", label);
 }
 
-bool im_button(const char *label) { return Button(label); }
-bool im_hit(const char *id, im_vec size) { return InvisibleButton(id, in(size)); }
-bool im_checkbox(const char *label, bool *value) { return Checkbox(label, value); }
-bool im_selectable(const char *label, bool is_on) { return Selectable(label, is_on); }
+bool im_button(const char *label, im_vec size, bool is_field)
+{
+    static const ImGuiCol frames[] = {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered,
+                                      ImGuiCol_FrameBgActive};
+    for (int i = 0; is_field && i < 3; i++)
+        PushStyleColor(ImGuiCol_Button + i, GetStyleColorVec4(frames[i]));
+    bool is_pressed = Button(label, in(size));
+    PopStyleColor(is_field ? 3 : 0);
+    return is_pressed;
+}
+
+bool im_checkbox(const char *label, bool *value)
+{
+    return Checkbox(label, value);
+}
+
+bool im_row(const char *label, bool is_on)
+{
+    PushStyleColor(ImGuiCol_Text, is_on ? IM_GLOW : IM_TEXT);
+    bool is_pressed = Selectable(label, is_on);
+    PopStyleColor();
+    return is_pressed;
+}
 
 bool im_combo_begin(const char *id, const char *shown)
 {
+    SetNextItemWidth(-FLT_MIN);
     return BeginCombo(id, shown, ImGuiComboFlags_HeightLarge);
 }
 
-void im_combo_end(void) { EndCombo(); }
-void im_focus_next(void) { SetKeyboardFocusHere(); }
-
-void im_input(const char *id, char *text, uint32_t size)
+void im_combo_end(void)
 {
+    EndCombo();
+}
+
+void im_input(const char *id, char *text, uint32_t size, float width, bool takes_focus)
+{
+    if (takes_focus)
+        SetKeyboardFocusHere();
+    SetNextItemWidth(width);
     InputText(id, text, size, ImGuiInputTextFlags_AutoSelectAll);
 }
 
-bool im_color_button(const char *id, const float rgb[3], float size)
+bool im_color(const char *id, float rgb[3], float size, float width, bool *is_open)
 {
-    return ColorButton(id, ImVec4(rgb[0], rgb[1], rgb[2], 1.0f),
-                       ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop,
-                       ImVec2(size, size));
-}
-
-void im_popup_open(const char *id) { OpenPopup(id); }
-bool im_popup_begin(const char *id) { return BeginPopup(id); }
-void im_popup_end(void) { EndPopup(); }
-
-bool im_color_wheel(const char *id, float rgb[3])
-{
-    return ColorPicker3(id, rgb,
-                        ImGuiColorEditFlags_PickerHueWheel | ImGuiColorEditFlags_NoSidePreview |
-                            ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel |
-                            ImGuiColorEditFlags_NoOptions);
+    if (ColorButton(id, ImVec4(rgb[0], rgb[1], rgb[2], 1.0f),
+                    ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop,
+                    ImVec2(size, size)))
+        OpenPopup("wheel");
+    *is_open = BeginPopup("wheel");
+    if (!*is_open)
+        return false;
+    SetNextItemWidth(width);
+    bool is_changed =
+        ColorPicker3("##wheel", rgb,
+                     ImGuiColorEditFlags_PickerHueWheel | ImGuiColorEditFlags_NoSidePreview |
+                         ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel |
+                         ImGuiColorEditFlags_NoOptions);
+    EndPopup();
+    return is_changed;
 }
 
 // --- drawing -------------------------------------------------------------------------------------
 
-ImDrawList *im_draw_window(void) { return GetWindowDrawList(); }
-ImDrawList *im_draw_background(void) { return GetBackgroundDrawList(); }
-ImDrawList *im_draw_foreground(void) { return GetForegroundDrawList(); }
-void im_pop_clip(ImDrawList *list) { list->PopClipRect(); }
-
-im_rect im_clip(ImDrawList *list)
+ImDrawList *im_layer(enum im_layer layer)
 {
-    return {out(list->GetClipRectMin()), out(list->GetClipRectMax())};
+    return layer == IM_WINDOW       ? GetWindowDrawList()
+           : layer == IM_BACKGROUND ? GetBackgroundDrawList()
+                                    : GetForegroundDrawList();
 }
 
-void im_push_clip(ImDrawList *list, im_vec min, im_vec max, bool intersect)
+void im_clip_begin(ImDrawList *list, im_rect clip)
 {
-    list->PushClipRect(in(min), in(max), intersect);
+    list->PushClipRect(ImVec2(clip.left, clip.top), ImVec2(clip.right, clip.bottom), true);
 }
 
-void im_draw_rect(ImDrawList *list, im_vec min, im_vec max, uint32_t rgba, float rounding)
+void im_clip_end(ImDrawList *list)
 {
-    list->AddRectFilled(in(min), in(max), rgba, rounding);
+    list->PopClipRect();
 }
 
-void im_draw_gradient(ImDrawList *list, im_vec min, im_vec max, uint32_t left, uint32_t right)
+void im_draw_rect(ImDrawList *list, im_rect box, uint32_t rgba, float rounding)
 {
-    list->AddRectFilledMultiColor(in(min), in(max), left, right, right, left);
+    list->AddRectFilled(ImVec2(box.left, box.top), ImVec2(box.right, box.bottom), GetColorU32(rgba),
+                        rounding);
+}
+
+void im_draw_gradient(ImDrawList *list, im_rect box, uint32_t left, uint32_t right)
+{
+    list->AddRectFilledMultiColor(ImVec2(box.left, box.top), ImVec2(box.right, box.bottom), left,
+                                  right, right, left);
 }
 
 void im_draw_line(ImDrawList *list, im_vec from, im_vec to, uint32_t rgba, float thickness)
@@ -383,12 +538,10 @@ void im_draw_circle(ImDrawList *list, im_vec center, float radius, uint32_t rgba
     list->AddCircleFilled(in(center), radius, rgba);
 }
 
-void im_draw_text(ImDrawList *list, im_vec at, uint32_t rgba, const char *text)
+void im_draw_text(ImDrawList *list, float x, float y, uint32_t rgba, const char *text,
+                  const im_rect *clip, float wrap)
 {
-    list->AddText(in(at), rgba, text);
-}
-
-void im_draw_text_wrapped(ImDrawList *list, im_vec at, uint32_t rgba, const char *text, float wrap)
-{
-    list->AddText(NULL, 0.0f, in(at), rgba, text, NULL, wrap);
+    const ImVec4 box = clip ? ImVec4(clip->left, clip->top, clip->right, clip->bottom) : ImVec4();
+    list->AddText(NULL, 0.0f, ImVec2(x, y), GetColorU32(rgba), text, NULL, wrap,
+                  clip ? &box : NULL);
 }

@@ -6,7 +6,6 @@
 #include "viewer/core/frame.h"
 #include "viewer/core/load.h"
 #include "viewer/core/messages.h"
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,7 +21,6 @@ static const struct gui_range blades = {0, 64, .integer = true, .least = "round"
 static const struct gui_range speed = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .logarithmic = true,
                                        .unit = "m/s"};
 static const struct gui_range turning = {-360, 360, .unit = "°/s", .drag = 90};
-static const struct gui_range unit_vector = {-1, 1};
 static const struct gui_range slot = {1, VIEWER_SAVED_VIEWS, .integer = true};
 
 // --- moving --------------------------------------------------------------------------------------
@@ -51,32 +49,6 @@ static void moving(struct panel *panel, struct viewpoint *view)
 
 // --- the camera itself ---------------------------------------------------------------------------
 
-// A direction that is zero, or along what is up, is no view.
-static void place(struct panel *panel, const struct document *document, struct form *form,
-                  struct camera *to)
-{
-    double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
-    const struct gui_range coordinate = panel_coordinate(document);
-    form_vector(form, "camera.position", "Position", "Metres, in the world.", &coordinate,
-                to->position);
-    if (!gui_vector(form->gui, "camera.direction", "Direction",
-                    "Where it looks; becomes a unit vector.", &unit_vector, direction))
-        return;
-    double across[3], up[3] = {to->up[0], to->up[1], to->up[2]};
-    double before[3] = {direction[0], direction[1], direction[2]};
-    bool is_some = vec3_normalize(direction) && vec3_normalize(up);
-    vec3_cross(direction, up, across);
-    if (!is_some || vec3_length(across) <= (double)FLT_EPSILON) {
-        viewer_message(panel->viewer, MESSAGE_WARNING,
-                       "camera.direction: (%g, %g, %g) is zero or along what is up: expected a "
-                       "line of sight",
-                       before[0], before[1], before[2]);
-        return;
-    }
-    memcpy(to->direction, direction, sizeof direction);
-    form->used = "camera.direction";
-}
-
 static double target_distance(const struct viewpoint *view)
 {
     double away[3];
@@ -97,39 +69,37 @@ static void change_kind(const struct viewpoint *view, struct camera *to)
         to->lens_radius = 0;
 }
 
-static void lens(const struct viewpoint *view, struct form *form, struct camera *to)
+static void lens(const struct viewpoint *view, struct gui *gui, struct camera *to)
 {
-    struct gui *gui = form->gui;
     bool is_perspective = to->kind == CAMERA_PERSPECTIVE;
     double radius = to->lens_radius * 1e3;
     gui_enabled(gui, is_perspective);
-    form_angle(form, "camera.fov", "Field of view",
-               "From the lower to the upper edge, degrees, 0.001 to 179.999.", &angle, &to->fov_y);
+    gui_angle(gui, "camera.fov", "Field of view",
+              "From the lower to the upper edge, degrees, 0.001 to 179.999.", &angle, &to->fov_y);
     gui_enabled(gui, to->kind == CAMERA_ORTHOGRAPHIC);
-    form_number(form, "camera.height", "Height",
-                "Of what an orthographic camera sees, metres, 1e-18 to 1e13.", &seen_height,
-                &to->height);
+    gui_number(gui, "camera.height", "Height",
+               "Of what an orthographic camera sees, metres, 1e-18 to 1e13.", &seen_height,
+               &to->height);
     gui_enabled(gui, is_perspective);
-    if (form_number(form, "camera.lens_radius", "Lens radius",
-                    "Millimetres, 0 to 1e16; 0: a pinhole, all is in focus.", &millimetres,
-                    &radius))
+    if (gui_number(gui, "camera.lens_radius", "Lens radius",
+                   "Millimetres, 0 to 1e16; 0: a pinhole, all is in focus.", &millimetres, &radius))
         to->lens_radius = radius * 1e-3;
     if (to->lens_radius > 0 && !(to->focus_distance > 0))
         to->focus_distance = target_distance(view);
     gui_enabled(gui, is_perspective && to->lens_radius > 0);
-    form_number(form, "camera.focus", "Focus", "How far away what is in focus lies, metres.",
-                &focus, &to->focus_distance);
+    gui_number(gui, "camera.focus", "Focus", "How far away what is in focus lies, metres.", &focus,
+               &to->focus_distance);
     uint32_t corners = to->lens_blades;
-    if (form_count(form, "camera.blades", "Blades",
-                   "Of the aperture, 3 to 64; 0: a round one. 1 and 2 become 3.", &blades,
-                   &corners)) {
+    if (gui_count(gui, "camera.blades", "Blades",
+                  "Of the aperture, 3 to 64; 0: a round one. 1 and 2 become 3.", &blades,
+                  &corners)) {
         // Between round and a triangle there is nothing: a drag passes over it.
         bool is_falling = corners < to->lens_blades;
         to->lens_blades = corners == 1 || corners == 2 ? (is_falling ? 0 : 3) : corners;
     }
     gui_enabled(gui, is_perspective && to->lens_radius > 0 && to->lens_blades > 0);
-    form_angle(form, "camera.blade_rotation", "  rotation", "Of the blades, degrees, -360 to 360.",
-               &panel_turn, &to->lens_rotation);
+    gui_angle(gui, "camera.blade_rotation", "  rotation", "Of the blades, degrees, -360 to 360.",
+              &panel_turn, &to->lens_rotation);
     gui_enabled(gui, true);
 }
 
@@ -236,14 +206,16 @@ void panel_camera(struct panel *panel, const struct document *document, struct v
         gui_space(gui);
         camera_of_scene(panel, document, view);
         struct camera to = view->camera;
-        struct form form = {.gui = gui};
-        if (form_choice(&form, "camera.kind", "Kind", "How directions become a picture.",
-                        camera_names, &to.kind))
+        gui->used = NULL;
+        if (gui_choice(gui, "camera.kind", "Kind", "How directions become a picture.", camera_names,
+                       &to.kind))
             change_kind(view, &to);
-        place(panel, document, &form, &to);
-        lens(view, &form, &to);
-        if (form.used)
-            edit_camera(panel->viewer, &to, form.used);
+        panel_position(panel, document, "camera.position", "Metres, in the world.", to.position);
+        panel_direction(panel, "camera.direction", "Where it looks; becomes a unit vector.", to.up,
+                        to.direction);
+        lens(view, gui, &to);
+        if (gui->used)
+            edit_camera(panel->viewer, &to, gui->used);
         gui_space(gui);
         buttons(panel, document, view);
         saved_views(panel, view);

@@ -49,35 +49,13 @@ struct panel {
     struct panel_middle middle;
 };
 
-// A row of controls over a copy of something: which of them was used last.
-struct form {
-    struct gui *gui;
-    const char *used; // its id, or NULL
-};
-bool form_switch(struct form *form, const char *id, const char *label, const char *help,
-                 bool *value);
-// The same of a number that is 0 or 1.
-bool form_flag(struct form *form, const char *id, const char *label, const char *help,
-               uint32_t *value);
-bool form_number(struct form *form, const char *id, const char *label, const char *help,
-                 const struct gui_range *range, double *value);
-bool form_float(struct form *form, const char *id, const char *label, const char *help,
-                const struct gui_range *range, float *value);
-bool form_count(struct form *form, const char *id, const char *label, const char *help,
-                const struct gui_range *range, uint32_t *value);
-// An angle in radians, shown in degrees. `range` is in degrees.
-bool form_angle(struct form *form, const char *id, const char *label, const char *help,
-                const struct gui_range *range, double *radians);
-bool form_choice(struct form *form, const char *id, const char *label, const char *help,
-                 const char *const *names, uint32_t *value);
-bool form_color(struct form *form, const char *id, const char *label, const char *help,
-                const struct gui_range *range, float value[3]);
-bool form_vector(struct form *form, const char *id, const char *label, const char *help,
-                 const struct gui_range *range, double value[3]);
-
 extern const struct gui_range panel_unit, panel_radiance, panel_turn;
-// Metres; dragging goes by the size of the scene.
-struct gui_range panel_coordinate(const struct document *document);
+// A control each; true: it changed. Positions are dragged by the size of the scene; directions
+// become unit vectors, and those that are zero, or along `up` unless that is NULL, are refused.
+bool panel_position(struct panel *panel, const struct document *document, const char *id,
+                    const char *help, double position[3]);
+bool panel_direction(struct panel *panel, const char *id, const char *help, const double *up,
+                     double direction[3]);
 
 #define PANEL_NAME_MAX 160
 
@@ -98,8 +76,7 @@ bool panel_list(struct panel *panel, struct panel_filter *filter, const struct p
 
 bool panel_settings_create(struct panel *panel, struct err *err);
 // The controls of those settings that have a label.
-void panel_settings(struct panel *panel, const struct document *document, struct form *form,
-                    struct settings *to);
+void panel_settings(struct panel *panel, const struct document *document, struct settings *to);
 
 void panel_overlay(struct panel *panel, const struct document *document, const struct stage *stage,
                    const struct viewpoint *view, const struct shell *shell); // over the picture

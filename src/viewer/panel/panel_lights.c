@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct gui_range direction_range = {-1, 1};
 static const struct gui_range right_angle = {0, 90, .unit = "°"};
 static const struct gui_range reach = {SCENE_LENGTH_MIN, INFINITY, .logarithmic = true, .unit = "m",
                                        .infinite = "unlimited"};
@@ -43,32 +42,21 @@ static void change_kind(struct light *to, uint32_t kind)
         to->profile = NULL;
 }
 
-static void place(struct panel *panel, const struct document *document, struct form *form,
-                  struct light *to)
+static void place(struct panel *panel, const struct document *document, struct light *to)
 {
-    bool is_placed = to->kind != LIGHT_DIRECTIONAL;
+    struct gui *gui = panel->gui;
     double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
-    const struct gui_range coordinate = panel_coordinate(document);
-    gui_enabled(form->gui, is_placed);
-    form_vector(form, "light.position", "Position", "Metres, in the world.", &coordinate,
-                to->position);
-    gui_enabled(form->gui, to->kind != LIGHT_POINT || to->profile);
-    if (gui_vector(form->gui, "light.direction", "Direction",
-                   "In which its light travels; becomes a unit vector.", &direction_range,
-                   direction)) {
-        if (vec3_normalize(direction)) {
-            light_aim(to, direction);
-            form->used = "light.direction";
-        } else {
-            viewer_message(panel->viewer, MESSAGE_WARNING,
-                           "light.direction: (0, 0, 0) has no direction");
-        }
-    }
-    gui_enabled(form->gui, true);
+    gui_enabled(gui, to->kind != LIGHT_DIRECTIONAL);
+    panel_position(panel, document, "light.position", "Metres, in the world.", to->position);
+    gui_enabled(gui, to->kind != LIGHT_POINT || to->profile);
+    if (panel_direction(panel, "light.direction",
+                        "In which its light travels; becomes a unit vector.", NULL, direction))
+        light_aim(to, direction);
+    gui_enabled(gui, true);
 }
 
 // Intensity and colour apart: the greatest component, and what it multiplies.
-static void radiant(struct form *form, struct light *to)
+static void radiant(struct gui *gui, struct light *to)
 {
     struct gui_range strength = panel_radiance;
     float most = fmaxf(fmaxf(to->radiant[0], to->radiant[1]), to->radiant[2]);
@@ -76,35 +64,35 @@ static void radiant(struct form *form, struct light *to)
     for (int c = 0; most > 0 && c < 3; c++)
         color[c] = to->radiant[c] / most;
     strength.unit = to->kind == LIGHT_DIRECTIONAL ? "W/m²" : "W/sr";
-    bool changed = form_float(form, "light.intensity", "Intensity",
-                              "Of its greatest component: W/sr, or W/m^2 of directional lights, 0 "
-                              "to 1e30.",
-                              &strength, &intensity);
-    if (form_color(form, "light.color", "Colour",
-                   "Factors on the intensity, 0 to 1; linear Rec. 709.", &panel_unit, color))
+    bool changed = gui_float(gui, "light.intensity", "Intensity",
+                             "Of its greatest component: W/sr, or W/m^2 of directional lights, 0 "
+                             "to 1e30.",
+                             &strength, &intensity);
+    if (gui_color(gui, "light.color", "Colour",
+                  "Factors on the intensity, 0 to 1; linear Rec. 709.", &panel_unit, color))
         changed = true;
     for (int c = 0; changed && c < 3; c++)
         to->radiant[c] = color[c] * intensity;
 }
 
 // The inner angle stays below the outer one: the one that is moved pushes the other.
-static void cone(struct form *form, struct light *to)
+static void cone(struct gui *gui, struct light *to)
 {
     double inner = (double)to->inner_angle, outer = (double)to->outer_angle;
     const float least = 1e-3f; // between the two, radians
-    gui_enabled(form->gui, to->kind == LIGHT_SPOT);
-    if (form_angle(form, "light.inner_angle", "Inner angle",
-                   "From the axis to where the light begins to fade, degrees, 0 to 90.",
-                   &right_angle, &inner)) {
+    gui_enabled(gui, to->kind == LIGHT_SPOT);
+    if (gui_angle(gui, "light.inner_angle", "Inner angle",
+                  "From the axis to where the light begins to fade, degrees, 0 to 90.",
+                  &right_angle, &inner)) {
         to->inner_angle = fminf((float)inner, (float)(M_PI / 2) - least);
         to->outer_angle = fmaxf(to->outer_angle, to->inner_angle + least);
     }
-    if (form_angle(form, "light.outer_angle", "Outer angle",
-                   "From the axis to where it ends, degrees, 0 to 90.", &right_angle, &outer)) {
+    if (gui_angle(gui, "light.outer_angle", "Outer angle",
+                  "From the axis to where it ends, degrees, 0 to 90.", &right_angle, &outer)) {
         to->outer_angle = fmaxf(fminf((float)outer, (float)(M_PI / 2)), least);
         to->inner_angle = fminf(to->inner_angle, to->outer_angle - least);
     }
-    gui_enabled(form->gui, true);
+    gui_enabled(gui, true);
 }
 
 static void parameters(struct panel *panel, const struct document *document, uint32_t index)
@@ -112,32 +100,31 @@ static void parameters(struct panel *panel, const struct document *document, uin
     static const struct gui_range diameter = {0, ENVIRONMENT_SUN_DIAMETER_MAX, .unit = "°"};
     struct gui *gui = panel->gui;
     struct light to = document->scene.lights[index];
-    struct form form = {.gui = gui};
+    gui->used = NULL;
     uint32_t kind = to.kind;
     bool visible = !to.hidden;
-    if (form_switch(&form, "light.visible", "Visible", "Off: it is taken out of the scene.",
-                    &visible))
+    if (gui_switch(gui, "light.visible", "Visible", "Off: it is taken out of the scene.", &visible))
         to.hidden = !visible;
-    if (form_choice(&form, "light.kind", "Kind", "Point, spot, or parallel light from afar.",
-                    light_kind_names, &kind))
+    if (gui_choice(gui, "light.kind", "Kind", "Point, spot, or parallel light from afar.",
+                   light_kind_names, &kind))
         change_kind(&to, kind);
-    radiant(&form, &to);
-    place(panel, document, &form, &to);
-    cone(&form, &to);
+    radiant(gui, &to);
+    place(panel, document, &to);
+    cone(gui, &to);
     double across = 2 * to.angular_radius;
     gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
-    if (form_angle(&form, "light.diameter", "Size",
-                   "Of the sun that a directional light comes from, degrees across.", &diameter,
-                   &across))
+    if (gui_angle(gui, "light.diameter", "Size",
+                  "Of the sun that a directional light comes from, degrees across.", &diameter,
+                  &across))
         to.angular_radius = across / 2;
     gui_enabled(gui, to.kind != LIGHT_DIRECTIONAL);
-    form_float(&form, "light.range", "Range", "Metres beyond which it lights nothing.", &reach,
-               &to.range);
+    gui_float(gui, "light.range", "Range", "Metres beyond which it lights nothing.", &reach,
+              &to.range);
     gui_enabled(gui, to.profile != NULL);
     if (gui_button(gui, "light.profile_off", "Take profile away",
                    "The same intensity in all directions, instead of the IES profile's.")) {
         to.profile = NULL;
-        form.used = "light.profile_off";
+        gui->used = "light.profile_off";
     }
     gui_same_line(gui);
     gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
@@ -147,8 +134,8 @@ static void parameters(struct panel *panel, const struct document *document, uin
     gui_enabled(gui, true);
     if (exchanges)
         light_exchange(panel->viewer, index, "light.exchange");
-    else if (form.used)
-        edit_light(panel->viewer, index, &to, form.used);
+    else if (gui->used)
+        edit_light(panel->viewer, index, &to, gui->used);
 }
 
 static void additions(struct panel *panel)

@@ -88,94 +88,94 @@ static bool matters(const struct document *document, const struct material *m, u
     }
 }
 
-// Ids live as long as the frame; those of form.used until the edit.
-static void parameter(struct panel *panel, const struct document *document, struct form *form,
+// Ids live as long as the frame; so does gui->used.
+static void parameter(struct panel *panel, const struct document *document,
                       const struct material_parameter *p, struct material *to)
 {
+    struct gui *gui = panel->gui;
     const char *id = arena_printf(panel->frame_arena, "material.%s", p->name);
     const struct gui_range range = range_of(p);
     if (!id)
         return;
     const char *label = label_of(panel, p->name);
     float *value = &to->parameters[p->first];
-    gui_enabled(form->gui, matters(document, to, p->first));
+    gui_enabled(gui, matters(document, to, p->first));
     if (p->count == 3)
-        form_color(form, id, label, p->help, &range, value);
+        gui_color(gui, id, label, p->help, &range, value);
     else
-        form_float(form, id, label, p->help, &range, value);
+        gui_float(gui, id, label, p->help, &range, value);
 }
 
 // --- flags ---------------------------------------------------------------------------------------
 
 // id: "material." and the key.
-static void flag(struct form *form, const char *id, const char *label, const char *help,
+static void flag(struct gui *gui, const char *id, const char *label, const char *help,
                  struct material *to)
 {
     const struct field *field = material_flag(strchr(id, '.') + 1);
     uint32_t value = (uint32_t)field_get(field, to);
     bool on = value > 0;
-    if (field->words ? form_choice(form, id, label, help, field->words, &value)
-                     : form_switch(form, id, label, help, &on))
+    if (field->words ? gui_choice(gui, id, label, help, field->words, &value)
+                     : gui_switch(gui, id, label, help, &on))
         field_set(field, to, field->words ? value : on);
 }
 
-static void flags(struct form *form, struct material *to)
+static void flags(struct gui *gui, struct material *to)
 {
-    struct gui *gui = form->gui;
     bool is_principled = to->model == MATERIAL_PRINCIPLED;
     bool is_through = is_principled || to->model == MATERIAL_DIELECTRIC;
     bool is_microfacet = to->model == MATERIAL_MICROFACET;
-    flag(form, "material.alpha", "Alpha", "What opacity means: nothing, a mask, or a probability.",
+    flag(gui, "material.alpha", "Alpha", "What opacity means: nothing, a mask, or a probability.",
          to);
     gui_enabled(gui, !is_black(to->emission));
-    flag(form, "material.unlit", "Unlit", "Its emission is a colour to show, not light.", to);
+    flag(gui, "material.unlit", "Unlit", "Its emission is a colour to show, not light.", to);
     gui_enabled(gui, is_through);
-    flag(form, "material.thin", "Thin", "A sheet without an inside.", to);
+    flag(gui, "material.thin", "Thin", "A sheet without an inside.", to);
     gui_enabled(gui, is_principled && to->transmission > 0);
-    flag(form, "material.tint_each", "Tint each",
+    flag(gui, "material.tint_each", "Tint each",
          "Every crossing tints by the base colour (glTF), not by its root.", to);
     gui_enabled(gui, is_principled && to->clearcoat > 0);
-    flag(form, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", to);
-    flag(form, "material.coat_fresnel", "Coat Fresnel",
+    flag(gui, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", to);
+    flag(gui, "material.coat_fresnel", "Coat Fresnel",
          "Schlick's approximation, or the exact equations, both of index 1.5.", to);
     gui_enabled(gui, is_principled);
-    flag(form, "material.specular_fresnel", "Specular Fresnel",
+    flag(gui, "material.specular_fresnel", "Specular Fresnel",
          "The exact curve moved to the reflectance that is asked for, or the exact and Schlick's "
          "curve mixed by metallic, times the specular colour.",
          to);
-    flag(form, "material.layers", "Layers",
+    flag(gui, "material.layers", "Layers",
          "Mixed as Burley's model, or as glTF's specification: a Lambert base, the coat on top.",
          to);
     gui_enabled(gui, to->model != MATERIAL_LAMBERT && to->model != MATERIAL_MIRROR);
-    flag(form, "material.compensate", "Compensate",
+    flag(gui, "material.compensate", "Compensate",
          "Energy of multiple scattering between microfacets is given back.", to);
-    flag(form, "material.separable", "Separable",
+    flag(gui, "material.separable", "Separable",
          "Separable instead of height-correlated Smith masking.", to);
     gui_enabled(gui, is_microfacet);
-    flag(form, "material.distribution", "Distribution", "Of microfacets' normals.", to);
-    flag(form, "material.masking", "Masking", "How microfacets hide each other.", to);
-    flag(form, "material.diffuse", "Diffuse",
+    flag(gui, "material.distribution", "Distribution", "Of microfacets' normals.", to);
+    flag(gui, "material.masking", "Masking", "How microfacets hide each other.", to);
+    flag(gui, "material.diffuse", "Diffuse",
          "The base under microfacets: light enters and leaves through what the surface does not "
          "reflect (coupled), or it has 1 - F of the microfacet between (uncoupled; gains energy).",
          to);
-    flag(form, "material.fresnel", "Fresnel", "Schlick's approximation, or the exact equations.",
+    flag(gui, "material.fresnel", "Fresnel", "Schlick's approximation, or the exact equations.",
          to);
     gui_enabled(gui, true);
 }
 
-static void inside(struct form *form, struct material *to)
+static void inside(struct gui *gui, struct material *to)
 {
     static const struct gui_range extinction = {0, INFINITY, .logarithmic = true,
                                                 .infinite = "opaque"};
     static const struct gui_range priority = {1, 255, .integer = true};
-    gui_enabled(form->gui, material_has_inside(to));
-    form_color(form, "material.extinction", "Extinction",
-               "Of what is inside of closed surfaces, 1/m: light falls by exp(-extinction x way).",
-               &extinction, to->extinction);
-    form_count(form, "material.medium_priority", "Priority",
-               "Where insides overlap the highest is there, 1 to 255.", &priority,
-               &to->medium_priority);
-    gui_enabled(form->gui, true);
+    gui_enabled(gui, material_has_inside(to));
+    gui_color(gui, "material.extinction", "Extinction",
+              "Of what is inside of closed surfaces, 1/m: light falls by exp(-extinction x way).",
+              &extinction, to->extinction);
+    gui_count(gui, "material.medium_priority", "Priority",
+              "Where insides overlap the highest is there, 1 to 255.", &priority,
+              &to->medium_priority);
+    gui_enabled(gui, true);
 }
 
 // --- the chosen one ------------------------------------------------------------------------------
@@ -184,17 +184,17 @@ static void parameters(struct panel *panel, const struct document *document, uin
 {
     struct gui *gui = panel->gui;
     struct material to = document->scene.materials[index];
-    struct form form = {.gui = gui};
-    form_choice(&form, "material.model", "Model", "How its surfaces scatter light.",
-                material_model_names, &to.model);
+    gui->used = NULL;
+    gui_choice(gui, "material.model", "Model", "How its surfaces scatter light.",
+               material_model_names, &to.model);
     for (uint32_t i = 0; i < material_parameter_count; i++)
         if (material_parameters[i].models >> to.model & 1u)
-            parameter(panel, document, &form, &material_parameters[i], &to);
+            parameter(panel, document, &material_parameters[i], &to);
     gui_enabled(gui, true);
-    flags(&form, &to);
-    inside(&form, &to);
-    if (form.used)
-        edit_material(panel->viewer, index, &to, form.used);
+    flags(gui, &to);
+    inside(gui, &to);
+    if (gui->used)
+        edit_material(panel->viewer, index, &to, gui->used);
 }
 
 void panel_materials(struct panel *panel, struct document *document)

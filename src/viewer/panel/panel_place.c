@@ -40,8 +40,8 @@ static void even_scale(double now[3], const double before[3])
 static void place(struct panel *panel, const struct document *document, uint32_t object)
 {
     const struct scene *scene = &document->scene;
-    const struct gui_range coordinate = panel_coordinate(document);
-    struct form form = {.gui = panel->gui};
+    struct gui *gui = panel->gui;
+    gui->used = NULL;
     struct placement to = scene_placement(scene, object);
     if (!scene_find_placed(scene, object))
         to = placement_none(middle_of(panel, scene, object));
@@ -49,16 +49,16 @@ static void place(struct panel *panel, const struct document *document, uint32_t
     double position[3];
     for (int c = 0; c < 3; c++)
         position[c] = to.about[c] + to.move[c];
-    form_vector(&form, "object.position", "Position", "Of its middle, metres, in the world.",
-                &coordinate, position);
-    for (int c = 0; c < 3 && form.used; c++)
+    bool is_moved = panel_position(panel, document, "object.position",
+                                   "Of its middle, metres, in the world.", position);
+    for (int c = 0; c < 3 && is_moved; c++)
         to.move[c] = position[c] - to.about[c];
-    form_vector(
-        &form, "object.turn", "Turned",
+    gui_vector(
+        gui, "object.turn", "Turned",
         "About its middle and the world's x axis, then y, then z, degrees, against the file.",
         &turn, to.turn_degrees);
-    if (form_vector(
-            &form, "object.scale", "Scaled",
+    if (gui_vector(
+            gui, "object.scale", "Scaled",
             "Along its own axes, 1e-6 to 1e6, against the file; round shapes take one scale.",
             &scale, to.scale) &&
         !place_axes_are_free(scene, object))
@@ -66,11 +66,11 @@ static void place(struct panel *panel, const struct document *document, uint32_t
     gui_enabled(panel->gui, !placement_is_none(&before));
     if (gui_button(panel->gui, "object.put_back", "Put back", "Where the file has it.")) {
         to = placement_none(before.about);
-        form.used = "object.put_back";
+        gui->used = "object.put_back";
     }
     gui_enabled(panel->gui, true);
-    if (form.used)
-        edit_place(panel->viewer, object, &to, form.used);
+    if (gui->used)
+        edit_place(panel->viewer, object, &to, gui->used);
 }
 
 void panel_place(struct panel *panel, const struct document *document)

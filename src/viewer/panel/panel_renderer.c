@@ -12,19 +12,19 @@ static const struct gui_range spp = {1, (double)SETTINGS_SPP_MAX, .logarithmic =
 
 // --- the method ----------------------------------------------------------------------------------
 
-static void accumulation(struct panel *panel, const struct stage *stage, struct form *form,
-                         struct method *to)
+static void accumulation(struct panel *panel, const struct stage *stage, struct method *to)
 {
-    struct gui *gui = form->gui;
+    struct gui *gui = panel->gui;
     static const char *const words[] = {"accumulate", "fresh frames", NULL};
     uint32_t fresh = to->fresh_frames;
-    if (form_choice(form, "renderer.accumulation", "Frames",
-                    "Whether samples of all frames add up, or each frame is a picture of its own.",
-                    words, &fresh))
+    if (gui_choice(gui, "renderer.accumulation", "Frames",
+                   "Whether samples of all frames add up, or each frame is a picture of its own.",
+                   words, &fresh))
         to->fresh_frames = fresh;
-    form_count(form, "renderer.samples_a_frame", "Per frame",
-               "Samples of every pixel in a frame, 0 to 4096; 0: as many as the time allows.",
-               &samples_a_frame, &to->samples_a_frame);
+    gui_count(gui, "renderer.samples_a_frame", "Per frame",
+              "Samples of every pixel in a frame, 0 to 4096; 0: as many as the time allows.",
+              &samples_a_frame, &to->samples_a_frame);
+    const char *used = gui->used; // the limit is no part of the method
     struct shown shown = stage->shown;
     uint32_t most = shown.spp_limit ? shown.spp_limit : UINT32_MAX;
     if (gui_count(gui, "renderer.spp", "Samples",
@@ -34,10 +34,11 @@ static void accumulation(struct panel *panel, const struct stage *stage, struct 
         shown.spp_limit = most == UINT32_MAX ? 0 : most;
         edit_shown(panel->viewer, &shown, "renderer.spp");
     }
+    gui->used = used;
 }
 
 // Powers of two that the device takes; 0 for its own choice.
-static void workgroup(const struct stage *stage, struct form *form, struct method *to)
+static void workgroup(const struct stage *stage, struct gui *gui, struct method *to)
 {
     static const char *const words[] = {"device's", "8",   "16",  "32",   "64",
                                         "128",      "256", "512", "1024", NULL};
@@ -49,33 +50,33 @@ static void workgroup(const struct stage *stage, struct form *form, struct metho
         names[count] = words[count];
         count++;
     }
-    if (form_choice(form, "renderer.workgroup", "Workgroup",
-                    "Threads of a workgroup: changes speed, and no bit of the picture.", names,
-                    &chosen))
+    if (gui_choice(gui, "renderer.workgroup", "Workgroup",
+                   "Threads of a workgroup: changes speed, and no bit of the picture.", names,
+                   &chosen))
         to->workgroup = chosen ? 4u << chosen : 0;
 }
 
-static void device(const struct stage *stage, struct form *form, struct method *to)
+static void device(const struct stage *stage, struct gui *gui, struct method *to)
 {
     static const struct gui_range wave = {0, 16777216, .logarithmic = true, .integer = true,
                                           .least = "device's"};
     static const char *const features[] = {"needed", "all", NULL};
     static const char *const classes[] = {"separate", "merged", NULL};
     uint32_t everything = to->compile_all, merged = to->merge_classes;
-    if (form_count(form, "renderer.wave", "Wave",
-                   "Paths in flight, 64 to 16777216: changes memory and speed, and no bit of the "
-                   "picture.",
-                   &wave, &to->wave) &&
+    if (gui_count(gui, "renderer.wave", "Wave",
+                  "Paths in flight, 64 to 16777216: changes memory and speed, and no bit of the "
+                  "picture.",
+                  &wave, &to->wave) &&
         to->wave > 0 && to->wave < 64)
         to->wave = 64;
-    workgroup(stage, form, to);
-    if (form_choice(form, "renderer.features", "Features",
-                    "What kernels can do: what the scene needs, or everything, to compare speeds.",
-                    features, &everything))
+    workgroup(stage, gui, to);
+    if (gui_choice(gui, "renderer.features", "Features",
+                   "What kernels can do: what the scene needs, or everything, to compare speeds.",
+                   features, &everything))
         to->compile_all = everything;
-    if (form_choice(form, "renderer.classes", "Classes",
-                    "A kernel for each class of surfaces, or one for all of them.", classes,
-                    &merged))
+    if (gui_choice(gui, "renderer.classes", "Classes",
+                   "A kernel for each class of surfaces, or one for all of them.", classes,
+                   &merged))
         to->merge_classes = merged;
 }
 
@@ -83,7 +84,8 @@ static void device(const struct stage *stage, struct form *form, struct method *
 // it again.
 static void anisotropy(struct panel *panel, const struct document *document)
 {
-    const char *const id = "renderer.anisotropy";
+    struct gui *gui = panel->gui;
+    const char *const id = "renderer.anisotropy", *used = gui->used;
     const struct scene *scene = &document->scene;
     const struct scene *before = &document->pristine;
     bool is_on = false, can = false;
@@ -91,12 +93,13 @@ static void anisotropy(struct panel *panel, const struct document *document)
         is_on = is_on || scene->materials[i].anisotropic > 0.0f;
     for (uint32_t i = 0; i < before->material_count; i++)
         can = can || before->materials[i].anisotropic > 0.0f;
-    gui_enabled(panel->gui, can || is_on);
-    bool used =
-        gui_switch(panel->gui, id, "Anisotropy",
+    gui_enabled(gui, can || is_on);
+    bool is_changed =
+        gui_switch(gui, id, "Anisotropy",
                    "Off: all materials are isotropic; on: as anisotropic as in the file.", &is_on);
-    gui_enabled(panel->gui, true);
-    if (!used)
+    gui_enabled(gui, true);
+    gui->used = used;
+    if (!is_changed)
         return;
     edit_begin_group(panel->viewer);
     for (uint32_t i = 0; i < scene->material_count; i++) {
@@ -119,89 +122,86 @@ void panel_renderer(struct panel *panel, const struct document *document, struct
     gui_enabled(gui, true);
     uint32_t side = stage->edited_side;
     struct method to = stage->sides[side].method;
-    struct form form = {.gui = gui};
-    accumulation(panel, stage, &form, &to);
-    panel_settings(panel, document, &form, &to.settings);
+    gui->used = NULL;
+    accumulation(panel, stage, &to);
+    panel_settings(panel, document, &to.settings);
     anisotropy(panel, document);
     gui_space(gui);
-    device(stage, &form, &to);
-    if (form.used)
-        edit_method(panel->viewer, side, &to, form.used);
+    device(stage, gui, &to);
+    if (gui->used)
+        edit_method(panel->viewer, side, &to, gui->used);
     gui_group_end(gui);
 }
 
 // --- what is shown -------------------------------------------------------------------------------
 
-static void picture(const struct stage *stage, struct form *form, struct shown *to)
+static void picture(const struct stage *stage, struct gui *gui, struct shown *to)
 {
     static const struct gui_range exposure = {-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX,
                                               .unit = "stops", .drag = 10};
-    struct gui *gui = form->gui;
     bool is_light = to->what == SHOWN_RADIANCE || to->what == SHOWN_EMISSION ||
                     to->what == SHOWN_DIRECT || to->what == SHOWN_INDIRECT;
     bool has_range = shown_has_range(to->what);
-    form_choice(form, "view.aov", "Shown",
-                "The picture, or what surfaces are, or how hard each pixel was.", shown_names,
-                &to->what);
+    gui_choice(gui, "view.aov", "Shown",
+               "The picture, or what surfaces are, or how hard each pixel was.", shown_names,
+               &to->what);
     gui_enabled(gui, is_light);
-    form_float(form, "view.exposure", "Exposure",
-               "Stops that the picture is brightened, -100 to "
-               "100; what is accumulated stays.",
-               &exposure, &to->exposure);
-    form_flag(form, "view.exposure_auto", "Find exposure",
-              "Found from the picture's luminances when a scene is opened or its surroundings "
-              "change, see docs/output.md.",
-              &to->exposure_is_auto);
-    form_choice(form, "view.tone", "Tone curve", "How light becomes what a screen shows.",
-                tone_names, &to->tone);
+    gui_float(gui, "view.exposure", "Exposure",
+              "Stops that the picture is brightened, -100 to "
+              "100; what is accumulated stays.",
+              &exposure, &to->exposure);
+    gui_flag(gui, "view.exposure_auto", "Find exposure",
+             "Found from the picture's luminances when a scene is opened or its surroundings "
+             "change, see docs/output.md.",
+             &to->exposure_is_auto);
+    gui_choice(gui, "view.tone", "Tone curve", "How light becomes what a screen shows.", tone_names,
+               &to->tone);
     const struct gui_range values = {-1e30, 1e30, .unit = shown_unit(to->what)};
     gui_enabled(gui, has_range);
     bool is_switched =
-        form_flag(form, "view.automatic", "Find range",
-                  "False colours reach from the lowest to the highest of the picture's values.",
-                  &to->automatic);
+        gui_flag(gui, "view.automatic", "Find range",
+                 "False colours reach from the lowest to the highest of the picture's values.",
+                 &to->automatic);
     if (is_switched && !to->automatic && !(to->range[1] > to->range[0]))
         memcpy(to->range, stage->display.range, sizeof to->range);
     gui_enabled(gui, has_range && !to->automatic);
-    form_number(form, "view.range_low", "  from",
-                "What the first false colour stands for, in the unit that is shown.", &values,
-                &to->range[0]);
-    form_number(form, "view.range_high", "  to",
-                "What the last one stands for; not above the first: found from the picture.",
-                &values, &to->range[1]);
+    gui_number(gui, "view.range_low", "  from",
+               "What the first false colour stands for, in the unit that is shown.", &values,
+               &to->range[0]);
+    gui_number(gui, "view.range_high", "  to",
+               "What the last one stands for; not above the first: found from the picture.",
+               &values, &to->range[1]);
     gui_enabled(gui, true);
     if (gui_is_drawn(gui) && has_range)
         gui_pair(gui, "  in use", "%.4g to %.4g %s", stage->display.range[0],
                  stage->display.range[1], shown_unit(to->what));
-    form_flag(form, "view.nearest", "Show pixels",
-              "Pixels of a smaller picture as squares, not interpolated.", &to->nearest);
+    gui_flag(gui, "view.nearest", "Show pixels",
+             "Pixels of a smaller picture as squares, not interpolated.", &to->nearest);
 }
 
-static void denoising(struct form *form, struct shown *to)
+static void denoising(struct gui *gui, struct shown *to)
 {
     static const struct gui_range iterations = {1, 5, .integer = true};
-    struct gui *gui = form->gui;
     gui_enabled(gui, to->what == SHOWN_RADIANCE);
-    form_flag(form, "view.denoise", "Denoise",
-              "A preview without noise, by SVGF's filter. It biases; saved EXRs keep the film.",
-              &to->denoise);
+    gui_flag(gui, "view.denoise", "Denoise",
+             "A preview without noise, by SVGF's filter. It biases; saved EXRs keep the film.",
+             &to->denoise);
     gui_enabled(gui, to->what == SHOWN_RADIANCE && to->denoise);
-    form_flag(form, "view.denoise_temporal", "  temporal",
-              "Takes earlier pictures along where the camera moved.", &to->denoise_temporal);
-    form_count(form, "view.denoise_iterations", "  passes", "Of the wavelet, 1 to 5.", &iterations,
-               &to->denoise_iterations);
+    gui_flag(gui, "view.denoise_temporal", "  temporal",
+             "Takes earlier pictures along where the camera moved.", &to->denoise_temporal);
+    gui_count(gui, "view.denoise_iterations", "  passes", "Of the wavelet, 1 to 5.", &iterations,
+              &to->denoise_iterations);
     gui_enabled(gui, true);
 }
 
-static void split(struct panel *panel, const struct stage *stage, struct form *form,
-                  struct shown *to)
+static void split(struct panel *panel, const struct stage *stage, struct shown *to)
 {
-    struct gui *gui = form->gui;
-    form_flag(form, "view.split", "Split view",
-              "Two settings side by side over one scene, each with its error.", &to->split);
+    struct gui *gui = panel->gui;
+    gui_flag(gui, "view.split", "Split view",
+             "Two settings side by side over one scene, each with its error.", &to->split);
     gui_enabled(gui, to->split);
-    form_number(form, "view.split_at", "  line at", "Part of the width that is side A's, 0 to 1.",
-                &panel_unit, &to->split_at);
+    gui_number(gui, "view.split_at", "  line at", "Part of the width that is side A's, 0 to 1.",
+               &panel_unit, &to->split_at);
     bool swap =
         gui_button(gui, "view.swap", "Swap A and B", "Each side gets the other's settings.");
     gui_enabled(gui, true);
@@ -234,14 +234,14 @@ void panel_view(struct panel *panel, struct stage *stage, struct viewpoint *view
     struct gui *gui = panel->gui;
     gui_group_begin(gui, "view", "View", "What is seen of the picture.", true);
     struct shown to = stage->shown;
-    struct form form = {.gui = gui};
-    picture(stage, &form, &to);
+    gui->used = NULL;
+    picture(stage, gui, &to);
     gui_space(gui);
-    split(panel, stage, &form, &to);
+    split(panel, stage, &to);
     gui_space(gui);
-    denoising(&form, &to);
-    if (form.used)
-        edit_shown(panel->viewer, &to, form.used);
+    denoising(gui, &to);
+    if (gui->used)
+        edit_shown(panel->viewer, &to, gui->used);
     gui_space(gui);
     pace(panel, stage, view);
     gui_group_end(gui);

@@ -130,18 +130,18 @@ static void file(struct panel *panel, const struct document *document)
 
 // --- what is around it ---------------------------------------------------------------------------
 
-static void sky(struct form *form, struct surroundings *to)
+static void sky(struct gui *gui, struct surroundings *to)
 {
     static const struct gui_range turbidity = {SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX};
     static const struct gui_range elevation = {0, 90, .unit = "°"};
-    gui_enabled(form->gui, to->kind == SURROUNDINGS_SKY);
-    form_number(form, "surroundings.turbidity", "Turbidity", "How hazy the sky is, 2 to 10.",
-                &turbidity, &to->turbidity);
-    form_number(form, "surroundings.elevation", "Sun height",
-                "Above the horizon, degrees, 0 to 90.", &elevation, &to->elevation_degrees);
-    form_number(form, "surroundings.azimuth", "Sun direction",
-                "From +X towards +Z, degrees, -360 to 360.", &panel_turn, &to->azimuth_degrees);
-    form_flag(form, "surroundings.sun", "Sun", "The sky has a disc that is the sun.", &to->has_sun);
+    gui_enabled(gui, to->kind == SURROUNDINGS_SKY);
+    gui_number(gui, "surroundings.turbidity", "Turbidity", "How hazy the sky is, 2 to 10.",
+               &turbidity, &to->turbidity);
+    gui_number(gui, "surroundings.elevation", "Sun height", "Above the horizon, degrees, 0 to 90.",
+               &elevation, &to->elevation_degrees);
+    gui_number(gui, "surroundings.azimuth", "Sun direction",
+               "From +X towards +Z, degrees, -360 to 360.", &panel_turn, &to->azimuth_degrees);
+    gui_flag(gui, "surroundings.sun", "Sun", "The sky has a disc that is the sun.", &to->has_sun);
 }
 
 void panel_surroundings(struct panel *panel, const struct document *document)
@@ -151,7 +151,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     struct gui *gui = panel->gui;
     gui_group_begin(gui, "surroundings", "Surroundings", "What light arrives from outside.", false);
     struct surroundings to = document->surroundings;
-    struct form form = {.gui = gui};
+    gui->used = NULL;
     // An image without a path is none: the path is asked for first.
     bool has_image = to.image[0] != '\0';
     uint32_t kind = to.kind;
@@ -162,23 +162,23 @@ void panel_surroundings(struct panel *panel, const struct document *document)
             viewer_message(panel->viewer, MESSAGE_WARNING,
                            "An image needs its file: enter its path.");
         else
-            form.used = "surroundings.kind";
-        to.kind = form.used ? kind : to.kind;
+            to.kind = kind;
+        gui->used = to.kind == kind ? gui->used : NULL;
     }
     const struct environment *around = &document->scene.environment;
     bool is_lit = to.kind != SURROUNDINGS_NONE && around->present;
     gui_enabled(gui, is_lit);
-    form_number(&form, "surroundings.strength", "Strength", "Factor on all of it, 0 to 1e30.",
-                &strength, &to.strength);
+    gui_number(gui, "surroundings.strength", "Strength", "Factor on all of it, 0 to 1e30.",
+               &strength, &to.strength);
     gui_enabled(gui, is_lit && around->width > 0); // one colour looks the same from all sides
-    form_number(&form, "surroundings.rotation", "Rotation",
-                "About +Y, degrees, -1e6 to 1e6, in addition to the file's.", &turn,
-                &to.rotation_degrees);
+    gui_number(gui, "surroundings.rotation", "Rotation",
+               "About +Y, degrees, -1e6 to 1e6, in addition to the file's.", &turn,
+               &to.rotation_degrees);
     gui_enabled(gui, to.kind == SURROUNDINGS_CONSTANT);
-    form_color(&form, "surroundings.color", "Radiance",
-               "Of one colour from everywhere, W/(sr m^2), 0 to 1e30.", &panel_radiance,
-               to.radiance);
-    sky(&form, &to);
+    gui_color(gui, "surroundings.color", "Radiance",
+              "Of one colour from everywhere, W/(sr m^2), 0 to 1e30.", &panel_radiance,
+              to.radiance);
+    sky(gui, &to);
     gui_enabled(gui, true);
     if (gui_text(gui, "surroundings.image", "Image",
                  "Path of a picture in latitude and longitude (.hdr, .exr, …); Enter shows it.",
@@ -187,10 +187,9 @@ void panel_surroundings(struct panel *panel, const struct document *document)
         size_t length = strlen(to.image);
         memset(to.image + length, 0, sizeof to.image - length);
         to.kind = length ? SURROUNDINGS_IMAGE : SURROUNDINGS_ORIGINAL;
-        form.used = "surroundings.image";
     }
-    if (form.used)
-        edit_surroundings(panel->viewer, &to, form.used);
+    if (gui->used)
+        edit_surroundings(panel->viewer, &to, gui->used);
     gui_group_end(gui);
 }
 

@@ -50,7 +50,7 @@ static struct gui_range range_of(const struct setting *setting)
     };
 }
 
-static void number(struct form *form, enum setting_id id, const char *help, struct settings *to)
+static void number(struct gui *gui, enum setting_id id, const char *help, struct settings *to)
 {
     const struct setting *setting = &settings_table[id];
     const struct field *field = &setting->field;
@@ -60,10 +60,10 @@ static void number(struct form *form, enum setting_id id, const char *help, stru
     float narrow = (float)value;
     bool is_used;
     if (field->type == FIELD_REAL) {
-        is_used = form_float(form, setting_ids[id], setting->label, help, &range, &narrow);
+        is_used = gui_float(gui, setting_ids[id], setting->label, help, &range, &narrow);
         value = (double)narrow;
     } else {
-        is_used = form_number(form, setting_ids[id], setting->label, help, &range, &value);
+        is_used = gui_number(gui, setting_ids[id], setting->label, help, &range, &value);
     }
     if (is_used && has_word_at_end(field) && value > field->max)
         field_set_word(field, to);
@@ -71,7 +71,7 @@ static void number(struct form *form, enum setting_id id, const char *help, stru
         field_set(field, to, value);
 }
 
-static void control(struct form *form, enum setting_id id, const char *help, struct settings *to)
+static void control(struct gui *gui, enum setting_id id, const char *help, struct settings *to)
 {
     const struct setting *setting = &settings_table[id];
     const struct field *field = &setting->field;
@@ -79,31 +79,31 @@ static void control(struct form *form, enum setting_id id, const char *help, str
     bool on = choice != 0;
     switch (field->type) {
     case FIELD_SWITCH:
-        if (form_switch(form, setting_ids[id], setting->label, help, &on))
+        if (gui_switch(gui, setting_ids[id], setting->label, help, &on))
             field_set(field, to, on);
         break;
     case FIELD_CHOICE:
-        if (form_choice(form, setting_ids[id], setting->label, help, field->words, &choice))
+        if (gui_choice(gui, setting_ids[id], setting->label, help, field->words, &choice))
             field_set(field, to, choice);
         break;
     default:
-        number(form, id, help, to);
+        number(gui, id, help, to);
     }
 }
 
-void panel_settings(struct panel *panel, const struct document *document, struct form *form,
-                    struct settings *to)
+void panel_settings(struct panel *panel, const struct document *document, struct settings *to)
 {
+    struct gui *gui = panel->gui;
     bool has_image = document->scene.environment.width > 0;
     for (int i = 0; i < SETTING_TOTAL; i++) {
         const struct setting *setting = &settings_table[i];
         if (!setting->label)
             continue;
         if (setting->gap)
-            gui_space(form->gui);
-        gui_enabled(form->gui, setting_is_in_use(setting, to) &&
-                                   (i != SETTING_ENVIRONMENT_FILTER || has_image));
-        control(form, i, panel->setting_help[i], to);
+            gui_space(gui);
+        gui_enabled(gui, setting_is_in_use(setting, to) &&
+                             (i != SETTING_ENVIRONMENT_FILTER || has_image));
+        control(gui, i, panel->setting_help[i], to);
     }
-    gui_enabled(form->gui, true);
+    gui_enabled(gui, true);
 }
