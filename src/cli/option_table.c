@@ -96,13 +96,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(scene.camera),
     },
     [OPTION_APERTURE] = {
-        .name = "aperture", .argument = "MM", .type = VALUE_REAL, .min = 0, .max = 1e16,
-        .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
+        .name = "aperture", .argument = "MM", .type = VALUE_REAL, .min = 0,
+        .max = SCENE_LENS_MAX_MM, .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
         .help = "Radius of the camera's lens in millimetres; 0: a pinhole.", FIELD(scene.aperture_mm),
     },
     [OPTION_FOCUS_DISTANCE] = {
-        .name = "focus-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-18,
-        .max = 1e13, .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
+        .name = "focus-distance", .argument = "METRES", .type = VALUE_REAL,
+        .min = SCENE_LENGTH_MIN, .max = SCENE_COORDINATE_MAX, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "the camera's",
         .help = "How far away what is in focus lies, along the line of sight.",
         FIELD(scene.focus_distance),
     },
@@ -141,14 +142,16 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "leaves it out). A file whose name looks like one of these is written ./1,1,1.",
     },
     [OPTION_ENV_ROTATE] = {
-        .name = "env-rotate", .argument = "DEGREES", .type = VALUE_REAL, .min = -1e6, .max = 1e6,
+        .name = "env-rotate", .argument = "DEGREES", .type = VALUE_REAL,
+        .min = -SCENE_TURN_MAX, .max = SCENE_TURN_MAX,
         .group = "Scene", .commands = FOR_SCENE, .fallback = "0",
         .help = "Turn what surrounds the scene about +Y, counter-clockwise seen from above, in "
                 "addition to the scene's own rotation.",
         FIELD(scene.environment_rotate_degrees),
     },
     [OPTION_ENV_STRENGTH] = {
-        .name = "env-strength", .argument = "X", .type = VALUE_REAL, .min = 0, .max = 1e30,
+        .name = "env-strength", .argument = "X", .type = VALUE_REAL, .min = 0,
+        .max = SCENE_RADIANCE_MAX,
         .group = "Scene", .commands = FOR_SCENE, .fallback = "1",
         .help = "Multiply the radiance of what surrounds the scene.", FIELD(scene.environment_strength),
     },

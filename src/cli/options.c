@@ -356,7 +356,7 @@ bool option_is_setting(const struct option_def *def, const struct command *comma
     case OPTION_INSTANCES:
         return true;
     default:
-        return def->setting && def->setting->changes_film;
+        return def->setting && def->setting->changes_samples;
     }
 }
 

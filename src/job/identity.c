@@ -35,7 +35,7 @@ static void add_settings(struct text *text, const struct settings *settings)
     for (int i = SETTINGS_FILM_LAST + 1; i < SETTING_TOTAL; i++) {
         const struct setting *setting = &settings_table[i];
         char value[FIELD_TEXT_MAX], name[48];
-        if (!setting->changes_film || i == SETTING_SPP)
+        if (!setting->changes_samples)
             continue;
         field_text(&setting->field, settings, value);
         if (setting->field.type == FIELD_REAL)

@@ -23,6 +23,9 @@
 // and lights them.
 #define SCENE_COORDINATE_MAX 1e13
 #define SCENE_LENGTH_MIN 1e-18 // of parts of a scene that have an extent: radii, heights, ranges
+#define SCENE_LENS_MAX_MM (1e3 * SCENE_COORDINATE_MAX) // radius of a camera's lens
+#define SCENE_LENS_BLADES_MAX 64
+#define SCENE_TURN_MAX 1e6 // rotations of environments, degrees
 // The largest and the smallest size of all that is placed in a scene, along an axis, metres.
 #define SCENE_EXTENT_MAX (2 * SCENE_COORDINATE_MAX)
 #define SCENE_EXTENT_MIN 1e-13

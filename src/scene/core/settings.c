@@ -116,10 +116,10 @@ const char *const tone_names[] = {
 
 #define WITHOUT_PARENTHESES(...) __VA_ARGS__
 // clang-format off
-#define ROW(ID, is_of_film, member, key_, option_, group_, help_, field_, ...)                     \
+#define ROW(ID, is_of_samples, member, key_, option_, group_, help_, field_, ...)                     \
     [SETTING_##ID] = {                                                                             \
         .field = {.key = key_, FIELD_OF(settings, member), WITHOUT_PARENTHESES field_},            \
-        .option = option_, .group = group_, .help = help_, .changes_film = is_of_film,             \
+        .option = option_, .group = group_, .help = help_, .changes_samples = is_of_samples,             \
         __VA_ARGS__                                                                                \
     },
 // clang-format on
@@ -127,6 +127,7 @@ const char *const tone_names[] = {
 const struct setting settings_table[SETTING_TOTAL] = {
 #define SETTING(ID, type, ...) ROW(ID, true, __VA_ARGS__)
 #define SETTING_OF_FILE SETTING
+#define SETTING_OF_COUNT(ID, type, ...) ROW(ID, false, __VA_ARGS__)
 #define SETTING_OF_IMAGE(ID, type, ...) ROW(ID, false, __VA_ARGS__)
 #include "scene/core/settings_list.h"
 };
@@ -147,11 +148,13 @@ bool settings_same(const struct settings *a, const struct settings *b)
     return true;
 }
 
-bool setting_is_in_use(const struct setting *setting, const struct settings *settings)
+bool setting_is_in_use(const struct setting *setting, const struct settings *settings,
+                       bool has_image)
 {
     const struct field *needed = &settings_table[setting->needs].field;
-    return !setting->needs_values ||
-           (setting->needs_values >> (uint32_t)field_get(needed, settings) & 1u);
+    bool has_value = !setting->needs_values ||
+                     (setting->needs_values >> (uint32_t)field_get(needed, settings) & 1u);
+    return has_value && (has_image || !setting->needs_image);
 }
 
 void setting_range(const struct setting *setting, char out[SETTING_RANGE_MAX])

@@ -39,11 +39,11 @@ enum setting_id {
 
 struct setting {
     struct field field;
-    const char *option; // without the dashes; NULL: scene files alone have it
-    const char *group;  // of the option in the help
-    const char *help;   // sentences, with the unit
-    bool changes_film;  // else how it is shown
-    double fallback;    // the default
+    const char *option;   // without the dashes; NULL: scene files alone have it
+    const char *group;    // of the option in the help
+    const char *help;     // sentences, with the unit
+    bool changes_samples; // of the film; else how many it has, or how it is shown
+    double fallback;      // the default
     // What the word means in place of a number, or the least number where there is no word; NULL:
     // nothing but what it says.
     const char *special;
@@ -56,6 +56,7 @@ struct setting {
     // It makes a difference where that setting has one of these values, a bit each; 0: always.
     enum setting_id needs;
     uint32_t needs_values;
+    bool needs_image; // likewise: where the environment is an image
 };
 
 extern const struct setting settings_table[SETTING_TOTAL];
@@ -63,7 +64,8 @@ extern const struct setting settings_table[SETTING_TOTAL];
 struct settings settings_default(void);
 // Whether all are the same to the bit.
 bool settings_same(const struct settings *a, const struct settings *b);
-bool setting_is_in_use(const struct setting *setting, const struct settings *settings);
+bool setting_is_in_use(const struct setting *setting, const struct settings *settings,
+                       bool has_image);
 // "From 0.01 to 1.", with what its word or its least number means; "" of words and switches.
 #define SETTING_RANGE_MAX 120
 void setting_range(const struct setting *setting, char out[SETTING_RANGE_MAX]);

@@ -2,7 +2,8 @@
 // this defines SETTING first, and gets of each row what it makes of
 //   SETTING(ID, C type, member of struct settings, key in scene files, option, group in the help,
 //           help, designated members of struct field in parentheses, those of struct setting)
-// A row with SETTING_OF_FILE has no option of its own; one with SETTING_OF_IMAGE changes how the
+// A row with SETTING_OF_FILE has no option of its own; one with SETTING_OF_COUNT changes how many
+// samples the film has, and none of them; one with SETTING_OF_IMAGE changes how the
 // film is shown, and no bit of it.
 //
 // Ranges: counts end at 2^20, where paths end, or are "off"; what is stored in single precision
@@ -10,6 +11,9 @@
 // has all its digits. No range refuses what an earlier one took and a kernel can tell from 0.
 #ifndef SETTING_OF_FILE
 #define SETTING_OF_FILE(...)
+#endif
+#ifndef SETTING_OF_COUNT
+#define SETTING_OF_COUNT SETTING
 #endif
 #ifndef SETTING_OF_IMAGE
 #define SETTING_OF_IMAGE SETTING
@@ -34,7 +38,7 @@ SETTING_OF_IMAGE(TONE, uint32_t, tone_curve, "tone", "tone", "Picture",
     "the command line, unless given.",
     (CHOICE(tone_names)), .fallback = TONE_NONE)
 
-SETTING(SPP, uint64_t, spp, "spp", "spp", "Sampling",
+SETTING_OF_COUNT(SPP, uint64_t, spp, "spp", "spp", "Sampling",
     "Samples per pixel.",
     (COUNT(1, SETTINGS_SPP_MAX)), .fallback = 64, .argument = "N")
 SETTING(SEED, uint32_t, seed, "seed", "seed", "Sampling",
@@ -157,7 +161,7 @@ SETTING(ENVIRONMENT_FILTER, uint32_t, environment_filter, "environment_filter", 
     "What lies between the texels of an environment's image: radiance that is interpolated "
     "bilinearly, or a patch of constant radiance around each.",
     (CHOICE(environment_filter_names)), .fallback = ENVIRONMENT_FILTER_BILINEAR,
-    .label = "Environment", .gap = true)
+    .label = "Environment", .gap = true, .needs_image = true)
 SETTING(PIXEL_JITTER, bool, pixel_jitter, "pixel_jitter", "pixel-jitter", "Method",
     "Spread samples over the pixel's filter; off: all pass through the pixel's centre.",
     (SWITCH), .fallback = true, .label = "Pixel jitter")
@@ -178,4 +182,5 @@ SETTING(PIXEL_STRATA, uint32_t, pixel_strata, "pixel_strata", "pixel-strata", "M
 
 #undef SETTING
 #undef SETTING_OF_FILE
+#undef SETTING_OF_COUNT
 #undef SETTING_OF_IMAGE

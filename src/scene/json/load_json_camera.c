@@ -12,9 +12,6 @@
 // The millimetres' range leaves fields of view that are neither 0 nor 180 degrees in double.
 static const struct range RANGE_MILLIMETRES = {1e-6, 1e6, false};
 static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
-// What kernels divide by stays normal, and so do its quotients.
-static const struct range RANGE_FOCUS = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, false};
-#define BLADES_MAX 64
 
 // Those of every camera, of perspective ones alone, and last those that go with a lens.
 static const char *const optional_keys[] = {
@@ -100,7 +97,7 @@ static bool read_focus(const struct json_node *node, struct camera *camera, stru
 {
     double point[3], to_point[3];
     if (!node_check_either(node, "focus", "focus_distance", err) ||
-        !node_read_number(node, "focus_distance", RANGE_FOCUS, &camera->focus_distance, err) ||
+        !node_read_number(node, "focus_distance", RANGE_RADIUS, &camera->focus_distance, err) ||
         !node_read_vector(node, "focus", RANGE_COORDINATE, point, err))
         return false;
     const struct json_node focus = node_member(node, "focus");
@@ -108,11 +105,11 @@ static bool read_focus(const struct json_node *node, struct camera *camera, stru
         return true;
     vec3_subtract(point, camera->position, to_point);
     camera->focus_distance = vec3_dot(to_point, camera->direction);
-    if (camera->focus_distance >= RANGE_FOCUS.min && camera->focus_distance <= RANGE_FOCUS.max)
+    if (camera->focus_distance >= RANGE_RADIUS.min && camera->focus_distance <= RANGE_RADIUS.max)
         return true;
     return node_fail(&focus, err,
                      "lies %g m in front of the camera; expected a distance within [%g, %g]",
-                     camera->focus_distance, RANGE_FOCUS.min, RANGE_FOCUS.max);
+                     camera->focus_distance, RANGE_RADIUS.min, RANGE_RADIUS.max);
 }
 
 // The radius of the aperture: as such, or from the f-number, which is the focal length in
@@ -140,7 +137,7 @@ static bool read_aperture(const struct json_node *node, struct camera *camera, s
 static bool read_blades(const struct json_node *node, struct camera *camera, struct err *err)
 {
     uint64_t blades = 0;
-    if (!node_read_integer(node, "blades", 0, BLADES_MAX, &blades, err) ||
+    if (!node_read_integer(node, "blades", 0, SCENE_LENS_BLADES_MAX, &blades, err) ||
         !field_read(&scene_blade_rotation_field, node, camera, err))
         return false;
     const struct json_node blades_node = node_member(node, "blades");

@@ -26,7 +26,7 @@ static const struct {
 };
 
 static const struct range RANGE_STRENGTH = {0, SCENE_RADIANCE_MAX, false};
-static const struct range RANGE_ROTATION = {-1e6, 1e6, false};
+static const struct range RANGE_ROTATION = {-SCENE_TURN_MAX, SCENE_TURN_MAX, false};
 
 static bool read_image(struct json_loader *loader, const struct json_node *node, struct err *err)
 {

@@ -161,7 +161,7 @@ const struct field scene_fov_field = {.key = "fov_degrees",
                                       DEGREES("fov_radians")};
 const struct field scene_aperture_field = {.key = "aperture_radius_mm",
                                            FIELD_OF(camera, lens_radius),
-                                           REAL(0, 1e3 * SCENE_COORDINATE_MAX),
+                                           REAL(0, SCENE_LENS_MAX_MM),
                                            .unit = 1e-3,
                                            .exact_key = "aperture_radius"};
 const struct field scene_blade_rotation_field = {.key = "blade_rotation_degrees",
@@ -207,7 +207,7 @@ const struct field scene_environment_fields[2] = {
     {.key = "radiance", FIELD_OF(environment, radiance), RADIANCE},
     {.key = "rotation_degrees",
      FIELD_OF(environment, rotation),
-     REAL(-1e6, 1e6),
+     REAL(-SCENE_TURN_MAX, SCENE_TURN_MAX),
      DEGREES("rotation_radians")},
 };
 

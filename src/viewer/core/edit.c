@@ -173,8 +173,8 @@ static enum change method_change(const struct method *from, const struct method 
     enum change least = from->fresh_frames && !to->fresh_frames ? CHANGE_CAMERA : CHANGE_SHOWN;
     same.fresh_frames = to->fresh_frames;
     same.samples_a_frame = to->samples_a_frame;
-    for (int i = 0; i < SETTING_TOTAL; i++) // what decides on the samples is shown.spp_limit
-        if (!settings_table[i].changes_film || i == SETTING_SPP)
+    for (int i = 0; i < SETTING_TOTAL; i++)
+        if (!settings_table[i].changes_samples)
             field_copy(&settings_table[i].field, &same.settings, &to->settings);
     return same_bytes(&same, to, sizeof same) ? least : CHANGE_METHOD;
 }

@@ -11,13 +11,12 @@
 #include <string.h>
 
 static const struct gui_range angle = {1e-3, 179.999, .unit = "°", .drag = 90};
-static const struct gui_range seen_height = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX,
-                                             .logarithmic = true, .unit = "m"};
-static const struct gui_range focus = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .logarithmic = true,
-                                       .unit = "m"};
-static const struct gui_range millimetres = {0, 1e3 * SCENE_COORDINATE_MAX, .logarithmic = true,
+static const struct gui_range metres = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .logarithmic = true,
+                                        .unit = "m"};
+static const struct gui_range millimetres = {0, SCENE_LENS_MAX_MM, .logarithmic = true,
                                              .unit = "mm", .least = "pinhole"};
-static const struct gui_range blades = {0, 64, .integer = true, .least = "round"};
+static const struct gui_range blades = {0, SCENE_LENS_BLADES_MAX, .integer = true,
+                                        .least = "round"};
 static const struct gui_range speed = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .logarithmic = true,
                                        .unit = "m/s"};
 static const struct gui_range turning = {-360, 360, .unit = "°/s", .drag = 90};
@@ -78,8 +77,7 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
               "From the lower to the upper edge, degrees, 0.001 to 179.999.", &angle, &to->fov_y);
     gui_enabled(gui, to->kind == CAMERA_ORTHOGRAPHIC);
     gui_number(gui, "camera.height", "Height",
-               "Of what an orthographic camera sees, metres, 1e-18 to 1e13.", &seen_height,
-               &to->height);
+               "Of what an orthographic camera sees, metres, 1e-18 to 1e13.", &metres, &to->height);
     gui_enabled(gui, is_perspective);
     if (gui_number(gui, "camera.lens_radius", "Lens radius",
                    "Millimetres, 0 to 1e16; 0: a pinhole, all is in focus.", &millimetres, &radius))
@@ -87,7 +85,7 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
     if (to->lens_radius > 0 && !(to->focus_distance > 0))
         to->focus_distance = target_distance(view);
     gui_enabled(gui, is_perspective && to->lens_radius > 0);
-    gui_number(gui, "camera.focus", "Focus", "How far away what is in focus lies, metres.", &focus,
+    gui_number(gui, "camera.focus", "Focus", "How far away what is in focus lies, metres.", &metres,
                &to->focus_distance);
     uint32_t corners = to->lens_blades;
     if (gui_count(gui, "camera.blades", "Blades",

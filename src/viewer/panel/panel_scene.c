@@ -146,8 +146,8 @@ static void sky(struct gui *gui, struct surroundings *to)
 
 void panel_surroundings(struct panel *panel, const struct document *document)
 {
-    static const struct gui_range turn = {-1e6, 1e6, .unit = "°", .drag = 180};
-    static const struct gui_range strength = {0, SCENE_RADIANCE_MAX, .logarithmic = true};
+    static const struct gui_range turn = {-SCENE_TURN_MAX, SCENE_TURN_MAX, .unit = "°",
+                                          .drag = 180};
     struct gui *gui = panel->gui;
     gui_group_begin(gui, "surroundings", "Surroundings", "What light arrives from outside.", false);
     struct surroundings to = document->surroundings;
@@ -169,7 +169,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     bool is_lit = to.kind != SURROUNDINGS_NONE && around->present;
     gui_enabled(gui, is_lit);
     gui_number(gui, "surroundings.strength", "Strength", "Factor on all of it, 0 to 1e30.",
-               &strength, &to.strength);
+               &panel_radiance, &to.strength);
     gui_enabled(gui, is_lit && around->width > 0); // one colour looks the same from all sides
     gui_number(gui, "surroundings.rotation", "Rotation",
                "About +Y, degrees, -1e6 to 1e6, in addition to the file's.", &turn,
