@@ -82,6 +82,7 @@ RENDERER = [
     *each('renderer.mis', 'power', ['balance', 'none']),
     ('renderer.mis_exponent', '1'),
     ('renderer.min_density', '0.05'),
+    ('renderer.split_lobes', '1'),
     ('renderer.pixel_jitter', 'off'),
     *each('renderer.pixel_sampling', 'sampler', ['centre', 'random', 'stratified']),
     ('renderer.pixel_sampling', 'grid', 'result', None),
