@@ -1,6 +1,7 @@
 // The parts of each figure, in the order in which they join.
 #include "scene/generate/figure_field.h"
 
+#include "base/maths.h"
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -251,7 +252,7 @@ static void add_spine(struct figure_field *field)
         // Across the spine and upwards: y less its part along the spine.
         for (int c = 0; c < 3; c++)
             up[c] = (c == 1) - back[1] / length * back[c] / length;
-        double size = sqrt(up[0] * up[0] + up[1] * up[1] + up[2] * up[2]);
+        double size = vec3_norm(up);
         height = 0.05 + 0.35 * at[3];
         struct part plate = {.kind = PART_CONE,
                              .skin = SKIN_HORN,

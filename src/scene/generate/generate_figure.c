@@ -5,6 +5,7 @@
 // are where the shape wants them.
 #include "scene/generate/figure_field.h"
 
+#include "base/maths.h"
 #include "base/parallel.h"
 #include <math.h>
 #include <meshoptimizer.h>
@@ -282,20 +283,23 @@ static void set_normals(struct mesh *mesh)
 {
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *corners = mesh->indices[t];
-        float e[2][3], n[3];
+        double e[2][3], n[3];
         for (int k = 0; k < 2; k++)
             for (int i = 0; i < 3; i++)
-                e[k][i] = mesh->positions[corners[k + 1]][i] - mesh->positions[corners[0]][i];
-        for (int i = 0; i < 3; i++)
-            n[i] = e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
+                e[k][i] = (double)mesh->positions[corners[k + 1]][i] -
+                          (double)mesh->positions[corners[0]][i];
+        vec3_cross(e[0], e[1], n);
         for (int k = 0; k < 3; k++)
             for (int i = 0; i < 3; i++)
-                mesh->normals[corners[k]][i] += n[i];
+                mesh->normals[corners[k]][i] += (float)n[i];
     }
     for (uint32_t v = 0; v < mesh->vertex_count; v++) {
-        float *n = mesh->normals[v], length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        double n[3];
         for (int i = 0; i < 3; i++)
-            n[i] = length > 0.0f ? n[i] / length : 0.0f;
+            n[i] = (double)mesh->normals[v][i];
+        bool has_direction = vec3_normalize(n);
+        for (int i = 0; i < 3; i++)
+            mesh->normals[v][i] = has_direction ? (float)n[i] : 0.0f;
     }
 }
 
