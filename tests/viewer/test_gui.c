@@ -35,8 +35,13 @@ struct bench {
 static const char *const words[] = {"alpha", "beta", "gamma", NULL};
 static const struct gui_range unit_range = {0, 1};
 static const struct gui_range metres = {0, 1e9, .logarithmic = true, .unit = "m", .least = "none"};
-static const struct gui_range counts = {0, 4294967295.0, .logarithmic = true, .integer = true,
-                                        .infinite = "all"};
+static const struct gui_range counts = {0,
+                                        4294967295.0,
+                                        .logarithmic = true,
+                                        .integer = true,
+                                        .infinite = "all",
+                                        .greatest = 4294967294.0,
+                                        .file_word = "off"};
 static const struct gui_range wide = {-1e18, 1e18};
 
 static struct bench *bench_new(float scale)
@@ -299,7 +304,7 @@ TEST(what_cannot_be_is_refused)
     CHECK_REFUSED(bench, "kinds.number", "nan", "is no number");
     CHECK_REFUSED(bench, "kinds.number", "0.5 apples", "more than a number");
     CHECK_REFUSED(bench, "kinds.count", "1.5", "no whole number");
-    CHECK_REFUSED(bench, "kinds.count", "-1", "is outside [0, 4294967295], and not \"all\"");
+    CHECK_REFUSED(bench, "kinds.count", "-1", "is outside [0, 4294967294], and not \"all\"");
     CHECK_REFUSED(bench, "kinds.float", "red", "is no number");
     CHECK_REFUSED(bench, "kinds.switch", "yes", "neither \"on\" nor \"off\"");
     CHECK_REFUSED(bench, "kinds.choice", "delta", "there are alpha, beta, gamma");
@@ -369,6 +374,20 @@ TEST(texts_read_back_to_the_same_bits)
     CHECK(strcmp(text, "12000") == 0, "%s", text);
 }
 
+// Bounds are those that files and options have: a number is compared before it is rounded.
+TEST(bounds_belong_to_ranges)
+{
+    static const struct gui_range survival = {0.01, 1};
+    char why[GUI_WHY_MAX];
+    double value = 0;
+    CHECK(value_read("0.01", 1, true, &survival, &value, why) && value == (double)0.01f, "%s", why);
+    CHECK(value_read("1", 1, true, &survival, &value, why) && value == 1.0, "%s", why);
+    CHECK(!value_read("0.00999", 1, true, &survival, &value, why), "%g", value);
+    CHECK(value_read("4294967294", 1, false, &counts, &value, why), "%s", why);
+    CHECK(!value_read("4294967295", 1, false, &counts, &value, why), "%g", value);
+    CHECK(strstr(why, "[0, 4294967294]"), "%s", why);
+}
+
 TEST(words_stand_for_ends_of_ranges)
 {
     struct bench *bench = bench_new(1);
@@ -376,6 +395,9 @@ TEST(words_stand_for_ends_of_ranges)
     CHECK_SET(bench, "kinds.count", "all");
     CHECK(bench->values.count == UINT32_MAX, "%u", bench->values.count);
     CHECK_VALUE(bench, "kinds.count", "all");
+    bench->values.count = 3;
+    CHECK_SET(bench, "kinds.count", "off"); // as files say it
+    CHECK(bench->values.count == UINT32_MAX, "%u", bench->values.count);
     CHECK_VALUE(bench, "kinds.float", "0.1"); // a float's shortest text, not a double's
     CHECK_SET(bench, "kinds.float", "none");
     CHECK(bench->values.real == 0, "%g", (double)bench->values.real);
@@ -392,7 +414,7 @@ TEST(drags_stay_in_their_range)
         wide,
         {1, 255, .integer = true},
         {-100, 100, .drag = 10},
-        {1e-30, INFINITY, .logarithmic = true, .infinite = "any"},
+        {1e-30, INFINITY, .logarithmic = true, .infinite = "any", .greatest = 3e38},
     };
     const double starts[] = {0, 1e-12, 0.1, 1, 3, 200, 1e6, 4294967295.0, 1e18, INFINITY};
     for (size_t r = 0; r < sizeof ranges / sizeof *ranges; r++)
@@ -765,12 +787,12 @@ TEST(notes_are_as_high_as_their_lines)
 TEST_MAIN(TEST_CASE(scripts_set_every_kind), TEST_CASE(scripts_reach_closed_groups),
           TEST_CASE(scripts_reach_a_hidden_panel), TEST_CASE(what_cannot_be_is_refused),
           TEST_CASE(several_wishes_in_one_frame), TEST_CASE(texts_read_back_to_the_same_bits),
-          TEST_CASE(words_stand_for_ends_of_ranges), TEST_CASE(drags_stay_in_their_range),
-          TEST_CASE(mouse_reaches_every_kind), TEST_CASE(numbers_and_texts_are_typed),
-          TEST_CASE(disabled_controls_take_no_mouse), TEST_CASE(untouched_values_keep_their_bits),
-          TEST_CASE(events_go_where_they_belong), TEST_CASE(help_of_what_the_mouse_is_over),
-          TEST_CASE(reveal_opens_and_scrolls), TEST_CASE(reveal_scrolls_lists),
-          TEST_CASE(long_lists_cost_what_is_seen_of_them), TEST_CASE(an_id_twice_is_told),
-          TEST_CASE(triangles_are_in_range_and_in_the_window),
+          TEST_CASE(bounds_belong_to_ranges), TEST_CASE(words_stand_for_ends_of_ranges),
+          TEST_CASE(drags_stay_in_their_range), TEST_CASE(mouse_reaches_every_kind),
+          TEST_CASE(numbers_and_texts_are_typed), TEST_CASE(disabled_controls_take_no_mouse),
+          TEST_CASE(untouched_values_keep_their_bits), TEST_CASE(events_go_where_they_belong),
+          TEST_CASE(help_of_what_the_mouse_is_over), TEST_CASE(reveal_opens_and_scrolls),
+          TEST_CASE(reveal_scrolls_lists), TEST_CASE(long_lists_cost_what_is_seen_of_them),
+          TEST_CASE(an_id_twice_is_told), TEST_CASE(triangles_are_in_range_and_in_the_window),
           TEST_CASE(windows_may_be_of_any_size), TEST_CASE(charts_take_any_numbers),
           TEST_CASE(charts_show_bounds), TEST_CASE(notes_are_as_high_as_their_lines))

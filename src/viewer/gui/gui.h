@@ -132,9 +132,11 @@ struct gui_range {
     double min, max;
     bool logarithmic; // 0 is allowed as min
     bool integer;
-    const char *unit;     // shown behind the number; NULL: none
-    const char *infinite; // the word for values of at least max ("off", "unlimited"); NULL: none
-    const char *least;    // the word for min itself ("off", "pinhole"); NULL: none
+    const char *unit;      // shown behind the number; NULL: none
+    const char *infinite;  // the word for max itself ("off", "unlimited"); NULL: none
+    double greatest;       // the greatest number, where max is a word
+    const char *least;     // the word for min itself ("off", "pinhole"); NULL: none
+    const char *file_word; // what scene files call that word, which is read, too; NULL: the same
     double drag; // what dragging over all of the control's width adds; 0: follows from the range
 };
 bool gui_number(struct gui *gui, const char *id, const char *label, const char *help,

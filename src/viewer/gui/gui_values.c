@@ -73,7 +73,7 @@ static void say_range(const struct gui_range *range, bool is_float, const char *
 {
     char min[GUI_VALUE_MAX], max[GUI_VALUE_MAX];
     write_one(range->min, is_float, NULL, min);
-    write_one(range->max, is_float, NULL, max);
+    write_one(range->infinite ? range->greatest : range->max, is_float, NULL, max);
     if (range->infinite)
         snprintf(why, GUI_WHY_MAX, "%.60s is outside [%.40s, %.40s], and not \"%s\"", value, min,
                  max, range->infinite);
@@ -86,13 +86,13 @@ static bool read_one(const char *text, const char **end, bool is_float,
                      const struct gui_range *range, double *out, char *why)
 {
     text = skip_spaces(text);
-    const char *const words[] = {range->infinite, range->least};
-    for (int i = 0; i < 2; i++) {
+    const char *const words[] = {range->infinite, range->least, range->file_word};
+    for (int i = 0; i < 3; i++) {
         size_t length = words[i] ? strlen(words[i]) : 0;
         if (!length || strncmp(text, words[i], length) != 0)
             continue;
         *end = text + length;
-        *out = i ? range->min : range->max;
+        *out = range->infinite && i != 1 ? range->max : range->min;
         return true;
     }
     char *behind;
@@ -108,9 +108,8 @@ static bool read_one(const char *text, const char **end, bool is_float,
     *end = skip_spaces(behind);
     if (range->unit && strncmp(*end, range->unit, strlen(range->unit)) == 0)
         *end += strlen(range->unit);
-    if (is_float)
-        value = (double)(float)value;
-    if (!(value >= range->min && value <= range->max)) {
+    // As scene files and options have it: a number is in the range before it is rounded.
+    if (!(value >= range->min && value <= (range->infinite ? range->greatest : range->max))) {
         say_range(range, is_float, written, why);
         return false;
     }
@@ -118,7 +117,7 @@ static bool read_one(const char *text, const char **end, bool is_float,
         snprintf(why, GUI_WHY_MAX, "%s is no whole number", written);
         return false;
     }
-    *out = value;
+    *out = is_float ? (double)(float)value : value;
     return true;
 }
 

@@ -7,13 +7,15 @@
 #include "scene/json/load_json.h"
 #include "viewer/core/lamps.h"
 #include "viewer/core/messages.h"
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 static const struct gui_range right_angle = {0, 90, .unit = "°"};
-static const struct gui_range reach = {SCENE_LENGTH_MIN, INFINITY, .logarithmic = true, .unit = "m",
-                                       .infinite = "unlimited"};
+static const struct gui_range reach = {SCENE_LENGTH_MIN,        INFINITY,
+                                       .logarithmic = true,     .unit = "m",
+                                       .infinite = "unlimited", .greatest = DBL_MAX};
 
 static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 {

@@ -2,6 +2,7 @@
 #include "viewer/panel/panel_internal.h"
 
 #include "scene/json/load_json.h"
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -166,7 +167,7 @@ static void flags(struct gui *gui, struct material *to)
 static void inside(struct gui *gui, struct material *to)
 {
     static const struct gui_range extinction = {0, INFINITY, .logarithmic = true,
-                                                .infinite = "opaque"};
+                                                .infinite = "opaque", .greatest = FLT_MAX};
     static const struct gui_range priority = {1, 255, .integer = true};
     gui_enabled(gui, material_has_inside(to));
     gui_color(gui, "material.extinction", "Extinction",

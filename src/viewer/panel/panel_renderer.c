@@ -7,8 +7,12 @@ static const char *const side_names[] = {"A", "B", NULL};
 
 static const struct gui_range samples_a_frame = {0, 4096, .logarithmic = true, .integer = true,
                                                  .least = "as time allows"};
-static const struct gui_range spp = {1, (double)SETTINGS_SPP_MAX, .logarithmic = true,
-                                     .integer = true, .infinite = "unlimited"};
+static const struct gui_range spp = {1,
+                                     (double)SETTINGS_SPP_MAX + 1,
+                                     .logarithmic = true,
+                                     .integer = true,
+                                     .infinite = "unlimited",
+                                     .greatest = (double)SETTINGS_SPP_MAX};
 
 // --- the method ----------------------------------------------------------------------------------
 
@@ -26,12 +30,12 @@ static void accumulation(struct panel *panel, const struct stage *stage, struct 
               &samples_a_frame, &to->samples_a_frame);
     const char *used = gui->used; // the limit is no part of the method
     struct shown shown = stage->shown;
-    uint32_t most = shown.spp_limit ? shown.spp_limit : UINT32_MAX;
-    if (gui_count(gui, "renderer.spp", "Samples",
-                  "Samples of a pixel after which the picture rests, 1 to 4294967294, of all "
-                  "sides.",
-                  &spp, &most)) {
-        shown.spp_limit = most == UINT32_MAX ? 0 : most;
+    double most = shown.spp_limit ? (double)shown.spp_limit : spp.max;
+    if (gui_number(gui, "renderer.spp", "Samples",
+                   "Samples of a pixel after which the picture rests, 1 to 4294967295, of all "
+                   "sides.",
+                   &spp, &most)) {
+        shown.spp_limit = most < spp.max ? (uint32_t)most : 0;
         edit_shown(panel->viewer, &shown, "renderer.spp");
     }
     gui->used = used;

@@ -45,7 +45,9 @@ static struct gui_range range_of(const struct setting *setting)
         .integer = is_count,
         .unit = setting->unit,
         .infinite = has_word_at_end(field) ? word : NULL,
+        .greatest = field->max,
         .least = has_word_at_end(field) ? NULL : word,
+        .file_word = field->word,
         .drag = setting->drag,
     };
 }

@@ -245,7 +245,7 @@ enum step step_check(struct script *script, struct viewer *viewer,
     }
     const char *why_not = script->now.phase == 1 ? gui_set_result(&viewer->shell.gui) : NULL;
     if (why_not) {
-        err_set(err, ERR_INPUT, "%s: %s", id, why_not);
+        err_set(err, ERR_INPUT, "%s", why_not);
         return STEP_FAILED;
     }
     if (script->now.phase == 1)

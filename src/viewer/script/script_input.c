@@ -194,7 +194,7 @@ enum step step_set(struct script *script, struct viewer *viewer, const struct co
     }
     const char *why_not = gui_set_result(&viewer->shell.gui);
     if (script->now.phase == 1 && why_not) {
-        err_set(err, ERR_INPUT, "%s: %s", command->texts[0], why_not);
+        err_set(err, ERR_INPUT, "%s", why_not);
         return STEP_FAILED;
     }
     script->now.phase = 2;
