@@ -3,6 +3,7 @@
 
 #include "job/job.h"
 #include "output/layers.h"
+#include "render/sampling_plan.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
@@ -87,6 +88,8 @@ static void add_settings(struct attributes *a, const struct metadata_params *par
             add_setting(a, &settings_table[i], params->settings);
     // What the picture has, not what was asked for.
     add(a, "lampyris:spp", "%" PRIu64, params->samples);
+    if (sample_planning(params->settings, NULL) != PLANNING_NONE)
+        add(a, "lampyris:samples_planned", "%u", r->frame.samples);
     add(a, "lampyris:exposure", "%.9g", (double)params->exposure);
     add(a, "lampyris:camera", "%u", params->camera);
     add_if_given(a, "lampyris:gltf_scene", load->scene_name);

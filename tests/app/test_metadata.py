@@ -20,7 +20,7 @@ RENDERS = [
     {},
     {'roulette': 'frame', 'roulette_min_bounces': '0', 'roulette_max_bounces': '2', 'roulette_survival': '0.3',
      'max_bounces': '5', 'nee_depth': '1', 'light_choice': 'uniform', 'mis': 'balance', 'sampler': 'pcg',
-     'film_accumulation': 'running', 'normals': 'ndf', 'pixel_sampling': 'stratified', 'pixel_strata': '2'},
+     'film_accumulation': 'running', 'normals': 'ndf', 'pixel_sampling': 'stratified', 'pixel_strata': '2', 'split_lobes': '1'},
     {'directions': 'power-cosine', 'direction_exponent': '2.5', 'filter': 'gaussian', 'filter_radius': '2.25',
      'clamp': '0.1', 'sampler': 'stratified', 'halves': 'contiguous', 'roulette': 'constant', 'roulette_survival': '0.55',
      'roulette_min_bounces': '1', 'mis_exponent': '3', 'min_density': '0.01', 'radiance_scaling': 'off'},
@@ -34,10 +34,10 @@ class Metadata(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
-    def render(self, settings):
+    def render(self, settings, more=()):
         """Settings as text; returns the film's hash and the settings in the metadata."""
         path = os.path.join(self.folder.name, 'out.exr')
-        command = [LAMPYRIS, 'render', SCENE, '--json', '-q', '-o', path]
+        command = [LAMPYRIS, 'render', SCENE, '--json', '-q', '-o', path, *more]
         for key, value in settings.items():
             if TABLE[key]['type'] == 'switch':
                 value = {'on': 'true', 'off': 'false'}[value]
@@ -67,6 +67,13 @@ class Metadata(unittest.TestCase):
             hashes.add(image_hash)
         self.assertEqual(len(hashes), len(RENDERS))
         self.assertEqual(set(TABLE) - set().union(SOME, *RENDERS), set())
+
+    def test_plans_are_told(self):
+        """Of methods that plan on a number of samples: that number, or 0 where nothing was planned."""
+        for sampler, more, planned in (('pcg', [], None), ('blue-noise', [], '3'),
+                                       ('blue-noise', ['--time', '1000', '--spp', '3'], '0')):
+            _, told = self.render({**SOME, 'sampler': sampler}, more)
+            self.assertEqual(told.get('samples_planned'), planned, (sampler, more))
 
 
 if __name__ == '__main__':
