@@ -28,7 +28,7 @@ static void add(struct text *text, const char *format, ...)
 }
 
 // All settings that change bits of the film; for the number of samples, see make_identity().
-// Numbers stand as such where scene files have a word.
+// Texts tell any two values apart.
 static void add_settings(struct text *text, const struct settings *settings)
 {
     add(text, "--size=%ux%u", settings->width, settings->height);
@@ -38,8 +38,6 @@ static void add_settings(struct text *text, const struct settings *settings)
         if (!setting->changes_samples)
             continue;
         field_text(&setting->field, settings, value);
-        if (setting->field.type == FIELD_REAL)
-            snprintf(value, sizeof value, "%.9g", field_get(&setting->field, settings));
         snprintf(name, sizeof name, setting->option ? "--%s" : "%s",
                  setting->option ? setting->option : setting->field.key);
         for (char *c = name; *c; c++)
