@@ -152,8 +152,7 @@
 #define LOBE_EXACT_COAT (1u << 28)
 #define LOBE_END (1u << 29)
 // Models that have both diffuse and specular lobes.
-#define LOBES_OF_TWO_PARTS                                                                         \
-    (LOBE_PRINCIPLED | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET)
+#define LOBES_OF_TWO_PARTS (LOBE_PRINCIPLED | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET)
 // These lobes may send light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 

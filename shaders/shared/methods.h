@@ -17,7 +17,7 @@
 #define SAMPLER_STRATIFIED 3u // one point at random in each stratum
 #define SAMPLER_GRID 4u       // the same without jitter: at the strata's centres
 #define SAMPLER_BLUE_NOISE                                                                         \
-    5u // one sequence for all pixels, dealt out so that errors are blue noise
+    5u                  // one sequence for all pixels, dealt out so that errors are blue noise
 #define SAMPLER_SINE 6u // fractions of sines, to be shown how bad they are
 
 // How the film adds samples up.
@@ -60,7 +60,7 @@
 // Weights of the two techniques that find emitters.
 #define MIS_POWER 0u
 #define MIS_BALANCE 1u
-#define MIS_NONE 2u // those that can be connected to count when connected to only
+#define MIS_NONE 2u      // those that can be connected to count when connected to only
 #define MIS_POWER_ANY 3u // MIS_POWER with the exponent frame.mis_exponent; no choice of its own
 
 // How a path goes on from a surface that is not perfectly specular.

@@ -11,7 +11,8 @@
 // aimed at it: by way of glass, metal or gloss, or of any surface where shadow rays are off or
 // directions are not drawn by the surface. A sun that shadow rays look for more often than
 // scattered rays meet it is not left to chance. 0 where there is none. A texture counts
-// with its brightest texel. What is known of the error takes it for what no sample may have found yet.
+// with its brightest texel. What is known of the error takes it for what no sample may have found
+// yet.
 float brightest_by_chance(const struct scene *scene, const struct flat_scene *flat,
                           const struct specialization *specialization,
                           const struct emitters *emitters);

@@ -3,8 +3,8 @@
 #ifndef LAMPYRIS_TESTS_COVERAGE_PICTURES_H
 #define LAMPYRIS_TESTS_COVERAGE_PICTURES_H
 
-#include "metrics/metrics.h"
 #include "base/arena.h"
+#include "metrics/metrics.h"
 #include "subjects.h"
 #include <stdbool.h>
 #include <stdint.h>
@@ -24,7 +24,7 @@ struct pictures {
     uint64_t pixels;
     struct unseen_light unseen; // in `arena`
     struct arena arena;
-    FILE *file;       // by seeds, then levels: all of the one half, all of the other
+    FILE *file; // by seeds, then levels: all of the one half, all of the other
 };
 
 // Renders what is not in the file yet, and says on stderr how far it is.

@@ -78,8 +78,10 @@
     M(focus_distance)                                                                              \
     M(lens_rotation)                                                                               \
     M(lens_blades)                                                                                 \
-    M(filter_radius) M(ao_distance) M(metre) M(environment_reach) M(ambient) M(pending_rays)                   \
-    M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start) M(small_triangles) M(pixel_strata) M(mis_exponent) M(min_density) M(split_lobes) M(align_frame) M(align_frame_1)
+    M(filter_radius)                                                                               \
+    M(ao_distance) M(metre) M(environment_reach) M(ambient) M(pending_rays) M(instances) M(sdfs)   \
+        M(sdf_code) M(camera_start) M(lens_at_start) M(small_triangles) M(pixel_strata)            \
+            M(mis_exponent) M(min_density) M(split_lobes) M(align_frame) M(align_frame_1)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \

@@ -146,12 +146,12 @@ static double half_reflected(double rho, double le, double degrees)
         "settings", "{\"normals\": \"ndf\"}"                                                       \
     }
 #define MIXED(choice)                                                                              \
-    "{\"type\": \"principled\", \"roughness\": 0, \"specular_color\": [0.5, 0.5, 0.5], "             \
+    "{\"type\": \"principled\", \"roughness\": 0, \"specular_color\": [0.5, 0.5, 0.5], "           \
     "\"specular_fresnel\": \"mixed\", " choice "}"
 // A white base under a mirror of Schlick's reflectance from 0 on.
 #define UNCOUPLED                                                                                  \
     {                                                                                              \
-        "plate", "{\"type\": \"microfacet\", \"base_color\": [1, 1, 1], \"roughness\": 0, "      \
+        "plate", "{\"type\": \"microfacet\", \"base_color\": [1, 1, 1], \"roughness\": 0, "        \
                  "\"specular_color\": [0, 0, 0], \"diffuse\": \"uncoupled\"}"                      \
     }
 #define FROM(x, z)                                                                                 \

@@ -11,7 +11,8 @@ struct scene_base {
     struct scene_load_params load; // paths as seen from the working directory
     const struct scene_path *override_paths;
     uint32_t override_path_count;
-    // What the file changes, as the base has it: an animation may move it later. NULL: it changes no material, no object.
+    // What the file changes, as the base has it: an animation may move it later. NULL: it changes
+    // no material, no object.
     struct material *materials;
     struct instance *instances;
     struct shape *shapes;
