@@ -210,9 +210,9 @@ def writes_to_jobs(entry, folder, source=None):
     """What the compiler says of a source that changes members of a job, which are const here."""
     words = shlex.split(entry['command'])[:-1]
     words = [word for i, word in enumerate(words)
-             if not re.match(r'-(o|M.*|c|O.|W.*|fdiag.*)$', word) and
+             if not re.match(r'-(o|M.*|c|O.|W.*|fdiag.*|fcolor.*)$', word) and
              words[i - 1] not in ('-o', '-MF', '-MQ') and not word.endswith('ccache')]
-    words[1:1] = ['-I' + folder]
+    words[:1] = ['gcc', '-I' + folder]  # whatever builds the program: its warnings are asked for
     words += ['-Werror=discarded-qualifiers', '-Werror=cast-qual', '-fsyntax-only']
     result = subprocess.run([*words, source or entry['file']], cwd=entry['directory'],
                             stderr=subprocess.PIPE, text=True, check=False)
