@@ -96,6 +96,21 @@ const struct command commands[COMMAND_TOTAL] = {
             .min_arguments = 2,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
         },
+    [COMMAND_CHECK] =
+        {
+            .name = "check",
+            .summary = "check a device, or a scene before it is rendered",
+            .arguments = "[SCENE]",
+            .description =
+                "Without a scene, runs the renderer on cases whose results are known, and says of "
+                "each what is done, expected and seen. With one, says what in it is stiff or "
+                "extreme, where, what follows and what can be done. Exits with 1 if anything fails "
+                "or is found.",
+            .examples = "lampyris check\n"
+                        "lampyris check --list\n"
+                        "lampyris check scenes/cornell.json",
+            .max_arguments = 1,
+        },
     [COMMAND_INFO] =
         {
             .name = "info",

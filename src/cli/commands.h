@@ -10,6 +10,7 @@ enum command_id {
     COMMAND_CONVERGE,
     COMMAND_BENCH,
     COMMAND_COMPARE,
+    COMMAND_CHECK,
     COMMAND_INFO,
     COMMAND_VIEW,
     COMMAND_DEVICES,
@@ -37,6 +38,7 @@ int cmd_render(const struct options *options);
 int cmd_converge(const struct options *options);
 int cmd_bench(const struct options *options);
 int cmd_compare(const struct options *options);
+int cmd_check(const struct options *options);
 int cmd_info(const struct options *options);
 int cmd_view(const struct options *options); // becomes lampyris-view
 int cmd_devices(const struct options *options);

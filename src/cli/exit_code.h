@@ -8,7 +8,7 @@
 // 128 + N for signal N, as shells do (130 for SIGINT, 143 for SIGTERM ...).
 enum exit_code {
     EXIT_CODE_OK = 0,
-    EXIT_CODE_CHECK_FAILED = 1, // compare: a limit was exceeded
+    EXIT_CODE_CHECK_FAILED = 1, // compare: a limit was exceeded; check: a case failed
     EXIT_CODE_INPUT = 2,        // command line or a file that was read
     EXIT_CODE_DEVICE = 3,       // device, driver, memory
     EXIT_CODE_OUTPUT = 4,       // a file that was to be written

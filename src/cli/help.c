@@ -13,7 +13,7 @@ static void exit_status(const struct help_writer *writer)
         const char *code, *text;
     } rows[] = {
         {"0", "Success."},
-        {"1", "A comparison exceeded a limit."},
+        {"1", "A comparison exceeded a limit, or a check failed."},
         {"2", "The command line, or a file that was read, is at fault; an output is an input."},
         {"3", "The device, its driver or the system's memory failed."},
         {"4", "A result could not be written."},

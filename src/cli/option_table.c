@@ -10,7 +10,9 @@
 #define FOR_CONVERGE (1u << COMMAND_CONVERGE)
 #define FOR_BENCH (1u << COMMAND_BENCH)
 #define FOR_VIEW (1u << COMMAND_VIEW)
-#define FOR_SCENE (FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW | 1u << COMMAND_INFO)
+#define FOR_CHECK (1u << COMMAND_CHECK)
+#define FOR_SCENE                                                                                  \
+    (FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW | FOR_CHECK | 1u << COMMAND_INFO)
 #define FOR_ALL ((1u << COMMAND_TOTAL) - 1)
 
 #define FIELD(member)                                                                              \
@@ -353,6 +355,21 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "address of IPv6. The render goes on without where nobody listens. The picture "
                 "keeps its bits.",
         FIELD(render.tev),
+    },
+    [OPTION_ONLY] = {
+        .name = "only", .argument = "GROUP|CASE", .type = VALUE_TEXT, .group = "Cases",
+        .commands = FOR_CHECK, .fallback = "all cases that are not long",
+        .help = "Run the cases of one group, or one case, by its name in --list.",
+        FIELD(check.only),
+    },
+    [OPTION_LIST] = {
+        .name = "list", .type = VALUE_FLAG, .group = "Cases", .commands = FOR_CHECK,
+        .help = "Print the cases with what is done and what is expected, and run none.",
+        FIELD(check.list),
+    },
+    [OPTION_LONG] = {
+        .name = "long", .type = VALUE_FLAG, .group = "Cases", .commands = FOR_CHECK,
+        .help = "Run the long cases, too.", FIELD(check.longer),
     },
     [OPTION_REPORT] = {
         .name = "report", .argument = "FOLDER", .type = VALUE_TEXT, .group = "Report",

@@ -202,6 +202,35 @@ static bool check_combinations(const struct options *options, struct err *err)
     return true;
 }
 
+// Of check: whether the option says something of a scene.
+static bool needs_scene(const struct option_def *def)
+{
+    switch ((enum option_id)(def - option_table)) {
+    case OPTION_DEVICE:
+    case OPTION_MEMORY:
+    case OPTION_VALIDATION:
+        return false;
+    default:
+        return option_belongs(def, &commands[COMMAND_INFO]) &&
+               !option_belongs(def, &commands[COMMAND_DEVICES]);
+    }
+}
+
+// Options of check that belong to devices, and to scenes.
+static bool check_check(const struct options *options, struct err *err)
+{
+    static const enum option_id of_devices[] = {OPTION_ONLY, OPTION_LIST, OPTION_LONG};
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (options_given(options, i) && options->argument_count == 0 &&
+            needs_scene(&option_table[i]))
+            return err_set(err, ERR_USAGE, "--%s needs a scene: check SCENE", option_table[i].name);
+    for (size_t i = 0; i < sizeof of_devices / sizeof of_devices[0]; i++)
+        if (options_given(options, of_devices[i]) && options->argument_count > 0)
+            return err_set(err, ERR_USAGE, "--%s is of devices: check without a scene",
+                           option_table[of_devices[i]].name);
+    return true;
+}
+
 static bool check(const struct options *options, struct err *err)
 {
     if (options->help || options->version)
@@ -218,6 +247,8 @@ static bool check(const struct options *options, struct err *err)
         return err_set(err, ERR_USAGE,
                        "--exposure auto: compare shows both pictures alike; "
                        "expected a number of stops");
+    if (command == &commands[COMMAND_CHECK] && !check_check(options, err))
+        return false;
     uint64_t samples = (uint64_t)options->render.frames * options->render.spp_per_frame;
     if (samples > SETTINGS_SPP_MAX)
         return err_set(err, ERR_USAGE, "--frames x --spp-per-frame is %llu samples; at most %llu",

@@ -72,6 +72,9 @@ enum option_id {
     OPTION_EXPLAIN,
     OPTION_TRACE,
     OPTION_TEV,
+    OPTION_ONLY,
+    OPTION_LIST,
+    OPTION_LONG,
     OPTION_REPORT,
     OPTION_IMAGES,
     OPTION_DEVICE,
@@ -229,6 +232,12 @@ struct bench_options {
     const char *baseline; // an earlier run's JSON; NULL: none
 };
 
+struct check_options {
+    const char *only; // a group or a case; NULL: all
+    bool list;
+    bool longer; // the long cases, too
+};
+
 struct compare_options {
     struct compare_limit *limits;
     uint32_t limit_count;
@@ -270,6 +279,7 @@ struct options {
     struct study_options study;
     struct converge_options converge;
     struct bench_options bench;
+    struct check_options check;
     struct compare_options compare;
     struct view_options view;
 
