@@ -68,7 +68,8 @@ CIRCLES_OF = 'viewer/core'  # which alone may have larger ones
 
 
 def room_of(path):
-    return ABOVE.get(path, os.path.dirname(path))
+    room = re.sub(r'^base/(posix|windows)$', 'base', os.path.dirname(path))
+    return ABOVE.get(path, room)
 
 
 def rooms_below(room, known={}):

@@ -5,7 +5,16 @@
 
 // Monotonic time in nanoseconds.
 uint64_t clock_ns(void);
-// Seconds since `start_ns`.
-double clock_seconds_since(uint64_t start_ns);
+// Nanoseconds since 1970 by the system's clock, which may be set: comparable with the times of
+// files.
+uint64_t clock_wall_ns(void);
+// Waits that long, or until a signal arrives.
+void clock_sleep(double seconds);
+
+// Seconds since `start_ns`, a time of clock_ns().
+static inline double clock_seconds_since(uint64_t start_ns)
+{
+    return (double)(clock_ns() - start_ns) * 1e-9;
+}
 
 #endif

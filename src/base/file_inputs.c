@@ -16,7 +16,7 @@ static struct file_inputs *current; // NULL: there is no run
 
 void file_inputs_begin(struct file_inputs *inputs)
 {
-    *inputs = (struct file_inputs){.mutex = PTHREAD_MUTEX_INITIALIZER};
+    *inputs = (struct file_inputs){.mutex = MUTEX_INIT};
     current = inputs;
 }
 
@@ -70,12 +70,12 @@ static bool add(const char *path, bool is_own, struct err *err)
     if (!current || stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return true;
     uint64_t hash = hash_bytes(HASH_INIT, path, strlen(path));
-    pthread_mutex_lock(&current->mutex);
+    mutex_lock(&current->mutex);
     struct file_input *known = find(current, path, hash);
     if (known)
         known->is_own &= is_own;
     bool ok = known || append(current, path, hash, is_own, err);
-    pthread_mutex_unlock(&current->mutex);
+    mutex_unlock(&current->mutex);
     return ok;
 }
 
@@ -99,13 +99,13 @@ void file_inputs_forget(const char *path)
     struct stat status, input;
     if (!current || stat(path, &status) != 0)
         return;
-    pthread_mutex_lock(&current->mutex);
+    mutex_lock(&current->mutex);
     for (size_t i = current->count; i-- > 0;)
         if (stat(current->list[i].path, &input) == 0 && same_status(&status, &input)) {
             free(current->list[i].path);
             current->list[i] = current->list[--current->count];
         }
-    pthread_mutex_unlock(&current->mutex);
+    mutex_unlock(&current->mutex);
 }
 
 // Looks at the inputs as they are now: one that was replaced since it was read, by an editor that
@@ -116,7 +116,7 @@ bool file_inputs_check(const char *output, struct err *err)
     if (!current || stat(output, &status) != 0 || !S_ISREG(status.st_mode))
         return true;
     bool ok = true;
-    pthread_mutex_lock(&current->mutex);
+    mutex_lock(&current->mutex);
     for (size_t i = 0; ok && i < current->count; i++) {
         const char *path = current->list[i].path;
         const bool is_named = strcmp(output, path) == 0;
@@ -129,7 +129,7 @@ bool file_inputs_check(const char *output, struct err *err)
                            "%s: is the file %s, which this run reads; expected another output",
                            output, path);
     }
-    pthread_mutex_unlock(&current->mutex);
+    mutex_unlock(&current->mutex);
     return ok;
 }
 

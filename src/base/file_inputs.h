@@ -3,14 +3,14 @@
 #define LAMPYRIS_BASE_FILE_INPUTS_H
 
 #include "base/err.h"
-#include <pthread.h>
+#include "base/thread.h"
 #include <stddef.h>
 #include <stdint.h>
 
 // A set of paths. The caller's memory; to be zeroed, except for the mutex, which
 // file_inputs_begin() makes.
 struct file_inputs {
-    pthread_mutex_t mutex;
+    struct mutex mutex;
     struct file_input *list;
     size_t count, capacity;
 };

@@ -1,7 +1,7 @@
 #include "base/log.h"
 
 #include "base/printable.h"
-#include <pthread.h>
+#include "base/thread.h"
 #include <stdarg.h>
 #include <stdio.h>
 
@@ -13,11 +13,11 @@ static void sink_stderr(void *context, enum log_level level, const char *message
 }
 
 static struct {
-    pthread_mutex_t mutex; // one message at a time
+    struct mutex mutex; // one message at a time
     enum log_level level;
     log_sink_fn sink;
     void *context;
-} log_state = {PTHREAD_MUTEX_INITIALIZER, LOG_WARN, sink_stderr, NULL};
+} log_state = {MUTEX_INIT, LOG_WARN, sink_stderr, NULL};
 
 void log_configure(enum log_level level, log_sink_fn sink, void *context)
 {
@@ -39,7 +39,7 @@ void log_message(enum log_level level, const char *format, ...)
         return;
     // Names and values from files must not steer a terminal.
     printable_mask(message);
-    pthread_mutex_lock(&log_state.mutex);
+    mutex_lock(&log_state.mutex);
     log_state.sink(log_state.context, level, message);
-    pthread_mutex_unlock(&log_state.mutex);
+    mutex_unlock(&log_state.mutex);
 }

@@ -1,9 +1,8 @@
 #define _GNU_SOURCE // CPU_COUNT, sched_getaffinity
 #include "base/parallel.h"
 
-#include <pthread.h>
+#include "base/thread.h"
 #include <sched.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <unistd.h>
 
@@ -27,7 +26,7 @@ struct loop {
 struct worker {
     struct loop *loop;
     unsigned thread;
-    pthread_t handle;
+    struct thread handle;
 };
 
 // Chunks are handed out one by one, so that a slow one does not hold up the others. The counter
@@ -44,29 +43,23 @@ static void loop_run(struct loop *loop, unsigned thread)
     }
 }
 
-static void *worker_main(void *argument)
+static void worker_main(void *argument)
 {
     struct worker *worker = argument;
     loop_run(worker->loop, worker->thread);
-    return NULL;
 }
 
-// Starts workers 1 … threads - 1 and returns how many started. Signals are blocked in them, so that
-// handlers run in the caller's thread.
+// Starts workers 1 … threads - 1 and returns how many started.
 static unsigned workers_start(struct worker *workers, unsigned threads, struct loop *loop)
 {
-    sigset_t all, previous;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &previous);
     unsigned started = 0;
     while (started + 1 < threads) {
         struct worker *worker = &workers[started];
         *worker = (struct worker){.loop = loop, .thread = started + 1};
-        if (pthread_create(&worker->handle, NULL, worker_main, worker) != 0)
+        if (thread_start(&worker->handle, worker_main, worker) != 0)
             break;
         started++;
     }
-    pthread_sigmask(SIG_SETMASK, &previous, NULL);
     return started;
 }
 
@@ -85,5 +78,5 @@ void parallel_for(size_t count, size_t grain, unsigned threads, parallel_fn fn, 
     unsigned started = workers_start(workers, threads, &loop);
     loop_run(&loop, 0);
     for (unsigned i = 0; i < started; i++)
-        pthread_join(workers[i].handle, NULL);
+        thread_join(&workers[i].handle);
 }

@@ -20,7 +20,7 @@ void progress_bar_init(struct progress_bar *bar, FILE *stream)
     bool is_dumb = !terminal || strcmp(terminal, "dumb") == 0; // knows no escape sequences
     *bar = (struct progress_bar){.stream = stream};
     bar->is_terminal = isatty(fileno(stream)) && !is_dumb;
-    pthread_mutex_init(&bar->mutex, NULL);
+    mutex_init(&bar->mutex);
 }
 
 static void format_seconds(double seconds, char *out, size_t size)
@@ -125,7 +125,7 @@ void progress_bar_update(struct progress_bar *bar, const char *phase, double fra
     if (bar->is_quiet)
         return;
     fraction = fraction > 0 ? fraction < 1 ? fraction : 1 : 0; // NaN counts as 0
-    pthread_mutex_lock(&bar->mutex);
+    mutex_lock(&bar->mutex);
     if (strncmp(bar->phase, phase, sizeof bar->phase - 1) != 0)
         start_phase(bar, phase, fraction, now_ns);
     if (fraction < bar->from_fraction) {
@@ -136,15 +136,15 @@ void progress_bar_update(struct progress_bar *bar, const char *phase, double fra
     uint64_t pause_ns = !bar->shown ? SECOND_NS : bar->is_terminal ? REDRAW_NS : LINE_NS;
     if (since_ns >= pause_ns)
         show(bar, fraction, now_ns);
-    pthread_mutex_unlock(&bar->mutex);
+    mutex_unlock(&bar->mutex);
 }
 
 void progress_bar_finish(struct progress_bar *bar)
 {
-    pthread_mutex_lock(&bar->mutex);
+    mutex_lock(&bar->mutex);
     end_phase(bar, clock_ns());
     fflush(bar->stream);
-    pthread_mutex_unlock(&bar->mutex);
+    mutex_unlock(&bar->mutex);
 }
 
 static void report(void *context, const char *phase, double fraction)
@@ -173,10 +173,10 @@ void progress_bar_log(void *context, enum log_level level, const char *message)
 {
     static const char *const names[] = {"error", "warning", "note", "debug"};
     struct progress_bar *bar = context;
-    pthread_mutex_lock(&bar->mutex);
+    mutex_lock(&bar->mutex);
     if (level == LOG_ERROR)
         end_phase(bar, clock_ns());
     clear_line(bar);
     fprintf(bar->stream, "lampyris: %s: %s\n", names[level], message);
-    pthread_mutex_unlock(&bar->mutex);
+    mutex_unlock(&bar->mutex);
 }

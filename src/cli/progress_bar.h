@@ -10,7 +10,7 @@
 
 #include "base/log.h"
 #include "base/progress.h"
-#include <pthread.h>
+#include "base/thread.h"
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -18,9 +18,9 @@
 struct progress_bar {
     FILE *stream;
     bool is_terminal, is_quiet;
-    pthread_mutex_t mutex; // of the stream and what follows: messages come from any thread
-    bool line_open;        // the bar stands on the terminal's current line
-    bool shown;            // this phase has been shown
+    struct mutex mutex; // of the stream and what follows: messages come from any thread
+    bool line_open;     // the bar stands on the terminal's current line
+    bool shown;         // this phase has been shown
     char phase[32];
     uint64_t phase_start_ns, shown_ns;
     // Where the phase began, or where it was when it last went back: what is left is found from

@@ -2,17 +2,16 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/thread.h"
 #include <endian.h>
 #include <errno.h>
 #include <netdb.h>
 #include <poll.h>
-#include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #define CREATE_IMAGE 4
@@ -24,9 +23,9 @@
 struct tev {
     struct tev_address address;
     char name[NAME_MAX_BYTES];
-    pthread_t thread;
-    pthread_mutex_t mutex;
-    pthread_cond_t changed;
+    struct thread thread;
+    struct mutex mutex;
+    struct condition changed;
     // All of this under the mutex.
     bool has_picture; // to be sent, or being sent
     bool is_closing, is_abandoned, is_failed, is_done;
@@ -100,9 +99,9 @@ bool tev_parse_address(const char *text, struct tev_address *out, struct err *er
 
 static bool is_abandoned(struct tev *tev)
 {
-    pthread_mutex_lock(&tev->mutex);
+    mutex_lock(&tev->mutex);
     bool abandoned = tev->is_abandoned;
-    pthread_mutex_unlock(&tev->mutex);
+    mutex_unlock(&tev->mutex);
     return abandoned;
 }
 
@@ -303,25 +302,25 @@ void tev_free_picture(struct tev_picture *picture)
 // Until there is a picture, or none will come.
 static bool await_picture(struct tev *tev)
 {
-    pthread_mutex_lock(&tev->mutex);
+    mutex_lock(&tev->mutex);
     while (!tev->has_picture && !tev->is_closing)
-        pthread_cond_wait(&tev->changed, &tev->mutex);
+        condition_wait(&tev->changed, &tev->mutex);
     bool has_picture = tev->has_picture;
-    pthread_mutex_unlock(&tev->mutex);
+    mutex_unlock(&tev->mutex);
     return has_picture;
 }
 
 static void picture_is_gone(struct tev *tev, bool is_sent)
 {
-    pthread_mutex_lock(&tev->mutex);
+    mutex_lock(&tev->mutex);
     tev_free_picture(&tev->picture);
     tev->has_picture = false;
     tev->is_failed = tev->is_failed || !is_sent;
-    pthread_cond_broadcast(&tev->changed);
-    pthread_mutex_unlock(&tev->mutex);
+    condition_wake_all(&tev->changed);
+    mutex_unlock(&tev->mutex);
 }
 
-static void *run(void *context)
+static void run(void *context)
 {
     struct tev *tev = context;
     struct head *head = malloc(sizeof *head);
@@ -337,29 +336,18 @@ static void *run(void *context)
     free(head);
     if (tev->socket >= 0)
         close(tev->socket);
-    pthread_mutex_lock(&tev->mutex);
+    mutex_lock(&tev->mutex);
     tev->is_done = true;
-    pthread_cond_broadcast(&tev->changed);
-    pthread_mutex_unlock(&tev->mutex);
-    return NULL;
+    condition_wake_all(&tev->changed);
+    mutex_unlock(&tev->mutex);
 }
 
 static void destroy(struct tev *tev)
 {
     tev_free_picture(&tev->picture);
-    pthread_cond_destroy(&tev->changed);
-    pthread_mutex_destroy(&tev->mutex);
+    condition_finish(&tev->changed);
+    mutex_finish(&tev->mutex);
     free(tev);
-}
-
-// Waits on a clock that nobody sets.
-static void init_condition(pthread_cond_t *condition)
-{
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(condition, &attributes);
-    pthread_condattr_destroy(&attributes);
 }
 
 struct tev *tev_open(const struct tev_address *address, const char *name, struct err *err)
@@ -372,9 +360,9 @@ struct tev *tev_open(const struct tev_address *address, const char *name, struct
     tev->address = *address;
     tev->socket = -1;
     snprintf(tev->name, sizeof tev->name, "%s", name);
-    pthread_mutex_init(&tev->mutex, NULL);
-    init_condition(&tev->changed);
-    int status = pthread_create(&tev->thread, NULL, run, tev);
+    mutex_init(&tev->mutex);
+    condition_init(&tev->changed);
+    int status = thread_start(&tev->thread, run, tev);
     if (status == 0)
         return tev;
     err_set(err, ERR_SYSTEM, "--tev: no thread: %s", strerror(status));
@@ -384,9 +372,9 @@ struct tev *tev_open(const struct tev_address *address, const char *name, struct
 
 bool tev_is_ready(struct tev *tev)
 {
-    pthread_mutex_lock(&tev->mutex);
+    mutex_lock(&tev->mutex);
     bool is_ready = !tev->has_picture && !tev->is_failed;
-    pthread_mutex_unlock(&tev->mutex);
+    mutex_unlock(&tev->mutex);
     return is_ready;
 }
 
@@ -400,32 +388,29 @@ void tev_send(struct tev *tev, struct tev_picture *picture)
         bits = htole32(bits);
         memcpy(&picture->values[i], &bits, sizeof bits);
     }
-    pthread_mutex_lock(&tev->mutex);
+    mutex_lock(&tev->mutex);
     tev->picture = *picture;
     tev->has_picture = true;
-    pthread_cond_broadcast(&tev->changed);
-    pthread_mutex_unlock(&tev->mutex);
+    condition_wake_all(&tev->changed);
+    mutex_unlock(&tev->mutex);
     *picture = (struct tev_picture){0};
 }
 
-static struct timespec later(double seconds)
+static uint64_t later(double seconds)
 {
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    time.tv_sec += (time_t)seconds;
-    return time;
+    return clock_ns() + (uint64_t)(seconds * 1e9);
 }
 
 void tev_wait(struct tev *tev)
 {
-    const struct timespec deadline = later(TEV_FAREWELL_SECONDS);
-    int status = 0;
-    pthread_mutex_lock(&tev->mutex);
-    while (tev->has_picture && !tev->is_failed && status == 0)
-        status = pthread_cond_timedwait(&tev->changed, &tev->mutex, &deadline);
+    const uint64_t deadline_ns = later(TEV_FAREWELL_SECONDS);
+    bool is_in_time = true;
+    mutex_lock(&tev->mutex);
+    while (tev->has_picture && !tev->is_failed && is_in_time)
+        is_in_time = condition_wait_until(&tev->changed, &tev->mutex, deadline_ns);
     bool is_late = tev->has_picture && !tev->is_failed;
     tev->is_abandoned = tev->is_failed = tev->is_failed || is_late;
-    pthread_mutex_unlock(&tev->mutex);
+    mutex_unlock(&tev->mutex);
     if (is_late)
         log_warn("--tev: %s port %s: did not take all of the picture within %g s",
                  tev->address.host, tev->address.port, TEV_FAREWELL_SECONDS);
@@ -436,19 +421,19 @@ void tev_close(struct tev *tev)
     if (!tev)
         return;
     tev_wait(tev);
-    const struct timespec deadline = later(1);
-    int status = 0;
-    pthread_mutex_lock(&tev->mutex);
+    const uint64_t deadline_ns = later(1);
+    bool is_in_time = true;
+    mutex_lock(&tev->mutex);
     tev->is_closing = tev->is_abandoned = true;
-    pthread_cond_broadcast(&tev->changed);
-    while (!tev->is_done && status == 0)
-        status = pthread_cond_timedwait(&tev->changed, &tev->mutex, &deadline);
+    condition_wake_all(&tev->changed);
+    while (!tev->is_done && is_in_time)
+        is_in_time = condition_wait_until(&tev->changed, &tev->mutex, deadline_ns);
     bool is_done = tev->is_done;
-    pthread_mutex_unlock(&tev->mutex);
+    mutex_unlock(&tev->mutex);
     if (!is_done) {
-        pthread_detach(tev->thread);
+        thread_detach(&tev->thread);
         return;
     }
-    pthread_join(tev->thread, NULL);
+    thread_join(&tev->thread);
     destroy(tev);
 }

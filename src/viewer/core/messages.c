@@ -47,30 +47,30 @@ static void take_log(void *context, enum log_level level, const char *text)
 {
     struct viewer *viewer = context;
     struct viewer_log *log = &viewer->shell.log;
-    pthread_mutex_lock(&log->mutex);
+    mutex_lock(&log->mutex);
     if (strcmp(log->last, text) != 0) {
         viewer_print(viewer, level, text);
         snprintf(log->last, sizeof log->last, "%s", text);
         log->last_level = level;
         log->is_new = level <= LOG_WARN;
     }
-    pthread_mutex_unlock(&log->mutex);
+    mutex_unlock(&log->mutex);
 }
 
 void viewer_log_show(struct viewer *viewer)
 {
     struct viewer_log *log = &viewer->shell.log;
-    pthread_mutex_lock(&log->mutex);
+    mutex_lock(&log->mutex);
     if (log->is_new)
         set_message(viewer, log->last_level == LOG_ERROR ? MESSAGE_ERROR : MESSAGE_WARNING,
                     log->last);
     log->is_new = false;
-    pthread_mutex_unlock(&log->mutex);
+    mutex_unlock(&log->mutex);
 }
 
 void viewer_log_begin(struct viewer *viewer, enum log_level level)
 {
-    pthread_mutex_init(&viewer->shell.log.mutex, NULL);
+    mutex_init(&viewer->shell.log.mutex);
     viewer->shell.log.level = level;
     log_configure(level > LOG_WARN ? level : LOG_WARN, take_log, viewer);
 }
@@ -78,5 +78,5 @@ void viewer_log_begin(struct viewer *viewer, enum log_level level)
 void viewer_log_end(struct viewer *viewer)
 {
     log_configure(viewer->shell.log.level, NULL, NULL);
-    pthread_mutex_destroy(&viewer->shell.log.mutex);
+    mutex_finish(&viewer->shell.log.mutex);
 }

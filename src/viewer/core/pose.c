@@ -1,5 +1,6 @@
 #include "viewer/core/pose.h"
 
+#include "base/clock.h"
 #include "scene/core/environment.h"
 #include "scene/core/placement.h"
 #include "scene/json/scene_edits.h"
@@ -11,7 +12,6 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #define NAME "pose"
 
@@ -354,11 +354,10 @@ void pose_play(struct viewer *viewer, double seconds)
 void pose_finish(struct viewer *viewer)
 {
     struct pose *pose = &viewer->document.pose;
-    const struct timespec pause = {.tv_nsec = 1000000};
     if (pose->job) {
         atomic_store(&pose->job->is_cancelled, true);
         while (!pose->job->is_done) {
-            nanosleep(&pause, NULL);
+            clock_sleep(1e-3);
             worker_poll(viewer->shell.worker, viewer);
         }
         free_job(pose->job);

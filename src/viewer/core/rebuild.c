@@ -1,5 +1,6 @@
 #include "viewer/core/rebuild.h"
 
+#include "base/clock.h"
 #include "scene/json/scene_write.h"
 #include "viewer/core/changes.h"
 #include "viewer/core/load.h"
@@ -7,7 +8,6 @@
 #include "viewer/core/viewer.h"
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <time.h>
 
 // Longer than a frame may take.
 #define REBUILD_SECONDS 0.05
@@ -155,11 +155,10 @@ void rebuild_adopt(struct viewer *viewer)
 void rebuild_cancel(struct viewer *viewer)
 {
     struct rebuild *rebuild = &viewer->document.rebuild;
-    const struct timespec pause = {.tv_nsec = 1000000};
     if (rebuild->job) {
         atomic_store(&rebuild->job->is_cancelled, true);
         while (rebuild->job && !rebuild->job->is_done) {
-            nanosleep(&pause, NULL);
+            clock_sleep(1e-3);
             worker_poll(viewer->shell.worker, viewer);
         }
         if (rebuild->job)

@@ -2,15 +2,15 @@
 #ifndef LAMPYRIS_VIEWER_CORE_SHELL_H
 #define LAMPYRIS_VIEWER_CORE_SHELL_H
 
+#include "base/thread.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/worker.h"
 #include "viewer/gui/gui.h"
 #include "viewer/window/window.h"
-#include <pthread.h>
 
 // What the log says, which comes from any thread, becomes messages of the next frame.
 struct viewer_log {
-    pthread_mutex_t mutex;
+    struct mutex mutex;
     enum log_level level; // up to which stderr has it, too
     char last[1024];
     bool is_new;

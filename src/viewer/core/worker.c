@@ -1,7 +1,6 @@
 #include "viewer/core/worker.h"
 
-#include <pthread.h>
-#include <signal.h>
+#include "base/thread.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,9 +14,9 @@ struct entry {
 
 // A ring whose entries are, in this order: finished, running, waiting. The three numbers only grow.
 struct worker {
-    pthread_t thread;
-    pthread_mutex_t mutex; // of all below
-    pthread_cond_t wake;   // there is a task, or `is_closing`
+    struct thread thread;
+    struct mutex mutex;    // of all below
+    struct condition wake; // there is a task, or `is_closing`
     struct entry entries[TASKS_MAX];
     uint64_t taken, finished, added;
     bool is_closing;
@@ -28,34 +27,22 @@ static struct entry *entry_at(struct worker *worker, uint64_t number)
     return &worker->entries[number % TASKS_MAX];
 }
 
-static void *worker_main(void *argument)
+static void worker_main(void *argument)
 {
     struct worker *worker = argument;
-    pthread_mutex_lock(&worker->mutex);
+    mutex_lock(&worker->mutex);
     for (;;) {
         while (worker->finished == worker->added && !worker->is_closing)
-            pthread_cond_wait(&worker->wake, &worker->mutex);
+            condition_wait(&worker->wake, &worker->mutex);
         if (worker->finished == worker->added)
             break;
         struct entry *entry = entry_at(worker, worker->finished);
-        pthread_mutex_unlock(&worker->mutex); // nobody else writes to this entry
+        mutex_unlock(&worker->mutex); // nobody else writes to this entry
         entry->ok = entry->task.run(entry->task.context, &entry->err);
-        pthread_mutex_lock(&worker->mutex);
+        mutex_lock(&worker->mutex);
         worker->finished++;
     }
-    pthread_mutex_unlock(&worker->mutex);
-    return NULL;
-}
-
-// Signals are blocked in the thread, so that they interrupt the viewer's while it waits for events.
-static int start_thread(struct worker *worker)
-{
-    sigset_t all, previous;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &previous);
-    int result = pthread_create(&worker->thread, NULL, worker_main, worker);
-    pthread_sigmask(SIG_SETMASK, &previous, NULL);
-    return result;
+    mutex_unlock(&worker->mutex);
 }
 
 bool worker_create(struct worker **out, struct err *err)
@@ -64,12 +51,12 @@ bool worker_create(struct worker **out, struct err *err)
     struct worker *worker = calloc(1, sizeof *worker);
     if (!worker)
         return err_memory(err, "the worker", sizeof *worker);
-    pthread_mutex_init(&worker->mutex, NULL); // with these attributes, neither can fail on Linux
-    pthread_cond_init(&worker->wake, NULL);
-    int result = start_thread(worker);
+    mutex_init(&worker->mutex);
+    condition_init(&worker->wake);
+    int result = thread_start(&worker->thread, worker_main, worker);
     if (result != 0) {
-        pthread_cond_destroy(&worker->wake);
-        pthread_mutex_destroy(&worker->mutex);
+        condition_finish(&worker->wake);
+        mutex_finish(&worker->mutex);
         free(worker);
         return err_set(err, ERR_SYSTEM, "cannot start a thread: %s", strerror(result));
     }
@@ -81,37 +68,37 @@ void worker_destroy(struct worker *worker, void *viewer)
 {
     if (!worker)
         return;
-    pthread_mutex_lock(&worker->mutex);
+    mutex_lock(&worker->mutex);
     worker->is_closing = true;
-    pthread_cond_signal(&worker->wake);
-    pthread_mutex_unlock(&worker->mutex);
-    pthread_join(worker->thread, NULL);
+    condition_wake_one(&worker->wake);
+    mutex_unlock(&worker->mutex);
+    thread_join(&worker->thread);
     worker_poll(worker, viewer);
-    pthread_cond_destroy(&worker->wake);
-    pthread_mutex_destroy(&worker->mutex);
+    condition_finish(&worker->wake);
+    mutex_finish(&worker->mutex);
     free(worker);
 }
 
 bool worker_add(struct worker *worker, const struct worker_task *task)
 {
-    pthread_mutex_lock(&worker->mutex);
+    mutex_lock(&worker->mutex);
     bool is_taken = worker->added - worker->taken < TASKS_MAX && !worker->is_closing;
     if (is_taken) {
         *entry_at(worker, worker->added++) = (struct entry){.task = *task};
-        pthread_cond_signal(&worker->wake);
+        condition_wake_one(&worker->wake);
     }
-    pthread_mutex_unlock(&worker->mutex);
+    mutex_unlock(&worker->mutex);
     return is_taken;
 }
 
 // Frees the entry, so that `done` may add a task.
 static bool take_finished(struct worker *worker, struct entry *out)
 {
-    pthread_mutex_lock(&worker->mutex);
+    mutex_lock(&worker->mutex);
     bool is_some = worker->taken < worker->finished;
     if (is_some)
         *out = *entry_at(worker, worker->taken++);
-    pthread_mutex_unlock(&worker->mutex);
+    mutex_unlock(&worker->mutex);
     return is_some;
 }
 
@@ -126,18 +113,18 @@ uint32_t worker_count(const struct worker *worker, const char *name)
 {
     struct worker *w = (struct worker *)worker; // only its mutex changes
     uint32_t count = 0;
-    pthread_mutex_lock(&w->mutex);
+    mutex_lock(&w->mutex);
     for (uint64_t i = w->finished; i < w->added; i++)
         count += strcmp(entry_at(w, i)->task.name, name) == 0;
-    pthread_mutex_unlock(&w->mutex);
+    mutex_unlock(&w->mutex);
     return count;
 }
 
 bool worker_is_idle(const struct worker *worker)
 {
     struct worker *w = (struct worker *)worker; // only its mutex changes
-    pthread_mutex_lock(&w->mutex);
+    mutex_lock(&w->mutex);
     bool is_idle = w->taken == w->added;
-    pthread_mutex_unlock(&w->mutex);
+    mutex_unlock(&w->mutex);
     return is_idle;
 }

@@ -1,9 +1,9 @@
 // The window: GLFW's, or none.
 #include "viewer/window/window.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include <string.h>
-#include <time.h>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -279,13 +279,6 @@ bool window_create_surface(struct window *window, VkInstance instance, VkSurface
 
 // --- use ----------------------------------------------------------------------------------------
 
-static void wait_without_window(double seconds)
-{
-    struct timespec duration = {.tv_sec = (time_t)seconds};
-    duration.tv_nsec = (long)((seconds - (double)duration.tv_sec) * 1e9);
-    nanosleep(&duration, NULL); // a signal ends it early, as it ends the wait for events
-}
-
 void window_poll(struct window *window, double wait_seconds)
 {
     bool waits = wait_seconds > 0 && window->queues[window->gathering].count == 0;
@@ -294,7 +287,7 @@ void window_poll(struct window *window, double wait_seconds)
     else if (window->handle)
         glfwPollEvents();
     else if (waits)
-        wait_without_window(wait_seconds);
+        clock_sleep(wait_seconds); // a signal ends it early, as it ends the wait for events
     struct window_events *gathered = &window->queues[window->gathering];
     window->events = gathered->list;
     window->event_count = gathered->count;
