@@ -85,7 +85,6 @@ void main()
         counters.unfinished != 0u)
         return;
     uint at = (item_pixel(item) - push.film_first_pixel) * PIXEL_WORDS;
-    uint first_sample = item_first_sample(item);
     uvec4 words[FILM_WORDS];
     for (uint i = 0u; i < FILM_WORDS; i++)
         words[i] = film_words[at + i];
@@ -99,7 +98,7 @@ void main()
     uint count_b = words[0].w - count_a;
     for (uint i = 0u; i < samples; i++) {
         vec4 radiance = load_sample((item << push.sample_shift) + i, 0u);
-        if (half_of_sample(first_sample + i) == 0u)
+        if (half_of_sample(words[0].w + i) == 0u)
             accumulate(halves[0], radiance.rgb, ++count_a);
         else
             accumulate(halves[1], radiance.rgb, ++count_b);

@@ -21,12 +21,13 @@ sequence_place place_in_sequence(uint sample_index)
     return sequence_place(parity, sample_index >> 1u, count);
 }
 
-// 0 or 1
-uint half_of_sample(uint sample_index)
+// The half, 0 or 1, that gets a pixel's next sample where the film has `samples` of that pixel. It
+// does not follow from the sample's index: a film that was emptied begins with half 0 again.
+uint half_of_sample(uint samples)
 {
     if (HALVES == HALVES_CONTIGUOUS)
-        return sample_index < frame.samples - frame.samples / 2u ? 0u : 1u;
-    return sample_index & 1u;
+        return samples < frame.samples - frame.samples / 2u ? 0u : 1u;
+    return samples & 1u;
 }
 
 // How many of the first `samples` samples belong to half 0.

@@ -283,9 +283,10 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 // that it is in, and that of the hit.
 #define SUSPENDED_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 10u : 8u)
 
-// Compensated sums (Kahan 1965) of the two half-buffers: sample s belongs to half s & 1. The value
-// of a sum is sum - lost. ACCUMULATION_SUM loses nothing that it knows of; ACCUMULATION_RUNNING has
-// means in place of sums.
+// Compensated sums (Kahan 1965) of the two half-buffers: unless the halves are contiguous, a pixel's
+// samples go to one and the other in turn from when the film was last emptied. The value of a sum is
+// sum - lost. ACCUMULATION_SUM loses nothing that it knows of; ACCUMULATION_RUNNING has means in
+// place of sums.
 struct gpu_film_pixel {
     float sum_a[3];
     uint samples; // both halves

@@ -33,8 +33,7 @@ static void expect_wave(uint32_t accumulation, const struct gpu_push *push)
     for (uint32_t slot = 0; slot < push->pixel_count << push->sample_shift; slot++) {
         struct gpu_film_pixel *pixel =
             &expected[push->first_pixel - push->film_first_pixel + (slot >> push->sample_shift)];
-        uint32_t sample = push->first_sample + (slot & ((1u << push->sample_shift) - 1));
-        bool odd = sample & 1u;
+        bool odd = pixel->samples & 1u; // whatever the index of the sample
         uint32_t count_a = (pixel->means_a ? pixel->means_a - 1 : 0) + !odd;
         uint32_t count = odd ? pixel->samples + 1 - count_a : count_a;
         for (int c = 0; c < 3; c++)
@@ -237,5 +236,38 @@ TEST(resolve_takes_means)
     check_resolve(ACCUMULATION_RUNNING);
 }
 
+// --- both ----------------------------------------------------------------------------------------
+
+// Every sample sees radiance 1, so that all means are 1 exactly, also those of halves.
+static void check_emptied_film(struct renderer *r, uint64_t before, uint64_t samples)
+{
+    struct arena arena = {0};
+    struct film_image image;
+    struct err err = {0};
+    const struct render_call first = {.samples = before}, second = {.samples = samples};
+    bool ok = renderer_render(r, &first, &err) && renderer_clear(r, &err) &&
+              renderer_render(r, &second, &err) && renderer_read(r, &arena, &image, &err);
+    REQUIRE(ok, "%s", err.msg);
+    uint32_t wrong = 0;
+    for (uint32_t i = 0; i < PIXELS; i++)
+        wrong += image.samples[i] != samples || image.mean[i][0] != 1.0f ||
+                 image.half_a[i][1] != 1.0f || image.half_b[i][2] != (samples > 1 ? 1.0f : 0.0f);
+    CHECK(wrong == 0, "%llu samples after %llu that are gone: %u of %d pixels",
+          (unsigned long long)samples, (unsigned long long)before, wrong, PIXELS);
+    arena_finish(&arena);
+}
+
+TEST(an_emptied_film_begins_with_its_first_half)
+{
+    struct setup setup;
+    make_setup_scene(&setup.scene);
+    OPEN_SETUP(&setup, SLOTS);
+    for (uint64_t before = 1; before <= 2; before++)
+        for (uint64_t samples = 1; samples <= 4; samples++)
+            check_emptied_film(&setup.r, before, samples);
+    setup_close(&setup);
+}
+
 TEST_MAIN(TEST_CASE(accumulate_is_as_in_c), TEST_CASE(accumulate_goes_on_past_2_to_24),
-          TEST_CASE(accumulate_leaves_void_waves_alone), TEST_CASE(resolve_takes_means))
+          TEST_CASE(accumulate_leaves_void_waves_alone), TEST_CASE(resolve_takes_means),
+          TEST_CASE(an_emptied_film_begins_with_its_first_half))
