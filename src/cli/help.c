@@ -179,7 +179,7 @@ static void program_page(const struct help_writer *writer)
     program_head(writer);
     help_section(writer, "DESCRIPTION");
     help_paragraph(writer,
-                   "Lampyris renders scenes by wavefront path tracing on any Vulkan 1.2 device "
+                   "Lampyris renders scenes by wavefront path tracing on any Vulkan 1.1 device "
                    "with compute shaders, from a driver that runs on the processor to a large "
                    "GPU, without ray-tracing extensions. A picture depends on the scene, its "
                    "settings and the seed alone, not on how the work was split.");

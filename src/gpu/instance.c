@@ -14,8 +14,8 @@ static bool loader_open(struct err *err)
                        "no Vulkan loader: libvulkan.so.1 was not found; install the package that "
                        "has it (Debian: libvulkan1) and a driver (mesa-vulkan-drivers)");
     uint32_t version = volkGetInstanceVersion();
-    if (version < VK_API_VERSION_1_2)
-        return err_set(err, ERR_NO_VULKAN, "the Vulkan loader has version %u.%u, expected 1.2",
+    if (version < VK_API_VERSION_1_1)
+        return err_set(err, ERR_NO_VULKAN, "the Vulkan loader has version %u.%u, expected 1.1",
                        VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
     return true;
 }
@@ -120,7 +120,7 @@ static VkResult instance_call(struct gpu *gpu, const void *next, bool portabilit
     const VkApplicationInfo application = {
         .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
         .pApplicationName = "lampyris",
-        .apiVersion = VK_API_VERSION_1_2,
+        .apiVersion = VK_API_VERSION_1_1, // nothing newer is used, wherever it is to be had
     };
     const VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,

@@ -14,6 +14,7 @@ static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size
         const char *name;
         bool *flag;
     } flags[] = {
+        {"api-1.1", &limits->api_1_1},
         {"no-texel", &limits->no_texel},
         {"no-ballot", &limits->no_ballot},
         {"no-mapped-device", &limits->no_mapped_device},
@@ -66,7 +67,7 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
         size_t length = strcspn(word, ",");
         if (!take_flag(limits, word, length) && !take_number(limits, word, length))
             return err_set(err, ERR_USAGE,
-                           VARIABLE ": \"%.*s\" is unknown; expected no-texel, no-ballot, "
+                           VARIABLE ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
                                     "no-mapped-device, no-timestamps, storage-range=BYTES, "
                                     "storage-count=N, texel-elements=N or allocation=BYTES",
                            (int)length, word);

@@ -7,8 +7,9 @@
 
 struct device_properties {
     VkPhysicalDeviceProperties core;
-    VkPhysicalDeviceVulkan11Properties v11;
-    VkPhysicalDeviceVulkan12Properties v12;
+    VkPhysicalDeviceSubgroupProperties subgroup;
+    VkPhysicalDeviceMaintenance3Properties maintenance;
+    VkPhysicalDeviceDriverProperties driver; // empty where the driver does not tell
 };
 
 bool device_has_extension(VkPhysicalDevice device, const char *name)
@@ -25,20 +26,29 @@ bool device_has_extension(VkPhysicalDevice device, const char *name)
     return found;
 }
 
-// Devices below 1.2 have only the core part filled in.
-static void properties_read(VkPhysicalDevice device, struct device_properties *out)
+// Devices below 1.1 have only the core part filled in. With the override api-1.1 a device is one of
+// that version, and has no extension that only tells more.
+static void properties_read(const struct gpu *gpu, VkPhysicalDevice device,
+                            struct device_properties *out)
 {
-    *out = (struct device_properties){0};
+    bool is_1_1 = gpu->params.limits.api_1_1;
+    *out = (struct device_properties){
+        .subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+        .maintenance.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+        .driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
+    };
     vkGetPhysicalDeviceProperties(device, &out->core);
-    if (out->core.apiVersion < VK_API_VERSION_1_2)
+    if (out->core.apiVersion < VK_API_VERSION_1_1)
         return;
-    out->v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES;
-    out->v11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES;
-    out->v11.pNext = &out->v12;
+    if (is_1_1)
+        out->core.apiVersion = VK_API_VERSION_1_1;
     VkPhysicalDeviceProperties2 all = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-        .pNext = &out->v11,
+        .pNext = &out->subgroup,
     };
+    out->subgroup.pNext = &out->maintenance;
+    if (!is_1_1 && device_has_extension(device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME))
+        out->maintenance.pNext = &out->driver;
     vkGetPhysicalDeviceProperties2(device, &all);
 }
 
@@ -106,8 +116,8 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
         {"maxComputeWorkGroupSize[0]", l->maxComputeWorkGroupSize[0], GPU_MIN_INVOCATIONS},
     };
     out[0] = '\0';
-    if (device->apiVersion < VK_API_VERSION_1_2) {
-        snprintf(out, size, "Vulkan %u.%u, expected 1.2", VK_API_VERSION_MAJOR(device->apiVersion),
+    if (device->apiVersion < VK_API_VERSION_1_1) {
+        snprintf(out, size, "Vulkan %u.%u, expected 1.1", VK_API_VERSION_MAJOR(device->apiVersion),
                  VK_API_VERSION_MINOR(device->apiVersion));
         return;
     }
@@ -156,7 +166,7 @@ static void info_read(const struct gpu *gpu, VkPhysicalDevice device, uint32_t i
                       struct gpu_device_info *out)
 {
     struct device_properties p;
-    properties_read(device, &p);
+    properties_read(gpu, device, &p);
     uint32_t timestamp_bits;
     uint32_t family = queue_family_find(gpu, device, &timestamp_bits);
     *out = (struct gpu_device_info){
@@ -168,11 +178,12 @@ static void info_read(const struct gpu *gpu, VkPhysicalDevice device, uint32_t i
     };
     snprintf(out->name, sizeof out->name, "%s", p.core.deviceName);
     // The encoding of driverVersion differs by vendor; driverInfo has it in words.
-    if (p.v12.driverInfo[0])
-        snprintf(out->driver, sizeof out->driver, "%s %s", p.v12.driverName, p.v12.driverInfo);
+    if (p.driver.driverInfo[0])
+        snprintf(out->driver, sizeof out->driver, "%s %s", p.driver.driverName,
+                 p.driver.driverInfo);
     else
-        snprintf(out->driver, sizeof out->driver, "%s version 0x%x", p.v12.driverName,
-                 p.core.driverVersion);
+        snprintf(out->driver, sizeof out->driver, "%s%sversion 0x%x", p.driver.driverName,
+                 p.driver.driverName[0] ? " " : "", p.core.driverVersion);
     find_window_lacks(gpu, device, family, out->unusable, sizeof out->unusable);
     if (!out->unusable[0])
         device_find_lacks(&p.core, family, out->unusable, sizeof out->unusable);
@@ -305,7 +316,7 @@ static uint32_t storage_count(const VkPhysicalDeviceLimits *limits, uint64_t ove
 void device_read_limits(struct gpu *gpu)
 {
     struct device_properties p;
-    properties_read(gpu->physical, &p);
+    properties_read(gpu, gpu->physical, &p);
     const VkPhysicalDeviceLimits *limits = &p.core.limits;
     const struct gpu_limit_overrides *lower = &gpu->params.limits;
     const VkSubgroupFeatureFlags ballot =
@@ -316,16 +327,16 @@ void device_read_limits(struct gpu *gpu)
     gpu->max_texel_elements =
         lower->no_texel ? 0 : lowered(limits->maxTexelBufferElements, lower->texel_elements);
     gpu->storage_count = storage_count(limits, lower->storage_count);
-    gpu->max_allocation = lowered(p.v11.maxMemoryAllocationSize, lower->allocation);
+    gpu->max_allocation = lowered(p.maintenance.maxMemoryAllocationSize, lower->allocation);
     gpu->storage_alignment = limits->minStorageBufferOffsetAlignment;
     gpu->max_groups = limits->maxComputeWorkGroupCount[0];
     gpu->max_invocations = limits->maxComputeWorkGroupInvocations;
     if (limits->maxComputeWorkGroupSize[0] < gpu->max_invocations)
         gpu->max_invocations = limits->maxComputeWorkGroupSize[0];
-    gpu->subgroup_size = p.v11.subgroupSize;
+    gpu->subgroup_size = p.subgroup.subgroupSize;
     gpu->has_ballot = !lower->no_ballot &&
-                      (p.v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
-                      (p.v11.subgroupSupportedOperations & ballot) == ballot;
+                      (p.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                      (p.subgroup.supportedOperations & ballot) == ballot;
 
     uint32_t timestamp_bits;
     gpu->queue_family = queue_family_find(gpu, gpu->physical, &timestamp_bits);

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// SPIR-V 1.5, revision 2: the header (section 2.3), a decoration (3.20) and opcodes (3.37).
+// SPIR-V 1.3, revision 7: the header (section 2.3), a decoration (3.20) and opcodes (3.37).
 enum {
     SPIRV_MAGIC = 0x07230203,
     SPIRV_BOUND = 3, // word of the header

@@ -385,7 +385,7 @@ class Module:
         if short:
             self.bytes, self.instructions = os.path.getsize(frozen), len(code_of(lines))
             return
-        subprocess.run(["spirv-val", "--target-env", "vulkan1.2", frozen], check=True)
+        subprocess.run(["spirv-val", "--target-env", "vulkan1.1", frozen], check=True)
         subprocess.run(["spirv-opt"] + INLINE + [frozen, "-o", inlined], check=True)
         self.bytes = os.path.getsize(inlined)
         self.instructions = len(code_of(disassemble(inlined)))
