@@ -225,7 +225,8 @@ float coat_fresnel(principled p, float cosine)
         float cos_t;
         return fresnel_dielectric(cosine, 1.5, cos_t);
     }
-    return 0.04 + 0.96 * schlick_weight(cosine);
+    precise float f = 0.04 + 0.96 * schlick_weight(cosine);
+    return f;
 }
 
 // The albedo of a coat of weight 1 with the exact reflectance.

@@ -188,6 +188,27 @@ static void check_further_scenes(bool all)
         check_file(further_scenes[i], "0", all);
 }
 
+// The weights of Schlick's curve are shared by lobes: one that the scene lacks must not change how
+// those of the coat are rounded.
+TEST(clearcoat)
+{
+    static const struct variant plain = {"plain", {0}}, all = {"all", {0}, .compile_all = true};
+    const struct scene_override small[] = {{"film.width", "64"}, {"film.height", "24"}, {0}};
+    struct film_image expected, film;
+    struct arena arena = {0};
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_scene("scenes/materials_clearcoat.json", small, &scene, &err));
+    REQUIRE_OK(render_variant(&gpu, &scene, &plain, &arena, &expected, &err));
+    REQUIRE_OK(render_variant(&gpu, &scene, &all, &arena, &film, &err));
+    CHECK(same_bits(&film, &expected), "features that the scene lacks change it");
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
 // Up to eight slots a sample; where all features are compiled in, in the long form.
 TEST(split_lobes)
 {
@@ -490,9 +511,9 @@ TEST(validation_is_silent)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(cornell), TEST_CASE(further_scenes), TEST_CASE(split_lobes),
-          TEST_CASE(normals_and_environment_image), TEST_CASE(waves_of_a_large_picture),
-          TEST_CASE(scales), TEST_CASE(classes), TEST_CASE(workgroups),
-          TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized), TEST_CASE(validation_is_silent),
-          TEST_CASE(further_scenes_long), TEST_CASE(normals_and_environment_image_long),
-          TEST_CASE(split_lobes_long))
+TEST_MAIN(TEST_CASE(cornell), TEST_CASE(further_scenes), TEST_CASE(clearcoat),
+          TEST_CASE(split_lobes), TEST_CASE(normals_and_environment_image),
+          TEST_CASE(waves_of_a_large_picture), TEST_CASE(scales), TEST_CASE(classes),
+          TEST_CASE(workgroups), TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized),
+          TEST_CASE(validation_is_silent), TEST_CASE(further_scenes_long),
+          TEST_CASE(normals_and_environment_image_long), TEST_CASE(split_lobes_long))
