@@ -42,9 +42,10 @@ char *file_resolve(struct arena *arena, const struct file_reference *reference, 
 // Creates a folder unless it is there; its parent must be. ERR_OUTPUT.
 bool file_make_folder(const char *path, struct err *err);
 
-char *path_folder(struct arena *arena, const char *path); // "a/b.c" -> "a", "b.c" -> "."
-const char *path_extension(const char *path);             // "a.PNG" -> "PNG", else ""
-const char *path_name(const char *path);                  // "a/b.c" -> "b.c"
+char *path_folder(struct arena *arena, const char *path);         // "a/b.c" -> "a", "b.c" -> "."
+const char *path_extension(const char *path);                     // "a.PNG" -> "PNG", else ""
+bool path_has_extension(const char *path, const char *extension); // without regard to case
+const char *path_name(const char *path);                          // "a/b.c" -> "b.c"
 // "a/b.c", 12 -> "a/b.0012.c". NULL when out of memory.
 char *path_numbered(struct arena *arena, const char *path, uint32_t number);
 // The number with which path_numbered() makes a file's name of the name of `path`; 0 where none

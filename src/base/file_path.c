@@ -1,4 +1,5 @@
 // Paths as text, and the file that a path means.
+#include "base/ascii.h"
 #include "base/file.h"
 
 #include <limits.h>
@@ -27,6 +28,11 @@ const char *path_extension(const char *path)
     const char *name = path_name(path);
     const char *dot = strrchr(name, '.');
     return dot && dot != name ? dot + 1 : "";
+}
+
+bool path_has_extension(const char *path, const char *extension)
+{
+    return ascii_equal(path_extension(path), extension);
 }
 
 char *path_numbered(struct arena *arena, const char *path, uint32_t number)

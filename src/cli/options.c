@@ -271,20 +271,28 @@ static bool allocate_lists(struct options *options, int argc, struct err *err)
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
 
+// Returns the end of what it has copied.
+static char *put(char *out, const char *text)
+{
+    size_t length = strlen(text);
+    memcpy(out, text, length + 1);
+    return out + length;
+}
+
 char *options_quote(const char *word, char *out)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                                 "_@%+=:,./-";
     bool is_plain = *word && word[strspn(word, plain)] == '\0';
     if (is_plain)
-        return stpcpy(out, word);
+        return put(out, word);
     *out++ = '\'';
     for (; *word; word++) {
         if (*word == '\'')
-            out = stpcpy(out, "'\\'"); // close, a quote, and the quote itself opens again
+            out = put(out, "'\\'"); // close, a quote, and the quote itself opens again
         *out++ = *word;
     }
-    return stpcpy(out, "'");
+    return put(out, "'");
 }
 
 // How many arguments from this one on belong to an option of one run only.
@@ -311,7 +319,7 @@ static const char *make_line(struct arena *arena, size_t size, int argc, char **
     char *line = ARENA_NEW(arena, char, size);
     if (!line)
         return NULL;
-    char *end = stpcpy(line, "lampyris");
+    char *end = put(line, "lampyris");
     bool only_arguments = false;
     for (int i = 1; i < argc; i++) {
         int left_out = repeatable && !only_arguments ? passing_arguments(argv[i]) : 0;

@@ -1,12 +1,12 @@
 #include "image/image.h"
 
+#include "base/ascii.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "image/image_internal.h"
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #define FILE_BYTES_MAX ((size_t)8 << 30)
 
@@ -15,9 +15,9 @@ enum format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_HDR, FORMAT_PNG, FORMAT_JPEG };
 static enum format format_of_output(const char *path)
 {
     const char *extension = path_extension(path);
-    return strcasecmp(extension, "exr") == 0   ? FORMAT_EXR
-           : strcasecmp(extension, "png") == 0 ? FORMAT_PNG
-                                               : FORMAT_UNKNOWN;
+    return ascii_equal(extension, "exr")   ? FORMAT_EXR
+           : ascii_equal(extension, "png") ? FORMAT_PNG
+                                           : FORMAT_UNKNOWN;
 }
 
 // A file is what its first bytes say, whatever it is called.

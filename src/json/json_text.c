@@ -9,21 +9,18 @@
 bool json_text_begin(struct json_text *t, uint32_t indent, struct err *err)
 {
     *t = (struct json_text){.err = err, .indent = indent, .key = ""};
-    t->stream = open_memstream(&t->text, &t->size);
-    t->failed = !t->stream;
-    return t->stream || err_memory(err, "a JSON text", 1);
+    t->failed = !memory_stream_open(&t->stream);
+    return !t->failed || err_memory(err, "a JSON text", 1);
 }
 
 char *json_text_end(struct json_text *t)
 {
-    bool ok = t->stream && fclose(t->stream) == 0;
-    t->stream = NULL;
+    bool ok = memory_stream_close(&t->stream);
     if (ok && !t->failed)
-        return t->text;
+        return t->stream.text;
     if (!t->failed)
-        err_memory(t->err, "a JSON text", t->size);
-    free(t->text);
-    t->text = NULL;
+        err_memory(t->err, "a JSON text", t->stream.size);
+    memory_stream_finish(&t->stream);
     return NULL;
 }
 
@@ -31,7 +28,7 @@ char *json_text_end(struct json_text *t)
 
 static void put(struct json_text *t, const char *text)
 {
-    if (!t->failed && fputs(text, t->stream) == EOF) {
+    if (!t->failed && fputs(text, t->stream.file) == EOF) {
         t->failed = true;
         err_memory(t->err, "a JSON text", strlen(text));
     }

@@ -4,18 +4,16 @@
 #define LAMPYRIS_JSON_JSON_TEXT_H
 
 #include "base/err.h"
+#include "base/memory_stream.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
 #define JSON_TEXT_DEPTH_MAX 8
 
 // Functions go on after a failure, and do nothing then; `failed` and *err tell of the first.
 struct json_text {
-    FILE *stream; // in memory
-    char *text;   // what json_text_end returns; free()
-    size_t size;
+    struct memory_stream stream;
     struct {
         char close;
         bool in_line, has_any;

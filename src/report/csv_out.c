@@ -1,6 +1,7 @@
 #include "report/csv_out.h"
 
 #include "base/file.h"
+#include "base/memory_stream.h"
 #include <math.h>
 #include <stdlib.h>
 
@@ -23,14 +24,12 @@ void csv_number(FILE *file, double value)
 
 bool csv_write(const char *path, csv_print_fn print, const void *context, struct err *err)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *file = open_memstream(&text, &size);
-    if (!file)
+    struct memory_stream stream;
+    if (!memory_stream_open(&stream))
         return err_memory(err, path, 0);
-    print(context, file);
-    bool ok =
-        fclose(file) == 0 ? file_write_atomic(path, text, size, err) : err_memory(err, path, size);
-    free(text);
+    print(context, stream.file);
+    bool ok = memory_stream_close(&stream) ? file_write_atomic(path, stream.text, stream.size, err)
+                                           : err_memory(err, path, stream.size);
+    memory_stream_finish(&stream);
     return ok;
 }

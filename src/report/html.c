@@ -59,9 +59,9 @@ bool html_begin(struct html_page *page, struct arena *arena, const char *folder,
                 struct err *err)
 {
     *page = (struct html_page){.arena = arena, .folder = folder};
-    page->out = open_memstream(&page->text, &page->size);
-    if (!page->out)
+    if (!memory_stream_open(&page->stream))
         return err_memory(err, "report.html", 0);
+    page->out = page->stream.file;
     fprintf(page->out, head, title, title);
     return true;
 }
@@ -69,12 +69,12 @@ bool html_begin(struct html_page *page, struct arena *arena, const char *folder,
 bool html_end(struct html_page *page, bool ok, struct err *err)
 {
     const char *path = arena_printf(page->arena, "%s/report.html", page->folder);
-    if (page->out && fclose(page->out) != 0 && ok)
-        ok = err_memory(err, "report.html", page->size);
+    if (page->out && !memory_stream_close(&page->stream) && ok)
+        ok = err_memory(err, "report.html", page->stream.size);
     if (ok && !path)
         ok = err_memory(err, "file names", strlen(page->folder));
-    ok = ok && file_write_atomic(path, page->text, page->size, err);
-    free(page->text);
+    ok = ok && file_write_atomic(path, page->stream.text, page->stream.size, err);
+    memory_stream_finish(&page->stream);
     return ok;
 }
 

@@ -3,6 +3,7 @@
 #define LAMPYRIS_REPORT_HTML_H
 
 #include "base/arena.h"
+#include "base/memory_stream.h"
 #include "gpu/gpu.h"
 #include "image/image.h"
 #include "metrics/curve.h"
@@ -15,9 +16,8 @@ struct html_page {
     float exposure_stops; // of the pictures that follow, but not of false colours
     enum tone_curve tone;
     bool has_no_plots; // gnuplot is not there, which the page says
-    FILE *out;
-    char *text; // of `out`
-    size_t size;
+    struct memory_stream stream;
+    FILE *out; // its
 };
 
 // Before the work: that neither FOLDER/report.html nor the results.json and results.csv beside it

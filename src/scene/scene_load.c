@@ -1,4 +1,5 @@
 // From a path to a complete scene: the loader for the extension, then what a file may leave out.
+#include "base/ascii.h"
 #include "scene/core/scene.h"
 
 #include "base/file.h"
@@ -14,7 +15,6 @@
 #include "scene/sky/sky.h"
 #include "scene/sky/studio.h"
 #include <string.h>
-#include <strings.h>
 
 // --- what a file may leave out -------------------------------------------------------------------
 
@@ -108,10 +108,10 @@ static bool load_by_extension(struct scene *scene, const struct scene_load_param
                               struct err *err)
 {
     const char *extension = path_extension(params->path);
-    bool is_gltf = strcasecmp(extension, "gltf") == 0 || strcasecmp(extension, "glb") == 0;
+    bool is_gltf = ascii_equal(extension, "gltf") || ascii_equal(extension, "glb");
     if (!is_gltf && !check_gltf_only(params, err))
         return false;
-    if (strcasecmp(extension, "json") == 0)
+    if (ascii_equal(extension, "json"))
         return load_json(scene, params, scene_load_into, err);
     if (params->override_count > 0)
         return err_set(err, ERR_USAGE, "%s: -D %s: only .json scenes have values to override",
@@ -119,9 +119,9 @@ static bool load_by_extension(struct scene *scene, const struct scene_load_param
     scene->is_model = true;
     if (is_gltf)
         return load_gltf(scene, params, err);
-    if (strcasecmp(extension, "obj") == 0)
+    if (ascii_equal(extension, "obj"))
         return load_mesh_alone(scene, params, true, err);
-    if (strcasecmp(extension, "ply") == 0)
+    if (ascii_equal(extension, "ply"))
         return load_mesh_alone(scene, params, false, err);
     return err_set(err, ERR_INPUT,
                    "%s: extension \"%s\" is unknown; expected json, gltf, glb, obj or ply",

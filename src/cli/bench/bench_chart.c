@@ -1,5 +1,6 @@
 #include "cli/bench/bench_chart.h"
 
+#include "base/memory_stream.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -260,16 +261,14 @@ static bool write_depths(const struct chart *c, FILE *out)
 static bool put(const struct chart *c, const char *kind,
                 bool (*write)(const struct chart *, FILE *), struct err *err)
 {
-    char *script = NULL;
-    size_t size = 0;
-    FILE *file = open_memstream(&script, &size);
+    struct memory_stream stream;
     const char *name = arena_printf(c->page->arena, "%s-%u", kind, c->first->variant.scene);
-    if (!file || !name)
+    if (!name || !memory_stream_open(&stream))
         return err_memory(err, "a chart", 0);
-    bool there = write(c, file);
-    bool ok = fclose(file) == 0 || err_memory(err, "a chart", size);
-    ok = ok && (!there || html_plot(c->page, name, script, err));
-    free(script);
+    bool there = write(c, stream.file);
+    bool ok = memory_stream_close(&stream) || err_memory(err, "a chart", stream.size);
+    ok = ok && (!there || html_plot(c->page, name, stream.text, err));
+    memory_stream_finish(&stream);
     return ok;
 }
 

@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "report/color_scale.h"
 #include <math.h>
-#include <strings.h>
 
 static bool is_flip(enum error_map map)
 {
@@ -95,7 +94,7 @@ bool compare_write_map(const struct comparison *c, const struct compared *pictur
     struct image_write_params params = {.path = picture->map,
                                         .attributes = attributes,
                                         .attribute_count = sizeof attributes / sizeof *attributes};
-    return strcasecmp(path_extension(picture->map), "exr") == 0
+    return path_has_extension(picture->map, "exr")
                ? write_numbers(&params, map, &values, err)
                : write_colors(&params, map, &values, arena, err);
 }

@@ -1,5 +1,5 @@
 // The command that makes a curve's picture again.
-#define _GNU_SOURCE // asprintf
+#include "base/memory_stream.h"
 #include "cli/converge/converge.h"
 
 #include "cli/commands.h"
@@ -82,16 +82,15 @@ static bool put_given(FILE *out, const struct options *options, const struct con
     return ok;
 }
 
-static bool put_varied(FILE *out, const struct converge_curve *curve)
+static bool put_varied(FILE *out, struct arena *arena, const struct converge_curve *curve)
 {
     const char *word = curve->variant.label;
     while (*word) {
         size_t length = strcspn(word, " ");
-        char *option = NULL;
         if (strncmp(word, "seed=", 5) != 0) {
-            if (asprintf(&option, "--%.*s", (int)length, word) < 0 || !put_word(out, option))
+            const char *option = arena_printf(arena, "--%.*s", (int)length, word);
+            if (!option || !put_word(out, option))
                 return false;
-            free(option);
         }
         word += length;
         word += strspn(word, " ");
@@ -102,22 +101,21 @@ static bool put_varied(FILE *out, const struct converge_curve *curve)
 bool converge_command(struct converge *c, const struct converge_curve *curve, const char **out,
                       struct err *err)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *file = open_memstream(&text, &size);
-    if (!file)
+    struct memory_stream stream;
+    if (!memory_stream_open(&stream))
         return err_memory(err, "a command", 0);
+    FILE *file = stream.file;
     const char *scene = c->options->arguments[curve->variant.scene];
     bool is_last = scene[0] == '-'; // which "--" tells from an option
     fputs("lampyris render", file);
     bool ok = (is_last || put_word(file, scene)) && put_given(file, c->options, curve) &&
-              put_varied(file, curve);
+              put_varied(file, &c->arena, curve);
     fprintf(file, " --seed %u --spp %llu%s", curve->scene_data.settings.seed,
             (unsigned long long)converge_at(c, curve, 0, c->point_count - 1)->spp,
             is_last ? " --" : "");
     ok = ok && (!is_last || put_word(file, scene));
-    ok = fclose(file) == 0 && ok;
-    *out = ok ? arena_strdup(&c->arena, text) : NULL;
-    free(text);
-    return *out || err_memory(err, "a command", size);
+    ok = memory_stream_close(&stream) && ok;
+    *out = ok ? arena_strdup(&c->arena, stream.text) : NULL;
+    memory_stream_finish(&stream);
+    return *out || err_memory(err, "a command", 0);
 }

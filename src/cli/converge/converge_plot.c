@@ -1,4 +1,5 @@
 // gnuplot scripts of curves.
+#include "base/memory_stream.h"
 #include "cli/converge/converge.h"
 
 #include "report/html.h"
@@ -154,17 +155,17 @@ bool converge_plot(const struct converge *c, uint32_t scene, bool over_time, cha
                    struct err *err)
 {
     struct extent extent = find_extent(c, scene, over_time);
-    size_t size = 0;
+    struct memory_stream stream;
     *script = NULL;
     if (extent.curves == 0)
         return true;
-    FILE *file = open_memstream(script, &size);
-    if (!file)
+    if (!memory_stream_open(&stream))
         return err_memory(err, "a plot", 0);
-    put_script(file, c, &extent, scene, over_time);
-    if (fclose(file) == 0)
+    put_script(stream.file, c, &extent, scene, over_time);
+    if (memory_stream_close(&stream)) {
+        *script = stream.text;
         return true;
-    free(*script);
-    *script = NULL;
-    return err_memory(err, "a plot", size);
+    }
+    memory_stream_finish(&stream);
+    return err_memory(err, "a plot", 0);
 }

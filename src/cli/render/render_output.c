@@ -12,7 +12,6 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -67,7 +66,7 @@ static bool check_layers(const struct render_run *run, struct err *err)
 {
     bool has_exr = false;
     for (uint32_t i = 0; i < run->output_count; i++)
-        has_exr |= strcasecmp(path_extension(run->outputs[i]), "exr") == 0;
+        has_exr |= path_has_extension(run->outputs[i], "exr");
     return has_exr || run->options->render.aovs == 0 ||
            err_set(err, ERR_USAGE, "--aov: layers go into EXR files; expected -o NAME.exr");
 }
@@ -124,7 +123,7 @@ bool render_check_space(const struct render_run *run, struct err *err)
     bool is_certain = options->render.every && options->render.time_seconds == 0.0;
     uint64_t pictures = is_certain ? options->render.frames / options->render.every + 1u : 1u;
     for (uint32_t i = 0; i < run->output_count; i++) {
-        bool is_png = strcasecmp(path_extension(run->outputs[i]), "png") == 0;
+        bool is_png = path_has_extension(run->outputs[i], "png");
         uint64_t bytes = picture_bytes(run, is_png);
         if (!file_check_space(run->outputs[i], pictures * bytes, err))
             return false;
@@ -285,7 +284,7 @@ static bool write_outputs(struct render_run *run, uint32_t frame, struct arena *
             return err_memory(err, "output names", run->output_count * sizeof path);
         if (write_picture(run, path, (struct storage){run->options->render.half_float, false},
                           &metadata, &failure)) {
-            has_exr |= strcasecmp(path_extension(path), "exr") == 0;
+            has_exr |= path_has_extension(path, "exr");
             continue;
         }
         if (!ok) // it is the caller's to report the first

@@ -10,7 +10,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 static const char *site_name(int site)
 {
@@ -255,7 +254,7 @@ static void print_outputs(const struct render_run *run)
 {
     uint32_t last_png = run->output_count;
     for (uint32_t i = 0; i < run->output_count; i++)
-        if (strcasecmp(path_extension(run->outputs[i]), "png") == 0)
+        if (path_has_extension(run->outputs[i], "png"))
             last_png = i;
     for (uint32_t i = 0; i < run->output_count; i++) {
         fputs(i == 0 ? "wrote     " : ", ", stdout);

@@ -1,14 +1,13 @@
-#define _GNU_SOURCE // open_memstream
 #include "cli/render/trace_file.h"
 
 #include "base/file.h"
+#include "base/memory_stream.h"
 #include "json/json_parse.h"
 #include "report/json_out.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #define TRACE_BYTES_MAX (64u << 20)
 
@@ -58,12 +57,12 @@ static double value(const struct trace_row *row, size_t column)
 
 static bool is_json(const char *path)
 {
-    return strcasecmp(path_extension(path), "json") == 0;
+    return path_has_extension(path, "json");
 }
 
 bool trace_check_format(const char *path, struct err *err)
 {
-    return is_json(path) || strcasecmp(path_extension(path), "csv") == 0 ||
+    return is_json(path) || path_has_extension(path, "csv") ||
            err_set(err, ERR_USAGE, "--trace %s: expected a name that ends in .csv or .json", path);
 }
 
@@ -111,17 +110,16 @@ static bool put_json(FILE *out, const struct trace *trace, json_t *head)
 
 bool trace_write(const char *path, const struct trace *trace, json_t *head, struct err *err)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    bool ok = out != NULL;
+    struct memory_stream stream;
+    bool ok = memory_stream_open(&stream);
     if (ok && is_json(path))
-        ok = put_json(out, trace, head);
+        ok = put_json(stream.file, trace, head);
     else if (ok)
-        put_csv(out, trace);
-    ok = out && fclose(out) == 0 && ok;
-    ok = ok ? file_write_atomic(path, text, size, err) : err_memory(err, "a trace", size);
-    free(text);
+        put_csv(stream.file, trace);
+    ok = memory_stream_close(&stream) && ok;
+    ok = ok ? file_write_atomic(path, stream.text, stream.size, err)
+            : err_memory(err, "a trace", stream.size);
+    memory_stream_finish(&stream);
     return ok;
 }
 
@@ -148,14 +146,19 @@ static bool damaged(uint32_t row, const char *what, struct err *err)
                    what);
 }
 
-// One field, which it ends; NULL at the end of the line.
+// What stands before the next separator, which it ends; NULL after the last.
+static char *next_part(char **rest, char separator)
+{
+    char *begin = *rest, *end = begin ? strchr(begin, separator) : NULL;
+    if (end)
+        *end = '\0';
+    *rest = end ? end + 1 : NULL;
+    return begin;
+}
+
 static char *next_field(char **rest)
 {
-    char *begin = *rest, *comma = begin ? strchr(begin, ',') : NULL;
-    if (comma)
-        *comma = '\0';
-    *rest = comma ? comma + 1 : NULL;
-    return begin;
+    return next_part(rest, ',');
 }
 
 static bool parse_number(const char *text, bool is_count, double *out)
@@ -196,11 +199,11 @@ static bool has_names(char *line)
 
 static bool read_csv(char *text, struct trace *trace, struct err *err)
 {
-    char *rest = text, *line = strsep(&rest, "\n");
+    char *rest = text, *line = next_part(&rest, '\n');
     if (!has_names(line))
         return damaged(0, "other columns", err);
     while (rest && *rest) {
-        line = strsep(&rest, "\n");
+        line = next_part(&rest, '\n');
         if (trace->count == TRACE_ROWS_MAX)
             return damaged(trace->count, "too many", err);
         if (!read_csv_row(line, trace->count + 1, trace, &trace->rows[trace->count], err))

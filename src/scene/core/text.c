@@ -2,6 +2,7 @@
 // the locale, and takes twice as long for the short numbers of meshes.
 #include "scene/core/text.h"
 
+#include "base/ascii.h"
 #include <float.h>
 #include <locale.h>
 #include <math.h>
@@ -9,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 struct text_reader text_open(const char *path, const struct file_bytes *bytes)
 {
@@ -294,7 +294,7 @@ static const char *parse_special(const char *at, float *out)
         at++;
     for (size_t i = 0; i < sizeof specials / sizeof specials[0]; i++) {
         size_t length = strlen(specials[i].name);
-        if (strncasecmp(at, specials[i].name, length) == 0) {
+        if (ascii_begins(at, specials[i].name)) {
             *out = sign * specials[i].value;
             return at + length;
         }

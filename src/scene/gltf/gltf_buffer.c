@@ -1,8 +1,8 @@
 // Where a glTF document's bytes come from.
 #include "scene/gltf/gltf_buffer.h"
 
+#include "base/ascii.h"
 #include <string.h>
-#include <strings.h>
 
 // --- GLB -----------------------------------------------------------------------------------------
 
@@ -143,7 +143,7 @@ static bool decode_data_uri(const struct json_node *uri, const char *text, struc
     static const char marker[] = ";base64";
     const size_t marker_length = sizeof marker - 1;
     if (!comma || (size_t)(comma - text) < marker_length ||
-        strncasecmp(comma - marker_length, marker, marker_length) != 0)
+        !ascii_begins(comma - marker_length, marker))
         return node_fail(uri, err, "a data URI without \";base64,\"");
     const char *encoded = comma + 1;
     size_t length = strlen(encoded);
@@ -160,7 +160,7 @@ static bool decode_data_uri(const struct json_node *uri, const char *text, struc
 
 static bool is_data_uri(const char *uri)
 {
-    return strncasecmp(uri, "data:", 5) == 0;
+    return ascii_begins(uri, "data:");
 }
 
 static bool read_external(const struct gltf_document *document, const struct json_node *node,

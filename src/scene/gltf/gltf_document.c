@@ -1,13 +1,13 @@
 // Parsing the JSON of a glTF document and checking its frame: version, extensions, arrays.
 #include "scene/gltf/gltf_document.h"
 
+#include "base/file.h"
 #include "json/json_parse.h"
 #include "scene/gltf/gltf_buffer.h"
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static const char *const list_names[GLTF_LIST_COUNT] = {
     [GLTF_ACCESSORS] = "accessors", [GLTF_ANIMATIONS] = "animations",
@@ -245,8 +245,7 @@ static bool list_ignored_extensions(struct gltf_document *document, const struct
         const char *name = json_string_value(json_array_get(used->value, i));
         if (is_known_extension(name))
             continue;
-        end = stpcpy(end, end > list ? ", " : "");
-        end = stpcpy(end, name);
+        end += snprintf(end, size - (size_t)(end - list), "%s%s", end > list ? ", " : "", name);
     }
     document->ignored_extensions = end > list ? list : NULL;
     return true;
@@ -297,7 +296,7 @@ static bool open_container(const struct gltf_source *source, struct glb_chunks *
     *out = (struct glb_chunks){.json = source->bytes};
     if (glb_is_container(&source->bytes))
         return glb_open(&source->bytes, out, err) || err_prepend(err, "%s", source->path);
-    if (strcasecmp(path_extension(source->path), "glb") == 0)
+    if (path_has_extension(source->path, "glb"))
         return err_set(err, ERR_INPUT, "%s: does not begin with \"glTF\", as a GLB file does",
                        source->path);
     return true;

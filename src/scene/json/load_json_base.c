@@ -1,4 +1,5 @@
 // A document with a "base": another scene file, loaded whole, and what is different here.
+#include "base/ascii.h"
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
@@ -10,7 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 // More than anyone nests; what names itself comes to an end.
 #define BASE_DEPTH_MAX 8
@@ -46,7 +46,7 @@ static bool read_overrides(struct json_loader *loader, const struct json_node *l
 {
     if (!list->value)
         return true;
-    if (strcasecmp(path_extension(load->path), "json") != 0)
+    if (!path_has_extension(load->path, "json"))
         return node_fail(list, err, "go with a .json file only; the base is %s", load->path);
     if (!node_check_array(list, 0, UINT32_MAX, err))
         return false;
@@ -75,7 +75,7 @@ static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
                               struct scene_load_params *load, struct err *err)
 {
     const char *extension = path_extension(load->path);
-    bool is_gltf = strcasecmp(extension, "gltf") == 0 || strcasecmp(extension, "glb") == 0;
+    bool is_gltf = ascii_equal(extension, "gltf") || ascii_equal(extension, "glb");
     const struct json_node seconds = node_member(node, "at_seconds");
     double at = 0;
     for (size_t i = 0; i < sizeof scene_base_texts / sizeof *scene_base_texts; i++) {

@@ -1,4 +1,5 @@
 // What the shapes of a scene file will take at least, known from their counts before any is made.
+#include "base/ascii.h"
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
@@ -6,7 +7,6 @@
 #include "scene/generate/phong_spheres.h"
 #include "scene/generate/scatter.h"
 #include <string.h>
-#include <strings.h>
 
 // What an element of the list will take. Never more than it does: a file that names others, and
 // spheres that may find no place, count with what is certain.
@@ -72,7 +72,7 @@ static struct needs mesh_needs(const struct json_node *node)
     if (!node_read_string(node, "file", &file, &dropped) || !file)
         return (struct needs){0};
     const char *extension = path_extension(file);
-    bool is_gltf = strcasecmp(extension, "gltf") == 0 || strcasecmp(extension, "glb") == 0;
+    bool is_gltf = ascii_equal(extension, "gltf") || ascii_equal(extension, "glb");
     return one_instance(!is_gltf, 0);
 }
 

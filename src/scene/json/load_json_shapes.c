@@ -6,7 +6,6 @@
 #include "scene/core/bounds.h"
 #include <math.h>
 #include <string.h>
-#include <strings.h>
 
 // Part of the scene that each element of the list became, for instances of it.
 struct shape_list {
@@ -32,7 +31,7 @@ static bool transform_part(struct scene *scene, const struct scene_part *part,
 
 static bool is_extension(const char *path, const char *extension)
 {
-    return strcasecmp(path_extension(path), extension) == 0;
+    return path_has_extension(path, extension);
 }
 
 static bool load_mesh_file(struct json_loader *loader, const char *path, uint32_t material,

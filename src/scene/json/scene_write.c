@@ -16,7 +16,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 #define JSON_REALS (JSON_ENCODE_ANY | JSON_REAL_PRECISION(17))
@@ -415,7 +414,7 @@ static bool is_same_file(const char *a, const char *b)
 static bool check_path(const struct writer *w, struct err *err)
 {
     const char *path = w->params->path;
-    if (strcasecmp(path_extension(path), "json") != 0)
+    if (!path_has_extension(path, "json"))
         return err_set(err, ERR_USAGE, "%s: expected a name that ends in .json", path);
     for (const struct scene_base *base = &w->base; base; base = base->base)
         if (is_same_file(path, base->load.path))

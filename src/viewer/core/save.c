@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 #define NUMBERS_MAX 9999u
@@ -192,7 +191,7 @@ static struct saving *begin(const struct viewer *viewer, const char *path, const
     bool ok = saving->stem && (saving->path || !path);
     if (!ok)
         err_memory(err, "names of files", 0);
-    else if (path && strcasecmp(path_extension(path), extension) != 0)
+    else if (path && !path_has_extension(path, extension))
         ok = err_set(err, ERR_USAGE, "%s: expected a name that ends in .%s", path, extension);
     if (ok)
         return saving;

@@ -7,7 +7,6 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 // Longer files have their names of other files at the beginning (OBJ), or have none (binary glTF).
@@ -42,7 +41,7 @@ static bool has_text(const char *path)
 {
     static const char *const kinds[] = {"json", "gltf", "obj", "mtl"};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (strcasecmp(path_extension(path), kinds[i]) == 0)
+        if (path_has_extension(path, kinds[i]))
             return true;
     return false;
 }
@@ -66,8 +65,7 @@ static void add_named(struct watch_files *files, const char *path)
     char text[4096];
     FILE *file = fopen(path, "rb");
     char *folder = path_folder(&files->arena, path);
-    bool is_json = strcasecmp(path_extension(path), "json") == 0 ||
-                   strcasecmp(path_extension(path), "gltf") == 0;
+    bool is_json = path_has_extension(path, "json") || path_has_extension(path, "gltf");
     const char *ends = is_json ? "\"" : " \t\r\n";
     size_t used = 0, total = 0;
     for (int c; file && folder && total < TEXT_MAX && (c = fgetc(file)) != EOF; total++) {

@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 // --- files ---------------------------------------------------------------------------------------
 
@@ -17,7 +16,7 @@ static bool is_scene_name(const char *name)
 {
     static const char *const extensions[] = {"json", "gltf", "glb", "obj", "ply"};
     for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
-        if (strcasecmp(path_extension(name), extensions[i]) == 0)
+        if (path_has_extension(name, extensions[i]))
             return true;
     return false;
 }

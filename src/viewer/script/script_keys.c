@@ -1,12 +1,12 @@
 #include "viewer/script/script_keys.h"
 
+#include "base/ascii.h"
 #include "base/suggest.h"
 #include "viewer/window/window.h"
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static const struct {
     const char *name;
@@ -46,7 +46,7 @@ static int code_of(const char *name)
         number <= 12)
         return GLFW_KEY_F1 + (int)number - 1;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcasecmp(names[i].name, name) == 0)
+        if (ascii_equal(names[i].name, name))
             return names[i].code;
     return GLFW_KEY_UNKNOWN;
 }
@@ -61,7 +61,7 @@ bool script_key(const char *name, int *code, uint32_t *modifiers, struct err *er
     *modifiers = 0;
     for (size_t i = 0; i < 3; i++) {
         size_t length = strlen(prefixes[i].prefix);
-        if (strncasecmp(key, prefixes[i].prefix, length) != 0 || !key[length])
+        if (!ascii_begins(key, prefixes[i].prefix) || !key[length])
             continue;
         *modifiers |= prefixes[i].modifier;
         key += length;

@@ -1,0 +1,28 @@
+#include "base/ascii.h"
+
+#include <stddef.h>
+
+static char lower(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+// What of the text follows the prefix; NULL where it begins otherwise.
+static const char *skip(const char *text, const char *prefix)
+{
+    for (; *prefix; text++, prefix++)
+        if (lower(*text) != lower(*prefix))
+            return NULL;
+    return text;
+}
+
+bool ascii_equal(const char *a, const char *b)
+{
+    const char *rest = skip(a, b);
+    return rest && *rest == '\0';
+}
+
+bool ascii_begins(const char *text, const char *prefix)
+{
+    return skip(text, prefix) != NULL;
+}
