@@ -80,7 +80,8 @@ float albedo_coat(uint tables, float mu, float gloss)
                        vec2(albedo_axis_mu(mu, 0.25), gloss));
 }
 
-// The same with the reflectance of index 1.5 in place of Schlick's.
+// Returns the albedo of Burley's coat of weight 1 where its reflectance is that of index 1.5
+// instead of Schlick's.
 float albedo_coat_exact(uint tables, float mu, float gloss)
 {
     return albedo_quad(tables + ALBEDO_COAT_EXACT, uvec2(ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS),

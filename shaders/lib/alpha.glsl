@@ -55,9 +55,9 @@ uvec4 alpha_key(uint seed, uint pixel, uint sample_index, uint bounce, bool is_s
     return pcg4d(uvec4(pixel, sample_index, apart | bounce << 1u | (is_shadow ? 1u : 0u), seed));
 }
 
-// Whether the surface is there. `crossing` stands for the place of decision: the primitive's id,
-// another one where the ray meets the same sphere again. A pure function, so that the order in
-// which a traversal meets surfaces decides nothing.
+// Returns whether the surface is there. `crossing` stands for the place of decision: the
+// primitive's id, another one where the ray meets the same sphere again. A pure function, so that
+// the order in which a traversal meets surfaces decides nothing.
 bool alpha_passes(uint primitive, vec2 barycentrics, vec3 point, uint material_word, uint crossing,
                   uvec4 key)
 {

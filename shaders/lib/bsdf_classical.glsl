@@ -28,7 +28,7 @@ classical_parts classical_choose(vec3 diffuse, vec3 specular, float albedo_diffu
     return classical_parts(diffuse, specular, p);
 }
 
-// Of the part that the material is asked for.
+// Leaves the diffuse or the specular lobe alone where the material is asked for that part.
 classical_parts classical_part(material m, classical_parts parts)
 {
     if (is_part(m, MATERIAL_DIFFUSE_PART))
@@ -173,9 +173,9 @@ vec3 microfacet_fresnel(material m, float cos_theta, float eta)
     return fresnel_schlick(color, cos_theta);
 }
 
-// Whether the base has what the microfacet between both directions does not reflect, kd (1 -
-// F(wo.h)), as real-time renderers have it: reciprocal, but at grazing angles it reflects light
-// that the highlight has reflected, too.
+// Returns whether the base gets what the microfacet between both directions does not reflect, so
+// that its BSDF is kd (1 - F(wo.h)), as in real-time renderers. That is reciprocal, but at grazing
+// angles it reflects light that the highlight has reflected already.
 bool is_uncoupled(material m)
 {
     return HAS_LOBE(LOBE_UNCOUPLED) && material_has(m, MATERIAL_UNCOUPLED);

@@ -75,8 +75,8 @@ vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out precise fl
     return reflected * unshadowed;
 }
 
-// Whether what goes through the base is an exact direction, or one so narrowly spread that single
-// precision does not resolve it (as in lib/bsdf_dielectric.glsl).
+// Returns whether what goes through the base is an exact direction, or one so narrowly spread that
+// single precision does not resolve it (as in lib/bsdf_dielectric.glsl).
 bool principled_through_is_delta(principled p)
 {
     return p.is_delta || p.eta == 1.0 ||

@@ -12,8 +12,8 @@
 
 #include "lib/material.glsl"
 
-// What refraction divides radiance by: eta^2, or 1 with the setting `radiance_scaling` off, as if
-// light were power in a bundle of rays that does not become narrower.
+// Refraction divides radiance by this: eta^2, or 1 where the setting `radiance_scaling` is off, as
+// if light were power in a bundle of rays that does not become narrower.
 float refraction_divisor(float eta)
 {
     return RADIANCE_SCALING != 0u ? eta * eta : 1.0;
@@ -35,9 +35,9 @@ struct bsdf_sample {
 //     BSDF * |wi.z| of all that is not a delta, and the density with which sample_MODEL draws wi
 // and the weight of a sample that is no delta is eval / pdf for the same wi.
 
-// Whether only the diffuse or only the specular part of the material's lobes is asked for
-// (MATERIAL_DIFFUSE_PART, _SPECULAR_PART). The parts' BSDFs have the material's as their sum, and
-// each has a density of its own; what belongs to which part: lib/split.glsl.
+// Returns whether only this part of the material's lobes is asked for, MATERIAL_DIFFUSE_PART or
+// _SPECULAR_PART. The BSDFs of both parts add up to the material's, and each has a density of its
+// own; lib/split.glsl says which lobes belong to which part.
 bool is_part(material m, uint part)
 {
     return HAS(FEATURE_SPLIT_LOBES) && material_has(m, part);

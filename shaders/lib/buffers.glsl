@@ -118,8 +118,9 @@ uint sample_of_slot(uint slot)
     return HAS(FEATURE_SPLIT_LOBES) ? slot >> frame.split_lobes : slot;
 }
 
-// What sets a branch's random numbers apart from those of its sample's others: multiples of 2^32
-// over the golden ratio, which stay far from each other (Knuth 1973, section 6.4).
+// Moves the dimensions of a branch's random numbers away from those of the sample's other branches:
+// by multiples of 2^32 over the golden ratio, which stay far from each other (Knuth 1973, section
+// 6.4).
 uint slot_stream(uint slot)
 {
     if (!HAS(FEATURE_SPLIT_LOBES))

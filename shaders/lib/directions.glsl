@@ -19,7 +19,7 @@
 // and Defensive Mixture Distributions").
 const float DEFENSIVE_PART = 0.125;
 
-// Whether something but perfectly specular light goes through.
+// Returns whether something but perfectly specular light goes through.
 bool transmits(material m)
 {
     uint model = material_model(m);

@@ -1,4 +1,4 @@
-// What the sums of a film's half-buffers are worth, however they were accumulated.
+// Turns what a film has of its half-buffers into sums, however it was accumulated.
 #ifndef FILM_SUMS_GLSL
 #define FILM_SUMS_GLSL
 

@@ -232,7 +232,7 @@ light_sample sample_each_light(vec3 origin, uint index, vec2 u)
     return sample_emitter(origin, light_choice(load_emitters(index).y, 1.0), u);
 }
 
-// Whether light from behind may go on to the viewer: by the material's word.
+// Returns whether light from behind may go on to the viewer: by the material's word.
 bool is_lit_from_both_sides(uint material)
 {
     return (material >> MATERIAL_CLASS_SHIFT & MATERIAL_CLASS_MASK) == CLASS_TRANSMISSIVE;

@@ -88,8 +88,8 @@ uvec2 number_of(vec2 u)
     return uvec2(bits.x << 8u | bits.y >> 16u, bits.y << 16u);
 }
 
-// Whether `number`, which is below `width`, is in the first part of it, of this probability (at
-// most 1/2); moves on to what the number is of that part or of the rest, and their width.
+// Returns whether `number`, which is below `width`, is in the first part of it, of this probability
+// (at most 1/2); moves on to what the number is of that part or of the rest, and their width.
 bool take_first(inout uvec2 number, inout float width, float probability)
 {
     float part = width * probability;

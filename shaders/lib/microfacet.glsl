@@ -106,8 +106,8 @@ float pdf_ggx_drawn(float visible, vec3 h, vec2 alpha, float scale)
     return NORMALS == NORMALS_NDF ? ggx_d(h, alpha) * h.z * scale : visible;
 }
 
-// What a sample of a drawn normal is weighted with besides its reflectance, f / density: G2 /
-// G1(wo) of visible normals, G2 wo.h / (wo.z h.z) of all.
+// The weight f / density of a sample of a drawn normal, without its reflectance: G2 / G1(wo) where
+// normals are drawn from the visible ones, G2 wo.h / (wo.z h.z) where they are drawn from all.
 float ggx_drawn_weight(vec3 wo, vec3 wi, vec3 h, vec2 alpha, bool separable)
 {
     float g2 = ggx_g2(wo, wi, alpha, separable);

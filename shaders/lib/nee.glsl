@@ -5,7 +5,7 @@
 
 #include "lib/buffers.glsl"
 
-// Whether the vertex that is being shaded sends shadow rays.
+// Returns whether the vertex that is being shaded sends shadow rays.
 bool sends_shadow_rays()
 {
     if (HAS(FEATURE_NEE_DEPTH) && push.bounce >= frame.nee_depth)
@@ -13,9 +13,9 @@ bool sends_shadow_rays()
     return HAS(FEATURE_NEE);
 }
 
-// Whether the vertex that the ray of this bounce comes from sent shadow rays, by the density that
-// chose its direction. An emitter that such a ray meets may have been connected to; else it counts
-// in full.
+// Returns whether the vertex that the ray of this bounce comes from sent shadow rays, by the
+// density that chose its direction. An emitter that such a ray meets may have been connected to;
+// else it counts in full.
 bool sent_shadow_rays(float bsdf_pdf)
 {
     if (HAS(FEATURE_NEE_DEPTH) && push.bounce > frame.nee_depth)

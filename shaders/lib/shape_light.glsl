@@ -261,8 +261,8 @@ shape_point sample_shape(shape_record shape, vec3 origin, vec2 u)
 
 #define EMITTERS_SOLID (EMITTERS_CONVEX | EMITTER_TUBES)
 
-// Whether a tube itself is between a point on it and another one. Shadow rays do not ask: what they
-// are sent to is not in their way.
+// Returns whether a tube itself is between a point on it and another one. Shadow rays do not ask:
+// what they are sent to is not in their way.
 bool hides_itself(shape_record tube, vec3 point, vec3 towards)
 {
     float t = intersect_tube(point, towards, tube.center, tube.axis, tube.radius, true).first;
@@ -326,9 +326,9 @@ void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light
     }
 }
 
-// Whether a point of a shape that emits is one that no shadow ray from `origin` is sent to, so that
-// what finds it by chance counts in full: on shapes that nothing is aimed at, and behind the near
-// side of those that are not everywhere there.
+// Returns whether a point of a shape that emits is one that no shadow ray from `origin` is sent to,
+// so that what finds it by chance counts in full: on shapes that nothing is aimed at, and behind
+// the near side of those that are not everywhere there.
 bool is_found_by_chance(vec3 origin, uint primitive, surface s)
 {
     bool by_chance = false;

@@ -30,8 +30,9 @@ uint small_lamp_of(uint place)
     return load_shapes(frame.small_triangles + place * SMALL_TRIANGLE_WORDS).w;
 }
 
-// Whether a triangle lies in the plane through `point`, as its neighbours on a flat side of the lamp
-// do: 16 roundings of the coordinates at most are error, see in_plane() in lib/traverse.glsl.
+// Returns whether a triangle lies in the plane through `point`, as its neighbours on a flat side of
+// the lamp do: 16 roundings of the coordinates at most are error, see in_plane() in
+// lib/traverse.glsl.
 bool lies_in_plane(vec3 normal, vec3 point, small_triangle t)
 {
     vec3 size = abs(t.v0) + abs(t.edge1) + abs(t.edge2) + abs(point);
@@ -40,8 +41,9 @@ bool lies_in_plane(vec3 normal, vec3 point, small_triangle t)
     return all(lessThanEqual(abs(heights), vec3(GAMMA(16) * dot(abs(normal), size))));
 }
 
-// Whether its own lamp hides a point of a small triangle from what lies in the direction `way`,
-// which need not have any length. The point is given by the triangle's barycentric coordinates.
+// Returns whether its own lamp hides a point of a small triangle from what lies in the direction
+// `way`, which need not have any length. The point is given by the triangle's barycentric
+// coordinates.
 bool is_hidden_by_lamp(uint place, vec2 b, vec3 way)
 {
     small_triangle own = load_small_triangle(place);
@@ -60,7 +62,8 @@ bool is_hidden_by_lamp(uint place, vec2 b, vec3 way)
     return hidden;
 }
 
-// Whether a triangle, if it is small, is hidden by its own lamp: other triangles ask shadow rays.
+// Returns whether a triangle, if it is small, is hidden by its own lamp: other triangles ask shadow
+// rays.
 bool is_hidden_by_lamp(triangle_record t, vec2 b, vec3 way)
 {
     bool is_small = IS_SMALL(t.word);

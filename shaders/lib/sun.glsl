@@ -30,7 +30,8 @@ float sample_sun(vec3 axis, float versine, vec2 u, out vec3 direction)
     return pdf_sun(versine);
 }
 
-// Whether a unit direction is in the cone: |direction - axis|^2 is twice the versine between them.
+// Returns whether a unit direction is in the cone: |direction - axis|^2 is twice the versine
+// between them.
 bool sees_sun(vec3 axis, float versine, vec3 direction)
 {
     vec3 chord = direction - axis;

@@ -50,9 +50,9 @@ left_plane load_left_plane(uint primitive, uint target)
     return plane;
 }
 
-// Whether a corner lies in the plane through the ray's origin. Of its computed height at most 16
-// roundings of the coordinates are error: 7 by which the origin was moved off the surface, 4 of the
-// normal, 5 of the difference and the dot product.
+// Returns whether a corner lies in the plane through the ray's origin. Of its computed height at
+// most 16 roundings of the coordinates are error: 7 by which the origin was moved off the surface,
+// 4 of the normal, 5 of the difference and the dot product.
 bool in_plane(left_plane plane, vec3 origin, vec3 corner)
 {
     float height = dot(plane.normal, corner - origin);
@@ -117,7 +117,8 @@ trace_space enter_space(trace_ray ray, uint instance, out uint root)
                        instance, is_world ? NO_MATERIAL : words.y);
 }
 
-// Whether a hit is no hit: of what the ray starts on, or what it is sent to.
+// Returns whether a hit does not count: one on the primitive that the ray starts on, or on the one
+// that it is sent to.
 bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint id)
 {
     bool duplicates = HAS_GEOMETRY(GEOMETRY_DUPLICATES);
@@ -132,9 +133,10 @@ bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint
 // SMALL_TOLERANCE in flatten.c.
 #define PARALLEL_TOLERANCE (1.0 / 1024.0)
 
-// Whether a triangle lies in the plane of the one that a shadow ray is sent to, which it cannot hide
-// from the ray: small triangles lie beside their neighbours in a plane, each moved as a whole by the
-// roundings of its first corner, half an ulp a coordinate. As much as two roundings let it be off.
+// Returns whether a triangle lies in the plane of the one that a shadow ray is sent to, which it
+// cannot hide from the ray: small triangles lie beside their neighbours in a plane, each moved as a
+// whole by the roundings of its first corner, half an ulp a coordinate. As much as two roundings
+// let it be off.
 bool is_beside_target(left_plane plane, triangle_record t)
 {
     float height = dot(plane.target_normal, t.v0 - plane.target_point);

@@ -21,10 +21,10 @@ enum bvh_split {
     BVH_SPLIT_SPATIAL,
     BVH_SPLIT_MIDDLE
 };
-// Whether subtrees are moved to better places afterwards: with a bound on the time, not at all, or
-// until nothing is gained any more. SAH and spatial only.
+// After the build, subtrees are moved to better places: in bounded time, not at all, or until
+// nothing is gained any more. Only SAH and spatial do so.
 enum bvh_optimize { BVH_OPTIMIZE_NORMAL, BVH_OPTIMIZE_OFF, BVH_OPTIMIZE_LONG };
-// What a node is: struct bvh_node or struct bvh_node_float.
+// A node is a struct bvh_node or a struct bvh_node_float.
 enum bvh_format { BVH_QUANTISED, BVH_FLOAT };
 
 #define BVH_LEAF_MAX 8u // triangles
@@ -37,9 +37,9 @@ struct bvh_method {
     enum bvh_format format;
     enum bvh_optimize optimize;
     uint32_t max_leaf; // triangles a leaf, 1 to BVH_LEAF_MAX; 0: BVH_LEAF_USUAL
-    // What a visit to a wide node and a test of a primitive are taken to cost when binary nodes are
-    // put together to wide ones and leaves, BVH_COST_MIN to BVH_COST_MAX; 0: 1. SAH and spatial
-    // only.
+    // The costs of a visit to a wide node and of a test of a primitive, by which binary nodes are
+    // put together to wide ones and leaves: BVH_COST_MIN to BVH_COST_MAX; 0 stands for 1. Only SAH
+    // and spatial use them.
     double traversal_cost, intersection_cost;
 };
 
@@ -57,7 +57,8 @@ struct bvh_node {
 };
 _Static_assert(sizeof(struct bvh_node) == 64, "one cache line");
 
-// The same with the children's boxes as they are. [axis][child]; those of empty children are 0.
+// A wide node with the children's boxes in single precision, [axis][child]; boxes of empty children
+// are 0.
 struct bvh_node_float {
     uint32_t child[4];
     float min[3][4], max[3][4];
@@ -116,7 +117,8 @@ struct bvh {
     // of it, of which that leaf's box is the box.
     uint32_t *triangle_order;
     uint32_t triangle_count, reference_count;
-    // Of bvh_join(): where the world's tree begins, at 0, and each of the others; else NULL.
+    // The nodes at which the world's tree (node 0) and each of the others begin, after bvh_join();
+    // else NULL.
     uint32_t *roots;
     struct bvh_stats stats;
 };

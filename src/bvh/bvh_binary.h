@@ -5,9 +5,9 @@
 #include "bvh/bvh.h"
 #include "bvh/bvh_box.h"
 
-// What is sorted into the tree: a triangle (its index as given), a shape (BVH_LEAF_SHAPE | index)
-// or an instance (BVH_LEAF_INSTANCE | index), by its box alone. The box has no negative zero, so
-// that minima do not depend on the order.
+// The tree sorts these: a triangle (its index as given), a shape (BVH_LEAF_SHAPE | index) or an
+// instance (BVH_LEAF_INSTANCE | index), by its box alone. The box has no negative zero, so that
+// minima do not depend on the order.
 struct bvh_primitive {
     struct bvh_box box;
     uint32_t id;
@@ -65,8 +65,8 @@ void bvh_place_children(const struct bvh_range *range, struct bvh_range children
 void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *range, unsigned threads,
                struct bvh_range children[2]);
 
-// Whether a range that is large enough for it is split no matter how, because the work is to stop:
-// what the parts hold is void then.
+// Returns whether a range that is large enough for it is split no matter how, because the work is
+// to stop: what the parts hold is void then.
 static inline bool bvh_split_stopped(const struct bvh_splitter *splitter,
                                      const struct bvh_range *range)
 {

@@ -186,8 +186,8 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
     unsigned threads = params->threads > 0 ? params->threads : cpu_count();
     uint32_t count = bvh_primitive_count(params);
     uint32_t capacity = capacity_for(params, count), leaf_count = 0;
-    // What there is while the binary tree is built: primitives, twice, and nodes; what follows
-    // takes no more. Asked for now, before minutes have been spent.
+    // While the binary tree is built, primitives exist twice, beside the nodes; later steps take no
+    // more. This is checked now, before minutes have been spent.
     uint64_t bytes =
         capacity * 2ull * (sizeof(struct bvh_primitive) + sizeof(struct bvh_binary_node));
     if (!memory_check(bytes, "building the BVH", err))

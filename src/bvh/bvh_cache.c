@@ -126,7 +126,7 @@ static bool same(struct hash128 a, struct hash128 b)
     return a.word[0] == b.word[0] && a.word[1] == b.word[1];
 }
 
-// Of a file's content behind header.sum.
+// Hashes a file's content behind header.sum.
 static bool find_sum(const struct header *header, const struct bvh *bvh, struct hash128 *out)
 {
     struct {

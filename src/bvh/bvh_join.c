@@ -68,8 +68,8 @@ static bool allocate(struct join *join, struct arena *arena, struct err *err)
     return bvh_nodes_allocate(arena, join->out, err);
 }
 
-// What the trees below the instances' leaves add to the world's cost: a ray that comes to such a
-// leaf is one that hits the root's box below, as far as their boxes agree.
+// The cost that the trees below the instances' leaves add to the world's. A ray that comes to such
+// a leaf also hits the box of the root below, as far as both boxes agree.
 static double cost_of_instances(const struct bvh_join_params *p)
 {
     const struct bvh *world = p->world;

@@ -55,8 +55,8 @@ void bvh_quantised_child_box(const struct bvh_node *node, uint32_t child, double
 void bvh_float_child_box(const struct bvh_node_float *node, uint32_t child, double min[3],
                          double max[3]);
 
-// Whether a child's box is one that may stand for the box of what is below: quantised, contains it,
-// in exact arithmetic; else the very same.
+// Returns whether a child's box is one that may stand for the box of what is below: quantised,
+// contains it, in exact arithmetic; else the very same.
 bool bvh_quantised_child_fits(const struct bvh_node *node, uint32_t child,
                               const struct bvh_box *box);
 bool bvh_float_child_fits(const struct bvh_node_float *node, uint32_t child,
@@ -66,7 +66,7 @@ bool bvh_float_child_fits(const struct bvh_node_float *node, uint32_t child,
 double bvh_quantised_half_area(const struct bvh_node *node, uint32_t first, uint32_t end);
 double bvh_float_half_area(const struct bvh_node_float *node, uint32_t first, uint32_t end);
 
-// What must hold for a node by itself. `index` is for the message.
+// Check what must hold for a node by itself. `index` is for the message.
 bool bvh_quantised_check(const struct bvh_node *node, uint32_t index, struct err *err);
 bool bvh_float_check(const struct bvh_node_float *node, uint32_t index, struct err *err);
 

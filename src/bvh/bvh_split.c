@@ -134,8 +134,8 @@ static void bins_merge(struct bin into[3][BIN_COUNT], const struct bin from[3][B
     }
 }
 
-// Of equal costs (a flat scene may have nothing but zeros) the most even split wins, so that the
-// depth stays small.
+// Where costs are equal (a flat scene may have nothing but zeros) the most even split wins, so that
+// the depth stays small.
 static bool split_is_better(double cost, uint32_t left, uint32_t right,
                             const struct bin_split *best, uint32_t count)
 {

@@ -1,4 +1,4 @@
-// What a tree is expected to cost, and how deep it is.
+// Computes the expected cost of a tree, and how deep it is.
 #include "bvh/bvh_node.h"
 
 // A ray that hits the root's box hits a box inside with the probability of the ratio of areas; in a

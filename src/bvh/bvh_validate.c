@@ -62,7 +62,7 @@ static bool count_places(struct validator *validator)
     return true;
 }
 
-// Of an array of boxes: each may be seen once.
+// Marks a box of an array as seen: each may be seen once.
 static bool visit_box(struct validator *validator, const char *kind, const struct bvh_box *boxes,
                       uint32_t count, uint32_t index, uint8_t *seen, struct bvh_box *bounds)
 {
@@ -119,7 +119,7 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
     return true;
 }
 
-// Whether a child's box may be that of what is below, or of more where parts are below.
+// Returns whether a child's box may be that of what is below, or of more where parts are below.
 static bool fits(const struct validator *validator, uint32_t node, uint32_t child,
                  const struct bvh_box *bounds)
 {

@@ -1,4 +1,4 @@
-// What a ray may hit: all that lies in leaves whose boxes it goes through.
+// Visits all that a ray may hit: what lies in leaves whose boxes it goes through.
 #include "bvh/bvh_node.h"
 #include "bvh/bvh_slab.h"
 

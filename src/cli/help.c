@@ -82,7 +82,7 @@ static void option_item(const struct help_writer *writer, const struct option_de
     help_item(writer, names, option_argument(def, argument), text);
 }
 
-// Whether no option before it, of those of the command, is in its group.
+// Returns whether no option before it, of those of the command, is in its group.
 static bool begins_group(const struct option_def *def, const struct command *command)
 {
     for (const struct option_def *other = option_table; other < def; other++)

@@ -199,7 +199,7 @@ static bool store_environment(const char *text, struct options *options, struct 
         environment->is_sky = true;
         return sky_parse(text + (text[3] ? 4 : 3), &environment->sky, err);
     }
-    // What consists of a number's characters and commas is a colour, if a misspelt one.
+    // A text of a number's characters and commas is a colour, if a misspelt one.
     bool is_color = strchr(text, ',') && text[strspn(text, "+-.0123456789eE,")] == '\0';
     if (!is_color) {
         environment->file = text;

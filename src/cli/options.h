@@ -164,8 +164,8 @@ const struct option_def *option_find(const char *name, size_t length);
 enum features_option { FEATURES_NEEDED, FEATURES_ALL };
 enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 
-// What --rays of bench records: those that the camera sends, those that surfaces send on, and those
-// to lights.
+// The rays that --rays of bench records: those that the camera sends, those that surfaces send on,
+// and those to lights.
 enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
 
 // On what it runs, and how: bits of the image do not depend on it.
@@ -296,8 +296,8 @@ static inline bool options_given(const struct options *options, enum option_id i
     return options->given[id];
 }
 
-// Whether it changes how a picture is computed, and may so be varied by the command: not how it is
-// shown; its size and samples by bench alone.
+// Returns whether it changes how a picture is computed, and may so be varied by the command: not
+// how it is shown; its size and samples by bench alone.
 bool option_is_setting(const struct option_def *def, const struct command *command);
 
 // Converts the text of one value and stores it (option_values.c). err: what is wrong and what was
@@ -311,11 +311,11 @@ void option_mark(const struct option_def *def, struct options *options);
 // byte, and 3.
 char *options_quote(const char *word, char *out);
 
-// What the help calls the value: "WxH", "path|direct", "METRES|off".
+// Returns the help's word for the value: "WxH", "path|direct", "METRES|off".
 #define OPTION_ARGUMENT_MAX 120
 const char *option_argument(const struct option_def *def, char out[OPTION_ARGUMENT_MAX]);
 
-// Whether the command takes the option.
+// Returns whether the command takes the option.
 bool option_belongs(const struct option_def *def, const struct command *command);
 
 #endif

@@ -1,4 +1,4 @@
-// What the command line says of scene and renderer: shared by all commands that load one, and the
+// Options of the scene and of the renderer, which all commands that load a scene share with the
 // viewer.
 #ifndef LAMPYRIS_CLI_SCENE_OPTIONS_H
 #define LAMPYRIS_CLI_SCENE_OPTIONS_H
@@ -10,7 +10,7 @@ struct device_options;
 struct gpu;
 struct renderer_params;
 
-// What --env gives: a file, a sky or a constant radiance.
+// The environment that --env gives: a file, a sky or a constant radiance.
 struct environment_option {
     const char *file;
     bool is_sky, is_constant;
@@ -18,7 +18,7 @@ struct environment_option {
     float radiance[3]; // W/(sr m^2)
 };
 
-// What a command is told of a scene: of all that load one. Numbers that were not given are NAN.
+// The options of a scene, for all commands that load one. Numbers that were not given are NAN.
 struct scene_options {
     const char *path;                   // the one that is loaded
     struct settings settings;           // of these those that were given
@@ -42,7 +42,7 @@ struct scene_options {
     bool allow_outside_paths;
 };
 
-// What the options say of loading; as long as they live.
+// Makes the parameters of loading from the options, which they point into.
 struct scene_load_params options_scene_params(const struct scene_options *options,
                                               const struct progress *progress);
 // Applies the rest of the command line to a scene as it was loaded: settings, camera, lens.
@@ -54,7 +54,8 @@ bool options_load_scene(const struct scene_options *options, const struct progre
 // Replaces those settings for which an option was given.
 void options_apply_settings(const struct scene_options *options, struct settings *settings);
 
-// What of a renderer the options decide, for any command; without AOVs.
+// Makes the parameters of a renderer from the options that all commands share; AOVs are not among
+// them.
 struct renderer_params options_renderer_params(const struct device_options *options,
                                                struct gpu *gpu, const struct scene *scene,
                                                uint32_t camera);

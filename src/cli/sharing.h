@@ -1,4 +1,4 @@
-// What instances save.
+// Says what instances save.
 #ifndef LAMPYRIS_CLI_SHARING_H
 #define LAMPYRIS_CLI_SHARING_H
 

@@ -13,8 +13,8 @@ void signals_install(void);
 
 // The signal that asked to stop, or 0.
 int signals_received(void);
-// Whether there is time for more than the wave in flight: not after SIGXCPU where a hard limit of
-// the processor's time follows, at which the program is killed.
+// Returns whether there is time for more than the wave in flight: not after SIGXCPU where a hard
+// limit of the processor's time follows, at which the program is killed.
 bool signals_leave_time(void);
 // Files that a second signal removes before it ends the program: those that live only as long as
 // it does. The list must stay until it is replaced; call from one thread.

@@ -24,7 +24,7 @@ static uint32_t count_words(const char *words)
     return count;
 }
 
-// Whether a value of the option leaves every bit of the picture alone.
+// Returns whether a value of the option leaves every bit of the picture alone.
 static bool keeps_picture(const struct option_def *def)
 {
     static const enum option_id those[] = {OPTION_WAVE,         OPTION_WORKGROUP, OPTION_FEATURES,
@@ -36,7 +36,7 @@ static bool keeps_picture(const struct option_def *def)
     return false;
 }
 
-// What there is so far and one more "KEY=VALUE", before or after it.
+// Joins what there is so far and one more "KEY=VALUE", before or after it.
 static const char *join(struct arena *arena, const char *first, const char *second)
 {
     return arena_printf(arena, "%s%s%s", first, *first && *second ? " " : "", second);

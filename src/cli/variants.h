@@ -1,4 +1,4 @@
-// What a command line asks to be compared: combinations of values of options.
+// Combinations of values of options that a command line asks to compare.
 #ifndef LAMPYRIS_CLI_VARIANTS_H
 #define LAMPYRIS_CLI_VARIANTS_H
 
@@ -19,7 +19,7 @@ struct variant {
 bool variants_make(const struct options *options, struct arena *arena, struct variant **out,
                    uint32_t *count, struct err *err);
 
-// Whether two variants are to give the same picture, bit for bit.
+// Returns whether two variants are to give the same picture, bit for bit.
 bool variants_share_picture(const struct variant *a, const struct variant *b);
 
 #endif

@@ -159,8 +159,8 @@ static bool add_triangles(struct flattening *f, const struct placement *placemen
     return true;
 }
 
-// Whether the triangles from `first` on are all small ones, which are as they should be wherever
-// they are.
+// Returns whether the triangles from `first` on are all small ones, which are as they should be
+// wherever they are.
 static bool are_small(const struct flat_scene *flat, uint32_t first)
 {
     for (uint32_t i = first; i < flat->triangle_count; i++)

@@ -25,7 +25,7 @@ struct flat_small_triangle {
     uint32_t place, first, count;
 };
 
-// As struct shape.
+// A struct shape in the flat scene's unit.
 struct flat_shape {
     uint32_t kind; // enum shape_kind
     uint32_t material;
@@ -83,8 +83,8 @@ struct flat_scene {
     float (*normals)[3][3]; // per triangle and corner; NULL when no mesh has normals. Where one is
                             // missing or not finite: the geometric normal. Transformed by the
                             // inverse transpose.
-    // What else corners carry, per triangle and corner; NULL when no used material needs it, or no
-    // mesh has it.
+    // Further attributes, per triangle and corner; NULL when no used material needs them, or no
+    // mesh has them.
     float (*tangents)[3][4]; // unit, not always orthogonal to the normal, and the sign of the
                              // bitangent sign * cross(normal, tangent). Where a mesh has none:
                              // along growing u, or any where that has no direction either

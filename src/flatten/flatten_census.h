@@ -32,9 +32,9 @@ struct census {
     uint32_t skipped_instances;
 };
 
-// Whether all coordinates are within SCENE_COORDINATE_MAX.
+// Returns whether all coordinates are within SCENE_COORDINATE_MAX.
 bool flatten_in_range(const double point[3]);
-// Whether each triangle of the material has to be an emitter of its own.
+// Returns whether each triangle of the material has to be an emitter of its own.
 bool flatten_emits(const struct scene *scene, uint32_t material);
 // Reports a fraction and asks whether to go on; false with an error when not.
 bool flatten_goes_on(const struct flatten_params *params, double fraction, struct err *err);
@@ -54,8 +54,8 @@ bool flatten_check_memory(const struct scene *scene, const struct census *census
 // Where the arrays of something with these bounds begin: (0,0,0), or its middle when it is small
 // for where it is.
 void flatten_choose_origin(const struct bounds *bounds, double origin[3]);
-// Whether single precision resolves something with these bounds in so few steps that its form is
-// lost; with its largest extent along an axis and its largest coordinate.
+// Returns whether single precision resolves something with these bounds in so few steps that its
+// form is lost; with its largest extent along an axis and its largest coordinate.
 bool flatten_is_coarse(const struct bounds *bounds, double *extent, double *farthest);
 // The scale of something with these bounds: see flat_scene.scale. 1 when it is empty, or a point.
 double flatten_choose_scale(const struct bounds *bounds);

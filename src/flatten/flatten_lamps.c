@@ -9,7 +9,7 @@
 // How much farther than it is large something is where rounding may change its triangles' areas by
 // SMALL_TOLERANCE.
 #define SMALL_RATIO 4096
-// What rounding may do to an emitter's area and normal.
+// Rounding may change an emitter's area and normal by this part.
 #define SMALL_TOLERANCE 0x1p-11
 // Parts of a lamp are within so much of their coordinates: 16 roundings, by which rays may pass
 // between them on the wrong side.
@@ -77,9 +77,9 @@ __attribute__((noinline)) static void round_corners(const double corners[3][3], 
             out[corner][i] = (float)corners[corner][i];
 }
 
-// Whether rounding moves points on a triangle too far for its size. Corners that single precision
-// happens to have exactly do not help: what a light's sample is, and what hides it, is rounded,
-// too.
+// Returns whether rounding moves points on a triangle too far for its size. Corners that single
+// precision happens to have exactly do not help: what a light's sample is, and what hides it, is
+// rounded, too.
 static bool is_coarse(const double corners[3][3], const double edges[2][3])
 {
     double farthest = 0;
@@ -90,7 +90,7 @@ static bool is_coarse(const double corners[3][3], const double edges[2][3])
     return farthest * (double)FLT_EPSILON / 2 > SMALL_TOLERANCE * longest;
 }
 
-// Whether rounding changes a triangle, its area or its normal too much.
+// Returns whether rounding changes a triangle, its area or its normal too much.
 static bool is_lost(const double corners[3][3])
 {
     double edges[2][3], exact[3], normal[3], difference[3];

@@ -10,7 +10,7 @@
 
 // --- trees ---------------------------------------------------------------------------------------
 
-// What is built in one go: the world's tree and those of the shared meshes.
+// The trees that are built in one go: the world's and those of the shared meshes.
 struct build {
     const struct geometry_params *p;
     const struct flat_scene *flat;
@@ -283,8 +283,8 @@ static bool same_instances(const struct flat_scene *a, const struct flat_scene *
     return true;
 }
 
-// Whether build_bvh() would be given the same bits: all that it reads of a flat scene, and by that
-// the same hierarchy would come of it.
+// Returns whether build_bvh() would be given the same bits: all that it reads of a flat scene, and
+// by that the same hierarchy would come of it.
 static bool same_places(const struct flat_scene *a, const struct flat_scene *b)
 {
     if (!same_counts(a, b) || !same_instances(a, b))

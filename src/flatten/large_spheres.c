@@ -36,7 +36,7 @@ static double camera_height(const struct flat_scene *flat, const struct camera *
     return fabs(vec3_norm(from) - (double)sphere->radius);
 }
 
-// Of the triangles in the world and of the boxes of shared meshes.
+// Returns the size of the bounds of the world's triangles and of the boxes of shared meshes.
 static double triangles_size(const struct flat_scene *flat)
 {
     float min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};

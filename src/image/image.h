@@ -48,7 +48,7 @@ struct image_write_params {
     enum tone_curve tone; // PNG
 };
 
-// Whether the extension is one that image_write knows; ERR_USAGE naming those it does.
+// Returns whether the extension is one that image_write knows; ERR_USAGE naming those it does.
 bool image_check_format(const char *path, struct err *err);
 // Writes atomically (base/file.h). ERR_OUTPUT on failure; an older file stays intact then. The file
 // is put together in memory first, decoded again and compared, bit for bit, with what was to be
@@ -80,7 +80,8 @@ struct image_read_params {
 // too.
 bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
                 struct err *err);
-// The same from memory, for pictures inside other files; params->path names the place in messages.
+// Reads a picture from memory, for those inside other files; params->path names the place in
+// messages.
 bool image_decode(const void *data, size_t size, const struct image_read_params *params,
                   struct arena *arena, struct image *out, struct err *err);
 
@@ -97,7 +98,7 @@ struct image_texels {
 // introduction, "Alpha"): they are divided by it again, but for alpha 0.
 bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
                          struct arena *arena, struct image_texels *out, struct err *err);
-// Whether image_read_params.is_linear is of account for such a file: PNG and JPEG.
+// Returns whether image_read_params.is_linear is of account for such a file: PNG and JPEG.
 bool image_has_encoding(const void *data, size_t size);
 
 // Reads string attributes of an EXR or the tEXt, zTXt and iTXt chunks that precede the pixels of a

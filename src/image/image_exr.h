@@ -1,4 +1,4 @@
-// What reading, writing and verifying EXR by OpenEXRCore have in common.
+// Declarations that reading, writing and verifying EXR by OpenEXRCore share.
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_H
 

@@ -1,4 +1,5 @@
-// What a picture with its layers becomes in an EXR file, for those who write and verify it.
+// The channels of an EXR file that a picture with its layers becomes, for those who write and
+// verify it.
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 

@@ -77,8 +77,8 @@ bool image_exr_read_attributes(const struct image_source *source, struct arena *
                                struct image_attribute **out, uint32_t *count, struct err *err);
 bool image_exr_write(const struct image_write_params *params, struct byte_buffer *out,
                      struct err *err);
-// Whether decoding the file gives what was to be in it, bit for bit: pixels, layers, metadata;
-// ERR_OUTPUT naming the first difference.
+// Returns whether decoding the file gives what was to be in it, bit for bit: pixels, layers,
+// metadata; ERR_OUTPUT naming the first difference.
 bool image_exr_verify(const struct image_write_params *params, const struct byte_buffer *file,
                       struct err *err);
 

@@ -1,5 +1,5 @@
-// What a picture lacks on average, however many samples it has: the error from half-buffers is
-// blind to that.
+// Estimates what a picture lacks on average, however many samples it has: the error from
+// half-buffers is blind to that.
 #ifndef LAMPYRIS_JOB_BIAS_H
 #define LAMPYRIS_JOB_BIAS_H
 
@@ -15,7 +15,7 @@ struct job_bias {
 // How many there are. That --max-bounces ends paths is no bias but what was asked for.
 uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIASES]);
 
-// Whether the paths of all pixels share their depths, so that parts of the picture tell no
+// Returns whether the paths of all pixels share their depths, so that parts of the picture tell no
 // interval.
 bool job_shares_depths(const struct job *job);
 

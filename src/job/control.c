@@ -1,4 +1,4 @@
-// What whoever drives a render may change of it while it goes on.
+// Changes that the caller may make to a render while it goes on.
 #include "job/job_internal.h"
 
 #include "base/clock.h"

@@ -29,7 +29,7 @@ bool film_error(const struct film_image *film, const struct film_error_params *p
 // Nothing is known, for this reason.
 struct half_error film_error_none(const char *reason);
 
-// Whether there is an estimate alone.
+// Returns whether there is an estimate alone.
 bool film_error_is_plain(const struct half_error *error);
 
 // "local relMSE 0.0082, 95 % interval 0.0077 to 0.0088", "local relMSE at most 0.28 (95 %)", "local

@@ -1,4 +1,4 @@
-// What must be the same for a render to go on: all that decides what its samples are.
+// Writes down all that decides a render's samples, which must be the same for it to go on.
 #include "job/job_internal.h"
 
 #include "render/sampling_plan.h"

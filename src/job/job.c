@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-// Of a render with an error or a clock and no number of samples. A clock alone ends it.
+// The most samples of a render with an error as its goal, or with a clock, and no number of
+// samples. A clock alone ends it.
 #define ERROR_SAMPLES 65536u
 #define TIMED_SAMPLES UINT32_MAX
 #define TIMED_SAMPLES_BY_TILE (1u << 20)
@@ -36,7 +37,7 @@ static void choose_rounds(struct job *job)
         job->samples_most % ROUND_SAMPLES == 0 ? ROUND_SAMPLES : (uint32_t)job->samples_most;
 }
 
-// What needs a number of samples excludes what finds it on the way.
+// Refuses methods that need a number of samples together with goals that find it on the way.
 static bool check_method(const struct job *job, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;

@@ -25,7 +25,7 @@ struct replay;
 
 // --- what is asked for ---------------------------------------------------------------------------
 
-// What ends the render: whatever comes first.
+// The render ends with whichever of these comes first.
 struct job_goal {
     // Samples a pixel; with `adaptive` on average. 0: as many as `seconds` and `error` take, and
     // where neither is given, what the scene's settings say.
@@ -95,7 +95,7 @@ struct job_look {
     struct half_error error;
 };
 
-// What was seen at one time: a row of a trace. Not finite where not known.
+// A row of a trace: the state at one time. Numbers that are not known are not finite.
 struct trace_row {
     double spp;             // of the film, a pixel; on average, where pixels have their own
     double frames;          // rendered so far; 0 without frames
@@ -208,7 +208,7 @@ bool job_run(struct job *job, struct err *err);
 bool job_begin(struct job *job, uint32_t seed, uint64_t planned, struct err *err);
 // The seed of a reference for renders with `seed` and those above it: they share no samples.
 uint32_t job_reference_seed(uint32_t seed);
-// What samples take, found from samples that are in no image.
+// The time that samples take, measured on samples that are in no image.
 struct job_speed {
     uint64_t samples; // of a pixel
     double seconds;   // of rendering; 0: not known
@@ -243,7 +243,7 @@ bool job_clear(struct job *job, struct err *err);
 bool job_set_wave(struct job *job, uint32_t paths, struct err *err);
 void job_set_progress(struct job *job, const struct progress *progress);
 void job_set_listener(struct job *job, const struct job_listener *listener); // NULL: nobody
-// What the caller does for the job counts to its seconds: the time since start_ns of clock_ns().
+// Adds the caller's work to the job's seconds: the time since start_ns of clock_ns().
 enum job_work { JOB_LOADING, JOB_JUDGING, JOB_WRITING, JOB_TOTAL };
 void job_add_time(struct job *job, enum job_work work, uint64_t start_ns);
 // Copies rows of a run before this one, which it goes on from.
@@ -286,10 +286,10 @@ bool job_estimate_end(struct job_estimate *estimate, struct err *err); // any th
 uint64_t job_film_samples(const struct job *job);
 // The number of samples, as `goal.samples`, that makes the same image.
 uint64_t job_samples(const struct job *job);
-// Of all pixels, and all frames.
+// The samples of all pixels, and of all frames.
 double job_total_samples(const struct job *job);
 const char *job_ended_by(const struct job *job); // "spp", "time", "error" ...
-// What twice the time of rendering would bring. Returns why it is not known, or NULL.
+// Forecasts what twice the time of rendering would bring. Returns why that is not known, or NULL.
 const char *job_forecast(const struct job *job, struct forecast *out);
 // Adds the row of the finished image to the trace, if there is one to be kept.
 void job_end_trace(struct job *job);

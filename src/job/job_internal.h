@@ -8,11 +8,11 @@
 // Makes room for one entry more in a list that grows by doubling.
 bool job_grow(struct arena *arena, void **list, uint32_t count, uint32_t *capacity, size_t size,
               struct err *err);
-// Whether a clock, or each tile for itself, decides how many samples there are.
+// Returns whether a clock, or each tile for itself, decides how many samples there are.
 bool job_is_open_ended(const struct job *job);
 // Samples of a pixel that a step of renderer_render() is: one, or those of a round.
 uint64_t job_step_samples(const struct job *job);
-// Whether there are no samples but the pilot's, which are not part of the image.
+// Returns whether there are no samples but the pilot's, which are not part of the image.
 bool job_is_pilot(const struct job *job);
 
 // --- judge.c ---

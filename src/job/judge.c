@@ -181,7 +181,8 @@ static size_t list_looks(const struct job *job, struct forecast_look *out, size_
     return count;
 }
 
-// Whether half of a bound is a forecast: the error of contiguous halves' samples falls as fast.
+// Returns whether half of a bound is a forecast: the error of contiguous halves' samples falls as
+// fast.
 static bool goes_by_bound(const struct job *job)
 {
     return job->error.bounded && halves_are_contiguous(&job->renderer);
@@ -197,7 +198,8 @@ static struct interval noise(const struct job *job)
     double stays = job->bias.stays.value;
     if (!job->params.reference || !isfinite(stays))
         return error;
-    // What was reached, and what the halves say would be on average, by the reference's values.
+    // The error that was reached, and the one that the halves expect on average, by the reference's
+    // values.
     double expected = job->against.local_relmse - stays;
     double reached = job->bias.is_certain ? expected : job->against.local_relmse;
     double factor = 0.5 * (expected + reached) / e->local_relmse;

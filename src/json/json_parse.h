@@ -12,8 +12,8 @@
 // allocations do no harm to json_parse(). To be called before jansson makes anything.
 void json_use_budget(void);
 
-// Whether an allocation of jansson's has failed since the previous call, but for those of parsers:
-// if so, something may be missing from what was built since.
+// Returns whether an allocation of jansson's has failed since the previous call, but for those of
+// parsers: if so, something may be missing from what was built since.
 bool json_lost_memory(void);
 
 // The document, or NULL with *err set: ERR_INPUT with file, line and column, or lack of memory.

@@ -40,7 +40,7 @@
 // D^2 tells, p being the pixel's part of the window. The bound holds that. small_lights.h has the
 // error of those that samples have met.
 //
-// What no path has found by chance. Paths that meet a bright emitter by chance add up to F a
+// Light that no path has found by chance. Paths that meet a bright emitter by chance add up to F a
 // sample. Where no half differs from the other as if such a path were in it, but for pixels in
 // which an emitter is in view, three may have been expected of all samples (the chance of none is
 // then 5 %), which are light of 3 F / N in the pixels' sum that the picture lacks. Spread so that
@@ -156,7 +156,7 @@ static double find_noise(float a, float b)
     return difference * difference / 4;
 }
 
-// What is around a pixel; a pixel without finite neighbours is alone.
+// Returns the mean around a pixel; a pixel without finite neighbours is alone.
 static double find_near(float a, float b, const struct local_mean *around, int c)
 {
     return around->own < 1 ? around->mean[c] : ((double)a + b) / 2;
@@ -181,8 +181,8 @@ static void join_variances(struct variance *variance, const struct variance *oth
     variance->squares += other->squares;
 }
 
-// What other seeds, and the pixels' own values, would make of a pixel whose noise is like that of
-// those around it. Its error.
+// Adds what other seeds would change of a pixel whose noise is like that of its neighbours, and
+// what its own value leaves open. Returns the pixel's error.
 static double add_noise(struct tile *tile, const float a[3], const float b[3],
                         const struct local_mean *around)
 {
@@ -214,7 +214,7 @@ static double add_noise(struct tile *tile, const float a[3], const float b[3],
     return error;
 }
 
-// What the pixel has, whatever its noise is like.
+// Adds what the pixel has, whatever its noise is like.
 static void add_light(struct tile *tile, const struct half_error_params *params, uint64_t pixel,
                       const struct local_mean *around)
 {
@@ -222,7 +222,7 @@ static void add_light(struct tile *tile, const struct half_error_params *params,
     const uint8_t *emitter_in_view = params->unseen.emitter_in_view;
     double samples = half_error_samples(params, pixel);
     for (int c = 0; c < 3; c++) {
-        // What is in one half alone is divided by its samples.
+        // Light in one half alone has been divided by that half's samples.
         double of_sample = fabs((double)a[c] - b[c]) * samples / 2;
         tile->squared += find_noise(a[c], b[c]) / 3;
         tile->unseen += error_of_unseen(around->mean[c], around->own) / fmax(samples, 1);

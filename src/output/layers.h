@@ -15,7 +15,7 @@ struct film_image;
 
 // Those of the film that are wanted (AOV_*); their values are the film's.
 void layers_list(const struct film_image *film, uint32_t wanted, struct layers *out);
-// What they take in a file at most, uncompressed, a pixel.
+// The most bytes that the layers take in a file for a pixel, uncompressed.
 uint64_t layers_bytes(uint32_t wanted, bool half_float);
 
 #endif

@@ -1,4 +1,4 @@
-// What a picture says about how it was made.
+// Writes down in a picture how it was made.
 #include "output/metadata.h"
 
 #include "job/job.h"
@@ -86,7 +86,7 @@ static void add_settings(struct attributes *a, const struct metadata_params *par
     for (int i = 0; i < SETTING_TOTAL; i++)
         if (i != SETTING_SPP && i != SETTING_EXPOSURE)
             add_setting(a, &settings_table[i], params->settings);
-    // What the picture has, not what was asked for.
+    // The samples that the picture has, not those that were asked for.
     add(a, "lampyris:spp", "%" PRIu64, params->samples);
     if (sample_planning(params->settings, NULL) != PLANNING_NONE)
         add(a, "lampyris:samples_planned", "%u", r->frame.samples);

@@ -1,4 +1,5 @@
-// What an image file says of how the image was made: enough to judge it, and to make it again.
+// Metadata of an image file, which say how the image was made: enough to judge it, and to make it
+// again.
 #ifndef LAMPYRIS_OUTPUT_METADATA_H
 #define LAMPYRIS_OUTPUT_METADATA_H
 

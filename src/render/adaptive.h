@@ -50,7 +50,7 @@ bool renderer_set_plan(struct renderer *renderer, const struct tile_plan *plan, 
 // --- for render.c -------------------------------------------------------------------------------
 // Begins the next pass of the rounds up to round_target; false when there is none.
 bool tile_pass_begin(struct renderer *renderer);
-// Whether the first pass, which takes one sample of every pixel, is over.
+// Returns whether the first pass, which takes one sample of every pixel, is over.
 bool tiles_all_begun(const struct renderer *renderer);
 // Lists as many of the pass's pixels as the wave can take, and uploads the list.
 bool tile_wave_fill(struct renderer *renderer, struct wave *wave, struct err *err);

@@ -12,7 +12,7 @@
 #define LOBES_DIFFUSE (LOBE_LAMBERT | LOBE_DIFFUSE_TRANSMISSION)
 #define LOBES_SCATTERING (LOBE_ROUGH - 1) // below it are lobes, from it on what they need
 
-// Whether a path may meet any emitter by chance.
+// Returns whether a path may meet any emitter by chance.
 static bool leaves_to_chance(const struct scene *scene, const struct specialization *s)
 {
     const struct settings *settings = &scene->settings;
@@ -75,7 +75,7 @@ static double sharpest_of_material(const struct scene *scene, const struct mater
     }
 }
 
-// Whether shadow rays look for what is infinitely far and has a density to compare with.
+// Returns whether shadow rays look for what is infinitely far and has a density to compare with.
 static bool looks_far(const struct scene *scene, const struct emitters *emitters)
 {
     for (uint32_t i = 0; i < scene->light_count; i++)

@@ -1,4 +1,4 @@
-// What paths meet by chance alone.
+// Finds what paths meet by chance alone.
 #ifndef LAMPYRIS_RENDER_CHANCE_H
 #define LAMPYRIS_RENDER_CHANCE_H
 

@@ -6,8 +6,8 @@
 
 #include "flatten/flatten.h"
 
-// Whether it is so far that FEATURE_FAR_CAMERA is needed; false for panoramas, whose pixels are
-// larger than what directions are off by.
+// Returns whether it is so far that FEATURE_FAR_CAMERA is needed; false for panoramas, whose pixels
+// are larger than what directions are off by.
 bool camera_is_far(const struct flat_scene *flat, const struct camera *camera);
 
 // How far from the camera along its line of sight rays begin, in the flat scene's unit: all that

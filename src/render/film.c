@@ -18,7 +18,7 @@ static uint32_t chunks_in_use(const struct renderer *r)
     return (uint32_t)((pixel_count(r) + r->plan.film_chunk_pixels - 1) / r->plan.film_chunk_pixels);
 }
 
-// Of one of those.
+// Returns the number of pixels in one of them.
 static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
 {
     uint64_t first = chunk * r->plan.film_chunk_pixels;
@@ -106,7 +106,7 @@ static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t
     return true;
 }
 
-// As in lib/halves.glsl: how many of a pixel's samples are in the first half-buffer.
+// Returns how many of a pixel's samples are in the first half-buffer, as lib/halves.glsl does.
 static uint32_t samples_of_first_half(const struct renderer *r, uint32_t samples)
 {
     uint32_t planned = r->frame.samples - r->frame.samples / 2;

@@ -17,8 +17,7 @@
 // lane many times over.
 #define CPU_WAVE 65536u
 #define GPU_WAVE (1u << 20)
-// The same in items a dispatch: a lavapipe dispatch of 64k rays takes some 20 ms, one of 1M on a
-// GPU a few.
+// The items of a dispatch: 64k rays take lavapipe some 20 ms, 1M take a GPU a few.
 #define CPU_PART 65536u
 #define GPU_PART (1u << 20)
 #define RESOLVE_PIXELS (1u << 20)
@@ -172,7 +171,7 @@ static uint64_t part_bytes(const struct gpu *gpu)
     return bytes >= 16 && bytes % gpu->storage_alignment == 0 ? bytes : 0;
 }
 
-// What is left of the bindings for parts when `parts` are taken, for one buffer.
+// Returns how many bindings one buffer may have for its parts when `parts` are taken.
 static uint32_t parts_left(const struct gpu *gpu, uint32_t parts)
 {
     uint32_t left = gpu->storage_count - GPU_MIN_STORAGE;
@@ -243,13 +242,13 @@ static bool check_pending_rays(const struct specialization *s, struct err *err)
                    s->pending_rays, PENDING_RAYS_MAX);
 }
 
-// Whether meshes that are used more than once stand in the world once for each use.
+// Returns whether meshes that are used more than once stand in the world once for each use.
 static bool could_share(const struct memory_plan_params *p)
 {
     return p->scene->instance_count > p->scene->mesh_count && p->flat->placed_count == 0;
 }
 
-// What makes a buffer smaller.
+// Returns advice on how to make a buffer smaller.
 static const char *advice(const struct memory_plan_params *p, uint32_t b)
 {
     bool is_mesh = b == BINDING_NODES || b == BINDING_TRIANGLES || b == BINDING_ATTRIBUTES;
@@ -284,7 +283,7 @@ static bool check(const struct memory_plan_params *p, const struct memory_plan *
                    binding_name(b), bytes, p->gpu->info.name, limit, parts, advice(p, b));
 }
 
-// What the host keeps of a picture to read it back, estimate its error and write it.
+// The host keeps so much of a picture to read it back, estimate its error and write it.
 #define HOST_BYTES_A_PIXEL 64
 
 static uint64_t host_free(void)
@@ -344,7 +343,7 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
                        "a storage range of %" PRIu64 " bytes holds no pixel: expected at least %d",
                        range, 16 * AOV_FILM_WORDS(aovs));
     out->film_chunks = (uint32_t)((pixels + out->film_chunk_pixels - 1) / out->film_chunk_pixels);
-    // What one dispatch takes at most.
+    // One dispatch takes so many threads at most.
     uint64_t threads = (uint64_t)gpu->max_groups * p->specialization->workgroup;
     out->resolve_pixels = least(least(out->film_chunk_pixels, RESOLVE_PIXELS),
                                 least(threads, range / (16 * AOV_RESOLVED_WORDS(aovs))));

@@ -1,4 +1,4 @@
-// What a render will take of the device's memory, known before anything is allocated.
+// Plans a render's memory on the device before anything is allocated.
 #ifndef LAMPYRIS_RENDER_MEMORY_PLAN_H
 #define LAMPYRIS_RENDER_MEMORY_PLAN_H
 
@@ -23,8 +23,8 @@ struct memory_plan {
     uint32_t film_chunks;
     uint64_t resolve_pixels; // pixels that are read back at a time
     uint64_t total_bytes;
-    // Of scene buffers in parts: all are as long but the last. The constant PARTS, and the
-    // logarithm of their length in words of four.
+    // Scene buffers may be in parts, all as long but the last. `parts` is the constant PARTS,
+    // part_shift the logarithm of their length in words of four.
     uint32_t parts, part_shift;
     uint64_t part_bytes;
 };

@@ -16,7 +16,7 @@ static const char *find(const struct reason *reasons, uint32_t count, uint32_t b
 
 #define FIND(reasons, bit) find(reasons, sizeof(reasons) / sizeof *(reasons), bit)
 
-// What the integrators other than path and direct make no use of, or NULL.
+// Returns why an integrator other than path and direct makes no use of a part, or NULL.
 static const char *integrator_reason(const struct renderer *r)
 {
     switch (r->specialization.integrator) {

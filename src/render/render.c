@@ -141,8 +141,8 @@ static bool check_split(const struct settings *settings, struct err *err)
                    settings->split_lobes, directions_names[settings->directions]);
 }
 
-// What there is to trace rays through, from whoever shares it or made here. That it is shared takes
-// no time of this renderer's.
+// Takes the geometry that rays are traced through from whoever shares it, which takes no time of
+// this renderer's, or makes it here.
 static bool get_geometry(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
     const struct geometry_params own = {
@@ -318,7 +318,7 @@ static bool fill_wave(struct renderer *r, struct wave *wave, struct err *err)
     return true;
 }
 
-// What a call has done of all that it is to do, in samples of single pixels.
+// A call's progress, in samples of single pixels.
 struct work {
     const struct render_call *call;
     double done, total;

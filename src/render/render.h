@@ -63,7 +63,7 @@ struct kernel_stats {
 // Bounces whose times are kept apart; the last one stands for all later ones, too.
 #define STATS_BOUNCES 16u
 
-// What the host does besides waiting for kernels. Milliseconds.
+// The host's work besides waiting for kernels, in milliseconds.
 struct host_stats {
     double recording;    // commands
     double submitting;   // them, until the host knows that they are done, less the kernels' times
@@ -109,7 +109,7 @@ struct pass {
     uint64_t position, length; // pixels done, and in all; 0: none is under way
 };
 
-// Of a picture whose tiles have sample counts of their own.
+// State of a picture whose tiles have sample counts of their own.
 struct tiles {
     uint32_t across, count;
     uint32_t *counts, *done; // of each: samples a round, and in all the passes that are over
@@ -126,7 +126,7 @@ struct in_view {
     uint8_t *mask; // a byte a pixel
 };
 
-// What a timestamp ends.
+// The kernel and the bounce that a timestamp ends.
 struct mark {
     uint8_t kernel, bounce;
 };
@@ -174,7 +174,7 @@ struct renderer {
 // render needs is known then, and nothing is allocated on the device. *out can be looked at and
 // finished, but cannot render. On failure it is finished.
 bool renderer_prepare(const struct renderer_params *params, struct renderer *out, struct err *err);
-// The same, and uploads and compiles. *out must stay where it is.
+// Prepares the renderer, uploads and compiles. *out must stay where it is.
 bool renderer_create(const struct renderer_params *params, struct renderer *out, struct err *err);
 void renderer_finish(struct renderer *renderer); // accepts NULL and {0}
 
@@ -198,9 +198,10 @@ bool renderer_render(struct renderer *renderer, const struct render_call *call, 
 // Samples of every pixel that one wave holds where the picture is small, else the usual number of a
 // pass: fewer at a time leave lanes idle.
 uint64_t renderer_samples_at_once(const struct renderer *renderer);
-// Whether every pixel has all samples up to next_sample, or of all rounds up to it, and no others.
+// Returns whether every pixel has all samples up to next_sample, or of all rounds up to it, and no
+// others.
 bool renderer_is_even(const struct renderer *renderer);
-// Whether every pixel of the film has a sample.
+// Returns whether every pixel of the film has a sample.
 bool renderer_has_all_pixels(const struct renderer *renderer);
 
 // Goes on with waves and workgroups of other sizes, and recompiles where need be: the film keeps

@@ -1,4 +1,5 @@
-// What samplers and half-buffers need to know beforehand: how many samples there will be.
+// Tells samplers and half-buffers what they need to know beforehand: how many samples there will
+// be.
 #ifndef LAMPYRIS_RENDER_SAMPLING_PLAN_H
 #define LAMPYRIS_RENDER_SAMPLING_PLAN_H
 
@@ -17,7 +18,8 @@ enum sample_planning {
 // NULL.
 enum sample_planning sample_planning(const struct settings *settings, const char **option);
 
-// Whether each half-buffer has half of one sequence: their difference then bounds the error.
+// Returns whether each half-buffer has half of one sequence: their difference then bounds the
+// error.
 bool halves_are_contiguous(const struct renderer *renderer);
 
 // Settles renderer->frame.samples and the half-buffers, after frame_fill() and before anything is

@@ -8,7 +8,7 @@
 
 #define SDF_INLINE_MOST 256 // instructions of all programs; beyond, compiling takes too long
 
-// Whether the programs are few and short enough.
+// Returns whether the programs are few and short enough.
 bool sdf_inline_fits(const struct scene *scene);
 
 // Of the programs, to tell their code from that of others; 0 where they do not fit.

@@ -4,8 +4,9 @@
 #include "render/film.h"
 #include "render/frame.h"
 
-// Whether the kernels as they are compiled, and the film as large as it is, do for the picture. A
-// lens that is compiled in and not there changes nothing, nor does a camera that is not far.
+// Returns whether the kernels as they are compiled, and the film as large as it is, do for the
+// picture. A lens that is compiled in and not there changes nothing, nor does a camera that is not
+// far.
 static bool does_fit(const struct renderer *r, const struct camera *camera, uint32_t width,
                      uint32_t height)
 {

@@ -65,7 +65,7 @@ static uint32_t microfacet_lobes(const struct material *m)
            (m->flags & MATERIAL_UNCOUPLED ? LOBE_UNCOUPLED : 0u);
 }
 
-// What shading a material needs of lib/bsdf.glsl.
+// Returns the lobes of lib/bsdf.glsl that shading a material needs.
 static uint32_t material_lobes(const struct scene *scene, const struct material *m)
 {
     uint32_t lobes = m->flags & MATERIAL_THIN ? LOBE_THIN : 0u;
@@ -180,7 +180,7 @@ static uint32_t material_features(const struct scene *scene, const struct flat_s
     return features;
 }
 
-// What can be connected to.
+// Returns the kinds of emitters that paths can be connected to.
 static uint32_t emitters_of(const struct emitter_counts *counts)
 {
     uint32_t emitters = 0;
@@ -237,7 +237,8 @@ static uint32_t light_features(const struct scene *scene, uint32_t emitters, uin
     return features;
 }
 
-// What compiling in changes nothing but the time: what it would add is zero, or never met.
+// Returns features that change nothing but the time where they are compiled in: what they would add
+// is zero, or never met.
 static uint32_t neutral_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_EMISSION |
@@ -279,7 +280,7 @@ static void specialize_ao(struct specialization *s)
     memset(s->class_lobes, 0, sizeof s->class_lobes);
 }
 
-// What the materials' models may be made of in Whitted's terms, see lib/whitted.glsl.
+// Lobes that materials may have in Whitted's terms, see lib/whitted.glsl.
 #define LOBES_WHITTED                                                                              \
     (LOBE_LAMBERT | LOBE_MIRROR | LOBE_PRINCIPLED | LOBE_METAL | LOBE_TRANSMISSION |               \
      LOBE_DIELECTRIC | LOBE_CONDUCTOR | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET |          \

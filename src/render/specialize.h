@@ -1,4 +1,4 @@
-// What a (scene, settings, device) needs: decided here, in one function, and nowhere else.
+// Decides what a (scene, settings, device) needs: here, in one function, and nowhere else.
 #ifndef LAMPYRIS_RENDER_SPECIALIZE_H
 #define LAMPYRIS_RENDER_SPECIALIZE_H
 
@@ -62,11 +62,11 @@ struct specialize_params {
 struct specialization specialize(const struct specialize_params *params);
 // From now on rays that run out of their budget are suspended.
 void specialization_suspend(struct specialization *s);
-// Whether the kernels that trace count their steps: for measuring, no scene needs it.
+// Makes the kernels that trace count their steps, or not: for measuring, no scene needs it.
 void specialization_count_steps(struct specialization *s, bool on);
 
-// The same with one bit more of a constant, and what follows from it: as if the scene needed it.
-// constant: CONSTANT_FEATURES, _GEOMETRY, _PARTS, _LOBES or _EMITTERS.
+// Returns *s with one bit more of a constant, and with what follows from it: as if the scene needed
+// it. constant: CONSTANT_FEATURES, _GEOMETRY, _PARTS, _LOBES or _EMITTERS.
 struct specialization specialization_with(const struct specialization *s, uint32_t constant,
                                           uint32_t bit);
 

@@ -116,8 +116,8 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
 // The largest error of a decoded normal's component: 16 bits octahedrally.
 #define NORMAL_RESOLUTION 6.52e-5
 
-// Whether the shading normals say no more than the geometric one, as far as their code can tell:
-// that one is exact then.
+// Returns whether the shading normals say no more than the geometric one, as far as their code can
+// tell: that one is exact then.
 static bool is_flat(const struct flat_scene *flat, uint32_t id)
 {
     double e[2][3], n[3];

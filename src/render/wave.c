@@ -388,7 +388,7 @@ void wave_record_step(struct renderer *r, const struct wave *wave, const struct 
 
 // --- kernels -------------------------------------------------------------------------------------
 
-// What a kernel is made from: of the set that the renderer was given, or embedded.
+// Returns the code of a kernel: of the set that the renderer was given, or embedded.
 static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
 {
     struct kernel_code code = kernel_code(id, r->specialization.features & FEATURE_BALLOT);

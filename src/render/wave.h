@@ -26,8 +26,8 @@ bool wave_compile(struct renderer *renderer, struct err *err);
 // SPIR-V instructions of a kernel as this specialization leaves them; 0 without memory to find out.
 uint32_t wave_kernel_instructions(const struct renderer *renderer,
                                   const struct specialization *specialization, enum kernel_id id);
-// Whether the kernels that trace count their steps from now on (render_stats.steps): for measuring,
-// since it takes time. Compiles.
+// Makes the kernels that trace count their steps from now on (render_stats.steps), or not: for
+// measuring, since it takes time. Compiles.
 bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);
 
 // --- step by step --------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-// What the HTML reports share: one file that needs no network, with plots, tables and pictures.
+// Writes HTML reports: one file that needs no network, with plots, tables and pictures.
 #ifndef LAMPYRIS_REPORT_HTML_H
 #define LAMPYRIS_REPORT_HTML_H
 

@@ -164,7 +164,7 @@ static bool primitive_test(const struct tracer *tracer, uint32_t primitive, stru
            hit->t <= tracer->interval[1];
 }
 
-// Whether a hit wins over one at the same distance.
+// Returns whether a hit wins over one at the same distance.
 static bool comes_first(const struct bvh_hit *hit, const struct bvh_hit *other)
 {
     if (hit->instance != other->instance)

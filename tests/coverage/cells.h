@@ -28,7 +28,7 @@ bool cells_print(const struct subject *subject, const struct plan *plan, uint32_
                  struct cell *cell);
 void cells_add(struct cell *total, const struct cell *cell);
 bool cells_print_total(const struct cell *total);
-// Whether so few intervals of the control hold as happens to correct ones in one case of a
+// Returns whether so few intervals of the control hold as happens to correct ones in one case of a
 // thousand.
 bool cells_control_fails(const struct cell *total);
 

@@ -121,7 +121,7 @@ static void say_miss(const struct judge *judge, uint32_t seed, uint32_t level, d
         told->reason ? "; " : "", told->reason ? told->reason : "");
 }
 
-// Whether it holds: the interval, where there is one, else the bound.
+// Returns whether it holds: the interval, where there is one, else the bound.
 static bool count(struct cell *cell, const struct truth *truth, const struct half_error *told,
                   double control)
 {

@@ -35,7 +35,7 @@ bool load_glb(struct scene *scene, const char *json, const void *binary, size_t 
 // What is wrong with a loaded scene, or NULL: an index beyond its array, a number not finite, a
 // missing name.
 const char *scene_objection(const struct scene *scene);
-// Whether one of the notes contains the text.
+// Returns whether one of the notes contains the text.
 bool has_note(const struct scene *scene, const char *text);
 
 // A file that uses most of what the loader reads: a square with normals, indices and a sparse

@@ -71,7 +71,7 @@ static double look(const struct task *t, const struct chart *chart, const struct
     return t->density(t->context, wi) * *solid_angle;
 }
 
-// Whether refraction is possible in some corners of the part and not in others.
+// Returns whether refraction is possible in some corners of the part and not in others.
 static bool is_cut(const struct chart *chart, const struct part *p)
 {
     int inside = 0;
@@ -86,8 +86,8 @@ static bool is_cut(const struct chart *chart, const struct part *p)
     return inside > 0 && inside < 9;
 }
 
-// Whether the part is too large for the rules to see what is in it: where the horizon cuts it
-// steeply, or where Fresnel's reflectance falls within it from 1 to almost nothing.
+// Returns whether the part is too large for the rules to see what is in it: where the horizon cuts
+// it steeply, or where Fresnel's reflectance falls within it from 1 to almost nothing.
 static bool hides_detail(const struct chart *chart, const struct part *p)
 {
     if (p->depth >= DETAIL_DEPTH)

@@ -21,7 +21,7 @@ uint32_t grid_covering(struct configuration *out, uint32_t capacity);
 // Points drawn at random from the axes, with continuous values between theirs.
 uint32_t grid_random(struct configuration *out, uint32_t count, uint64_t seed);
 
-// Whether the material may reflect more than it receives, as its documentation says.
+// Returns whether the material may reflect more than it receives, as its documentation says.
 bool grid_gains(const struct configuration *configuration);
 
 // Lobes narrower than this are deltas to every model, or as good as one.

@@ -45,8 +45,9 @@ double reference_eval(const struct reference *reference, const double wi[3], dou
 // Fills out; returns how many there are.
 int reference_deltas(const struct reference *reference,
                      struct reference_delta out[REFERENCE_MAX_DELTAS]);
-// Whether what goes through is called specular although it has an extent (or weights that differ):
-// so narrow that single precision does not resolve it, or straight on. The density is 0 there.
+// Returns whether what goes through is called specular although it has an extent (or weights that
+// differ): so narrow that single precision does not resolve it, or straight on. The density is 0
+// there.
 bool reference_hides_refraction(const struct reference *reference);
 // The density of microfacets' normals with which that is drawn.
 double reference_hidden_normal(const struct reference *reference, const double h[3]);

@@ -341,8 +341,8 @@ static void point_of(const struct renderer *r, uint32_t primitive, struct random
     }
 }
 
-// Whether light from the point arrives at the receiver, on the side that counts, with some margin
-// for rounding.
+// Returns whether light from the point arrives at the receiver, on the side that counts, with some
+// margin for rounding.
 static bool sends(const struct place *p, const double point[3], const double normal[3],
                   bool is_sphere)
 {

@@ -186,7 +186,7 @@ static double mis_weight(const struct hit *h, double pdf, double other_pdf)
     }
 }
 
-// Whether a vertex that so many bounces come before sends shadow rays.
+// Returns whether a vertex that so many bounces come before sends shadow rays.
 static bool connects(const struct hit *h, uint32_t bounces)
 {
     return has_feature(h, FEATURE_NEE) &&

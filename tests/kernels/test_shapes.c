@@ -178,7 +178,8 @@ static struct sizes sizes_of(const struct flat_shape *flat, const double origin[
     return s;
 }
 
-// Whether a ray that runs along a tube's side is inside or outside of it is all that it meets.
+// Returns whether a ray that runs along a tube's side is inside or outside of it is all that it
+// meets.
 static bool grazes_tube(const struct sizes *sizes, const double origin[3], const double d[3])
 {
     int hits = 0;

@@ -29,8 +29,8 @@ void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t
 // and short ones through triangles.
 void random_shadow_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
                         struct probe_ray *rays);
-// Whether rounding may well decide about the ray of that number, of either kind: those at edges and
-// the short ones.
+// Returns whether rounding may well decide about the ray of that number, of either kind: those at
+// edges and the short ones.
 bool ray_is_delicate(uint32_t ray);
 // Unit direction (but for rounding) from a point to another.
 void aim(const float from[3], const float to[3], float direction[3]);

@@ -76,7 +76,7 @@ static double ssim(void)
     return value;
 }
 
-// Whether the metric, 0 to 2, is had with so many bytes of budget for it.
+// Returns whether the metric, 0 to 2, is had with so many bytes of budget for it.
 static bool fits_into(int metric, const struct picture_pair *p, uint64_t bytes)
 {
     const struct flip_exposures exposures = {0, 1, 2};

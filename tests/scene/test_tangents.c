@@ -452,7 +452,7 @@ static bool share_edge_at(const struct grid *grid, uint32_t a, uint32_t b, uint3
     return shared == 2 && find_corner(grid, a, vertex) >= 0 && find_corner(grid, b, vertex) >= 0;
 }
 
-// Whether two triangles at a vertex are connected there by triangles of one orientation.
+// Returns whether two triangles at a vertex are connected there by triangles of one orientation.
 static bool in_one_group(const struct grid *grid, uint32_t from, uint32_t to, uint32_t vertex)
 {
     bool reached[GRID_TRIANGLES] = {false}, grew = true;

@@ -49,7 +49,8 @@ static inline bool stage_show(struct stage *stage, struct err *err)
 {
     return swapchain_show(&stage->gpu, &stage->swapchain, &stage->window, &stage->screen, err);
 }
-// Whether the window, as it is seen, comes to show `seed`'s picture bit for bit within ten seconds.
+// Returns whether the window, as it is seen, comes to show `seed`'s picture bit for bit within ten
+// seconds.
 bool stage_shows(struct stage *stage, uint32_t seed);
 // Polls until an event of this kind comes, for up to ten seconds; NULL: none came.
 const struct event *stage_wait(struct stage *stage, enum event_kind kind);

@@ -24,19 +24,19 @@ struct bench_row {
     const char *rays;      // of BENCH_ALONE: "primary", ...; else NULL
     uint32_t depth;        // of BENCH_ALONE
     double *ms;            // one a repetition; NAN where the device has no timestamps
-    // The same in every repetition.
+    // These are the same in every repetition.
     uint64_t launches, items; // 0: not counted
     double bytes; // that the items' records take at least to read and write; NAN: not counted
-    // Of rays: nodes of the BVH visited, and primitives tested; 0: not counted.
+    // Nodes of the BVH that rays visited, and primitives that they tested; 0: not counted.
     uint64_t nodes, primitives;
 
-    // What follows from the times.
+    // These follow from the times.
     struct interval median; // of ms
     struct interval ratio;  // of the first variant's ms to these, paired: above 1 is faster
     double share;           // of the wall clock; NAN of BENCH_ALONE
 };
 
-// What the kernels of one bounce did in a repetition.
+// The work of the kernels of one bounce in a repetition.
 struct bench_bounce {
     uint64_t items[KERNEL_COUNT];
     double *ms[KERNEL_COUNT]; // one a repetition
@@ -100,7 +100,8 @@ void bench_finish(struct bench *b);
 // --- bench_conclude.c ---
 // Medians, shares and ratios; and whether pictures that are to be the same are.
 bool bench_conclude(struct bench *b, struct err *err);
-// Of the same scene; NULL where there is no such row.
+// bench_first() returns the first variant of the same scene, bench_find() the row of that name, or
+// NULL.
 const struct bench_variant *bench_first(const struct bench *b, const struct bench_variant *variant);
 const struct bench_row *bench_find(const struct bench_variant *variant, const char *row);
 // Bytes of nodes and primitives that the row's rays read; NAN where they are not counted.

@@ -55,7 +55,7 @@ static bool is_traced(enum kernel_id kernel)
     return kernel == KERNEL_intersect_closest || kernel == KERNEL_intersect_shadow;
 }
 
-// Whether it runs once a wave.
+// Returns whether it runs once a wave.
 static bool has_no_depth(enum kernel_id kernel)
 {
     return kernel == KERNEL_generate_rays || kernel == KERNEL_accumulate ||
@@ -159,7 +159,7 @@ static bool fail(const struct contest *c, const struct bench_variant *v, struct 
                        v->variant.label, kernel_names[c->target->kernel]);
 }
 
-// Of rays, and of what the queues got that hits and misses go to.
+// The bytes of rays, and of the entries in the queues of hits and misses.
 static double bytes_traced(const struct renderer *r, const struct bench_row *row)
 {
     double bytes = (double)row->items * bench_bytes_read(r, row->kernel);

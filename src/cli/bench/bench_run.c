@@ -103,7 +103,7 @@ struct bench_row *bench_rows_create(struct bench *b, uint32_t count, struct err 
 
 // --- counting ------------------------------------------------------------------------------------
 
-// What the kernels do in a repetition, from one that is watched and not timed.
+// Counts the kernels' work in a repetition that is watched and not timed.
 struct census {
     struct bench_variant *v;
     uint64_t rays_before, shadow_before; // entries of the queues that shading fills
@@ -301,7 +301,7 @@ static bool repeat(struct bench *b, struct bench_variant *v, struct job_step ste
     return ok;
 }
 
-// What rows say of one repetition: what the renderer's statistics have grown by.
+// Gives the rows the times of one repetition: the growth of the renderer's statistics.
 static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t round,
                        const struct render_stats *before, double wall_ms)
 {

@@ -154,7 +154,7 @@ static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_
     float(*exposed)[3] = arena_alloc(arena, count, sizeof *exposed);
     if (!exposed)
         return err_memory(err, "an exposed picture", count * sizeof *exposed);
-    // What is finite stays so: pixels that are not are left out.
+    // Pixels that are not finite stay out of the comparison.
     for (uint64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
             exposed[i][k] = isfinite(pixels[i][k])

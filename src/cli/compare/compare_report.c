@@ -1,4 +1,4 @@
-// What lampyris compare prints.
+// Prints the results of `lampyris compare`.
 #include "cli/compare/compare.h"
 
 #include "cli/exit_code.h"
@@ -250,7 +250,7 @@ int compare_print_json(const struct comparison *c)
         "smape_epsilon", METRICS_SMAPE_EPSILON, "hdr_flip_exposures", c->exposures.start,
         c->exposures.stop, (int)c->exposures.count, "reference_noise", noise_json(c), "images",
         images, "passed", c->passed);
-    // What one picture has stands at the top, too.
+    // The figures of a single picture stand at the top, too.
     if (object && c->count == 1)
         json_object_update_missing(object, json_array_get(images, 0));
     return command_print(object);

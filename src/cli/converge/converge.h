@@ -21,7 +21,7 @@ enum converge_metric {
 };
 extern const char *const converge_metric_names[CONVERGE_METRICS];
 
-// What one replicate had reached at one point.
+// A replicate's state at one point.
 struct converge_sample {
     uint64_t spp;
     double seconds;                  // of rendering, since its first sample
@@ -29,14 +29,15 @@ struct converge_sample {
     double at_most;                  // without a reference: a bound of the local relMSE, or NAN
 };
 
-// The same of all replicates.
+// The state of all replicates at one point.
 struct converge_point {
     struct interval spp, seconds, metric[CONVERGE_METRICS];
     double at_most;   // the geometric mean of the replicates' bounds; NAN where one has none
     uint32_t unknown; // replicates whose local relMSE is not known: none of the errors is, then
 };
 
-// What is compared with. Without one, errors are those of the half-buffers: blind to bias.
+// The picture that others are compared with. Without one, errors are those of the half-buffers,
+// which are blind to bias.
 struct converge_reference {
     const char *name; // file, or "auto"; NULL: none
     uint64_t spp;     // of "auto"
@@ -60,7 +61,7 @@ struct converge_curve {
     double start_seconds;            // load, BVH, upload and compile
     struct job_speed speed;          // what a number of samples is planned from
 
-    // What follows from the samples.
+    // These follow from the samples.
     struct converge_point *points;
     struct interval slope;          // of log error on log samples, or on log seconds with --times
     struct interval efficiency;     // 1 / (local relMSE * s) at the end
@@ -102,7 +103,7 @@ uint32_t converge_siblings(const struct converge *c, const struct converge_curve
 // --- converge_run.c ---
 bool converge_prepare(struct converge *c, struct err *err); // curves, scenes, renderers
 bool converge_open(struct converge *c, struct converge_curve *curve, struct err *err);
-// As job_advance(), unless it is asked to stop.
+// Calls job_advance(), unless the run is asked to stop.
 bool converge_advance(struct converge *c, struct job *job, const struct job_step *step,
                       struct err *err);
 // Replicate by replicate, all curves of a scene in turn, so that a machine that becomes slower does
@@ -114,7 +115,7 @@ void converge_finish(struct converge *c);
 // Measures the picture that the curve's job has.
 bool converge_measure_point(struct converge *c, struct converge_curve *curve, uint32_t replicate,
                             uint32_t point, struct err *err);
-// Whether SSIM and FLIP are measured of every replicate.
+// Returns whether SSIM and FLIP are measured of every replicate.
 bool converge_is_small(const struct converge_curve *curve);
 
 // --- converge_reference.c ---
@@ -127,7 +128,7 @@ const char *converge_label(const struct converge_curve *curve);
 // "faster", "slower" or "not told apart", of a ratio of efficiencies.
 const char *converge_verdict(struct interval ratio);
 bool converge_is_biased(const struct converge_curve *curve);
-// What is to be known beside the numbers, a sentence each; returns how many.
+// Writes the sentences that belong beside the numbers; returns how many.
 #define CONVERGE_NOTES 6
 #define CONVERGE_NOTE_SIZE 160
 uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZE]);

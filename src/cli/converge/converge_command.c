@@ -39,7 +39,7 @@ static const struct option_def *find(const char *argument, bool *is_attached)
     return NULL;
 }
 
-// Whether the curve's own value, which comes later, replaces this one.
+// Returns whether the curve's own value, which comes later, replaces this one.
 static bool is_varied(const struct converge_curve *curve, const struct option_def *def)
 {
     size_t length = strlen(def->name);

@@ -12,7 +12,7 @@ struct page {
     struct html_page html;
 };
 
-// Of larger numbers of curves a matrix of all pairs cannot be read.
+// A matrix of all pairs of more curves cannot be read.
 #define MATRIX_CURVES 8
 
 static bool put_plot(struct page *page, uint32_t scene, bool over_time, struct err *err)

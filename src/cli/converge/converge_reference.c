@@ -1,4 +1,4 @@
-// What the curves of `lampyris converge` are compared with.
+// Finds the reference that the curves of `lampyris converge` are compared with.
 #include "cli/converge/converge.h"
 
 #include "base/log.h"

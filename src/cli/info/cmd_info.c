@@ -78,7 +78,7 @@ static void print_buffer(const struct planned_buffer *buffer)
     puts(buffer->copies > 1 ? " (in several buffers)" : "");
 }
 
-// As they are about the flat scene's origin, in metres.
+// Prints the bounds about the flat scene's origin, in metres.
 static void print_bounds(const struct flat_scene *flat)
 {
     double low[3], high[3];

@@ -112,8 +112,8 @@ static bool set_up(struct render_run *run, struct err *err)
 
 // --- its end -------------------------------------------------------------------------------------
 
-// What is there is kept, in all ways, whatever becomes of the others. The caller reports the last
-// failure.
+// Writes what there is in all ways that were asked for, whatever becomes of the others. The caller
+// reports the last failure.
 static bool finish_outputs(struct render_run *run, struct err *err)
 {
     struct err failures[3] = {0};

@@ -1,4 +1,4 @@
-// What a render reports to machines: one JSON object, described by docs/render.schema.json.
+// Reports a render to machines: as one JSON object, described by docs/render.schema.json.
 #include "base/memory.h"
 #include "cli/render/render_report.h"
 #include "cli/sharing.h"

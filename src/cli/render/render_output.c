@@ -24,7 +24,7 @@ static char *without_extension(struct arena *arena, const char *path)
     return stem;
 }
 
-// Whether somebody reads the summary, and may want to look at the picture.
+// Returns whether somebody reads the summary, and may want to look at the picture.
 static bool is_watched(const struct options *options)
 {
     return isatty(STDOUT_FILENO) && !options->quiet && !options->json;
@@ -47,7 +47,7 @@ static bool default_outputs(struct render_run *run, struct err *err)
     return true;
 }
 
-// What a signal's handler is to remove when it ends the program.
+// Lists the locks that a signal's handler removes when it ends the program.
 static bool list_locks(struct render_run *run, struct err *err)
 {
     const char **paths = ARENA_NEW(&run->arena, const char *, run->lock_count);
@@ -119,7 +119,7 @@ static uint64_t picture_bytes(const struct render_run *run, bool is_png)
 bool render_check_space(const struct render_run *run, struct err *err)
 {
     const struct options *options = run->options;
-    // Of a run that a clock may end, only the last picture is certain.
+    // Where a clock may end the run, only the last picture is certain.
     bool is_certain = options->render.every && options->render.time_seconds == 0.0;
     uint64_t pictures = is_certain ? options->render.frames / options->render.every + 1u : 1u;
     for (uint32_t i = 0; i < run->output_count; i++) {

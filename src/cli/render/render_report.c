@@ -1,4 +1,4 @@
-// What a render reports to people.
+// Reports a render to people.
 #include "cli/render/render_report.h"
 #include "base/file.h"
 #include "base/memory.h"
@@ -132,8 +132,8 @@ void report_print_kernels(const struct render_stats *stats)
         putchar('\n');
 }
 
-// Of `count` amounts: marks the `most` largest above 0 in `is_large`, and returns the sum of the
-// others.
+// Marks the `most` largest of `count` amounts that are above 0 in `is_large`, and returns the sum
+// of the others.
 static double pick_largest(const double *amounts, int count, int most, bool *is_large)
 {
     double others = 0.0;
@@ -240,7 +240,7 @@ static void print_notes(const struct scene *scene)
     putchar('\n');
 }
 
-// Of PNG pictures, where it is not what the scene file or an option says.
+// Prints the exposure of PNG pictures where it is not the scene file's or an option's.
 static void print_exposure(const struct render_run *run)
 {
     const struct settings *s = &run->scene.settings;

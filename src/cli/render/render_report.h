@@ -1,4 +1,4 @@
-// What the reports for people and for machines share.
+// Functions that the reports for people and for machines share.
 #ifndef LAMPYRIS_CLI_RENDER_RENDER_REPORT_H
 #define LAMPYRIS_CLI_RENDER_RENDER_REPORT_H
 
@@ -18,7 +18,7 @@ void explain_print_line(const struct renderer *r);
 // --explain: which parts are left out, why, and what that saves; and what the summary has no room
 // for.
 void explain_print(struct render_run *run);
-// Of one part that is left out: why, and what that saves.
+// Says of one part that is left out why that is so, and what it saves.
 json_t *explain_json(const struct renderer *r, const struct part *part);
 
 #endif

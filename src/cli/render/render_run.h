@@ -73,8 +73,8 @@ const char *render_reproducing_command(struct render_run *run);
 // --- render_trace.c ---
 // Reads the reference and compares its size with the picture's. Nothing without --reference.
 bool render_open_reference(struct render_run *run, struct err *err);
-// What of a render goes on from a checkpoint goes on from its trace. After job_open(); nothing
-// without --trace.
+// A render that goes on from a checkpoint also goes on with its trace. To be called after
+// job_open(); does nothing without --trace.
 bool render_read_trace(struct render_run *run, struct err *err);
 // Writes the rows that there are so far. A file that cannot be written is a warning.
 bool render_update_trace(struct render_run *run, struct err *err);

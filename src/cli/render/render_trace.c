@@ -93,7 +93,8 @@ static json_t *head_json(const struct render_run *run)
                      "reference", known);
 }
 
-// What is no regular file cannot be written anew after every row: it gets all of them at the end.
+// A path that is no regular file cannot be written anew after every row: it gets all rows at the
+// end.
 static bool is_stream(const char *path)
 {
     struct stat status;

@@ -47,8 +47,8 @@ struct tev;
 // Begins to connect. `name` is what the viewer calls the picture. NULL when out of memory or
 // threads, with *err set.
 struct tev *tev_open(const struct tev_address *address, const char *name, struct err *err);
-// Whether it would take a picture: false while one is under way, and after a failure, of which it
-// has warned.
+// Returns whether it would take a picture: false while one is under way, and after a failure, of
+// which it has warned.
 bool tev_is_ready(struct tev *tev);
 // Takes the picture over; only when ready.
 void tev_send(struct tev *tev, struct tev_picture *picture);

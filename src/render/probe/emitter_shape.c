@@ -196,7 +196,7 @@ static void place_in_disc_of(const double center[3], const double normal[3], dou
     combine(center, radius * at[0], u, radius * at[1], v, out);
 }
 
-// Of a cylinder what is seen of its side.
+// Places points on the part of the shape that is seen; of a cylinder that is its side.
 static void place_in_shape(const struct flat_shape *shape, const double direction[3],
                            uint32_t number, uint32_t count, double out[3])
 {

@@ -179,8 +179,8 @@ static void split(struct search *search, const struct projected *at, double reac
         }
 }
 
-// Whether what is within a radius of a point is in front of the camera; where the camera may be
-// within it, it may be anywhere in the picture.
+// Returns whether what is within a radius of a point is in front of the camera; where the camera
+// may be within it, it may be anywhere in the picture.
 static bool is_in_front(struct search *search, const double center[3], double radius)
 {
     double to[3];
@@ -193,7 +193,7 @@ static bool is_in_front(struct search *search, const double center[3], double ra
     return depth > radius;
 }
 
-// What the picture has of an emitter.
+// The picture's view of an emitter.
 struct sight {
     struct projected at;
     double reach, part; // pixels
@@ -245,8 +245,8 @@ static void count_emitter(struct search *search, struct emitter_part emitter)
     search->light[y * p->width + x] += (float)(sight.part * find_greatest(search, emitter));
 }
 
-// Whether it is one of many small parts of a larger emitter: whether so much light as it would send
-// from part_max pixels is around it.
+// Returns whether it is one of many small parts of a larger emitter: whether so much light as it
+// would send from part_max pixels is around it.
 static bool is_of_larger(const struct search *search, struct emitter_part emitter,
                          const struct sight *sight)
 {
@@ -459,7 +459,8 @@ static double aim_probe(const struct search *search, const struct group *group, 
     return length;
 }
 
-// Whether nothing is in front of an emitter. A distance field is in a part of its box alone.
+// Returns whether nothing is in front of an emitter. A distance field is in a part of its box
+// alone.
 static bool is_free(const struct renderer *r, struct emitter_part emitter,
                     const struct probe_hit *hit, double length)
 {

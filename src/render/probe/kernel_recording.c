@@ -9,7 +9,7 @@
     (1u << BINDING_PATHS | 1u << BINDING_RADIANCE | 1u << BINDING_SHADOW_RAYS |                    \
      1u << BINDING_QUEUES | 1u << BINDING_COUNTERS)
 
-// What a kernel writes, bits by binding.
+// Returns the bindings that a kernel writes, as bits.
 static uint32_t written(enum kernel_id kernel)
 {
     switch (kernel) {
@@ -276,7 +276,8 @@ static bool after(void *context, const struct wave_step *step, struct err *err)
     return false;
 }
 
-// As in renderer_render, but in the middle of the picture rather than from its top.
+// Returns a wave as renderer_render() makes it, but in the middle of the picture rather than from
+// its top.
 static struct wave middle_wave(const struct renderer *r, uint64_t samples)
 {
     uint32_t shift = USUAL_SAMPLE_SHIFT;
@@ -292,7 +293,7 @@ static struct wave middle_wave(const struct renderer *r, uint64_t samples)
     return wave;
 }
 
-// What follows on the wave, or goes without one.
+// Keeps what kernels read that follow on the wave, or go without one.
 static bool keep_end(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     if (rec->step.kernel == KERNEL_resolve) {
@@ -315,7 +316,7 @@ static bool record(struct recording *c, struct err *err)
     if (!ok || !(at_end ? keep_end(r, rec, err) : true))
         return false;
     double ms;
-    // Of these what the render leaves behind is not known otherwise.
+    // For these kernels, what the render leaves behind is not known otherwise.
     bool first = at_end || rec->step.kernel == KERNEL_prepare_dispatch;
     return !first || rec->items == 0 ||
            (run(r, rec, &ms, err) && hash_state(r, rec, &rec->hash, err));

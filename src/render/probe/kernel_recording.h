@@ -42,8 +42,8 @@ bool kernel_recording_create(struct renderer *renderer,
 // reads is not kept. *ms: on the device, or by the host's clock where that has no timestamps.
 // ERR_BUG when it leaves behind anything else than the render did.
 bool kernel_recording_run(const struct kernel_recording *recorded, double *ms, struct err *err);
-// What the items, which are rays, do: nodes of the BVH visited, and primitives tested. Compiles
-// kernels that count, and the others again.
+// Counts what the items, which are rays, do: the nodes of the BVH that they visit, and the
+// primitives that they test. Compiles kernels that count, and the others again.
 bool kernel_recording_count_steps(const struct kernel_recording *recorded, uint64_t *nodes,
                                   uint64_t *primitives, struct err *err);
 // Releases it, and leaves the renderer as it was: between two waves. Accepts {0}.

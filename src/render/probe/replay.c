@@ -31,7 +31,7 @@ static uint32_t flat_primitive(const struct renderer *r, uint32_t word, bool *is
     return *is_shape ? word & ~PRIMITIVE_SHAPE : r->bvh.triangle_order[word];
 }
 
-// What a path's vertex is made of; where a mesh is shared the instance may say.
+// Returns the material of a path's vertex; where a mesh is shared the instance may say.
 static const struct material *material_of(const struct renderer *r, const struct replay_vertex *v)
 {
     uint32_t material = v->is_shape ? r->flat.shapes[v->primitive].material
@@ -94,7 +94,7 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     return true;
 }
 
-// What the last step added.
+// Reads the radiance that the last step added.
 static bool read_gain(struct follower *f, float gain[3], struct err *err)
 {
     float now[4];

@@ -43,7 +43,8 @@ struct display {
 // What a renderer has to have been created with for SHOWN_*.
 uint32_t display_aovs(uint32_t shown);
 extern const char *const shown_names[SHOWN_COUNT + 1]; // ended by NULL: "radiance" …
-// Whether false colours are used, so that a range matters; and its unit for people ("m", "steps").
+// Returns whether false colours are used, so that a range matters; and its unit for people ("m",
+// "steps").
 bool shown_has_range(uint32_t shown);
 bool shown_is_logarithmic(uint32_t shown); // its false colours go by the logarithm
 const char *shown_unit(uint32_t shown);

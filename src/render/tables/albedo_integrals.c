@@ -24,7 +24,7 @@ static double schlick_weight(double cos_theta)
     return pow(1.0 - clamp01(cos_theta), 5.0);
 }
 
-// As fresnel_dielectric() of lib/fresnel.glsl.
+// Repeats fresnel_dielectric() of lib/fresnel.glsl.
 static double fresnel(double cos_i, double eta)
 {
     double k = (eta - 1.0) * (eta + 1.0);
@@ -198,7 +198,7 @@ static double reflection_weight(const struct interface *s, const double h[3], do
     return wi[2] * (s->wo[2] + s->length_o) / (s->wo[2] * length_i + wi[2] * s->length_o);
 }
 
-// The same of the refraction, G1(wi), for cos_t beyond h.
+// Returns the weight of the refraction, G1(wi), for cos_t beyond h.
 static double refraction_weight(const struct interface *s, const double h[3], double cosine,
                                 double cos_t)
 {
@@ -208,7 +208,8 @@ static double refraction_weight(const struct interface *s, const double h[3], do
     return wi[2] < 0.0 ? 2.0 * -wi[2] / (stretched_length(wi, s->alpha) - wi[2]) : 0.0;
 }
 
-// What a microfacet of the normal h, which wo sees, sends to where it does not meet another one.
+// Returns what a microfacet of the normal h, which wo sees, sends to where it does not meet another
+// one.
 static double interface_weight(const struct interface *s, const double h[3])
 {
     double cosine = fmin(1.0, vec3_dot(s->wo, h));
@@ -390,7 +391,7 @@ double albedo_charlie(double x, double y)
     return sum;
 }
 
-// Of a coat of weight 1, with Schlick's reflectance or that of index 1.5.
+// Returns the albedo of a coat of weight 1, with Schlick's reflectance or that of index 1.5.
 static double albedo_of_coat(double x, double y, bool is_exact)
 {
     double mu = axis_mu(x, 0.25);
@@ -429,7 +430,8 @@ double albedo_coat_exact(double x, double y)
     return albedo_of_coat(x, y, true);
 }
 
-// Of Burley's subsurface approximation at one roughness (0, 1 or 2), or of his sheen (3).
+// Writes the albedos of Burley's subsurface approximation at one roughness (0, 1 or 2), and of his
+// sheen (3).
 void albedo_diffuse(double x, double out[4])
 {
     double mu = axis_mu(x, 0.2);

@@ -40,7 +40,7 @@ static int crossing(const double origin[3], const double direction[3],
 
 // --- shapes --------------------------------------------------------------------------------------
 
-// Of the body that a shape encloses; a plane has everything behind it.
+// Returns whether a point is in the body that a shape encloses; a plane has everything behind it.
 static bool is_inside(const double origin[3], const struct flat_shape *shape)
 {
     double from[3], axes[3][3], along[3], square[3], radius = (double)shape->radius;
@@ -70,7 +70,7 @@ static bool is_inside(const double origin[3], const struct flat_shape *shape)
     }
 }
 
-// Of a distance field: nothing is outside of its box.
+// Returns whether a point is inside of a distance field, which has nothing outside of its box.
 static bool is_inside_field(const double origin[3], const struct flat_shape *shape,
                             const struct sdf *sdf)
 {
@@ -89,7 +89,8 @@ static bool is_inside_field(const double origin[3], const struct flat_shape *sha
     return sdf_evaluate(sdf, p) < 0.0;
 }
 
-// As crossing(): at the distance t to the shape's plane, whose front is along the normal.
+// Returns what crossing() does, at the distance t to the shape's plane, whose front is along the
+// normal.
 static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
 {
     return !hit || !(t > 0.0) ? 0 : vec3_dot(direction, normal) > 0.0 ? 1 : -1;
@@ -166,7 +167,7 @@ static void probe_shape(struct probe *probe, const struct flat_shape *shape, con
 
 // --- the whole -----------------------------------------------------------------------------------
 
-// What the boxes of the hierarchy leave of a tree's triangles, for one of the rays.
+// Visits those of a tree's triangles that the boxes of the hierarchy leave, for one of the rays.
 struct visit {
     struct probe *probe;
     const struct shading_tables_params *p;

@@ -14,7 +14,7 @@ double triangle_area(const struct flat_scene *flat, uint32_t id)
     return 0.5 * vec3_norm(normal);
 }
 
-// Of the parallelogram of two vectors.
+// Returns the area of the parallelogram of two vectors.
 static double span(const float a[3], const float b[3])
 {
     double u[3], v[3], normal[3];

@@ -9,7 +9,7 @@
 
 double triangle_area(const struct flat_scene *flat, uint32_t id);
 double shape_area(const struct flat_shape *shape); // 0 where shape_is_emitter() says no
-// Whether something in the scene has no end.
+// Returns whether something in the scene has no end.
 bool has_planes(const struct flat_scene *flat);
 // Half the diagonal of the scene's bounds; 0 when empty, 1 with nothing but planes.
 double bounding_radius(const struct flat_scene *flat);

@@ -163,7 +163,8 @@ static struct gpu_light light_record(const struct light *light, float reach)
     return record;
 }
 
-// What a light sends is divided by the square of its distance, which must stay finite.
+// Refuses a light so near to the scene, or so far, that what it sends, divided by the square of its
+// distance, is not finite.
 static bool check_place(const struct scene *scene, const struct flat_scene *flat,
                         const struct light *light, const struct light *placed, struct err *err)
 {
@@ -345,7 +346,7 @@ static void bound_solid(const struct flat_shape *shape, struct light_bounds *out
     out->radius = (float)(sqrt(square) * 1.000001);
 }
 
-// What is flat sends light to both sides, what is not to everywhere.
+// Bounds a shape and its directions: flat shapes send light to both sides, others everywhere.
 static void bound_shape(const struct flat_shape *shape, struct light_bounds *out)
 {
     bool is_flat = is_flat_shape(shape);
@@ -378,7 +379,7 @@ static void bound_light(const struct light *light, struct light_bounds *out)
     out->power = luminance(light->radiant);
 }
 
-// Of an emitter that is not infinitely far; `power` as in the list.
+// Bounds an emitter that is not infinitely far; `power` is as in the list.
 static struct light_bounds bound_emitter(const struct scene *scene, const struct flat_scene *flat,
                                          const struct bvh *bvh, uint32_t primitive, double power)
 {
@@ -389,7 +390,7 @@ static struct light_bounds bound_emitter(const struct scene *scene, const struct
     } else if (primitive & PRIMITIVE_SHAPE) {
         const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
         bound_shape(shape, &bounds);
-        // Of a convex body's surface a quarter is seen face on, on average (Cauchy 1841).
+        // A convex body shows a quarter of its surface face on, on average (Cauchy 1841).
         bounds.power *= is_flat_shape(shape) ? 1.0 : 0.25;
     } else {
         bound_triangle(flat, bvh->triangle_order[primitive], &bounds);
@@ -448,8 +449,8 @@ static bool part_emitters(const struct shading_tables_params *p, const struct em
     return true;
 }
 
-// What is infinitely far is chosen with this probability where there are others: none of both is
-// known to matter less.
+// Emitters that are infinitely far are chosen with this probability where there are others: neither
+// is known to matter less.
 #define INFINITE_SHARE 0.5
 
 // The buffer: header, pairs, trails, bins.

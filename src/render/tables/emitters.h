@@ -17,7 +17,7 @@ struct emitter_counts {
     uint32_t environment; // 1: its image is an emitter. Even surroundings are left to chance hits
 };
 
-// Whether points of shapes of that kind can be chosen to connect to. Planes without end and
+// Returns whether points of shapes of that kind can be chosen to connect to. Planes without end and
 // distance fields emit, too, but are found by chance only.
 bool shape_is_emitter(uint32_t kind);
 

@@ -139,7 +139,7 @@ static float middle(const struct light_bounds *bounds, int axis)
     return light_bounds_middle(bounds).raw[axis];
 }
 
-// What the cost of a part of a split is made of.
+// The cost of a part of a split is made of these.
 struct part {
     vec3s min, max;
     double axis[3]; // sum

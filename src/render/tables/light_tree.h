@@ -13,8 +13,8 @@
 #include <stdint.h>
 
 // Where emitters are and where they send light. Boxes in single precision, as their triangles are.
-// Of cglm the functions of three components alone: they are scalar on every machine. They send none
-// further than theta_e from some direction that is within theta_o of the axis.
+// They send none further than theta_e from some direction that is within theta_o of the axis. Only
+// cglm's functions of three components are used: they are scalar on every machine.
 struct light_bounds {
     vec3s min, max;
     vec3s center; // of a sphere that holds them as well
@@ -25,7 +25,7 @@ struct light_bounds {
     bool two_sided;          // they send as much to where the opposites of these directions point
 };
 
-// Of the box: halved first, so that no sum overflows.
+// Returns the middle of the box: corners are halved first, so that no sum overflows.
 static inline vec3s light_bounds_middle(const struct light_bounds *bounds)
 {
     return glms_vec3_add(glms_vec3_scale(bounds->min, 0.5f), glms_vec3_scale(bounds->max, 0.5f));

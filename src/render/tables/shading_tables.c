@@ -188,7 +188,7 @@ static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
     return s;
 }
 
-// Whether what microfacets of this material let through is compensated somewhere.
+// Returns whether what microfacets of this material let through is compensated somewhere.
 static bool is_compensated_glass(const struct material *m)
 {
     bool through = m->model == MATERIAL_DIELECTRIC ||

@@ -28,7 +28,7 @@ bool affine_inverse(const double m[3][4], double out[3][4]);
 // The box around the image of a box.
 void affine_box(const double m[3][4], const double min[3], const double max[3], double out_min[3],
                 double out_max[3]);
-// Whether the linear part is a rotation or reflection times one scale; that scale.
+// Returns whether the linear part is a rotation or reflection times one scale; that scale.
 bool affine_uniform_scale(const double m[3][4], double *scale);
 
 #endif

@@ -111,7 +111,8 @@ static double cap_solid_angle(double angle)
     return 4 * M_PI * half * half;
 }
 
-// Of the directions in which a light at this place sends, those that meet the sphere.
+// Returns the solid angle of those directions in which a light at this place sends that meet the
+// sphere.
 static double solid_angle_towards(const struct light *light, const double center[3], double radius)
 {
     double towards[3];

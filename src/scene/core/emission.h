@@ -14,7 +14,7 @@ void greatest_radiance(const struct scene *scene, const struct material *materia
 // The flux of all emissive triangles, divided by pi: the sum of mean radiance times area, of one
 // side of each, for the other side of a closed surface sends its light inwards. W/sr.
 double scene_emitted_flux(const struct scene *scene);
-// Whether there is an emissive triangle, though it may have no area.
+// Returns whether there is an emissive triangle, though it may have no area.
 bool scene_has_emissive_triangles(const struct scene *scene);
 // The flux that lights without extent send to a sphere, divided by pi: W/sr. Of a spot's cone no
 // more than all of it arrives, none if the sphere is beside it, and none beyond a light's range.

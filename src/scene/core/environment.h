@@ -79,8 +79,8 @@ double environment_sun_radiance(double irradiance, double angular_radius);
 
 // The solid angle of each texel of a row, steradians.
 double environment_texel_solid_angle(const struct environment *environment, uint32_t row);
-// The same for the cells between centres of texels. Row 0 of cells is between the zenith and the
-// first row of texels, row `height` between the last one and the nadir.
+// Returns the solid angle of a cell between centres of texels. Row 0 of cells is between the zenith
+// and the first row of texels, row `height` between the last one and the nadir.
 double environment_cell_solid_angle(const struct environment *environment, uint32_t row);
 // The greatest component of all its radiance, its factor included.
 float environment_greatest(const struct environment *environment);

@@ -8,7 +8,7 @@
 // KHR_lights_punctual where nothing is said.
 void light_init(struct light *light);
 
-// Whether rays may meet it: a directional light that comes from a disc, and is not hidden.
+// Returns whether rays may meet it: a directional light that comes from a disc, and is not hidden.
 bool light_is_sun(const struct light *light);
 
 double versine(double angle); // 1 - cos, without cancellation

@@ -11,7 +11,7 @@
 #define MICROFACETS                                                                                \
     (PRINCIPLED | ONLY(MATERIAL_DIELECTRIC) | ONLY(MATERIAL_CONDUCTOR) | ONLY(MATERIAL_MICROFACET))
 
-// What single precision squares and sums without overflow; see SCENE_RADIANCE_MAX.
+// Single precision squares and sums so much without overflow; see SCENE_RADIANCE_MAX.
 #define RADIANCE_MAX 1e30f
 #define EXPONENT_MAX 1e6f
 

@@ -42,8 +42,8 @@ struct placement scene_placement(const struct scene *scene, uint32_t object);
 bool scene_place(struct scene *scene, uint32_t object, const struct placement *to, struct err *err);
 // All of a shape but its material, and whether it is hidden.
 void shape_take_place(struct shape *to, const struct shape *from);
-// What an object without a placement is turned about: the middle of a shape, or of the bounds that
-// a mesh has in its own space. Looks at all vertices of a mesh.
+// Writes the point that an object without a placement is turned about: the middle of a shape, or of
+// the bounds that a mesh has in its own space. Looks at all vertices of a mesh.
 void scene_object_middle(const struct scene *scene, uint32_t object, double out[3]);
 
 #endif

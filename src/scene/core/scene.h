@@ -120,7 +120,7 @@ struct environment_sun {
 struct sky;
 struct environment_gradient;
 
-// What arrives where a ray leaves the scene. With an image, radiance multiplies it.
+// The light that arrives where a ray leaves the scene. With an image, radiance multiplies it.
 struct environment {
     bool present;
     float radiance[3];      // constant radiance, or the factor on the image
@@ -146,7 +146,7 @@ struct scene_path {
 enum scene_up { SCENE_UP_Y, SCENE_UP_X, SCENE_UP_Z };
 extern const char *const scene_up_names[]; // "y", "x", "z", NULL
 
-// What lights a scene that brings no light, see studio.h.
+// The light of a scene that brings none, see studio.h.
 enum scene_studio {
     SCENE_STUDIO_OFF,  // an even environment
     SCENE_STUDIO_AUTO, // models: the studio; scene files of our own that have a camera: as above
@@ -202,8 +202,8 @@ struct scene {
     struct environment environment;
     struct settings settings; // defaults, overridden by the file
     uint64_t hash;            // of the file's bytes and of all files it names, and of the overrides
-    // What the loader did on its own, for the report: "no camera in the file: framed from the
-    // front"
+    // The loader says here what it did on its own, for the report: "no camera in the file: framed
+    // from the front"
     const char **notes;
     uint32_t note_count;
     // For those who write the scene down again: which strings in the overrides were read as paths,
@@ -231,7 +231,8 @@ struct scene_load_params {
     // to it. NULL: they are the user's own.
     const char *override_folder;
     uint32_t base_depth; // of files whose "base" this one is
-    // What replaces the file's environment, see environment.h and sky.h; all NULL: nothing does.
+    // These replace the file's environment, see environment.h and sky.h; where all are NULL nothing
+    // does.
     const char *environment_file;
     const float *environment_radiance; // 3
     const struct sky *environment_sky;
@@ -255,7 +256,7 @@ struct scene_load_params {
 // note says. On failure *out is finished and {0}; err names file, place, value and what was
 // expected.
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err);
-// The same on top of whatever is in *scene, without what scene_load sets beforehand.
+// Loads on top of whatever is in *scene, without what scene_load sets beforehand.
 bool scene_load_into(struct scene *scene, const struct scene_load_params *params, struct err *err);
 void scene_finish(struct scene *scene); // accepts NULL and {0}
 
@@ -267,10 +268,11 @@ void scene_frame_camera(struct scene *scene);
 // Adds "TEXT" to scene->notes; false when out of memory.
 bool scene_note(struct scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// Of a part of the file that takes long: reports how much of it is done, and fails with ERR_STOPPED
-// when asked to stop.
+// Reports how much is done of a part of the file that takes long; fails with ERR_STOPPED when asked
+// to stop.
 bool scene_loading(const struct scene *scene, double fraction, struct err *err);
-// The same without a report, for turn `i` of a loop: see progress_stops_at().
+// Fails with ERR_STOPPED when asked to stop, without a report, for turn `i` of a loop: see
+// progress_stops_at().
 bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err);
 
 // --- what the loaders share (scene_load.c calls exactly one of these by extension) ---------------
@@ -312,7 +314,8 @@ struct light *scene_add_light(struct scene *scene, uint32_t *index);
 struct scene_path *scene_add_override_path(struct scene *scene);
 struct placed_object *scene_add_placed(struct scene *scene);
 
-// Whether some texture of the material scales this parameter, PARAMETER_*, so that it may be less.
+// Returns whether some texture of the material scales this parameter, PARAMETER_*, so that it may
+// be less.
 bool scene_parameter_is_textured(const struct scene *scene, const struct material *material,
                                  uint32_t parameter);
 

@@ -51,7 +51,7 @@ struct material {
         };
     };
     uint32_t first_texture, texture_count; // in scene->textures
-    // What is inside of its closed surfaces; of models that transmit and are not thin.
+    // The medium inside of its closed surfaces, for models that transmit and are not thin.
     float extinction[3];      // 1/m; INFINITY is allowed: opaque but for distance 0
     uint32_t medium_priority; // 1 to 255, default 1; where media overlap the highest is there
 };
@@ -63,8 +63,8 @@ _Static_assert(offsetof(struct material, alpha_cutoff) ==
                    offsetof(struct material, parameters[PARAMETER_ALPHA_CUTOFF]),
                "names and numbers of the parameters must agree");
 
-// What a material's flags say, but for those that follow from other things at upload: a bit or a
-// choice each, by the names of scene files ("alpha", "thin" …).
+// A material's flags, but for those that follow from other things at upload: a bit or a choice
+// each, by the names of scene files ("alpha", "thin" …).
 extern const struct field material_flags[];
 extern const size_t material_flag_count;
 const struct field *material_flag(const char *key); // one of these
@@ -78,9 +78,10 @@ void material_set_absorption(struct material *material, const float color[3], fl
 uint32_t material_shading_model(const struct material *material);
 // CLASS_* that shades it.
 uint32_t material_class(const struct material *material);
-// Whether its surfaces bound a medium: it transmits, refracting or not, and is not thin-walled.
+// Returns whether its surfaces bound a medium: it transmits, refracting or not, and is not
+// thin-walled.
 bool material_has_inside(const struct material *material);
-// Whether it may emit light that can be sampled or hit: unlit ones are shown, not sampled.
+// Returns whether it may emit light that can be sampled or hit: unlit ones are shown, not sampled.
 bool material_emits(const struct material *material);
 
 // Texels in memory, decoded to linear values: RGBA, four halves or four floats.
@@ -108,13 +109,13 @@ static inline bool texture_is_scale(const struct texture *texture)
     return (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE;
 }
 
-// Of parameters, GROUP_*.
+// Returns the group of parameters that the texture scales, GROUP_*.
 static inline uint32_t texture_group(const struct texture *texture)
 {
     return texture->flags >> TEXTURE_GROUP_SHIFT & 15u;
 }
 
-// Whether it scales this parameter, PARAMETER_*; and which of its channels does.
+// Returns whether it scales this parameter, PARAMETER_*; and which of its channels does.
 static inline bool texture_scales_parameter(const struct texture *texture, uint32_t parameter)
 {
     return texture_is_scale(texture) && texture_group(texture) == parameter / 4 &&

@@ -44,8 +44,8 @@ struct setting {
     const char *help;     // sentences, with the unit
     bool changes_samples; // of the film; else how many it has, or how it is shown
     double fallback;      // the default
-    // What the word means in place of a number, or the least number where there is no word; NULL:
-    // nothing but what it says.
+    // The meaning of the word that stands in place of a number, or of the least number where there
+    // is no word; NULL: nothing but what it says.
     const char *special;
     const char *argument; // what the help calls a number
     // In the viewer's panel: NULL: not in its list of settings.
@@ -62,7 +62,7 @@ struct setting {
 extern const struct setting settings_table[SETTING_TOTAL];
 
 struct settings settings_default(void);
-// Whether all are the same to the bit.
+// Returns whether all are the same to the bit.
 bool settings_same(const struct settings *a, const struct settings *b);
 bool setting_is_in_use(const struct setting *setting, const struct settings *settings,
                        bool has_image);
@@ -75,7 +75,7 @@ void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_
 // The one that was set, or the filter's own.
 float settings_filter_radius(const struct settings *settings);
 
-// Whether samples lie at more than one place of a pixel.
+// Returns whether samples lie at more than one place of a pixel.
 bool settings_spread_over_pixel(const struct settings *settings);
 
 // The words for the choices, in the order of their values; each list ends with NULL. Scene files,

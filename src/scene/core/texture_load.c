@@ -11,7 +11,7 @@
 
 // --- texels --------------------------------------------------------------------------------------
 
-// What a pass over the texels found.
+// The findings of a pass over the texels.
 struct judgement {
     double sum[4];
     float greatest;
@@ -120,7 +120,7 @@ static bool load_file(struct scene *scene, struct texture_file *file, bool is_sr
         .side_max = SIDE_MAX,
         .is_linear = !is_srgb,
     };
-    // What the encoding makes no difference to is one image for both.
+    // Where the encoding makes no difference, both share one image.
     const uint8_t decoding = is_srgb && image_has_encoding(file->data, file->size);
     struct image_texels texels;
     scene->hash = hash_bytes(scene->hash, file->data, file->size);

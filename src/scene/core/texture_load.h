@@ -24,8 +24,8 @@ bool texture_image_load(struct scene *scene, const struct texture_source *source
 // (material_mark_missing). False, with the reason as *err, where it is.
 bool texture_image_missing(struct scene *scene, const struct err *reason, uint32_t *index,
                            struct err *err);
-// Whether a texture of the material is of such an image; it is pink then, Lambert's, and has no
-// textures any more.
+// Returns whether a texture of the material is of such an image; it is pink then, Lambert's, and
+// has no textures any more.
 bool material_mark_missing(const struct scene *scene, struct material *material);
 
 // Appends a texture to the material, whose textures must be the last ones of the scene's: a

@@ -12,7 +12,7 @@
 
 enum figure { FIGURE_SKULL, FIGURE_DRAGON, FIGURE_MONKEY, FIGURE_COUNT };
 extern const char *const figure_names[FIGURE_COUNT + 1]; // ended by NULL
-// As many as the scan has that each stands for: 10000, 900000, 500.
+// The numbers of triangles of the scans that the figures stand for: 10000, 900000, 500.
 extern const uint32_t figure_triangles[FIGURE_COUNT];
 
 // Appends a closed mesh with normals of about `triangles` triangles (FIGURE_TRIANGLES_MIN to _MAX;

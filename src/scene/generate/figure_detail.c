@@ -1,6 +1,6 @@
-// What a figure's surface is like close up: noise (Perlin 2002, "Improving noise"), its ridges
-// (Musgrave 1994, in "Texturing and modeling") in a domain that noise warps, and cells (Worley
-// 1996, "A cellular texture basis function").
+// Shapes a figure's surface as it is seen close up: by noise (Perlin 2002, "Improving noise"), its
+// ridges (Musgrave 1994, in "Texturing and modeling") in a domain that noise warps, and cells
+// (Worley 1996, "A cellular texture basis function").
 #include "scene/generate/figure_field.h"
 #include "scene/generate/scatter.h"
 

@@ -1,4 +1,4 @@
-// What figures are made of: a field of parts, and what their surfaces are like close up.
+// The fields that figures are made of: of parts, and of the detail on their surfaces.
 #ifndef LAMPYRIS_SCENE_GENERATE_FIGURE_FIELD_H
 #define LAMPYRIS_SCENE_GENERATE_FIGURE_FIELD_H
 

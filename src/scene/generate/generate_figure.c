@@ -360,7 +360,7 @@ static bool mesh_of_net(const struct net *net, struct arena *arena, struct mesh 
     return true;
 }
 
-// The same with about so many triangles and the vertices that these have.
+// Makes a mesh of about so many triangles from a finer one, with the vertices that they have.
 static bool mesh_simplify(const struct mesh *fine, uint32_t triangles, struct arena *scratch,
                           struct arena *arena, struct mesh *out)
 {

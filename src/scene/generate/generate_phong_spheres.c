@@ -94,7 +94,7 @@ static void draw_material(struct sequence *sequence, struct phong_sphere *sphere
     bool is_metal = chance < 0.4f;
     for (int c = 0; c < 3; c++) {
         sphere->specular_color[c] = is_metal ? color[c] : 0.04f;
-        // What is not reflected at once is left to diffuse reflection.
+        // Light that is not reflected at once is left to diffuse reflection.
         sphere->base_color[c] = is_metal ? 0.0f : fminf(color[c], 1.0f - 0.04f);
     }
     sphere->smoothness = draw(sequence);

@@ -152,7 +152,7 @@ static void bernstein(double t, double point[4], double difference[3])
     difference[2] = 3.0 * t * t;
 }
 
-// What a row of control points gives at v: the point and the derivative.
+// Computes the point and the derivative that a row of control points gives at v.
 static void evaluate_row(const double row[4][3], const double weight[4], const double difference[3],
                          double point[3], double derivative[3])
 {

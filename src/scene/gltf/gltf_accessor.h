@@ -25,7 +25,7 @@ enum component_type {
 
 #define ACCESSOR_MAT4 16 // components
 
-// What a use of an accessor demands of it.
+// The demands of a use of an accessor.
 struct accessor_rule {
     const char *use;               // "POSITION", for messages
     uint32_t components;           // 1 SCALAR, 2 VEC2, 3 VEC3, 4 VEC4, 16 MAT4
@@ -57,7 +57,8 @@ bool accessor_view(const struct gltf_document *document, uint32_t index,
 
 // Writes count * components numbers. One that is not finite is an error that names the element.
 bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err);
-// The same, but numbers that are not finite become 0 and are counted in *replaced. Returns true.
+// Reads as accessor_read() does, but numbers that are not finite become 0 and are counted in
+// *replaced. Returns true.
 bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_t *replaced);
 // Writes 4 * count unsigned integers of a VEC4 accessor, each below `limit`, the number of joints.
 bool accessor_read_joints(const struct accessor_view *view, uint32_t limit, uint32_t *out,

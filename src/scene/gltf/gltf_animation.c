@@ -46,14 +46,14 @@ struct channel {
     double part, interval;
 };
 
-// What the channels of an animation share.
+// State that the channels of an animation share.
 struct player {
     struct gltf_load *load;
     struct arena arena;
     struct json_node samplers;
     double seconds;
     struct gltf_node_pose *poses;
-    // Of accessors that are inputs, read and checked once: most animations have but a few.
+    // Accessors that are inputs are read and checked once: most animations have but a few.
     struct key_times {
         float *values; // NULL: not read yet
         uint32_t count;

@@ -39,7 +39,7 @@ struct gltf_texture_use {
 };
 bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_node *object,
                        const char *key, const struct gltf_texture_use *use, struct err *err);
-// Whether a texture was taken down that scales this parameter.
+// Returns whether a texture was taken down that scales this parameter.
 bool gltf_texture_scales(const struct gltf_material_reader *reader, uint32_t parameter);
 
 // gltf_image.c: one image as the scene wants it.

@@ -1,7 +1,7 @@
-// What only the meshes and images of a glTF document tell about its materials.
+// Completes materials with what only the meshes and images of a glTF document tell.
 #include "scene/gltf/gltf_material.h"
 
-// Whether one of the material's textures can make it less opaque.
+// Returns whether one of the material's textures can make it less opaque.
 static bool has_alpha_texture(const struct scene *scene, const struct material *material)
 {
     for (uint32_t i = 0; i < material->texture_count; i++) {

@@ -168,7 +168,7 @@ static bool read_material(struct gltf_load *load, const struct json_node *primit
     return true;
 }
 
-// Whether the primitive makes triangles in space at all; what does not is counted.
+// Returns whether the primitive makes triangles in space at all; what does not is counted.
 static bool is_drawable(struct gltf_tally *tally, enum primitive_mode mode, uint32_t position)
 {
     if (mode <= MODE_LINE_STRIP)
@@ -178,7 +178,7 @@ static bool is_drawable(struct gltf_tally *tally, enum primitive_mode mode, uint
     return mode > MODE_LINE_STRIP && position != GLTF_NONE;
 }
 
-// What a node makes of a mesh.
+// The deformation of a mesh by a node.
 struct deformation {
     const struct gltf_weights *weights;
     const struct gltf_skin *skin; // or NULL
@@ -263,7 +263,7 @@ bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_we
 
 // --- what it will take ---------------------------------------------------------------------------
 
-// What is wrong in the file is for the readers above to say, and counts as nothing here.
+// Mistakes in the file are for the readers above to report, and count as nothing here.
 
 static uint64_t new_vertex_bytes(const struct gltf_document *document,
                                  const struct json_node *attributes, uint8_t *seen)
@@ -328,7 +328,7 @@ static void count_primitive(const struct gltf_document *document, const struct j
         return;
     needs->vertex_bytes += new_vertex_bytes(document, &attributes, seen);
     needs->primitive_bytes += triangles * (uint64_t)sizeof *mesh->indices;
-    // Of strips nothing may be left.
+    // Nothing may be left of strips.
     needs->count += triangles > 0 && (mode == MODE_TRIANGLES || !is_indexed);
 }
 

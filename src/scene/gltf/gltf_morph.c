@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-// Of displacements; a tangent's has no side, and a colour's may have no alpha.
+// The rules of displacements: a tangent's has no side, and a colour's may have no alpha.
 static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
     [GLTF_POSITION] = {.use = "displacements of POSITION",
                        .components = 3,

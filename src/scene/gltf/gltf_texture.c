@@ -117,7 +117,7 @@ static bool is_same_transform(const struct texture *a, const struct texture *b)
     return true;
 }
 
-// Whether one fetch will do for both: the same image, read alike, scaling the same group.
+// Returns whether one fetch will do for both: the same image, read alike, scaling the same group.
 static bool can_merge(const struct gltf_texture *a, const struct gltf_texture *b)
 {
     const uint32_t differing = SCALES_MASK | CHANNELS_MASK;

@@ -215,7 +215,7 @@ static void hash_files(struct gltf_load *load)
             *hash = hash_bytes(*hash, document->buffers[i].data, document->buffers[i].size);
 }
 
-// What was wished for decides what is loaded, as the files do.
+// Hashes the caller's wishes, which decide what is loaded, as the files do.
 static void hash_wishes(struct scene *scene, const struct gltf_load_params *params)
 {
     const char *const names[] = {params->animation, params->scene_name, params->variant};

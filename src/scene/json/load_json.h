@@ -1,5 +1,5 @@
-// What the parts of the loader of our JSON format share. Internal to scene/; the format is
-// described in docs/scene-format.md.
+// Declarations that the parts of the loader of our JSON format share. Internal to scene/; the
+// format is described in docs/scene-format.md.
 #ifndef LAMPYRIS_SCENE_JSON_LOAD_JSON_H
 #define LAMPYRIS_SCENE_JSON_LOAD_JSON_H
 
@@ -50,7 +50,7 @@ load_json_fn load_json_base;
 // material's node.
 bool load_json_textures(struct json_loader *loader, const struct json_node *owner,
                         struct material *material, struct err *err);
-// What must hold of a spot's cone and of a sun's disc.
+// Checks a spot's cone and a sun's disc.
 bool load_json_check_light(const struct json_node *node, const struct light *light,
                            struct err *err);
 
@@ -100,7 +100,7 @@ bool load_json_shape_type(const struct json_node *node, uint32_t *type, struct e
 // ERR_BUDGET, with the first one that is too many, where that is more than is left.
 bool load_json_check_memory(const struct json_node *shapes, struct err *err);
 
-// Whether the object's "as" is "analytic" rather than "triangles"; as it was without.
+// Returns whether the object's "as" is "analytic" rather than "triangles"; as it was without.
 bool load_json_is_analytic(const struct json_node *object, bool *analytic, struct err *err);
 bool load_json_analytic_quad(struct scene *scene, const struct json_node *quad,
                              const double vertices[4][3], uint32_t material, struct err *err);
@@ -116,7 +116,7 @@ bool load_json_move_shape(const struct json_node *node, const double m[3][4], st
 // Spheres without number, with materials of their own.
 load_json_fn load_json_scatter;
 
-// What the shape became that `name` is the name of; `parts` of all in the list so far.
+// Finds what the shape of that name became; `parts` are those of all shapes in the list so far.
 bool load_json_find_part(const struct json_loader *loader, const struct json_node *name,
                          const struct scene_part *parts, struct scene_part *out, struct err *err);
 // Copies of named shapes, scattered.

@@ -288,7 +288,7 @@ static bool move_quad(const struct json_node *node, const double m[3][4], struct
     return check_area(node, shape, err);
 }
 
-// Whether the cosine of the angle between two vectors is as good as none.
+// Returns whether the cosine of the angle between two vectors is as good as none.
 static bool is_right_angle(const double a[3], const double b[3])
 {
     return fabs(vec3_dot(a, b)) <= SHAPE_TOLERANCE * vec3_length(a) * vec3_length(b);

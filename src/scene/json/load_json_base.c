@@ -161,7 +161,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
 
 // --- what is different ---------------------------------------------------------------------------
 
-// What is different is told from this.
+// Keeps the base, from which differences are told.
 static bool keep_base(struct scene *scene, struct scene_base *base, struct err *err)
 {
     base->environment = scene->environment;

@@ -172,7 +172,7 @@ static bool read_lens(const struct json_node *node, struct camera *camera, struc
            read_blades(node, camera, err);
 }
 
-// What belongs to one kind of camera is refused with the others.
+// Reads the keys of one kind of camera, and refuses those of others.
 static bool read_kind(const struct json_node *node, struct camera *camera, struct err *err)
 {
     static const char *const of_orthographic[] = {"height", NULL};

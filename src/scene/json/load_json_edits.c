@@ -94,7 +94,7 @@ static bool check_keys(const struct json_node *node, const char *const *others,
 
 // --- what is added -------------------------------------------------------------------------------
 
-// Whether the element says that it is no change of what there is.
+// Returns whether the element says that it is no change of what there is.
 static bool read_is_new(const struct json_node *node, bool *out, struct err *err)
 {
     const struct json_node index = node_member(node, "index");
@@ -369,7 +369,7 @@ static bool edit_each(struct json_loader *loader, const struct json_node *list, 
     return true;
 }
 
-// What is edited as it was before.
+// Keeps what is edited as it was before.
 static bool keep_former(struct json_loader *loader, bool has_materials, bool has_objects,
                         struct err *err)
 {

@@ -108,7 +108,7 @@ static bool read_intensity(const struct json_node *node, struct light *light, st
     bool is_told = light->profile && !node_member(node, "power").value;
     if (!is_told && !node_check_either(node, "intensity", "power", err))
         return false;
-    // Of a profile without another word what its file says.
+    // A profile without another word is as bright as its file says.
     for (int c = 0; c < 3 && light->profile && !node_member(node, "intensity").value; c++)
         light->radiant[c] = (float)light->profile->greatest;
     const struct json_node power_node = node_member(node, "power");

@@ -111,7 +111,7 @@ static bool read_parameters(const struct json_node *node, struct material *mater
     return true;
 }
 
-// What a model is expected to be where nothing else is said: a mirror loses nothing, glass and
+// Sets what is expected of a model where nothing else is said: a mirror loses nothing, glass and
 // metal are smooth. The other fallbacks are the table's.
 static void set_fallbacks(struct material *material)
 {
@@ -168,7 +168,7 @@ static bool read_metal(const struct json_node *node, struct material *material, 
 
 // --- choices -------------------------------------------------------------------------------------
 
-// What may be transparent blends unless the file says otherwise.
+// Materials that may be transparent blend unless the file says otherwise.
 static bool read_alpha(const struct scene *scene, const struct json_node *node,
                        struct material *material, struct err *err)
 {

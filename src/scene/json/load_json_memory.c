@@ -1,4 +1,4 @@
-// What the shapes of a scene file will take at least, known from their counts before any is made.
+// Counts the memory that the shapes of a scene file will take at least, before any is made.
 #include "base/ascii.h"
 #include "scene/json/load_json.h"
 
@@ -8,8 +8,8 @@
 #include "scene/generate/scatter.h"
 #include <string.h>
 
-// What an element of the list will take. Never more than it does: a file that names others, and
-// spheres that may find no place, count with what is certain.
+// The memory that an element of the list will take. Never more than it does: a file that names
+// others, and spheres that may find no place, count with what is certain.
 struct needs {
     uint64_t bytes;   // of meshes
     uint64_t passing; // only while it is made
@@ -21,14 +21,15 @@ struct needs {
 struct needs_list {
     struct needs *items; // of all elements so far
     json_t *names;       // object: the index of each that has a name
-    // Of all so far: bytes of meshes, elements of the scene's arrays, and the room in these.
+    // The sums of all so far: bytes of meshes, elements of the scene's arrays, and the room in
+    // these.
     uint64_t bytes, instances, shapes, instance_room, shape_room;
     uint64_t peak;
 };
 
 // --- one shape -----------------------------------------------------------------------------------
 
-// What is wrong in the document is for the loader to say: its readers' complaints are dropped here,
+// Mistakes in the document are for the loader to report: its readers' complaints are dropped here,
 // and what they are about counts as nothing.
 
 static struct needs one_instance(bool is_readable, uint64_t bytes)

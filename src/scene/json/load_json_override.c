@@ -144,7 +144,8 @@ bool load_json_apply_overrides(const struct json_node *document,
 
 // --- references ----------------------------------------------------------------------------------
 
-// Whether the text is "${NAME}"; *name receives NAME then. *malformed: it has a "${" elsewhere.
+// Returns whether the text is "${NAME}"; *name receives NAME then. *malformed: it has a "${"
+// elsewhere.
 static bool is_reference(const char *text, char name[MAX_STEP + 1], bool *malformed)
 {
     size_t length = strlen(text);

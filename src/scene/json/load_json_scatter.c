@@ -34,7 +34,7 @@ static bool has_exponent(uint32_t model)
     return model == MATERIAL_PHONG || model == MATERIAL_BLINN_PHONG;
 }
 
-// What differs between the copies of a material: the least and the most of each, or NULL.
+// Parameters that differ between the copies of a material: the least and the most of each, or NULL.
 struct variety {
     const double *roughness, *smoothness, *emission;
 };

@@ -420,7 +420,7 @@ static bool read_clip(const struct json_node *bounds, struct bounds *clip, struc
 
 #define CUT_SAMPLES 24 // along each edge of the box
 
-// Whether the field is negative somewhere on the box: nothing closes it there.
+// Returns whether the field is negative somewhere on the box: nothing closes it there.
 static bool is_cut(const struct sdf *sdf)
 {
     for (int axis = 0; axis < 3; axis++)

@@ -1,4 +1,4 @@
-// What several sections of our scene format share: keys, ranges, names and paths.
+// Reads what several sections of our scene format share: keys, ranges, names and paths.
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
@@ -50,7 +50,7 @@ bool load_json_find_part(const struct json_loader *loader, const struct json_nod
 
 // --- paths ---------------------------------------------------------------------------------------
 
-// Whether the very value `wanted`, not an equal one, is `value` or inside it.
+// Returns whether the very value `wanted`, not an equal one, is `value` or inside it.
 static bool contains_value(const json_t *value, const json_t *wanted)
 {
     if (value == wanted)

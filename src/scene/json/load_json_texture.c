@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-// What a texture does: it scales parameters, or is one of these.
+// A texture scales parameters, or has one of these uses.
 static const char *const use_names[] = {"normal", "anisotropy", NULL};
 static const uint32_t uses[] = {TEXTURE_USE_NORMAL, TEXTURE_USE_ANISOTROPY};
 
@@ -27,7 +27,7 @@ static bool read_pair(const struct json_node *entry, const char *key, double out
     return !node.value || node_numbers(&node, 2, RANGE_COORDINATE, out, err);
 }
 
-// As in KHR_texture_transform.
+// Reads a transform as in KHR_texture_transform.
 static bool read_transform(const struct json_node *entry, struct texture *texture, struct err *err)
 {
     double offset[2] = {0, 0}, scale[2] = {1, 1}, degrees = 0;

@@ -1,5 +1,5 @@
-// What a scene file with a "base" was made from. For scene_write, which writes such a scene down
-// as another file with the same base: so files do not pile up on one another.
+// Keeps what a scene file with a "base" was made from. scene_write writes such a scene down as
+// another file with the same base, so that files do not pile up on one another.
 #ifndef LAMPYRIS_SCENE_JSON_SCENE_EDITS_H
 #define LAMPYRIS_SCENE_JSON_SCENE_EDITS_H
 
@@ -11,8 +11,8 @@ struct scene_base {
     struct scene_load_params load; // paths as seen from the working directory
     const struct scene_path *override_paths;
     uint32_t override_path_count;
-    // What the file changes, as the base has it: an animation may move it later. NULL: it changes
-    // no material, no object.
+    // Materials and objects that the file changes, as the base has them: an animation may move them
+    // later. NULL: it changes none.
     struct material *materials;
     struct instance *instances;
     struct shape *shapes;

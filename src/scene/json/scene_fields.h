@@ -1,5 +1,5 @@
-// What scene files say of materials, lights, cameras and environments as they stand in memory: for
-// "edits", and for what is written down.
+// Tables of what scene files say of materials, lights, cameras and environments as they stand in
+// memory: for "edits", and for scenes that are written down.
 #ifndef LAMPYRIS_SCENE_JSON_SCENE_FIELDS_H
 #define LAMPYRIS_SCENE_JSON_SCENE_FIELDS_H
 
@@ -19,7 +19,8 @@ struct field scene_parameter_field(uint32_t parameter);
 void scene_material_fields(struct scene_fields *out);
 // Likewise; the name of what it sends depends on the kind. The kind itself is the first.
 void scene_light_fields(uint32_t kind, struct scene_fields *out);
-// As far as this camera makes use of them; a closed lens is kept as far as the format takes it.
+// Lists the fields that this camera makes use of; a closed lens is kept as far as the format takes
+// it.
 void scene_camera_fields(const struct camera *camera, struct scene_fields *out);
 
 extern const struct field scene_placement_fields[4]; // about, move, turn_degrees, scale

@@ -282,7 +282,7 @@ static char *make_text(struct writer *w, struct err *err)
 
 // --- whether it says what it is to say -----------------------------------------------------------
 
-// What the loader has when it comes to the edits: the scene as it was loaded, or that with the
+// Prepares what the loader has when it comes to the edits: the scene as it was loaded, or with the
 // environment that the document gives.
 static bool prepare_check(const struct writer *w, struct arena *arena, struct scene *out,
                           struct err *err)
@@ -352,7 +352,8 @@ static bool check_text(const struct writer *w, const char *text, struct err *err
 
 // --- all of it -----------------------------------------------------------------------------------
 
-// What the new file is to be based on: what the scene was loaded from, or that file's own base.
+// Finds what the new file is based on: the file that the scene was loaded from, or that file's own
+// base.
 static void find_base(struct writer *w)
 {
     const struct scene_load_params *load = w->params->load;

@@ -43,9 +43,9 @@ bool scene_write(const struct scene_write_params *params, struct err *err);
 bool scene_snapshot(struct arena *arena, const struct scene *scene, struct scene *out,
                     struct err *err);
 
-// What "camera": is to be followed by in a scene file. Of a valid camera: one line for each key, a
-// line's indentation before each but the first. Reads back to the same bits. NULL when out of
-// memory, and where a number is not finite.
+// Returns the text that follows "camera": in a scene file for a valid camera: one line for each
+// key, with a line's indentation before each but the first. Reads back to the same bits. NULL when
+// out of memory, and where a number is not finite.
 char *camera_to_json(struct arena *arena, const struct camera *camera);
 
 #endif

@@ -30,7 +30,7 @@ bool scene_same_camera(const struct camera *a, const struct camera *b)
     return a->kind == b->kind && fields_same(fields.list, fields.count, a, b);
 }
 
-// What may be edited of an instance or a shape.
+// The parts of an instance or a shape that may be edited.
 struct object {
     bool is_instance, is_hidden;
     uint32_t material;
@@ -126,7 +126,7 @@ static void address(struct json_text *t, const struct scene *scene, uint32_t cou
         json_text_uint(t, index);
 }
 
-// What the base does not have.
+// Says that the base does not have this.
 static void put_new(struct json_text *t, const char *name)
 {
     json_text_key(t, "added");
@@ -183,8 +183,8 @@ static void put_light(struct json_text *t, const struct light *now, const struct
     }
 }
 
-// What the base has of the light i. The sun is the last one of both, so the others keep their
-// places whether there is one or not; what was added stands before it. NULL: nothing.
+// Returns the base's light i, or NULL where it has none. The sun is the last one of both, so the
+// others keep their places whether there is one or not; lights that were added stand before it.
 static const struct light *former_light(const struct scene_difference *d, uint32_t i)
 {
     uint32_t sun = scene_sun_light(d->scene), former_sun = scene_sun_light(d->before);
@@ -216,7 +216,7 @@ static void put_lights(struct json_text *t, const struct scene_difference *d)
         json_text_close(t);
 }
 
-// What there is to say of an object.
+// The edits of an object that have to be written.
 struct object_edit {
     bool is_new, says_visible, says_material, says_place;
     struct object to;
@@ -244,7 +244,7 @@ static bool same_edit(const struct object_edit *a, const struct object_edit *b)
            (!a->says_material || a->to.material == b->to.material);
 }
 
-// As it was added, which may be elsewhere than it is now.
+// Writes a shape where it was added, which may be elsewhere than it is now.
 static void put_new_shape(struct json_text *t, const struct scene *scene, uint32_t object)
 {
     const struct shape *shape = &scene->shapes[object - scene->instance_count];

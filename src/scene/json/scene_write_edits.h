@@ -14,9 +14,9 @@ struct scene_difference {
 
 void scene_write_edits(struct json_text *t, const struct scene_difference *difference);
 
-// Whether what can be edited is the same to the bit; else ERR_INPUT, naming what is not.
+// Returns whether what can be edited is the same to the bit; else ERR_INPUT, naming what is not.
 bool scene_compare_edits(const struct scene *a, const struct scene *b, struct err *err);
-// As far as its kind makes use of it.
+// Compares cameras as far as their kind makes use of their fields.
 bool scene_same_camera(const struct camera *a, const struct camera *b);
 
 #endif

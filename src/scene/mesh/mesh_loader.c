@@ -1,4 +1,4 @@
-// What the OBJ and PLY loaders share.
+// Functions that the OBJ and PLY loaders share.
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/maths.h"

@@ -13,9 +13,9 @@ bool mesh_unit_normal(const float direction[3], float out[3]);
 bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors, uint32_t *material,
                            struct err *err);
 
-// Whether single precision loses some of a mesh's form: it lies farther from its origin than 16
-// times its size, or one of its triangles farther than 2^16 times its own. Judged by the exact
-// positions where there are some.
+// Returns whether single precision loses some of a mesh's form: it lies farther from its origin
+// than 16 times its size, or one of its triangles farther than 2^16 times its own. Judged by the
+// exact positions where there are some.
 bool mesh_is_rounded(const struct mesh *mesh);
 // Gives the mesh the exact positions of its vertices if it is rounded and they say more than its
 // positions do.

@@ -143,8 +143,8 @@ static bool load_image(struct scene *scene, const struct mtl_material *wanted,
     return path && texture_image_load(scene, &source, index, err);
 }
 
-// Whether a bump map holds tangent-space normals, as many exporters write them, and not heights:
-// those point outwards on the whole.
+// Returns whether a bump map holds tangent-space normals, as many exporters write them, and not
+// heights: those point outwards on the whole.
 static bool holds_normals(const struct texture_image *image)
 {
     return fabsf(image->mean[0] - 0.5f) < 0.2f && fabsf(image->mean[1] - 0.5f) < 0.2f &&

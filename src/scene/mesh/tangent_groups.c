@@ -123,7 +123,7 @@ static uint32_t *vertex_chain(const struct tangent_work *work, const struct vert
     return &work->heads[hash & work->mask];
 }
 
-// Whether the mesh itself has a normal for a vertex: then all corners there are the same.
+// Returns whether the mesh itself has a normal for a vertex: then all corners there are the same.
 static bool has_normal(const struct tangent_work *work, uint32_t vertex)
 {
     const float *normal = work->mesh->normals ? work->mesh->normals[vertex] : NULL;
@@ -220,7 +220,7 @@ static uint32_t join(struct tangent_work *work, uint32_t corner, uint32_t group,
     return stacked;
 }
 
-// Whether the triangle has the orientation; one without any takes it.
+// Returns whether the triangle has the orientation; one without any takes it.
 static bool has_orientation(struct tangent_work *work, uint32_t triangle, bool is_mirrored)
 {
     uint8_t *flags = &work->flags[triangle];

@@ -305,7 +305,7 @@ static bool rebuild(const struct split *split, struct arena *arena, struct mesh 
 
 // --- the whole -----------------------------------------------------------------------------------
 
-// Whether the new vertices are the old ones in another order.
+// Returns whether the new vertices are the old ones in another order.
 static bool keeps_vertices(const struct tangent_work *work, const struct split *split)
 {
     uint32_t used = 0;

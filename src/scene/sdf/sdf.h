@@ -27,7 +27,8 @@ struct sdf_node {
 // Where, in its parent's space, the node's field is at most `level` (in the parent's metres; at
 // least 0): a box that contains it, without end where nothing is known to end it.
 struct bounds sdf_solid(const struct sdf_node *node, double level);
-// Whether the field is the same on both sides of the plane through the origin across the axis.
+// Returns whether the field is the same on both sides of the plane through the origin across the
+// axis.
 bool sdf_is_symmetric(const struct sdf_node *node, int axis);
 
 // What depends on where the field is evaluated: fills in the factors of twists and of metaballs.

@@ -168,7 +168,7 @@ static void mirror_about(const struct ies_parser *p, struct light_profile *out, 
     }
 }
 
-// Of a quarter: twice mirrored.
+// Completes a profile from a quarter, mirrored twice.
 static void add_quarter(const struct ies_parser *p, struct light_profile *out)
 {
     mirror_about(p, out, 90);
@@ -177,7 +177,8 @@ static void add_quarter(const struct ies_parser *p, struct light_profile *out)
     mirror_about(p, out, 180);
 }
 
-// Of the half from 90 to 270: the rest lies before and behind, mirrored about 90-270.
+// Completes a profile from the half from 90 to 270: the rest lies before and behind, mirrored about
+// 90-270.
 static void add_side_half(const struct ies_parser *p, struct light_profile *out)
 {
     uint32_t count = p->horizontal_count;

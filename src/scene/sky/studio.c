@@ -34,7 +34,7 @@ static const struct soft_box boxes[] = {
 #define BOX_SOFTNESS 0.35
 // The background at the zenith beside that at the horizon.
 #define ZENITH_SHARE 0.5
-// What the ground reflects below the model, and far away.
+// The ground reflects so much below the model, and far away.
 #define GROUND_NEAR 0.36
 #define GROUND_FAR 0.17
 // How far the ground near the model reaches, in radii of its bounding sphere.
@@ -121,7 +121,7 @@ struct texel {
     double direction[3], solid_angle;
 };
 
-// Of the middle of a texel: the inverse of the mapping of environment.h.
+// Returns the direction of the middle of a texel: the inverse of the mapping of environment.h.
 static struct texel texel_at(const struct environment *environment, uint32_t row, uint32_t column)
 {
     double polar = M_PI * (row + 0.5) / environment->height;
@@ -132,8 +132,8 @@ static struct texel texel_at(const struct environment *environment, uint32_t row
     };
 }
 
-// What the boxes at radiance 1, and the background at horizon 1, send to surfaces: each box to one
-// that faces it and to a level one.
+// Irradiance from the boxes at radiance 1, and from the background at horizon 1: each box lights a
+// surface that faces it, and a level one.
 struct received {
     double faced[BOX_COUNT], level[BOX_COUNT], background;
 };

@@ -246,7 +246,7 @@ static void put_off(struct viewer *viewer)
             viewer->stage.changes[side] = CHANGE_SHOWN;
 }
 
-// Whether a hierarchy has to be built, and takes so long that it is built meanwhile.
+// Returns whether a hierarchy has to be built, and takes so long that it is built meanwhile.
 static bool builds_meanwhile(struct viewer *viewer)
 {
     const struct geometry_params g =

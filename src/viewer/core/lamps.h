@@ -6,7 +6,7 @@
 
 struct viewer;
 
-// Whether the object's material emits light.
+// Returns whether the object's material emits light.
 bool lamp_is(const struct scene *scene, uint32_t object);
 
 // Each is one step of the history, and chooses what came of it in the panel. False: refused, with a

@@ -18,7 +18,7 @@ struct pose {
 
 // As the scene was opened.
 void pose_init(struct viewer *viewer);
-// Whether the scene's file, or its base, has an animation.
+// Returns whether the scene's file, or its base, has an animation.
 bool pose_has_animation(const struct viewer *viewer);
 bool pose_is_pending(const struct viewer *viewer);     // another one is wanted than is shown
 void pose_play(struct viewer *viewer, double seconds); // so much time has passed

@@ -17,7 +17,7 @@ struct rebuild {
     struct arena scene_arena;
 };
 
-// Whether the geometry took so long the last time that frames would wait for it.
+// Returns whether the geometry took so long the last time that frames would wait for it.
 bool rebuild_is_worthwhile(const struct viewer *viewer);
 bool rebuild_is_pending(const struct viewer *viewer);
 // Builds for a copy of the document's scene as it is now. False: it cannot be had.

@@ -48,7 +48,7 @@ struct view {
 
 struct viewer;
 
-// Whether the error is to be found now, of the film as it is.
+// Returns whether the error is to be found now, of the film as it is.
 bool view_wants_look(const struct viewer *viewer, const struct view *view);
 // Of the film as it is, where the time for it has come: on the worker's thread, into `looks`.
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
@@ -58,8 +58,8 @@ bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
 void view_begin(struct view *view);
 // The newest look; before the first one, one without samples that knows nothing.
 struct job_look view_newest_look(const struct view *view);
-// Whether the denoiser's picture, if one is to be seen, is of all samples and by the settings of
-// now.
+// Returns whether the denoiser's picture, if one is to be seen, is of all samples and by the
+// settings of now.
 bool view_is_denoised(const struct viewer *viewer, const struct view *view);
 // The lowest number of samples that a pixel of the film has.
 uint64_t view_samples(const struct view *view);

@@ -67,8 +67,8 @@ void watch_destroy(struct watch *watch)
     free(watch);
 }
 
-// Whether something has changed since it was loaded, and rested from one look to the next: whoever
-// saves may need several steps for it.
+// Returns whether something has changed since it was loaded, and rested from one look to the next:
+// whoever saves may need several steps for it.
 static bool has_changed(struct watched *watched)
 {
     uint64_t stamp = watch_files_stamp(&watched->files);

@@ -95,7 +95,7 @@ bool gui_group_begin(struct gui *gui, const char *id, const char *label, const c
 void gui_group_end(struct gui *gui);
 void gui_enabled(struct gui *gui,
                  bool enabled); // of those that follow, until a group begins or ends
-// Whether what is called for now is drawn: else texts need not be put together.
+// Returns whether what is called for now is drawn: else texts need not be put together.
 bool gui_is_drawn(const struct gui *gui);
 void gui_same_line(struct gui *gui);
 void gui_space(struct gui *gui);
