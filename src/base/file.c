@@ -1,61 +1,39 @@
 #include "base/file.h"
 
+#include "base/file_handle.h"
 #include "base/file_inputs.h"
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-static const char *file_kind(mode_t mode)
-{
-    return S_ISDIR(mode)    ? "a folder"
-           : S_ISFIFO(mode) ? "a pipe"
-           : S_ISCHR(mode)  ? "a character device"
-           : S_ISBLK(mode)  ? "a block device"
-           : S_ISSOCK(mode) ? "a socket"
-                            : "a regular file";
-}
+static const char *const kind_names[] = {
+    [FILE_REGULAR] = "a regular file",
+    [FILE_FOLDER] = "a folder",
+    [FILE_PIPE] = "a pipe",
+    [FILE_CHARACTER_DEVICE] = "a character device",
+    [FILE_BLOCK_DEVICE] = "a block device",
+    [FILE_SOCKET] = "a socket",
+};
 
-// Reads until `size` bytes or the end of the file; returns the number read, or -1 with errno set.
-static ssize_t read_fully(int fd, uint8_t *data, size_t size)
-{
-    size_t done = 0;
-    while (done < size) {
-        ssize_t got = read(fd, data + done, size - done);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got < 0)
-            return -1;
-        if (got == 0)
-            break;
-        done += (size_t)got;
-    }
-    return (ssize_t)done;
-}
-
-static bool read_opened(struct arena *arena, int fd, const char *path, size_t max_bytes,
+static bool read_opened(struct arena *arena, int handle, const char *path, size_t max_bytes,
                         struct file_bytes *out, struct err *err)
 {
-    struct stat status;
-    if (fstat(fd, &status) != 0)
+    struct file_status status;
+    if (!file_handle_status(handle, &status))
         return err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
-    if (!S_ISREG(status.st_mode))
+    if (status.kind != FILE_REGULAR)
         return err_set(err, ERR_INPUT, "%s: is %s; expected a regular file", path,
-                       file_kind(status.st_mode));
-    if (status.st_size < 0 || (uintmax_t)status.st_size > max_bytes)
-        return err_set(err, ERR_INPUT, "%s: is %jd bytes long; at most %zu are read", path,
-                       (intmax_t)status.st_size, max_bytes);
-    size_t size = (size_t)status.st_size;
+                       kind_names[status.kind]);
+    if (status.size > max_bytes)
+        return err_set(err, ERR_INPUT, "%s: is %ju bytes long; at most %zu are read", path,
+                       (uintmax_t)status.size, max_bytes);
+    size_t size = (size_t)status.size;
     uint8_t *data = arena_alloc(arena, size + 1, 1);
     if (!data) {
         err_memory(err, "the file's content", (unsigned long long)size + 1);
         return err_prepend(err, "%s", path);
     }
-    ssize_t got = read_fully(fd, data, size);
+    const int64_t got = file_handle_read(handle, data, size);
     if (got < 0)
         return err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
     data[got] = '\0';
@@ -80,14 +58,12 @@ bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct f
 bool file_read_own(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                    struct err *err)
 {
-    // O_NONBLOCK: opening a FIFO without a writer must return, to be refused. It does not matter to
-    // regular files.
-    int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    if (fd < 0)
+    const int handle = file_handle_open(path);
+    if (handle < 0)
         return fail_to_open(path, errno, err);
     size_t limit = max_bytes > 0 ? max_bytes : (size_t)1 << 32;
-    bool ok = read_opened(arena, fd, path, limit, out, err);
-    close(fd);
+    bool ok = read_opened(arena, handle, path, limit, out, err);
+    file_handle_close(handle);
     return ok;
 }
 
@@ -130,12 +106,14 @@ static bool has_scheme(const char *path)
 
 static bool has_parent_component(const char *path)
 {
-    for (const char *part = path; part; part = strchr(part, '/')) {
-        part += *part == '/';
-        if (part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'))
+    for (const char *part = path;; part++) {
+        const size_t length = strcspn(part, PATH_SEPARATORS);
+        if (length == 2 && part[0] == '.' && part[1] == '.')
             return true;
+        part += length;
+        if (!*part)
+            return false;
     }
-    return false;
 }
 
 // What is wrong with a decoded path from inside a file, or NULL.
@@ -143,7 +121,7 @@ static const char *path_objection(const char *path)
 {
     if (!*path)
         return "is empty";
-    if (*path == '/')
+    if (path_is_absolute(path))
         return "is absolute";
     if (has_scheme(path))
         return "has a scheme";
@@ -163,7 +141,7 @@ static bool is_under(const char *path, const char *folder)
 // The path with symbolic links resolved, in the arena; NULL with *err set.
 static char *real_path(struct arena *arena, const char *path, struct err *err)
 {
-    char *resolved = realpath(path, NULL);
+    char *resolved = file_real_path(path);
     if (!resolved && errno == ENOMEM) {
         err_memory(err, "a path", strlen(path));
         return NULL;
@@ -192,8 +170,7 @@ static char *resolve_inside(struct arena *arena, const char *folder, const char 
         err_set(err, ERR_INPUT, "path \"%s\" leads out of the file's folder %s", written, base);
         return NULL;
     }
-    struct stat status;
-    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode)) {
+    if (!file_is_regular(path)) {
         err_set(err, ERR_INPUT, "%s: is no regular file", path);
         return NULL;
     }
@@ -218,7 +195,7 @@ char *file_resolve(struct arena *arena, const struct file_reference *reference, 
                 objection);
         return NULL;
     }
-    if (*decoded == '/')
+    if (path_is_absolute(decoded))
         return decoded;
     char *joined = arena_printf(arena, "%s/%s", reference->folder, decoded);
     if (!joined) {
@@ -231,11 +208,11 @@ char *file_resolve(struct arena *arena, const struct file_reference *reference, 
 
 bool file_make_folder(const char *path, struct err *err)
 {
-    struct stat status;
-    if (mkdir(path, 0777) == 0)
+    struct file_status status;
+    if (folder_create(path))
         return true;
     int reason = errno;
-    if (reason == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+    if (reason == EEXIST && file_status(path, &status) && status.kind == FILE_FOLDER)
         return true;
     return err_set(err, ERR_OUTPUT, "%s: cannot be made a folder: %s", path, strerror(reason));
 }

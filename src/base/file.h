@@ -42,6 +42,7 @@ char *file_resolve(struct arena *arena, const struct file_reference *reference, 
 // Creates a folder unless it is there; its parent must be. ERR_OUTPUT.
 bool file_make_folder(const char *path, struct err *err);
 
+bool path_is_absolute(const char *path);
 char *path_folder(struct arena *arena, const char *path);         // "a/b.c" -> "a", "b.c" -> "."
 const char *path_extension(const char *path);                     // "a.PNG" -> "PNG", else ""
 bool path_has_extension(const char *path, const char *extension); // without regard to case
@@ -72,7 +73,7 @@ char *file_target(const char *path);
 // they are written to directly, so a failure may come after part of the data. Block devices and
 // sockets are refused.
 struct file_writer {
-    int fd;               // -1 when closed
+    int handle;           // -1 when closed
     char *path;           // what the rename replaces, symbolic links resolved; NULL when closed
     char *temporary_path; // NULL when it has no name
     bool direct;          // a device or pipe: there is no temporary file

@@ -1,10 +1,10 @@
 #include "base/file_inputs.h"
 
 #include "base/file.h"
+#include "base/file_system.h"
 #include "base/hash.h"
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 struct file_input {
     char *path;
@@ -66,8 +66,7 @@ static bool append(struct file_inputs *inputs, const char *path, uint64_t hash, 
 // A file that is read for another reason, too, is not the run's own.
 static bool add(const char *path, bool is_own, struct err *err)
 {
-    struct stat status;
-    if (!current || stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+    if (!current || !file_is_regular(path))
         return true;
     uint64_t hash = hash_bytes(HASH_INIT, path, strlen(path));
     mutex_lock(&current->mutex);
@@ -89,19 +88,14 @@ bool file_inputs_add_own(const char *path, struct err *err)
     return add(path, true, err);
 }
 
-static bool same_status(const struct stat *a, const struct stat *b)
-{
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
-}
-
 void file_inputs_forget(const char *path)
 {
-    struct stat status, input;
-    if (!current || stat(path, &status) != 0)
+    struct file_status status, input;
+    if (!current || !file_status(path, &status))
         return;
     mutex_lock(&current->mutex);
     for (size_t i = current->count; i-- > 0;)
-        if (stat(current->list[i].path, &input) == 0 && same_status(&status, &input)) {
+        if (file_status(current->list[i].path, &input) && file_status_same(&status, &input)) {
             free(current->list[i].path);
             current->list[i] = current->list[--current->count];
         }
@@ -112,15 +106,15 @@ void file_inputs_forget(const char *path)
 // renames a new file into its place, is an input still, and its old inode may be another file's.
 bool file_inputs_check(const char *output, struct err *err)
 {
-    struct stat status, input;
-    if (!current || stat(output, &status) != 0 || !S_ISREG(status.st_mode))
+    struct file_status status, input;
+    if (!current || !file_status(output, &status) || status.kind != FILE_REGULAR)
         return true;
     bool ok = true;
     mutex_lock(&current->mutex);
     for (size_t i = 0; ok && i < current->count; i++) {
         const char *path = current->list[i].path;
         const bool is_named = strcmp(output, path) == 0;
-        if (stat(path, &input) != 0 || !same_status(&status, &input) ||
+        if (!file_status(path, &input) || !file_status_same(&status, &input) ||
             (is_named && current->list[i].is_own))
             continue;
         ok = is_named
@@ -137,21 +131,22 @@ bool file_inputs_check(const char *output, struct err *err)
 static bool same_place(const char *a, const char *b)
 {
     struct arena arena = {0};
-    struct stat folder_a, folder_b;
+    struct file_status folder_a, folder_b;
     const char *path_a = path_folder(&arena, a), *path_b = path_folder(&arena, b);
     bool same = strcmp(path_name(a), path_name(b)) == 0 && path_a && path_b &&
-                stat(path_a, &folder_a) == 0 && stat(path_b, &folder_b) == 0 &&
-                same_status(&folder_a, &folder_b);
+                file_status(path_a, &folder_a) && file_status(path_b, &folder_b) &&
+                file_status_same(&folder_a, &folder_b);
     arena_finish(&arena);
     return same;
 }
 
 bool file_is_same(const char *a, const char *b)
 {
-    struct stat status_a, status_b;
-    bool has_a = stat(a, &status_a) == 0, has_b = stat(b, &status_b) == 0;
+    struct file_status status_a, status_b;
+    bool has_a = file_status(a, &status_a), has_b = file_status(b, &status_b);
     if (has_a || has_b)
-        return has_a && has_b && S_ISREG(status_a.st_mode) && same_status(&status_a, &status_b);
+        return has_a && has_b && status_a.kind == FILE_REGULAR &&
+               file_status_same(&status_a, &status_b);
     char *target_a = file_target(a), *target_b = file_target(b);
     bool same = target_a && target_b && same_place(target_a, target_b);
     free(target_a);

@@ -1,17 +1,14 @@
 #include "base/file_lock.h"
 
 #include "base/file.h"
+#include "base/file_handle.h"
 #include "base/hash.h"
 #include "base/log.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static bool fail(struct err *err, const char *output, const char *action)
 {
@@ -40,67 +37,44 @@ static char *lock_path(const char *output, struct err *err)
     return out;
 }
 
-// The holder before may have removed the file between our opening and locking it.
-static bool is_current(int fd, const char *path)
+static bool take(struct file_lock *lock, const char *output, struct err *err)
 {
-    struct stat opened, named;
-    return fstat(fd, &opened) == 0 && stat(path, &named) == 0 && opened.st_dev == named.st_dev &&
-           opened.st_ino == named.st_ino;
-}
-
-// False with an error, or true with the lock taken, or true with fd -1: to be tried again.
-static bool try_lock(struct file_lock *lock, const char *output, struct err *err)
-{
-    // Reading is enough for flock, also where the file is another user's.
-    lock->fd = open(lock->path, O_RDONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (lock->fd < 0)
+    bool is_locked;
+    lock->handle = file_handle_lock(lock->path, &is_locked);
+    if (lock->handle < 0 && errno == EWOULDBLOCK)
+        return err_set(err, ERR_OUTPUT,
+                       "%s: is being written by another run, or named twice by this one; "
+                       "expected one writer",
+                       output);
+    if (lock->handle < 0)
         return fail(err, output, "create a lock in its folder");
-    if (flock(lock->fd, LOCK_EX | LOCK_NB) != 0) {
-        if (errno == EWOULDBLOCK)
-            return err_set(err, ERR_OUTPUT,
-                           "%s: is being written by another run, or named twice by this one; "
-                           "expected one writer",
-                           output);
+    if (!is_locked)
         log_info("%s: cannot be locked: %s", output, strerror(errno));
-        return true;
-    }
-    if (is_current(lock->fd, lock->path))
-        return true;
-    close(lock->fd);
-    lock->fd = -1;
     return true;
 }
 
 static void forget(struct file_lock *lock)
 {
-    if (lock->fd >= 0)
-        close(lock->fd);
     free(lock->path);
-    *lock = (struct file_lock){.fd = -1};
+    *lock = (struct file_lock){.handle = -1};
 }
 
 bool file_lock_take(struct file_lock *lock, const char *output, struct err *err)
 {
-    *lock = (struct file_lock){.fd = -1};
-    struct stat status;
-    if (stat(output, &status) == 0 && !S_ISREG(status.st_mode))
+    *lock = (struct file_lock){.handle = -1};
+    if (file_is_special(output))
         return true;
     lock->path = lock_path(output, err);
-    if (!lock->path)
-        return false;
-    while (lock->fd < 0)
-        if (!try_lock(lock, output, err)) {
-            forget(lock);
-            return false;
-        }
-    return true;
+    if (lock->path && take(lock, output, err))
+        return true;
+    forget(lock);
+    return false;
 }
 
 void file_lock_release(struct file_lock *lock)
 {
     if (!lock || !lock->path)
         return;
-    // While the lock is held: so that the file removed is ours, and not that of the next holder.
-    unlink(lock->path);
+    file_handle_unlock(lock->handle, lock->path);
     forget(lock);
 }

@@ -1,26 +1,32 @@
 // Paths as text, and the file that a path means.
 #include "base/ascii.h"
 #include "base/file.h"
+#include "base/file_system.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-char *path_folder(struct arena *arena, const char *path)
+bool path_is_absolute(const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    if (!slash)
-        return arena_strdup(arena, ".");
-    int length = slash == path ? 1 : (int)(slash - path);
-    return arena_printf(arena, "%.*s", length, path);
+    return *path && (strchr(PATH_SEPARATORS, *path) || PATH_BEGINS_WITH_DRIVE(path));
 }
 
 const char *path_name(const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
+    const char *name = path;
+    for (const char *at = path; *at; at++)
+        if (strchr(PATH_SEPARATORS, *at))
+            name = at + 1;
+    return name;
+}
+
+char *path_folder(struct arena *arena, const char *path)
+{
+    const size_t length = (size_t)(path_name(path) - path);
+    if (length == 0)
+        return arena_strdup(arena, ".");
+    return arena_printf(arena, "%.*s", (int)(length > 1 ? length - 1 : length), path);
 }
 
 const char *path_extension(const char *path)
@@ -64,23 +70,22 @@ uint32_t path_number_of(const char *name, const char *path)
 // What a link says, as seen from the working directory; NULL for what is no link.
 static char *follow_link(const char *path)
 {
-    char text[PATH_MAX];
-    ssize_t length = readlink(path, text, sizeof text - 1);
-    if (length <= 0)
+    char *text = file_read_link(path);
+    if (!text)
         return NULL;
-    text[length] = '\0';
-    int folder = *text == '/' ? 0 : (int)(path_name(path) - path);
-    size_t size = (size_t)folder + (size_t)length + 1;
+    int folder = path_is_absolute(text) ? 0 : (int)(path_name(path) - path);
+    size_t size = (size_t)folder + strlen(text) + 1;
     char *out = malloc(size);
     if (out)
         snprintf(out, size, "%.*s%s", folder, path, text);
+    free(text);
     return out;
 }
 
 char *file_target(const char *path)
 {
     const int links_max = 40; // as many as Linux follows
-    char *target = realpath(path, NULL);
+    char *target = file_real_path(path);
     if (target)
         return target;
     target = strdup(path);

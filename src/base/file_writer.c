@@ -1,17 +1,14 @@
-#define _GNU_SOURCE // O_TMPFILE
 #include "base/file.h"
 
+#include "base/file_handle.h"
 #include "base/file_inputs.h"
 #include "base/log.h"
+#include "base/process.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
 
 static bool fail(struct err *err, const char *path, const char *action)
 {
@@ -21,32 +18,42 @@ static bool fail(struct err *err, const char *path, const char *action)
 // What stands at the path now.
 enum target { TARGET_NONE, TARGET_REGULAR, TARGET_STREAM };
 
-static bool target_examine(const char *path, enum target *target, mode_t *mode, struct err *err)
+static bool target_examine(const char *path, enum target *target, unsigned *permissions,
+                           struct err *err)
 {
-    struct stat status;
+    struct file_status status;
     *target = TARGET_NONE;
-    *mode = 0;
+    *permissions = 0;
     if (!*path)
         return err_set(err, ERR_OUTPUT, "the path of an output file is empty");
-    if (stat(path, &status) != 0)
+    if (!file_status(path, &status))
         return errno == ENOENT ? true : fail(err, path, "write");
-    if (S_ISDIR(status.st_mode))
+    if (status.kind == FILE_FOLDER)
         return err_set(err, ERR_OUTPUT, "%s: is a folder; expected a file's path", path);
-    if (S_ISBLK(status.st_mode) || S_ISSOCK(status.st_mode))
+    if (status.kind == FILE_BLOCK_DEVICE || status.kind == FILE_SOCKET)
         return err_set(err, ERR_OUTPUT, "%s: is a block device or socket; expected a file's path",
                        path);
-    if (access(path, W_OK) != 0)
+    if (!file_is_writable(path))
         return fail(err, path, "write");
-    *target = S_ISREG(status.st_mode) ? TARGET_REGULAR : TARGET_STREAM;
-    *mode = status.st_mode & 07777;
+    *target = status.kind == FILE_REGULAR ? TARGET_REGULAR : TARGET_STREAM;
+    *permissions = status.permissions;
     return true;
 }
 
 // The folder's part of a path, with its slash, has this length; 0 where the path is a bare name.
 static int folder_length(const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    return slash ? (int)(slash + 1 - path) : 0;
+    return (int)(path_name(path) - path);
+}
+
+// From malloc; NULL when out of memory.
+static char *folder_of(const char *path)
+{
+    const size_t length = (size_t)folder_length(path);
+    char *folder = malloc(length + 2);
+    if (folder)
+        snprintf(folder, length + 2, "%.*s", length > 0 ? (int)length : 1, length > 0 ? path : ".");
+    return folder;
 }
 
 enum { NAME_ATTEMPTS = 1000, NAME_BYTES = 64, BLOCK_BYTES = 1 << 16 };
@@ -64,7 +71,7 @@ static void temporary_path_print(struct file_writer *writer, int attempt)
 {
     int folder = folder_length(writer->path);
     snprintf(writer->temporary_path, (size_t)folder + NAME_BYTES, "%.*s.lampyris-%ld-%d.tmp",
-             folder, writer->path, (long)getpid(), attempt);
+             folder, writer->path, (long)process_id(), attempt);
 }
 
 static void temporary_path_forget(struct file_writer *writer)
@@ -73,92 +80,64 @@ static void temporary_path_forget(struct file_writer *writer)
     writer->temporary_path = NULL;
 }
 
-// Linux: the link by which a file without a name can be given one.
-static void descriptor_path(int fd, char path[NAME_BYTES])
+static bool unnamed_create(struct file_writer *writer, unsigned permissions)
 {
-    snprintf(path, NAME_BYTES, "/proc/self/fd/%d", fd);
-}
-
-// A file without a name is gone when the process ends, in whatever way. Not every system and file
-// system has them; whether the folder can be written to at all is for the others to say.
-static bool unnamed_create(struct file_writer *writer, mode_t mode)
-{
-#ifdef O_TMPFILE
-    int length = folder_length(writer->path);
-    char *folder = length > 0 ? strndup(writer->path, (size_t)length) : strdup(".");
+    char *folder = folder_of(writer->path);
     if (folder)
-        writer->fd = open(folder, O_RDWR | O_TMPFILE | O_CLOEXEC, mode);
+        writer->handle = file_handle_create_unnamed(folder, permissions);
     free(folder);
-    char link[NAME_BYTES];
-    descriptor_path(writer->fd, link);
-    if (writer->fd >= 0 && access(link, F_OK) == 0)
-        return true;
-    if (writer->fd >= 0)
-        close(writer->fd);
-    writer->fd = -1;
-#else
-    (void)writer, (void)mode;
-#endif
-    return false;
+    return writer->handle >= 0;
 }
 
-static bool named_create(struct file_writer *writer, mode_t mode, struct err *err)
+static bool named_create(struct file_writer *writer, unsigned permissions, struct err *err)
 {
     if (!temporary_path_allocate(writer, err))
         return false;
-    for (int i = 0; i < NAME_ATTEMPTS && writer->fd < 0; i++) {
+    for (int i = 0; i < NAME_ATTEMPTS && writer->handle < 0; i++) {
         temporary_path_print(writer, i);
-        int flags = O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
-        writer->fd = open(writer->temporary_path, flags, mode);
-        if (writer->fd < 0 && errno != EEXIST)
+        writer->handle = file_handle_create(writer->temporary_path, permissions);
+        if (writer->handle < 0 && errno != EEXIST)
             break;
     }
-    if (writer->fd >= 0)
+    if (writer->handle >= 0)
         return true;
     fail(err, writer->path, "create a file in its folder");
     temporary_path_forget(writer); // not ours to remove
     return false;
 }
 
-static bool temporary_create(struct file_writer *writer, mode_t mode, struct err *err)
+static bool temporary_create(struct file_writer *writer, unsigned permissions, struct err *err)
 {
-    mode_t wanted = mode ? mode : 0666;
+    const unsigned wanted = permissions ? permissions : 0666;
     if (!unnamed_create(writer, wanted) && !named_create(writer, wanted, err))
         return false;
-    // open() applied the umask; an older file's permissions are kept as they are.
-    if (mode && fchmod(writer->fd, mode) != 0)
+    // What is created obeys the umask; an older file's permissions are kept as they are.
+    if (permissions && !file_handle_set_permissions(writer->handle, permissions))
         return fail(err, writer->path, "keep its permissions");
     return true;
 }
 
-// Non-blocking while opening, because a pipe that nobody reads would block for ever; a picture is
-// then written as slowly as the reader likes.
 static bool stream_open(struct file_writer *writer, struct err *err)
 {
-    const char *path = writer->path;
-    writer->fd = open(path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    if (writer->fd < 0 && errno == ENXIO)
-        return err_set(err, ERR_OUTPUT, "%s: is a pipe that nobody reads", path);
-    if (writer->fd < 0)
-        return fail(err, path, "open");
-    int flags = fcntl(writer->fd, F_GETFL);
-    if (flags < 0 || fcntl(writer->fd, F_SETFL, flags & ~O_NONBLOCK) < 0)
-        return fail(err, path, "open");
-    return true;
+    writer->handle = file_handle_open_stream(writer->path);
+    if (writer->handle < 0 && errno == ENXIO)
+        return err_set(err, ERR_OUTPUT, "%s: is a pipe that nobody reads", writer->path);
+    return writer->handle >= 0 || fail(err, writer->path, "open");
 }
 
 static bool writer_open(struct file_writer *writer, const char *path, struct err *err)
 {
-    *writer = (struct file_writer){.fd = -1};
+    *writer = (struct file_writer){.handle = -1};
     enum target target;
-    mode_t mode;
-    if (!target_examine(path, &target, &mode, err))
+    unsigned permissions;
+    if (!target_examine(path, &target, &permissions, err))
         return false;
     writer->direct = target == TARGET_STREAM;
     writer->path = writer->direct ? strdup(path) : file_target(path);
     writer->block = malloc(BLOCK_BYTES);
     bool ok = (writer->path && writer->block) || err_memory(err, "an output file", BLOCK_BYTES);
-    if (ok && (writer->direct ? stream_open(writer, err) : temporary_create(writer, mode, err)))
+    if (ok &&
+        (writer->direct ? stream_open(writer, err) : temporary_create(writer, permissions, err)))
         return true;
     file_writer_finish(writer);
     return false;
@@ -166,7 +145,7 @@ static bool writer_open(struct file_writer *writer, const char *path, struct err
 
 bool file_writer_open(struct file_writer *writer, const char *path, struct err *err)
 {
-    *writer = (struct file_writer){.fd = -1};
+    *writer = (struct file_writer){.handle = -1};
     return file_inputs_check(path, err) && writer_open(writer, path, err);
 }
 
@@ -197,21 +176,12 @@ static struct hash128 add_block(struct hash128 sum, const uint8_t *block, size_t
 
 static bool write_block(struct file_writer *writer, struct err *err)
 {
-    const uint8_t *bytes = writer->block;
-    size_t size = writer->block_bytes;
-    writer->sum = add_block(writer->sum, bytes, size);
+    const size_t size = writer->block_bytes;
+    writer->sum = add_block(writer->sum, writer->block, size);
     corrupt_if_due(writer->block, size);
     writer->block_bytes = 0;
-    while (size > 0) {
-        ssize_t written = write(writer->fd, bytes, size);
-        if (written < 0 && errno == EINTR)
-            continue;
-        if (written < 0)
-            return fail(err, writer->path, "write");
-        bytes += written;
-        size -= (size_t)written;
-    }
-    return true;
+    return file_handle_write(writer->handle, writer->block, size) ||
+           fail(err, writer->path, "write");
 }
 
 bool file_writer_write(struct file_writer *writer, const void *data, size_t size, struct err *err)
@@ -233,24 +203,14 @@ bool file_writer_write(struct file_writer *writer, const void *data, size_t size
 // Fills the block from the file, up to its end; false when reading fails.
 static bool read_block(struct file_writer *writer, struct err *err)
 {
-    writer->block_bytes = 0;
-    while (writer->block_bytes < BLOCK_BYTES) {
-        ssize_t got = read(writer->fd, writer->block + writer->block_bytes,
-                           BLOCK_BYTES - writer->block_bytes);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got < 0)
-            return fail(err, writer->path, "read back");
-        if (got == 0)
-            break;
-        writer->block_bytes += (size_t)got;
-    }
-    return true;
+    const int64_t got = file_handle_read(writer->handle, writer->block, BLOCK_BYTES);
+    writer->block_bytes = got > 0 ? (size_t)got : 0;
+    return got >= 0 || fail(err, writer->path, "read back");
 }
 
 static bool verify(struct file_writer *writer, struct err *err)
 {
-    if (lseek(writer->fd, 0, SEEK_SET) != 0)
+    if (!file_handle_rewind(writer->handle))
         return fail(err, writer->path, "read back");
     struct hash128 sum = {0};
     do {
@@ -267,33 +227,26 @@ static bool verify(struct file_writer *writer, struct err *err)
 
 // --- the end -------------------------------------------------------------------------------------
 
-// Makes the rename durable. The file is in place already, so a failure is no more than a warning;
-// some file systems cannot sync a folder at all.
+// Makes the rename durable. The file is in place already, so a failure is no more than a warning.
 static void sync_folder(const char *path)
 {
-    int length = folder_length(path);
-    char *folder = length > 0 ? strndup(path, (size_t)length) : strdup(".");
-    int fd = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-    if (fd >= 0 && fsync(fd) != 0 && errno != EINVAL && errno != ENOTSUP)
+    char *folder = folder_of(path);
+    if (folder && !folder_sync(folder))
         log_warn("%s: written, but its folder could not be synced: %s", path, strerror(errno));
-    if (fd >= 0)
-        close(fd);
     free(folder);
 }
 
-// rename() is what replaces an older file at one stroke, and it needs a name: the file has one of
-// its own for the moment between.
+// What replaces an older file at one stroke is a name in place of another: the file has one of its
+// own for the moment between.
 static bool temporary_name(struct file_writer *writer, struct err *err)
 {
     if (writer->temporary_path)
         return true;
     if (!temporary_path_allocate(writer, err))
         return false;
-    char link[NAME_BYTES];
-    descriptor_path(writer->fd, link);
     for (int i = 0; i < NAME_ATTEMPTS; i++) {
         temporary_path_print(writer, i);
-        if (linkat(AT_FDCWD, link, AT_FDCWD, writer->temporary_path, AT_SYMLINK_FOLLOW) == 0)
+        if (file_handle_name(writer->handle, writer->temporary_path))
             return true;
         if (errno != EEXIST)
             break;
@@ -307,7 +260,7 @@ static bool replace_target(struct file_writer *writer, struct err *err)
 {
     if (!temporary_name(writer, err))
         return false;
-    if (rename(writer->temporary_path, writer->path) != 0)
+    if (!file_rename(writer->temporary_path, writer->path))
         return fail(err, writer->path, "rename the temporary file");
     temporary_path_forget(writer);
     sync_folder(writer->path);
@@ -318,11 +271,11 @@ bool file_writer_commit(struct file_writer *writer, struct err *err)
 {
     bool ok = writer->block_bytes == 0 || write_block(writer, err);
     if (ok && !writer->direct)
-        ok = (fsync(writer->fd) == 0 || fail(err, writer->path, "sync")) && verify(writer, err) &&
-             replace_target(writer, err);
-    int closed = close(writer->fd);
-    writer->fd = -1;
-    if (ok && closed != 0)
+        ok = (file_handle_sync(writer->handle) || fail(err, writer->path, "sync")) &&
+             verify(writer, err) && replace_target(writer, err);
+    const bool is_closed = file_handle_close(writer->handle);
+    writer->handle = -1;
+    if (ok && !is_closed)
         ok = fail(err, writer->path, "close");
     file_writer_finish(writer);
     return ok;
@@ -332,14 +285,14 @@ void file_writer_finish(struct file_writer *writer)
 {
     if (!writer || (!writer->path && !writer->block))
         return;
-    if (writer->fd >= 0)
-        close(writer->fd);
+    if (writer->handle >= 0)
+        file_handle_close(writer->handle);
     if (writer->temporary_path)
-        unlink(writer->temporary_path);
+        file_remove(writer->temporary_path);
     free(writer->temporary_path);
     free(writer->path);
     free(writer->block);
-    *writer = (struct file_writer){.fd = -1};
+    *writer = (struct file_writer){.handle = -1};
 }
 
 static bool write_all(struct file_writer *writer, const void *data, size_t size, struct err *err)
@@ -365,8 +318,8 @@ bool file_replace_atomic(const char *path, const void *data, size_t size, struct
 bool file_check_writable(const char *path, struct err *err)
 {
     enum target target;
-    mode_t mode;
-    if (!target_examine(path, &target, &mode, err))
+    unsigned permissions;
+    if (!target_examine(path, &target, &permissions, err))
         return false;
     // Opening a pipe and closing it again would tell its reader that all is over.
     if (target == TARGET_STREAM)
@@ -380,21 +333,18 @@ bool file_check_writable(const char *path, struct err *err)
 
 bool file_check_space(const char *path, uint64_t bytes, struct err *err)
 {
-    struct stat status;
-    bool exists = stat(path, &status) == 0;
-    if (exists && !S_ISREG(status.st_mode))
+    struct file_status status;
+    const bool exists = file_status(path, &status);
+    if (exists && status.kind != FILE_REGULAR)
         return true;
     char *target = file_target(path);
-    int length = target ? folder_length(target) : 0;
-    if (target && !exists)
-        target[length] = '\0';
-    struct statvfs space;
-    bool is_known =
-        target && statvfs(exists || length > 0 ? target : ".", &space) == 0 && space.f_blocks > 0;
+    char *place = !target ? NULL : exists ? strdup(target) : folder_of(target);
+    uint64_t left;
+    const bool is_known = place && file_system_space(place, &left);
+    free(place);
     free(target);
-    if (!is_known || bytes / space.f_frsize < space.f_bavail)
+    if (!is_known || bytes < left)
         return true;
     return err_set(err, ERR_OUTPUT, "%s: may take %llu bytes, but its disk has only %llu left",
-                   path, (unsigned long long)bytes,
-                   (unsigned long long)space.f_bavail * space.f_frsize);
+                   path, (unsigned long long)bytes, (unsigned long long)left);
 }

@@ -3,17 +3,15 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/file_handle.h"
 #include "base/hash.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "bvh/bvh_node.h"
 #include "bvh/bvh_triangle.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <limits.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 // To be raised when the file, or what the builder makes of the same input, changes.
 #define FORMAT_VERSION 1
@@ -156,20 +154,11 @@ char *bvh_cache_path(const char *folder, const struct bvh_params *params, struct
 
 // --- loading -------------------------------------------------------------------------------------
 
-static bool read_fully(int fd, void *data, size_t size, struct err *err)
+static bool read_fully(int handle, void *data, size_t size, struct err *err)
 {
-    char *to = data;
-    while (size > 0) {
-        ssize_t got = read(fd, to, size < SSIZE_MAX ? size : SSIZE_MAX);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            return err_set(err, ERR_INPUT, "cannot be read: %s",
-                           got < 0 ? strerror(errno) : "it has become shorter");
-        to += got;
-        size -= (size_t)got;
-    }
-    return true;
+    const int64_t got = file_handle_read(handle, data, size);
+    return got == (int64_t)size || err_set(err, ERR_INPUT, "cannot be read: %s",
+                                           got < 0 ? strerror(errno) : "it has become shorter");
 }
 
 static uint64_t file_bytes_of(const struct header *h)
@@ -194,7 +183,7 @@ static bool check_header(const struct header *h, uint64_t bytes, const struct bv
     return true;
 }
 
-static bool read_tree(int fd, const struct header *h, const struct bvh_params *params,
+static bool read_tree(int handle, const struct header *h, const struct bvh_params *params,
                       struct arena *arena, struct bvh *out, struct err *err)
 {
     *out = (struct bvh){
@@ -210,8 +199,9 @@ static bool read_tree(int fd, const struct header *h, const struct bvh_params *p
         return err_memory(err, "the BVH", file_bytes_of(h));
     void *nodes = out->format == BVH_FLOAT ? (void *)out->nodes_float : out->nodes;
     struct hash128 sum;
-    if (!read_fully(fd, nodes, bvh_nodes_bytes(out), err) ||
-        !read_fully(fd, out->triangle_order, h->reference_count * sizeof *out->triangle_order, err))
+    if (!read_fully(handle, nodes, bvh_nodes_bytes(out), err) ||
+        !read_fully(handle, out->triangle_order, h->reference_count * sizeof *out->triangle_order,
+                    err))
         return false;
     if (!find_sum(h, out, &sum))
         return err_memory(err, "the BVH's checksum", 0);
@@ -222,32 +212,32 @@ static bool read_tree(int fd, const struct header *h, const struct bvh_params *p
     return bvh_validate(out, params, err);
 }
 
-static bool load_open_file(int fd, const struct bvh_params *params, struct hash128 key,
+static bool load_open_file(int handle, const struct bvh_params *params, struct hash128 key,
                            struct arena *arena, struct bvh *out, struct err *err)
 {
-    struct stat status;
+    struct file_status status;
     struct header header;
-    if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode))
+    if (!file_handle_status(handle, &status) || status.kind != FILE_REGULAR)
         return err_set(err, ERR_INPUT, "is not a regular file");
-    if ((uint64_t)status.st_size < sizeof header)
-        return err_set(err, ERR_INPUT, "has only %lld bytes", (long long)status.st_size);
-    return read_fully(fd, &header, sizeof header, err) &&
-           check_header(&header, (uint64_t)status.st_size, params, key, err) &&
-           read_tree(fd, &header, params, arena, out, err);
+    if (status.size < sizeof header)
+        return err_set(err, ERR_INPUT, "has only %" PRIu64 " bytes", status.size);
+    return read_fully(handle, &header, sizeof header, err) &&
+           check_header(&header, status.size, params, key, err) &&
+           read_tree(handle, &header, params, arena, out, err);
 }
 
 static bool load(const char *path, const struct bvh_params *params, struct hash128 key,
                  struct arena *arena, struct bvh *out, struct err *err)
 {
     uint64_t start = clock_ns();
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    const int handle = file_handle_open(path);
     *err = (struct err){0};
-    if (fd < 0)
+    if (handle < 0)
         return errno == ENOENT || errno == ENOTDIR
                    ? false
                    : err_set(err, ERR_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-    bool ok = load_open_file(fd, params, key, arena, out, err) || err_prepend(err, "%s", path);
-    close(fd);
+    bool ok = load_open_file(handle, params, key, arena, out, err) || err_prepend(err, "%s", path);
+    file_handle_close(handle);
     if (ok) {
         out->stats.cached_seconds = out->stats.build_seconds;
         out->stats.build_seconds = clock_seconds_since(start);

@@ -3,16 +3,16 @@
 
 #include "base/clock.h"
 #include "base/file_inputs.h"
+#include "base/file_system.h"
 #include "base/log.h"
 #include <inttypes.h>
 #include <string.h>
-#include <unistd.h>
 
 // --- going on -----------------------------------------------------------------------------------
 
 static bool is_there(const char *path)
 {
-    return access(path, F_OK) == 0;
+    return file_exists(path);
 }
 
 bool job_checkpoint_open(struct job *job, struct err *err)

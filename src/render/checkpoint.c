@@ -1,13 +1,13 @@
 #include "render/checkpoint.h"
 
 #include "base/file.h"
+#include "base/file_system.h"
 #include "base/hash.h"
 #include "render/adaptive.h"
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define VERSION 1u
 #define BYTE_ORDER_WORD 0x01020304u
@@ -183,12 +183,9 @@ static bool get(const struct checkpoint *c, void *data, uint64_t bytes, struct e
 
 static bool measure(const struct checkpoint *c, uint64_t *bytes, struct err *err)
 {
-    off_t end = fseeko(c->file, 0, SEEK_END) == 0 ? ftello(c->file) : -1;
-    if (end < 0 || fseeko(c->file, 0, SEEK_SET) != 0)
-        return err_set(err, ERR_INPUT, "%s: cannot be read from its beginning to its end: %s",
-                       c->path, strerror(errno));
-    *bytes = (uint64_t)end;
-    return true;
+    return file_stream_size(c->file, bytes) ||
+           err_set(err, ERR_INPUT, "%s: cannot be read from its beginning to its end: %s", c->path,
+                   strerror(errno));
 }
 
 static bool check_header(const struct checkpoint *c, const struct header *h, uint64_t file_bytes,
@@ -283,10 +280,9 @@ bool checkpoint_read(FILE *file, const char *path, struct arena *arena, struct c
 bool checkpoint_open(const char *path, struct arena *arena, struct checkpoint *out, struct err *err)
 {
     *out = (struct checkpoint){0};
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+    if (file_is_special(path))
         return err_set(err, ERR_INPUT, "%s: is no regular file; expected a checkpoint", path);
-    FILE *file = fopen(path, "rbe");
+    FILE *file = file_stream(path, "rb");
     if (!file)
         return err_set(err, ERR_INPUT, "%s: cannot open: %s", path, strerror(errno));
     if (checkpoint_read(file, path, arena, out, err))

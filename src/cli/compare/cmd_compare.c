@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/file_inputs.h"
+#include "base/file_system.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "cli/compare/compare.h"
@@ -12,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 // --- reading -------------------------------------------------------------------------------------
 
@@ -22,13 +22,13 @@ static bool split_layer(const char *name, struct arena *arena, struct image_read
 {
     const char *colon = strrchr(name, ':');
     *out = (struct image_read_params){.path = name};
-    if (!colon || colon == name || !colon[1] || access(name, F_OK) == 0)
+    if (!colon || colon == name || !colon[1] || file_exists(name))
         return true;
     char *path = arena_strdup(arena, name);
     if (!path)
         return err_memory(err, "a file name", strlen(name) + 1);
     path[colon - name] = '\0';
-    if (access(path, F_OK) == 0)
+    if (file_exists(path))
         *out = (struct image_read_params){.path = path, .layer = colon + 1};
     return true;
 }

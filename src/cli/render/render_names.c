@@ -5,11 +5,10 @@
 
 #include "base/file.h"
 #include "base/file_inputs.h"
+#include "base/file_system.h"
 #include "base/log.h"
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 // The n-th file that is written at the end: pictures, then checkpoint and trace; NULL for one that
 // was not asked for.
@@ -43,7 +42,6 @@ static bool is_written(const struct render_run *run, uint32_t number)
 
 static bool append(struct numbered_list *list, const char *path, struct err *err)
 {
-    struct stat status;
     if (list->count == list->capacity) {
         size_t capacity = list->capacity ? 2 * list->capacity : 64;
         struct numbered *files = ARENA_NEW(&list->arena, struct numbered, capacity);
@@ -56,8 +54,7 @@ static bool append(struct numbered_list *list, const char *path, struct err *err
     }
     if (!path)
         return err_memory(err, "output names", 64);
-    list->files[list->count++] =
-        (struct numbered){path, lstat(path, &status) == 0 && S_ISLNK(status.st_mode)};
+    list->files[list->count++] = (struct numbered){path, file_is_link(path)};
     return true;
 }
 
@@ -65,15 +62,14 @@ static bool list_those_of(const struct render_run *run, const char *output,
                           struct numbered_list *list, struct err *err)
 {
     const char *path = path_folder(&list->arena, output);
-    DIR *folder = path ? opendir(path) : NULL;
+    struct folder_reader *folder = path ? folder_open(path) : NULL;
     bool ok = true;
-    for (struct dirent *entry; ok && folder && (entry = readdir(folder));) {
-        uint32_t number = path_number_of(entry->d_name, output);
+    for (const char *name; ok && folder && (name = folder_next(folder));) {
+        uint32_t number = path_number_of(name, output);
         if (is_written(run, number))
             ok = append(list, path_numbered(&list->arena, output, number), err);
     }
-    if (folder)
-        closedir(folder);
+    folder_close(folder);
     return ok;
 }
 

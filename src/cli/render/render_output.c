@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/file_system.h"
 #include "base/log.h"
 #include "cli/signals.h"
 #include "image/image.h"
@@ -12,7 +13,6 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 static char *without_extension(struct arena *arena, const char *path)
@@ -159,25 +159,14 @@ static bool write_picture(const struct render_run *run, const char *path, struct
     return image_write(&params, err);
 }
 
-// To what the system allows, as the limit may be what kept the picture from its place. Returns it.
-static rlim_t raise_file_size_limit(void)
-{
-    struct rlimit size;
-    if (getrlimit(RLIMIT_FSIZE, &size) != 0)
-        return RLIM_INFINITY;
-    size.rlim_cur = size.rlim_max;
-    setrlimit(RLIMIT_FSIZE, &size);
-    return size.rlim_max;
-}
-
 // First in the simplest way, as a compressor may have failed; where the size of files is limited,
 // in smaller ones then. Says how.
-static bool save(const struct render_run *run, const char *path, rlim_t limit,
+static bool save(const struct render_run *run, const char *path, uint64_t limit,
                  const struct metadata *metadata, struct err *err)
 {
     const bool half = run->options->render.half_float;
     const struct storage ways[] = {{half, true}, {half, false}, {true, false}};
-    bool is_limited = limit != RLIM_INFINITY;
+    bool is_limited = limit != UINT64_MAX;
     for (int i = 0; i < (is_limited ? 3 : 1); i++) {
         if (!write_picture(run, path, ways[i], metadata, err))
             continue;
@@ -198,17 +187,18 @@ static bool save(const struct render_run *run, const char *path, rlim_t limit,
 static void save_elsewhere(const struct render_run *run, const struct metadata *metadata,
                            struct arena *arena)
 {
-    const char *parent = getenv("TMPDIR");
-    char *folder = arena_printf(arena, "%s/lampyris-XXXXXX", parent ? parent : "/tmp");
-    if (!folder || !mkdtemp(folder))
+    char *folder = folder_create_temporary();
+    if (!folder)
         return;
     const char *path = arena_printf(arena, "%s/picture.exr", folder);
     struct err err = {0};
-    rlim_t limit = raise_file_size_limit();
-    if (path && save(run, path, limit, metadata, &err))
-        return;
-    rmdir(folder);
-    log_warn("the picture could not be saved in %s either: %s", folder, err.msg);
+    // As high as it may be: the limit may be what kept the picture from its place.
+    const uint64_t limit = file_size_limit_raise();
+    if (!path || !save(run, path, limit, metadata, &err)) {
+        folder_remove(folder);
+        log_warn("the picture could not be saved in %s either: %s", folder, err.msg);
+    }
+    free(folder);
 }
 
 // --- what a picture says about itself ------------------------------------------------------------

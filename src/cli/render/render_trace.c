@@ -2,13 +2,13 @@
 #include "cli/render/render_run.h"
 
 #include "base/clock.h"
+#include "base/file_system.h"
 #include "base/log.h"
 #include "cli/render/trace_file.h"
 #include "report/json_out.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 // --- the reference -------------------------------------------------------------------------------
 
@@ -60,10 +60,9 @@ bool render_open_reference(struct render_run *run, struct err *err)
 bool render_read_trace(struct render_run *run, struct err *err)
 {
     const char *path = run->options->render.trace;
-    struct stat status;
     if (!path || !run->job.resumed.file) // without one to go on from, the file is replaced
         return true;
-    if (stat(path, &status) != 0) {
+    if (!file_exists(path)) {
         log_warn("%s: does not exist: the trace begins where the checkpoint ends", path);
         return true;
     }
@@ -93,14 +92,6 @@ static json_t *head_json(const struct render_run *run)
                      "reference", known);
 }
 
-// A path that is no regular file cannot be written anew after every row: it gets all rows at the
-// end.
-static bool is_stream(const char *path)
-{
-    struct stat status;
-    return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
-}
-
 static bool write_file(struct render_run *run, struct err *err)
 {
     uint64_t start = clock_ns();
@@ -116,7 +107,9 @@ bool render_update_trace(struct render_run *run, struct err *err)
 {
     const char *path = run->options->render.trace;
     struct err failure = {0};
-    if (is_stream(path) || write_file(run, &failure))
+    // A path that is no regular file gets all rows at the end: it cannot be written anew after
+    // each.
+    if (file_is_special(path) || write_file(run, &failure))
         return true;
     if (failure.code != ERR_OUTPUT) {
         if (err)

@@ -1,11 +1,13 @@
 // `lampyris view`: the window is a program of its own, so that this one needs no window library.
+#include "base/file.h"
 #include "cli/commands.h"
 
+#include "base/file_system.h"
+#include "base/process.h"
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #define PROGRAM "lampyris-view"
 #define IN_BUILD_FOLDER "../viewer/" PROGRAM
@@ -16,13 +18,11 @@ static void find_program(char *out, size_t size)
 {
     static const char *const places[] = {PROGRAM, IN_BUILD_FOLDER};
     char own[PATH_MAX];
-    ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
-    own[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(own, '/');
-    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
-        int folder = (int)(slash + 1 - own);
+    const bool is_known = process_own_path(own, sizeof own);
+    for (size_t i = 0; is_known && i < sizeof places / sizeof *places; i++) {
+        int folder = (int)(path_name(own) - own);
         if (snprintf(out, size, "%.*s%s", folder, own, places[i]) < (int)size &&
-            access(out, X_OK) == 0)
+            file_is_executable(out))
             return;
     }
     snprintf(out, size, "%s", PROGRAM);
@@ -39,7 +39,7 @@ int cmd_view(const struct options *options)
             memmove(&argv[i], &argv[i + 1], (size_t)(options->argc - i) * sizeof *argv);
             break;
         }
-    execvp(program, argv);
+    process_become(program, argv);
     struct err err;
     err_set(&err, ERR_SYSTEM,
             "%s: cannot be run: %s; it is built where GLFW and Dear ImGui are "

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/file_inputs.h"
+#include "base/file_system.h"
 #include "base/maths.h"
 #include "json/field_json.h"
 #include "json/json_parse.h"
@@ -16,7 +17,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define JSON_REALS (JSON_ENCODE_ANY | JSON_REAL_PRECISION(17))
 
@@ -79,7 +79,7 @@ static void put_settings(struct json_text *t, const char *key, const struct sett
 
 static const char *real_path(struct writer *w, const char *path, struct err *err)
 {
-    char *resolved = realpath(path, NULL);
+    char *resolved = file_real_path(path);
     if (!resolved) {
         err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
         return NULL;
@@ -407,8 +407,8 @@ static void choose_environment(struct writer *w)
 
 static bool is_same_file(const char *a, const char *b)
 {
-    struct stat x, y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    struct file_status x, y;
+    return file_status(a, &x) && file_status(b, &y) && file_status_same(&x, &y);
 }
 
 // The name, and that the file is none of those that it would be made from.

@@ -3,6 +3,7 @@
 #include "viewer/core/reload.h"
 
 #include "base/clock.h"
+#include "base/file_system.h"
 #include "cli/options.h"
 #include "kernel_source.h"
 #include "viewer/core/messages.h"
@@ -66,8 +67,9 @@ bool reload_create(const struct options *options, struct reload **out, struct er
     if (!reload)
         return err_memory(err, "reloading shaders", sizeof *reload);
     const char *folder = options->view.shaders ? options->view.shaders : KERNEL_FOLDER;
-    if (!realpath(folder, reload->folder))
-        snprintf(reload->folder, sizeof reload->folder, "%s", folder);
+    char *real = file_real_path(folder);
+    snprintf(reload->folder, sizeof reload->folder, "%s", real ? real : folder);
+    free(real);
     reload->why_not = shader_why_not(reload->folder);
     list_sources(reload);
     return true;

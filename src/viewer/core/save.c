@@ -3,6 +3,7 @@
 #include "viewer/core/save.h"
 
 #include "base/file.h"
+#include "base/file_system.h"
 #include "base/hash.h"
 #include "cli/options.h"
 #include "job/film_error.h"
@@ -16,7 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define NUMBERS_MAX 9999u
 
@@ -56,7 +56,7 @@ static char *free_name(struct arena *arena, const char *stem, const char *extens
             err_memory(err, "names of files", 0);
             return NULL;
         }
-        if (access(path, F_OK) != 0)
+        if (!file_exists(path))
             return path;
     }
     err_set(err, ERR_OUTPUT, "%s-0001.%s to %s-%u.%s are all taken", stem, extension, stem,

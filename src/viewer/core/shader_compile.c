@@ -1,51 +1,33 @@
-#define _GNU_SOURCE // environ
 #include "viewer/core/shader_compile.h"
 
 #include "base/arena.h"
+#include "base/clock.h"
 #include "base/file.h"
+#include "base/file_system.h"
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "base/process.h"
 #include "kernel_source.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
-#include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <time.h>
-#include <unistd.h>
 
 #define COMPILER "glslangValidator"
+#define SECOND_NS UINT64_C(1000000000)
 #define SPIRV_MAGIC 0x07230203u // SPIR-V specification, section 2.3: the first word of a module
 #define SPIRV_HEADER_BYTES 20u  // the same: five words before the first instruction
 
 // --- what can be known before --------------------------------------------------------------------
 
-static bool is_in_path(const char *program)
-{
-    const char *path = getenv("PATH");
-    char name[PATH_MAX];
-    while (path && *path) {
-        size_t length = strcspn(path, ":");
-        snprintf(name, sizeof name, "%.*s/%s", (int)length, path, program);
-        if (access(name, X_OK) == 0)
-            return true;
-        path += length + (path[length] == ':');
-    }
-    return false;
-}
-
 const char *shader_why_not(const char *folder)
 {
     char name[PATH_MAX];
     snprintf(name, sizeof name, "%s/lib", folder);
-    if (!is_in_path(COMPILER))
+    if (!program_is_installed(COMPILER))
         return COMPILER " is not installed (Debian: glslang-tools)";
-    if (access(name, R_OK | X_OK) != 0)
+    if (!file_is_executable(name))
         return "the folder of the kernels' source is not there; --shaders names another";
     return NULL;
 }
@@ -72,11 +54,12 @@ static bool is_unchanged(const struct shader_unit *unit, struct arena *arena)
     return unit->files && hash_files(unit->files, arena, &hash) && hash == unit->hash;
 }
 
-static bool is_newer(const char *files, const struct timespec *than)
+// Clocks of some file systems count whole seconds.
+static bool is_newer(const char *files, uint64_t than_ns)
 {
     for (const char *path = files; *path; path += strlen(path) + 1) {
-        struct stat status;
-        if (stat(path, &status) != 0 || status.st_mtim.tv_sec >= than->tv_sec)
+        struct file_status status;
+        if (!file_status(path, &status) || status.changed_ns / SECOND_NS >= than_ns / SECOND_NS)
             return true;
     }
     return false;
@@ -105,44 +88,21 @@ static char *parse_dependencies(const char *text)
 // --- one run of the compiler ---------------------------------------------------------------------
 
 struct run {
-    pid_t process; // 0: none
+    struct process process;
     uint32_t unit;
     const char *code, *dependencies, *messages; // files that it writes
 };
 
-// Signals are as a fresh process has them: they are blocked in this thread, and SIGPIPE is ignored.
-static bool set_signals(posix_spawnattr_t *attributes)
+static bool spawn(struct run *run, const char *const *arguments, struct err *err)
 {
-    sigset_t none, pipes;
-    sigemptyset(&none);
-    sigemptyset(&pipes);
-    sigaddset(&pipes, SIGPIPE);
-    return posix_spawnattr_setsigmask(attributes, &none) == 0 &&
-           posix_spawnattr_setsigdefault(attributes, &pipes) == 0 &&
-           posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF) ==
-               0;
-}
-
-static bool spawn(struct run *run, char *const *arguments, struct err *err)
-{
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawnattr_init(&attributes);
-    const int flags = O_WRONLY | O_CREAT | O_TRUNC;
-    bool ok = set_signals(&attributes) &&
-              posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0) == 0 &&
-              posix_spawn_file_actions_addopen(&actions, 1, run->messages, flags, 0600) == 0 &&
-              posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0;
-    int result =
-        ok ? posix_spawnp(&run->process, COMPILER, &actions, &attributes, arguments, environ)
-           : ENOMEM;
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
-    if (result == 0)
-        return true;
-    run->process = 0;
-    return err_set(err, ERR_SYSTEM, COMPILER ": cannot be run: %s", strerror(result));
+    FILE *messages = file_stream(run->messages, "w");
+    if (!messages)
+        return err_set(err, ERR_SYSTEM, "%s: %s", run->messages, strerror(errno));
+    const struct process_params params = {
+        .arguments = arguments, .out = messages, .has_errors_in_out = true};
+    const bool ok = process_start(&run->process, &params, err);
+    fclose(messages);
+    return ok;
 }
 
 // The names live in the arena.
@@ -176,14 +136,14 @@ static bool start(const struct shader_job *job, const char *temporary, uint32_t 
     arguments[count++] = run->code;
     arguments[count++] = source;
     arguments[count] = NULL;
-    return spawn(run, (char *const *)arguments, err); // POSIX: the strings are not modified
+    return spawn(run, arguments, err);
 }
 
 static void remove_files(const struct run *run)
 {
-    unlink(run->code);
-    unlink(run->dependencies);
-    unlink(run->messages);
+    file_remove(run->code);
+    file_remove(run->dependencies);
+    file_remove(run->messages);
 }
 
 // --- what came of it -----------------------------------------------------------------------------
@@ -259,8 +219,7 @@ static void add_messages(const struct shader_job *job, const char *name, const c
 
 // started: the clock's time; files that changed since then may have been read before or after.
 static void collect(const struct shader_job *job, const struct run *run, bool exited_well,
-                    const struct timespec *started, struct shader_result *result, char *errors,
-                    size_t size)
+                    uint64_t started_ns, struct shader_result *result, char *errors, size_t size)
 {
     struct arena arena = {0};
     struct file_bytes text = {.data = (const uint8_t *)""};
@@ -274,7 +233,7 @@ static void collect(const struct shader_job *job, const struct run *run, bool ex
             result->unit.files = parse_dependencies((const char *)text.data);
         struct shader_unit *unit = &result->unit;
         if (unit->files &&
-            (is_newer(unit->files, started) || !hash_files(unit->files, &arena, &unit->hash))) {
+            (is_newer(unit->files, started_ns) || !hash_files(unit->files, &arena, &unit->hash))) {
             free(unit->files);
             unit->files = NULL;
         }
@@ -294,8 +253,8 @@ struct batch {
     char *errors;
     size_t size;
     struct arena arena;
-    const char *temporary;
-    struct timespec started;
+    char *temporary;
+    uint64_t started_ns;
     struct run *runs; // those under way
     uint32_t run_count, most_runs;
     bool failed;
@@ -306,13 +265,11 @@ static bool reap(struct batch *batch)
 {
     for (uint32_t i = 0; i < batch->run_count; i++) {
         struct run *run = &batch->runs[i];
-        int status = 0;
-        pid_t ended = waitpid(run->process, &status, WNOHANG);
-        if (ended == 0 || (ended < 0 && errno == EINTR))
+        bool is_well;
+        if (!process_has_ended(&run->process, &is_well))
             continue;
         struct shader_result *result = &batch->results[run->unit];
-        collect(batch->job, run, ended > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0,
-                &batch->started, result, batch->errors, batch->size);
+        collect(batch->job, run, is_well, batch->started_ns, result, batch->errors, batch->size);
         batch->failed |= result->outcome == SHADER_FAILED;
         remove_files(run);
         *run = batch->runs[--batch->run_count];
@@ -323,15 +280,13 @@ static bool reap(struct batch *batch)
 
 static void rest(void)
 {
-    nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+    clock_sleep(2e-3);
 }
 
 static void kill_all(struct batch *batch)
 {
     for (uint32_t i = 0; i < batch->run_count; i++) {
-        kill(batch->runs[i].process, SIGKILL);
-        while (waitpid(batch->runs[i].process, NULL, 0) < 0 && errno == EINTR)
-            continue;
+        process_kill(&batch->runs[i].process);
         remove_files(&batch->runs[i]);
     }
     batch->run_count = 0;
@@ -371,15 +326,9 @@ static bool run_all(struct batch *batch, struct err *err)
 
 static bool make_folder(struct batch *batch, struct err *err)
 {
-    const char *parent = getenv("TMPDIR");
-    if (!parent || !*parent)
-        parent = "/tmp";
-    char *name = arena_printf(&batch->arena, "%s/lampyris-XXXXXX", parent);
-    batch->temporary = name;
-    if (!name)
-        return err_memory(err, "names of files", PATH_MAX);
-    return mkdtemp(name) || err_set(err, ERR_SYSTEM, "%s: no folder can be created in it: %s",
-                                    parent, strerror(errno));
+    batch->temporary = folder_create_temporary();
+    return batch->temporary ||
+           err_set(err, ERR_SYSTEM, "no temporary folder can be created: %s", strerror(errno));
 }
 
 bool shader_compile(const struct shader_job *job, struct shader_result *results, char *errors,
@@ -397,12 +346,13 @@ bool shader_compile(const struct shader_job *job, struct shader_result *results,
     };
     memset(results, 0, job->count * sizeof *results);
     errors[0] = '\0';
-    clock_gettime(CLOCK_REALTIME, &batch.started);
+    batch.started_ns = clock_wall_ns();
     bool ok = make_folder(&batch, err);
     if (ok) {
         ok = run_all(&batch, err);
         kill_all(&batch);
-        rmdir(batch.temporary);
+        folder_remove(batch.temporary);
+        free(batch.temporary);
     }
     arena_finish(&batch.arena);
     if (ok && batch.failed)

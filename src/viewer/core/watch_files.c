@@ -1,13 +1,12 @@
 #include "viewer/core/watch_files.h"
 
 #include "base/file.h"
+#include "base/file_system.h"
 #include "base/hash.h"
-#include <dirent.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 // Longer files have their names of other files at the beginning (OBJ), or have none (binary glTF).
 #define TEXT_MAX (1u << 20)
@@ -51,19 +50,19 @@ static bool has_text(const char *path)
 static void add_word(struct watch_files *files, const char *folder, const char *word, size_t length)
 {
     char path[PATH_MAX];
-    struct stat status;
     if (length == 0 || length > NAME_MAX || !memchr(word, '.', length))
         return;
-    int size = word[0] == '/' ? snprintf(path, sizeof path, "%.*s", (int)length, word)
-                              : snprintf(path, sizeof path, "%s/%.*s", folder, (int)length, word);
-    if (size < (int)sizeof path && stat(path, &status) == 0 && S_ISREG(status.st_mode))
+    int size = path_is_absolute(word)
+                   ? snprintf(path, sizeof path, "%.*s", (int)length, word)
+                   : snprintf(path, sizeof path, "%s/%.*s", folder, (int)length, word);
+    if (size < (int)sizeof path && file_is_regular(path))
         watch_files_add(files, path);
 }
 
 static void add_named(struct watch_files *files, const char *path)
 {
     char text[4096];
-    FILE *file = fopen(path, "rb");
+    FILE *file = file_stream(path, "rb");
     char *folder = path_folder(&files->arena, path);
     bool is_json = path_has_extension(path, "json") || path_has_extension(path, "gltf");
     const char *ends = is_json ? "\"" : " \t\r\n";
@@ -98,18 +97,17 @@ static void add_folder(struct watch_files *files, const char *folder, const char
 {
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s%s", folder, below);
-    DIR *entries = opendir(path);
-    for (const struct dirent *entry; entries && (entry = readdir(entries));) {
-        const char *extension = path_extension(entry->d_name);
+    struct folder_reader *entries = folder_open(path);
+    for (const char *entry; entries && (entry = folder_next(entries));) {
+        const char *extension = path_extension(entry);
         if (strcmp(extension, "comp") != 0 && strcmp(extension, "glsl") != 0 &&
             strcmp(extension, "h") != 0)
             continue;
         char name[PATH_MAX + NAME_MAX + 2];
-        snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
+        snprintf(name, sizeof name, "%s/%s", path, entry);
         watch_files_add(files, name);
     }
-    if (entries)
-        closedir(entries);
+    folder_close(entries);
 }
 
 void watch_files_add_shaders(struct watch_files *files, const char *folder)
@@ -125,14 +123,13 @@ uint64_t watch_files_stamp(const struct watch_files *files)
 {
     uint64_t hash = HASH_INIT;
     for (uint32_t i = 0; i < files->count; i++) {
-        struct stat status;
-        uint64_t words[5] = {0};
-        if (stat(files->paths[i], &status) == 0) {
-            words[0] = (uint64_t)status.st_mtim.tv_sec;
-            words[1] = (uint64_t)status.st_mtim.tv_nsec;
-            words[2] = (uint64_t)status.st_size;
-            words[3] = (uint64_t)status.st_ino;
-            words[4] = 1;
+        struct file_status status;
+        uint64_t words[4] = {0};
+        if (file_status(files->paths[i], &status)) {
+            words[0] = status.changed_ns;
+            words[1] = status.size;
+            words[2] = status.number;
+            words[3] = 1;
         }
         hash = hash_bytes(hash, words, sizeof words);
     }

@@ -2,6 +2,7 @@
 // the core alone: windows and devices are this program's own.
 #include "viewer/gui/gui.h"
 
+#include "base/file_system.h"
 #include "viewer/gui/gui_state.h"
 #include "viewer/gui/imgui_bridge.h"
 #include <math.h>
@@ -30,14 +31,9 @@ static void add_font(float pixels)
     static const uint16_t ranges[] = {0x20,   0x24f,  0x370,  0x3ff,  0x400,  0x45f,
                                       0x2010, 0x2026, 0x2070, 0x209c, 0x2190, 0x2193,
                                       0x2202, 0x2265, 0x25b4, 0x25c3, 0};
-    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
-        FILE *file = fopen(paths[i], "rb");
-        if (!file)
-            continue;
-        fclose(file);
-        if (im_font(paths[i], pixels, ranges))
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
+        if (file_is_regular(paths[i]) && im_font(paths[i], pixels, ranges))
             return;
-    }
     im_font(NULL, pixels, NULL);
 }
 

@@ -2,10 +2,10 @@
 #include "viewer/panel/panel_internal.h"
 
 #include "base/file.h"
+#include "base/file_system.h"
 #include "viewer/core/load.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/watch.h"
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,29 +21,35 @@ static bool is_scene_name(const char *name)
     return false;
 }
 
-static int is_wanted(const struct dirent *entry)
+static int by_name(const void *a, const void *b)
 {
-    return entry->d_name[0] != '.' && is_scene_name(entry->d_name);
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
 // Into panel->files; without memory or the folder the list is empty.
 static void list_folder(struct panel *panel)
 {
-    arena_finish(&panel->files_arena);
+    struct arena *arena = &panel->files_arena;
+    uint32_t capacity = 0;
+    arena_finish(arena);
     panel->file_count = 0;
     panel->files = NULL;
-    const char *folder = path_folder(&panel->files_arena, panel->scene_path);
-    struct dirent **entries = NULL;
-    int count = folder ? scandir(folder, &entries, is_wanted, alphasort) : -1;
-    if (count > 0)
-        panel->files = ARENA_NEW(&panel->files_arena, const char *, (size_t)count);
-    for (int i = 0; i < count; i++) {
-        const char *path = arena_printf(&panel->files_arena, "%s/%s", folder, entries[i]->d_name);
-        if (panel->files && path)
-            panel->files[panel->file_count++] = path;
-        free(entries[i]);
+    const char *path = path_folder(arena, panel->scene_path);
+    struct folder_reader *folder = path ? folder_open(path) : NULL;
+    for (const char *name; folder && (name = folder_next(folder));) {
+        if (name[0] == '.' || !is_scene_name(name))
+            continue;
+        const char **files = arena_reserve(arena, panel->files, panel->file_count, 1, &capacity,
+                                           sizeof *panel->files);
+        const char *file = arena_printf(arena, "%s/%s", path, name);
+        if (!files || !file)
+            break;
+        panel->files = files;
+        panel->files[panel->file_count++] = file;
     }
-    free(entries);
+    folder_close(folder);
+    if (panel->file_count > 0)
+        qsort(panel->files, panel->file_count, sizeof *panel->files, by_name);
 }
 
 // The newest first; one that was there already moves up.

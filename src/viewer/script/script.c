@@ -3,16 +3,15 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/file_system.h"
 #include "cli/exit_code.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/save.h"
 #include "viewer/core/viewer.h"
 #include "viewer/script/script_run.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define TIMEOUT_SECONDS 120.0
 
@@ -89,7 +88,7 @@ static enum step step_touch(struct script *script, struct viewer *viewer,
                             const struct command_line *command, struct err *err)
 {
     (void)script, (void)viewer;
-    if (utimensat(AT_FDCWD, command->texts[0], NULL, 0) == 0)
+    if (file_touch(command->texts[0]))
         return STEP_DONE;
     err_set(err, ERR_OUTPUT, "%s: %s", command->texts[0], strerror(errno));
     return STEP_FAILED;

@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/file_inputs.h"
+#include "base/file_system.h"
 #include "base/hash.h"
 #include "json/json_parse.h"
 #include "viewer/core/viewer.h"
@@ -78,7 +79,7 @@ static bool append(const char *path, json_t *object, struct err *err)
         json_decref(object);
         return false;
     }
-    FILE *file = fopen(path, "a");
+    FILE *file = file_stream(path, "a");
     bool ok = file && object && json_dumpf(object, file, JSON_REAL_PRECISION(9)) == 0 &&
               fputc('\n', file) != EOF;
     int cause = errno;

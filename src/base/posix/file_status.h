@@ -1,0 +1,10 @@
+// What files known by name and open ones share.
+#ifndef LAMPYRIS_BASE_POSIX_FILE_STATUS_H
+#define LAMPYRIS_BASE_POSIX_FILE_STATUS_H
+
+#include "base/file_system.h"
+#include <sys/stat.h>
+
+struct file_status file_status_from(const struct stat *status);
+
+#endif
