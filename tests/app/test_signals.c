@@ -1,7 +1,10 @@
+#define _GNU_SOURCE // nftw
+#include "base/temporary_folder.h"
 #include "cli/signals.h"
 #include "test.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -69,10 +72,13 @@ static int ignored_by_parent(void)
 static int file_too_large(void)
 {
     const struct rlimit limit = {.rlim_cur = 1, .rlim_max = 1};
-    char path[] = "/tmp/lampyris-test-XXXXXX";
+    char folder[512];
     signals_install();
-    int fd = mkstemp(path);
-    if (fd < 0 || unlink(path) != 0 || setrlimit(RLIMIT_FSIZE, &limit) != 0)
+    if (!temporary_enter(folder, sizeof folder))
+        return 1;
+    int fd = open("file", O_WRONLY | O_CREAT, 0600);
+    temporary_leave(folder);
+    if (fd < 0 || setrlimit(RLIMIT_FSIZE, &limit) != 0)
         return 1;
     return write(fd, "x", 1) == 1 && write(fd, "y", 1) < 0 && errno == EFBIG ? 0 : 2;
 }

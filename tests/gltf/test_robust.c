@@ -1,12 +1,11 @@
 // Files that are cut, damaged, deep or hostile: an error within a second, never a crash, a hang or
 // a file read from outside the folder.
+#define _GNU_SOURCE // nftw
+#include "../base/temporary_folder.h"
+#include "base/file.h"
 #include "base/memory.h"
 #include "gltf_fixture.h"
 #include "test.h"
-
-#include "base/file.h"
-#include <sys/stat.h>
-#include <unistd.h>
 
 // A scene that loaded is whole; one that did not says which file it was.
 static void check_sound(bool ok, const struct scene *scene, const struct err *err, const char *path,
@@ -274,17 +273,9 @@ static void link_in(const struct folder *folder, const char *name, const char *t
     CHECK(symlink(target, path) == 0, "%s", path);
 }
 
-static const char *const made[] = {
-    "inside/scene.gltf", "inside/a b.bin", "inside/data.bin", "inside/sub/data.bin",
-    "inside/escape.bin", "inside/null",    "inside/pipe.bin", "inside/alias.bin",
-    "inside/sub",        "inside",         "outside.bin",
-};
-
 static bool folder_make(struct folder *folder)
 {
-    const char *base = getenv("TMPDIR");
-    snprintf(folder->path, sizeof folder->path, "%.30s/lampyris-gltf-XXXXXX", base ? base : "/tmp");
-    if (!mkdtemp(folder->path))
+    if (!temporary_enter(folder->path, sizeof folder->path))
         return false;
     char path[160];
     path_in(folder, "inside", path);
@@ -302,14 +293,13 @@ static bool folder_make(struct folder *folder)
     return mkfifo(path, 0600) == 0;
 }
 
+// Loading leaves nothing behind: there are the entries of folder_make(), and the scene.
 static void folder_remove(const struct folder *folder)
 {
-    char path[160];
-    for (size_t i = 0; i < sizeof made / sizeof made[0]; i++) {
-        path_in(folder, made[i], path);
-        remove(path);
-    }
-    CHECK(rmdir(folder->path) == 0, "%s", folder->path);
+    CHECK(temporary_entries(".") == 2 && temporary_entries("inside") == 8 &&
+              temporary_entries("inside/sub") == 1,
+          "%s", folder->path);
+    temporary_leave(folder->path);
 }
 
 static bool load_with_uri(const struct folder *folder, const char *uri, bool allow_outside,

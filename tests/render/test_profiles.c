@@ -1,10 +1,11 @@
 // Lights with photometric profiles above a floor, pixel by pixel against the profile as the loader
 // gives it, in double precision.
+#define _GNU_SOURCE // nftw
+#include "../base/temporary_folder.h"
 #include "base/maths.h"
 #include "ies_reference.h"
 #include "render_fixture.h"
 #include <math.h>
-#include <unistd.h>
 
 #define RHO 0.5
 // Of the device's atan, times how steeply the profiles rise; and of the rest.
@@ -113,14 +114,14 @@ static bool write_profile(const char *path, const char *numbers)
 
 TEST(floor)
 {
+    char folder[256], path[300];
     struct gpu gpu;
     OPEN_GPU(&gpu, .validation = false);
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    snprintf(path, sizeof path, "%s/own.ies", folder);
     for (size_t i = 0; i < sizeof trials / sizeof trials[0]; i++) {
         const struct trial *t = &trials[i];
-        char path[256], light[768];
-        const char *parent = getenv("TMPDIR");
-        snprintf(path, sizeof path, "%.200s/lampyris-profile-%d.ies", parent ? parent : "/tmp",
-                 (int)getpid());
+        char light[768];
         REQUIRE(write_profile(path, t->profile), "cannot write %s", path);
         snprintf(light, sizeof light,
                  "{\"type\":\"point\",\"position\":[%g,%g,%g],\"profile\":\"%s\"%s}",
@@ -131,7 +132,6 @@ TEST(floor)
         struct film_image film = {0};
         struct err err = {0};
         bool ok = load_scene("tests/render/scenes/floor_profile.json", overrides, &scene, &err);
-        unlink(path);
         REQUIRE_OK(ok);
         const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
         CHECK(render_film(&params, 1, &arena, &film, NULL, &err), "%s: %s", t->name, err.msg);
@@ -140,6 +140,7 @@ TEST(floor)
         arena_finish(&arena);
         scene_finish(&scene);
     }
+    temporary_leave(folder);
     gpu_close(&gpu);
 }
 

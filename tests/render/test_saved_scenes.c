@@ -1,10 +1,9 @@
 // A scene that was edited and written down has the very picture of the one in memory.
+#define _GNU_SOURCE // nftw
+#include "../base/temporary_folder.h"
 #include "render_fixture.h"
-
 #include "scene/json/scene_write.h"
 #include "scene_edit_fixture.h"
-
-#include <unistd.h>
 
 // Small, and of one method; what decides about surfaces, lights and cameras stays as edited.
 static void shorten(struct settings *settings)
@@ -66,17 +65,16 @@ TEST(the_same_bits)
 {
     static const char *const scenes[] = {"scenes/shapes.json", "scenes/profiles.json",
                                          "scenes/sky.json"};
-    char saved[] = "/tmp/lampyris-XXXXXX.json";
+    char folder[512];
     struct gpu gpu = {0};
     struct err err = {0};
     OPEN_GPU(&gpu, .validation = true);
-    int file = mkstemps(saved, 5);
-    REQUIRE(file >= 0);
-    close(file);
+    REQUIRE(temporary_enter(folder, sizeof folder));
     for (uint64_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
-        CHECK(check_scene(&gpu, scenes[i], i + 1, saved, &err), "%s: %s", scenes[i], err.msg);
+        CHECK(check_scene(&gpu, scenes[i], i + 1, "saved.json", &err), "%s: %s", scenes[i],
+              err.msg);
     CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
-    unlink(saved);
+    temporary_leave(folder);
     gpu_close(&gpu);
 }
 
