@@ -336,9 +336,11 @@ bool checkpoint_check(const struct checkpoint *c, const char *identity, struct e
         return err_set(err, ERR_INPUT, "%s: was made with %.*s, but this run has %.*s", c->path,
                        line_length(was), was, line_length(value), value);
     }
-    return err_set(err, ERR_INPUT, "%s: was made with %.*s, where this run has %.*s", c->path,
-                   *was ? line_length(was) : 7, *was ? was : "nothing", *is ? line_length(is) : 7,
-                   *is ? is : "nothing");
+    // Which lines there are follows from the lines before them.
+    return err_set(err, ERR_INPUT,
+                   "%s: was made by another build of lampyris, which tells \"%.*s\" where this one "
+                   "tells \"%.*s\"; expected a checkpoint of this build",
+                   c->path, name_length(was), was, name_length(is), is);
 }
 
 static bool upload_film(struct checkpoint *c, struct renderer *r, struct err *err)

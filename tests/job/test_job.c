@@ -1,5 +1,6 @@
 // Jobs: what their goals exclude, what ends them, and that no way to drive one changes the film.
 #include "job/job.h"
+#include "render/checkpoint.h"
 #include "render/sampling_plan.h"
 #include "render_fixture.h"
 
@@ -18,6 +19,33 @@ static bool start(struct job *job, struct gpu *gpu, struct scene *scene, struct 
     const struct job_params params = {
         .renderer = {.gpu = gpu, .wave = 1024}, .scene = scene, .goal = goal};
     return job_start(&params, job, err);
+}
+
+// --- checkpoints ---------------------------------------------------------------------------------
+
+TEST(checkpoints_of_other_builds_are_named_so)
+{
+    static const char own[] = "version=1\n--mis=power\n--normals=visible\n";
+    static const struct {
+        const char *identity, *expected; // NULL: it is accepted
+    } cases[] = {
+        {own, NULL},
+        {"version=1\n--mis=none\n--normals=visible\n",
+         "c: was made with --mis=none, but this run has power"},
+        {"version=1\n--mis=power\n--exponent=2\n--normals=visible\n",
+         "c: was made by another build of lampyris, which tells \"--exponent\" where this one "
+         "tells \"--normals\"; expected a checkpoint of this build"},
+        {"version=1\n--mis=power\n",
+         "c: was made by another build of lampyris, which tells \"\" where this one tells "
+         "\"--normals\"; expected a checkpoint of this build"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct err err = {0};
+        const struct checkpoint c = {.path = "c", .identity = cases[i].identity};
+        bool ok = checkpoint_check(&c, own, &err);
+        CHECK(ok == !cases[i].expected && (ok || strcmp(err.msg, cases[i].expected) == 0),
+              "%zu: %s", i, err.msg);
+    }
 }
 
 // --- goals ---------------------------------------------------------------------------------------
@@ -234,7 +262,8 @@ TEST(listeners_hear_of_waves_frames_and_rows)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(one_answer_tells_what_plans_on_the_number_of_samples),
+TEST_MAIN(TEST_CASE(checkpoints_of_other_builds_are_named_so),
+          TEST_CASE(one_answer_tells_what_plans_on_the_number_of_samples),
           TEST_CASE(methods_and_goals_exclude_each_other),
           TEST_CASE(preparing_takes_no_memory_of_the_device),
           TEST_CASE(steps_make_what_a_run_makes), TEST_CASE(whatever_comes_first_ends_it),
