@@ -62,7 +62,7 @@ ROOMS = {
 }
 # Files that stand above the room of their folder: what begins, and knows all commands.
 ABOVE = {'cli/main.c': 'program', 'cli/program.c': 'program', 'cli/program.h': 'program'}
-GENERATED = r'\w+\.spv\.h|albedo_data\.h|kernel_source\.h'
+GENERATED = r'\w+\.spv\.h|albedo_data\.h|kernel_source\.h|embedded_scenes\.h'
 CIRCLE_MAX = 3  # files that call one another in a circle
 CIRCLES_OF = 'viewer/core'  # which alone may have larger ones
 
@@ -187,7 +187,8 @@ CHANGING = {'renderer_render', 'renderer_restart', 'renderer_plan_samples', 'ren
 
 
 def may_change_renderers(path):
-    return path.startswith(('job/', 'render/'))
+    """Checks of a device look at renderers themselves, below all that jobs decide."""
+    return path.startswith(('job/', 'render/', 'check/'))
 
 
 def users_of(names, objects):

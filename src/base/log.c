@@ -26,6 +26,11 @@ void log_configure(enum log_level level, log_sink_fn sink, void *context)
     log_state.context = context;
 }
 
+void log_set_level(enum log_level level)
+{
+    log_state.level = level;
+}
+
 void log_message(enum log_level level, const char *format, ...)
 {
     if (level > log_state.level)

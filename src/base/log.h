@@ -10,6 +10,9 @@ typedef void (*log_sink_fn)(void *context, enum log_level level, const char *mes
 // before threads start. The default is stderr, LOG_WARN.
 void log_configure(enum log_level level, log_sink_fn sink, void *context);
 
+// Changes the level alone.
+void log_set_level(enum log_level level);
+
 // One line without a newline. Thread-safe.
 void log_message(enum log_level level, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

@@ -19,6 +19,8 @@ struct progress {
     // Called before results are printed: what was shown of the progress is not to stand between
     // them. NULL: nothing is shown.
     void (*end)(void *context);
+    // Called before a line of results is printed while the work goes on. NULL: nothing is shown.
+    void (*pause)(void *context);
 };
 
 static inline void progress_report(const struct progress *progress, const char *phase,
@@ -37,6 +39,12 @@ static inline void progress_end(const struct progress *progress)
 {
     if (progress && progress->end)
         progress->end(progress->context);
+}
+
+static inline void progress_pause(const struct progress *progress)
+{
+    if (progress && progress->pause)
+        progress->pause(progress->context);
 }
 
 // For loops over counts that come from files, at turn `i`: whether to stop. Looks at every 65536th

@@ -372,10 +372,11 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Run the long cases, too.", FIELD(check.longer),
     },
     [OPTION_REPORT] = {
-        .name = "report", .argument = "FOLDER", .type = VALUE_TEXT, .group = "Report",
-        .commands = FOR_CONVERGE | FOR_BENCH, .fallback = "none",
+        .name = "report", .argument = "FOLDER|FILE", .type = VALUE_TEXT, .group = "Report",
+        .commands = FOR_CONVERGE | FOR_BENCH | FOR_CHECK, .fallback = "none",
         .help = "Write report.html with plots (by gnuplot), tables and pictures, results.csv and "
-                "results.json.",
+                "results.json into this folder; check writes its cases and their pictures into this "
+                ".html file.",
         FIELD(study.report),
     },
     [OPTION_IMAGES] = {

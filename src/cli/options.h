@@ -212,7 +212,7 @@ struct study_options {
     uint32_t vary_count;
     const char **curves; // "KEY=VALUE KEY=VALUE"
     uint32_t curve_count;
-    const char *report; // folder; NULL: none
+    const char *report; // folder, of check a file; NULL: none
 };
 
 struct converge_options {

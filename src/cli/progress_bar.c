@@ -163,10 +163,22 @@ static void end(void *context)
     progress_bar_finish(context);
 }
 
+static void pause_bar(void *context)
+{
+    struct progress_bar *bar = context;
+    mutex_lock(&bar->mutex);
+    clear_line(bar);
+    fflush(bar->stream);
+    mutex_unlock(&bar->mutex);
+}
+
 struct progress progress_bar_listener(struct progress_bar *bar)
 {
-    return (struct progress){
-        .report = report, .should_stop = should_stop, .context = bar, .end = end};
+    return (struct progress){.report = report,
+                             .should_stop = should_stop,
+                             .context = bar,
+                             .end = end,
+                             .pause = pause_bar};
 }
 
 void progress_bar_log(void *context, enum log_level level, const char *message)

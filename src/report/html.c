@@ -68,7 +68,8 @@ bool html_begin(struct html_page *page, struct arena *arena, const char *folder,
 
 bool html_end(struct html_page *page, bool ok, struct err *err)
 {
-    const char *path = arena_printf(page->arena, "%s/report.html", page->folder);
+    const char *path =
+        page->path ? page->path : arena_printf(page->arena, "%s/report.html", page->folder);
     if (page->out && !memory_stream_close(&page->stream) && ok)
         ok = err_memory(err, "report.html", page->stream.size);
     if (ok && !path)

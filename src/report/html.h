@@ -12,6 +12,7 @@
 struct html_page {
     struct arena *arena;
     const char *folder;   // of the page
+    const char *path;     // of the page; NULL: FOLDER/report.html
     bool keeps_parts;     // plots, their scripts and pictures also stand beside the page, as files
     float exposure_stops; // of the pictures that follow, but not of false colours
     enum tone_curve tone;

@@ -159,7 +159,7 @@ class Variants(unittest.TestCase):
         self.assertLess(costs[1], costs[0])
 
     def test_what_changes_the_picture_is_no_error(self):
-        plane = os.path.join(ROOT, 'tests', 'render', 'scenes', 'plane.json')
+        plane = os.path.join(ROOT, 'src', 'check', 'scenes', 'plane.json')
         result = bench(CORNELL, plane, *SMALL, '--repeats', '2', '--sweep', 'spp=1,2',
                        '--sweep', 'wave=1k,2k')
         self.assertEqual([(os.path.basename(v['scene']), v['label']) for v in result['variants']],

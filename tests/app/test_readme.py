@@ -347,11 +347,13 @@ class Verification(unittest.TestCase):
 
     def test_forms_are_named_by_their_numbers(self):
         forms = 0
-        for path in glob.glob(os.path.join(ROOT, 'tests/render/test_*forms*.c')) + \
-                [os.path.join(ROOT, 'tests/render/test_surroundings.c')]:
-            for letter, number in re.findall(r'^    \{"(C?)(\d+) ', read(path), re.MULTILINE):
+        for path in glob.glob(os.path.join(ROOT, 'src/check/*.c')):
+            for number in re.findall(r'^ .*(?:FORM\(|FORM, |LAMP\(|\{)"([A-Z]\d+)a? ', read(path), re.MULTILINE):
                 forms += 1
-                self.assertIn((letter or 'B') + number, self.numbers, path)
+                self.assertIn(number, self.numbers, path)
+        for number in re.findall(r'^    \{"(\d+) ', read('tests/render/test_surroundings.c'), re.MULTILINE):
+            forms += 1
+            self.assertIn('B' + number, self.numbers, 'test_surroundings.c')
         self.assertGreater(forms, 100)
 
     def test_pages_that_are_cited_are_there(self):

@@ -21,7 +21,7 @@ LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 SCENE = os.path.join(ROOT, 'scenes', 'cornell.json')
 # All pixels alike, so that their noise is known from 16 samples on.
-EVEN = (os.path.join(ROOT, 'tests', 'render', 'scenes', 'plane.json'), '--env', 'sky:elevation=30')
+EVEN = (os.path.join(ROOT, 'src', 'check', 'scenes', 'plane.json'), '--env', 'sky:elevation=30')
 
 
 def validators():

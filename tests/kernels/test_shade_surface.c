@@ -1,7 +1,7 @@
 // shade_surface on hits of random rays: emission and its weight, the light sample in the shadow ray
 // and its weight, the scattered path and roulette, each recomputed in double precision. Azimuths,
 // which depend on the choice of a basis, are taken as they come out: test_sampling checks them.
-#include "estimators.h"
+#include "check/estimators.h"
 #include "render/probe/ray_probe.h"
 #include "surface_reference.h"
 

@@ -11,7 +11,7 @@ bool film_open(struct gpu *gpu, uint32_t width, uint32_t height, struct made_fil
     const struct scene_override overrides[] = {
         {"film.width", across}, {"film.height", down}, {"plate", "{}"}, {0}};
     *out = (struct made_film){.gpu = gpu, .width = width, .height = height};
-    if (!load_scene("tests/render/scenes/plate.json", overrides, &out->scene, err))
+    if (!load_scene("src/check/scenes/plate.json", overrides, &out->scene, err))
         return false;
     const struct renderer_params params = {
         .gpu = gpu, .scene = &out->scene, .aovs = DENOISE_AOVS, .wave = 1024};

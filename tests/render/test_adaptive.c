@@ -3,7 +3,7 @@
 #include "job/job.h"
 #include "metrics/metrics.h"
 #include "render_fixture.h"
-#include "replicates.h"
+#include "check/replicates.h"
 
 // --- the plan ------------------------------------------------------------------------------------
 

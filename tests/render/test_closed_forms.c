@@ -1,364 +1,147 @@
-// Scenes whose radiance is known in closed form (by their numbers in docs/verification.md, B and
-// C): furnaces, lights without extent, configuration factors, mirrors, an edge.
-#include "base/maths.h"
-#include "closed_form.h"
+// Scenes whose radiance is known in closed form, of the table of cases (src/check/case_list.h), by
+// their numbers in docs/verification.md, B and C.
+#include "form_trials.h"
+#include "test.h"
 
-// --- the forms ----------------------------------------------------------------------------------
-// Configuration factors: the part of what leaves a surface element into its hemisphere (after
-// Lambert's law) that reaches another surface. Howell, "A Catalog of Radiation Heat Transfer
-// Configuration Factors".
-
-static double sky(double rho, double le, double unused)
+TEST(light)
 {
-    (void)rho, (void)unused;
-    return le;
+    forms_by_default(&check_light, 0);
 }
 
-// A convex body sees nothing but the environment.
-static double convex(double rho, double le, double unused)
+TEST(light_validated)
 {
-    (void)unused;
-    return rho * le;
+    forms_validated(&check_light);
 }
 
-// Every ray meets a wall: sum of the first `bounces` + 1 terms of a geometric series.
-static double closed(double rho, double le, double bounces)
+TEST(light_every_estimator_long)
 {
-    return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
+    forms_by_every_estimator(&check_light, 0);
 }
 
-// A point light of intensity `le` in the centre of a sphere of radius 2: (le / 2^2) rho / pi leaves
-// the wall at first, then as above.
-static double lamp_in_sphere(double rho, double le, double bounces)
+TEST(light_every_choice_long)
 {
-    return rho / M_PI * le / 4.0 * (1.0 - pow(rho, bounces)) / (1.0 - rho);
+    forms_by_every_light_choice(&check_light, 50000);
 }
 
-// A point light at `distance`, 60 degrees off the normal.
-static double lamp_above(double rho, double le, double distance)
+TEST(media)
 {
-    return rho / M_PI * le * 0.5 / (distance * distance);
+    forms_by_default(&check_media, 100000);
 }
 
-// The same at 2 m, with a range of 3 m (KHR_lights_punctual).
-static double lamp_with_range(double rho, double le, double unused)
+TEST(media_validated)
 {
-    (void)unused;
-    return lamp_above(rho, le, 2.0) * (1.0 - pow(2.0 / 3.0, 4.0));
+    forms_validated(&check_media);
 }
 
-static double sun_above(double rho, double le, double degrees)
+TEST(media_every_estimator_long)
 {
-    return rho / M_PI * le * cos(degrees * M_PI / 180.0);
+    forms_by_every_estimator(&check_media, 100000);
 }
 
-// A spot right above at 2 m whose axis passes the point by 10 degrees, and its outer angle; the
-// inner one is half of that (KHR_lights_punctual).
-static double spot_above(double rho, double le, double outer)
+TEST(closed_rooms)
 {
-    double degree = M_PI / 180.0, edge = cos(outer * degree);
-    double falloff = (cos(10 * degree) - edge) / fmax(1e-3, cos(0.5 * outer * degree) - edge);
-    falloff = fmin(fmax(falloff, 0.0), 1.0);
-    return rho / M_PI * le / 4.0 * falloff * falloff;
+    forms_by_default(&check_rooms, 70000);
 }
 
-// A spot of inner angle 0 and outer angle 0.5 degrees, whose axis passes by 0.25 degrees.
-static double narrow_spot(double rho, double le, double unused)
+TEST(lights_over_a_floor)
 {
-    (void)unused;
-    double degree = M_PI / 180.0;
-    double falloff = (cos(0.25 * degree) - cos(0.5 * degree)) / 1e-3;
-    return rho / M_PI * le / 4.0 * falloff * falloff;
+    forms_by_default(&check_lamps, 72000);
 }
 
-// Square of side 2 parallel to the element and centred above it: four times factor B-3, of
-// a rectangle a x b with a corner above the element; here a = b = 1 / height.
-static double square_above(double rho, double le, double height)
+TEST(grounds_without_end)
 {
-    double a = 1.0 / height, root = sqrt(1.0 + a * a);
-    double corner = a / root * atan(a / root) / M_PI;
-    return rho * le * 4.0 * corner;
+    forms_by_default(&check_grounds, 74000);
 }
 
-// Disc of radius 1 parallel to the element and centred above it: the integral over rings of radius
-// r, of 2 r h^2 / (r^2 + h^2)^2 dr.
-static double disc_above(double rho, double le, double height)
+TEST(bodies_of_glass_and_fog)
 {
-    return rho * le / (1.0 + height * height);
+    forms_by_default(&check_bodies, 76000);
 }
 
-// Sphere of radius 1 whole above the horizon, at (d, d, 0): (r / d')^2 cos of its direction, with
-// its distance d' = sqrt(2) d.
-static double sphere_above(double rho, double le, double d)
+TEST(shapes_validated)
 {
-    return rho * le / (2.0 * d * d) * sqrt(0.5);
+    forms_validated(&check_rooms);
+    forms_validated(&check_lamps);
+    forms_validated(&check_grounds);
+    forms_validated(&check_bodies);
 }
 
-// docs/verification.md, C15: a sphere of radius 1 that touches the floor 5 cm away. It fills half
-// of the sky but for a rim, and is above the horizon as a whole: (r / d)^2 cos with cos = 1 / d.
-static double touching_sphere(double rho, double le, double unused)
+TEST(shapes_every_estimator_long)
 {
-    (void)unused;
-    return rho * le * pow(1.0 + 0.05 * 0.05, -1.5);
+    forms_by_every_estimator(&check_rooms, 80000);
+    forms_by_every_estimator(&check_lamps, 82000);
+    forms_by_every_estimator(&check_grounds, 84000);
 }
 
-// docs/verification.md, C14: 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2 r^2)) at 1e4.
-static double pinpoint(double rho, double le, double unused)
+TEST(shapes_every_choice_long)
 {
-    (void)unused;
-    return rho * le * 1e14 * 1e-16 * sqrt(0.5);
+    forms_by_every_light_choice(&check_rooms, 90000);
+    forms_by_every_light_choice(&check_lamps, 92000);
+    forms_by_every_light_choice(&check_grounds, 94000);
 }
 
-static double square_above(double rho, double le, double height);
-
-// A square, a point light, a sun and a spot at once.
-static double all_lights(double rho, double le, double unused)
+TEST(fields)
 {
-    (void)unused;
-    return square_above(rho, le, 3.0) + lamp_above(rho, le, 2.0) + sun_above(rho, le, 60.0) +
-           spot_above(rho, le, 60.0);
+    forms_by_default(&check_fields, 76000);
 }
 
-static const double triangle[3][3] = {{-0.5, 0.25, 0.5}, {0.75, 0.5, 0.25}, {0.5, 1.5, -0.5}};
-
-// Lambert's sum over the edges of a polygon whole above the horizon of a floor in y = 0 (Lambert
-// 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|, beta the angle under which an
-// edge is seen from the origin, gamma that between the floor's normal and the normal of the plane
-// through edge and origin.
-static double triangle_above(double rho, double le, double unused)
+TEST(fields_validated)
 {
-    (void)unused;
-    double sum = 0.0;
-    for (int i = 0; i < 3; i++) {
-        const double *a = triangle[i], *b = triangle[(i + 1) % 3];
-        double normal[3];
-        vec3_cross(a, b, normal);
-        double sine = vec3_norm(normal), cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        sum += atan2(sine, cosine) * normal[1] / sine;
-    }
-    return rho / M_PI * 0.5 * le * fabs(sum);
+    forms_validated(&check_fields);
 }
 
-// Two equal squares of side 1 at distance 1, mean over one of them: factor C-11 with X = Y = 1.
-static double facing_squares(double rho, double le, double unused)
+TEST(fields_every_estimator_long)
 {
-    (void)unused;
-    double factor =
-        2.0 / M_PI * (log(sqrt(4.0 / 3.0)) + 2.0 * sqrt(2.0) * atan(sqrt(0.5)) - 2.0 * atan(1.0));
-    return rho * le * factor;
+    forms_by_every_estimator(&check_fields, 88000);
 }
 
-// Infinite plates: L1 = Le + rho L2, L2 = rho L1.
-static double plates(double rho, double le, double unused)
+TEST(integrators)
 {
-    (void)unused;
-    return le / (1.0 - rho * rho);
+    forms_by_default(&check_integrators, 200000);
 }
 
-static double mirrors(double rho, double le, double count)
+TEST(integrators_validated)
 {
-    return le * pow(rho, count);
+    forms_validated(&check_integrators);
 }
 
-// The mean over the disc is (2/3) rho E / pi (Lambert's sphere at full phase); E / pi = Le
-// sin^2 of the light's radius; the disc fills pi / 2.2^2 of the picture.
-static double full_moon(double rho, double le, double light_radius)
+TEST(scales)
 {
-    double mean = 2.0 / 3.0 * rho * le * light_radius * light_radius;
-    return mean * M_PI / (2.2 * 2.2);
+    forms_that_are_short(&check_scales, 0);
 }
 
-// Surfaces that are there with probability 0.3 each.
-static double veiled(double rho, double le, double layers)
+TEST(scales_every_estimator_long)
 {
-    (void)rho;
-    return le * pow(0.7, layers);
+    forms_by_every_estimator(&check_scales, 0);
 }
 
-static double veiled_square(double rho, double le, double layers)
+TEST(distances)
 {
-    return square_above(rho, le, 1.0) * pow(0.7, layers);
+    forms_that_are_short(&check_distances, 1000);
 }
 
-static double part_covered(double rho, double le, double part)
+TEST(distances_long)
 {
-    (void)rho;
-    return le * part;
+    forms_by_default(&check_distances, 2000);
 }
 
-#define WHITE_BODY                                                                                 \
-    {"albedo", "[0.8, 0.5, 0.2]"}, {"sky", "[1, 2, 4]"},                                           \
-    {                                                                                              \
-        "camera.fov_degrees", "5"                                                                  \
-    }
-#define COLORS                                                                                     \
-    {"albedo", "[0.8, 0.5, 0.2]"},                                                                 \
-    {                                                                                              \
-        "emission", "[1, 2, 4]"                                                                    \
-    }
-
-// Lights above the floor's point, in the plane z = 0.
-#define LAMP_AT(x, y) JSON({"type" : "point", "position" : [ x, y, 0 ], "intensity" : [ 1, 2, 4 ]})
-#define SUN_FROM(x, y)                                                                             \
-    JSON({"type" : "directional", "direction" : [ -x, -y, 0 ], "irradiance" : [ 1, 2, 4 ]})
-#define SPOT(inner, outer)                                                                         \
-    JSON({                                                                                         \
-        "type" : "spot",                                                                           \
-        "position" : [ 0, 2, 0 ],                                                                  \
-        "intensity" : [ 1, 2, 4 ],                                                                 \
-        "direction" : [ 0.17364817766693033, -0.984807753012208, 0 ],                              \
-        "inner_degrees" : inner,                                                                   \
-        "outer_degrees" : outer                                                                    \
-    })
-
-// clang-format off
-static const struct closed_form forms[] = {
-    {"1 sky", OURS "sky.json", sky, 0, EXACT, EACH_ALONE, {{0}}},
-
-    {"2 convex: sphere", "scenes/furnace_sky.json", convex, 0, WITHOUT_VARIANCE, EACH_ALONE,
-     {WHITE_BODY}},
-    {"2 convex: disc", "scenes/furnace_sky.json", convex, 0, WITHOUT_VARIANCE, EACH_ALONE,
-     {WHITE_BODY, {"shape", JSON({"type": "disc", "material": "white", "radius": 1,
-                                  "normal": [1, 1, 2]})}}},
-    {"2 convex: box", "scenes/furnace_sky.json", convex, 0, WITHOUT_VARIANCE, EACH_ALONE,
-     {WHITE_BODY, {"shape", JSON({"type": "box", "material": "white", "min": [-1, -1, -1],
-                                  "max": [1, 1, 1]})}}},
-
-    {"3 glowing sphere, 0 bounces", OURS "sphere_furnace.json", closed, 0, WITHOUT_VARIANCE,
-     EACH_ALONE, {{"settings", JSON({"max_bounces": 0})}}},
-    {"3 glowing sphere, 1 bounce", OURS "sphere_furnace.json", closed, 1, BY_STATISTICS,
-     EACH_ALONE, {{"settings", JSON({"max_bounces": 1})}}},
-    {"3 glowing sphere, 2 bounces", OURS "sphere_furnace.json", closed, 2, BY_STATISTICS,
-     EACH_ALONE, {{"settings", JSON({"max_bounces": 2})}}},
-    {"3 glowing sphere, 9 bounces", OURS "sphere_furnace.json", closed, 9, BY_STATISTICS,
-     EACH_ALONE, {{0}}},
-    {"3 glowing sphere, all bounces", OURS "sphere_furnace.json", closed, INFINITY, BY_STATISTICS,
-     EACH_ALONE, {{"settings", JSON({"max_bounces": 1000})}}},
-    {"3 glowing room", "scenes/furnace.json", closed, 6, BY_STATISTICS, BSDF_ALONE,
-     {COLORS, {"film", JSON({"width": 32, "height": 32})},
-      {"settings", JSON({"max_bounces": 6, "roulette_min_bounces": "off"})}}},
-
-    {"4 lamp in a sphere, 1 bounce", OURS "sphere_lamp.json", lamp_in_sphere, 1, WITHOUT_VARIANCE,
-     NEE_ALONE, {{"settings", JSON({"max_bounces": 1})}}},
-    {"4 lamp in a sphere, all bounces", OURS "sphere_lamp.json", lamp_in_sphere, INFINITY,
-     BY_STATISTICS, NEE_ALONE, {{"settings", JSON({"max_bounces": 1000})}}},
-    {"5 lamp at 0.001", OURS "floor_lamp.json", lamp_above, 1e-3, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", LAMP_AT(8.660254037844386e-4, 0.5e-3)}}},
-    {"5 lamp at 1", OURS "floor_lamp.json", lamp_above, 1, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", LAMP_AT(0.8660254037844386, 0.5)}}},
-    {"5 lamp at 1000", OURS "floor_lamp.json", lamp_above, 1e3, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", LAMP_AT(866.0254037844386, 500)}}},
-    {"5 lamp at 1000000", OURS "floor_lamp.json", lamp_above, 1e6, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", LAMP_AT(866025.4037844386, 500000)}}},
-    {"5 lamp with a range", OURS "floor_lamp.json", lamp_with_range, 0, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", JSON({"type": "point", "position": [1.7320508075688772, 1, 0],
-                     "intensity": [1, 2, 4], "range": 3})}}},
-    {"6 sun at 60 degrees", OURS "floor_lamp.json", sun_above, 60, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", SUN_FROM(0.8660254037844386, 0.5)}}},
-    {"6 sun at 89 degrees", OURS "floor_lamp.json", sun_above, 89, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", SUN_FROM(0.9998476951563913, 0.01745240643728351)}}},
-    {"7 spot, on the slope", OURS "floor_lamp.json", spot_above, 15, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", SPOT(7.5, 15)}}},
-    {"7 spot, inside", OURS "floor_lamp.json", spot_above, 30, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", SPOT(15, 30)}}},
-    {"7 spot, outside", OURS "floor_lamp.json", spot_above, 9, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", SPOT(4.5, 9)}}},
-    {"7 narrow spot", OURS "floor_lamp.json", narrow_spot, 0, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"lamp", JSON({"type": "spot", "position": [0, 2, 0], "intensity": [1, 2, 4],
-                     "direction": [0.004363309284746571, -0.999990480720734, 0],
-                     "inner_degrees": 0, "outer_degrees": 0.5})}}},
-    {"5 to 8 together", OURS "floor_light.json", all_lights, 0, BY_STATISTICS, NEE_ALONE,
-     {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 3, 1], "u": [2, 0, 0],
-                      "v": [0, 0, -2]})},
-      {"lights", "[" LAMP_AT(1.7320508075688772, 1) "," SUN_FROM(0.8660254037844386, 0.5) ","
-                 SPOT(30, 60) "]"}}},
-    {"C14 pinpoint of 1e8 W", OURS "floor_light.json", pinpoint, 0, WITHOUT_VARIANCE, NEE_ALONE,
-     {{"light", JSON({"type": "sphere", "material": "light", "radius": 1e-4,
-                      "center": [7071.0678118654752, 7071.0678118654752, 0]})},
-      {"emission", "[1e14, 2e14, 4e14]"}}},
-
-    {"8 square at 1", OURS "floor_light.json", square_above, 1, BY_STATISTICS, EACH_ALONE,
-     {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1, 1], "u": [2, 0, 0],
-                      "v": [0, 0, -2]})}}},
-    {"9 square at 0.001", OURS "floor_light.json", square_above, 1e-3, BY_STATISTICS, BSDF_ALONE,
-     {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1e-3, 1], "u": [2, 0, 0],
-                      "v": [0, 0, -2]})}}},
-    {"9 square at 1000", OURS "floor_light.json", square_above, 1e3, BY_STATISTICS, NEE_ALONE,
-     {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1e3, 1], "u": [2, 0, 0],
-                      "v": [0, 0, -2]})}}},
-
-    {"10 disc at 1", OURS "floor_light.json", disc_above, 1, BY_STATISTICS, EACH_ALONE,
-     {{"light", JSON({"type": "disc", "material": "light", "center": [0, 1, 0],
-                      "normal": [0, -1, 0], "radius": 1})}}},
-    {"10 disc at 0.25", OURS "floor_light.json", disc_above, 0.25, BY_STATISTICS, EACH_ALONE,
-     {{"light", JSON({"type": "disc", "material": "light", "center": [0, 0.25, 0],
-                      "normal": [0, 1, 0], "radius": 1})}}},
-
-    {"11 sphere at 2", OURS "floor_light.json", sphere_above, 2, BY_STATISTICS, EACH_ALONE,
-     {{"light", JSON({"type": "sphere", "material": "light", "center": [2, 2, 0], "radius": 1})}}},
-    {"11 sphere at 10000", OURS "floor_light.json", sphere_above, 1e4, BY_STATISTICS, NEE_ALONE,
-     {{"light", JSON({"type": "sphere", "material": "light", "center": [1e4, 1e4, 0],
-                      "radius": 1})}}},
-    {"C15 sphere that touches", OURS "floor_light.json", touching_sphere, 0, BY_STATISTICS,
-     EACH_ALONE,
-     {{"light", JSON({"type": "sphere", "material": "light", "center": [0.05, 1, 0],
-                      "radius": 1})}}},
-
-    {"12 triangle", OURS "floor_light.json", triangle_above, 0, BY_STATISTICS, EACH_ALONE,
-     {{"light", JSON({"type": "quad", "material": "light", "vertices": [
-                      [-0.5, 0.25, 0.5], [0.75, 0.5, 0.25], [0.5, 1.5, -0.5], [0.5, 1.5, -0.5]]})}}},
-
-    {"13 facing squares", OURS "facing_squares.json", facing_squares, 0, BY_STATISTICS, EACH_ALONE,
-     {{0}}},
-
-    {"14 parallel plates", OURS "plates.json", plates, 0, BY_STATISTICS, BSDF_ALONE, {{0}}},
-
-    {"15 corridor, 1 mirror", OURS "mirror_corridor.json", mirrors, 1, WITHOUT_VARIANCE,
-     EACH_ALONE, {{"end", "[1, 0, 0]"}}},
-    {"15 corridor, 40 mirrors", OURS "mirror_corridor.json", mirrors, 40, WITHOUT_VARIANCE,
-     EACH_ALONE, {{"end", "[40, 0, 0]"}}},
-    {"15 corridor, 4 mirrors, roulette", OURS "mirror_corridor.json", mirrors, 4, BY_STATISTICS,
-     EACH_ALONE, {{"end", "[4, 0, 0]"}, {"settings", "{}"}}},
-
-    {"23 full moon", OURS "full_moon.json", full_moon, 1e-3, BY_STATISTICS, NEE_ALONE, {{0}}},
-
-    {"26 three veils", OURS "alpha_layers.json", veiled, 3, BY_STATISTICS, EACH_ALONE, {{0}}},
-    {"26 three masks, not there", OURS "alpha_layers.json", veiled, 0, EXACT, EACH_ALONE,
-     {{"alpha", "\"mask\""}}},
-    {"26 two veils before a light", OURS "alpha_shadow.json", veiled_square, 2, BY_STATISTICS,
-     EACH_ALONE, {{0}}},
-    {"26 two masks before a light", OURS "alpha_shadow.json", veiled_square, 0, BY_STATISTICS,
-     EACH_ALONE, {{"alpha", "\"mask\""}}},
-
-    {"27 level edge", OURS "edge.json", part_covered, 0.3, BY_STATISTICS, EACH_ALONE, {{0}}},
-    {"27 upright edge", OURS "edge.json", part_covered, 0.3, BY_STATISTICS, EACH_ALONE,
-     {{"film", JSON({"width": 1, "height": 1024})}, {"camera.sensor_height_mm", "2048"},
-      {"turn", JSON({"rotate": {"axis": [0, 0, 1], "degrees": 90}})}}},
-};
-// clang-format on
-
-#define FORM_COUNT (sizeof forms / sizeof forms[0])
-
-TEST(by_default)
+TEST(small_lamps)
 {
-    closed_forms_by_default(forms, FORM_COUNT, 0);
+    forms_by_default(&check_small_lamps, 3000);
 }
 
-TEST(by_every_estimator)
+TEST(small_lamps_every_choice_long)
 {
-    closed_forms_by_every_estimator(forms, FORM_COUNT, 0);
+    forms_by_every_light_choice(&check_small_lamps, 3000);
 }
 
-TEST(by_every_light_choice)
-{
-    closed_forms_by_every_light_choice(forms, FORM_COUNT, 50000);
-}
-
-// Every kind of surface and light, a sample a pixel.
-TEST(validation_is_silent)
-{
-    closed_forms_validated(forms, FORM_COUNT);
-}
-
-TEST_MAIN(TEST_CASE(by_default), TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator),
-          TEST_CASE(by_every_light_choice))
+TEST_MAIN(TEST_CASE(light), TEST_CASE(light_validated), TEST_CASE(light_every_estimator_long),
+          TEST_CASE(light_every_choice_long), TEST_CASE(media), TEST_CASE(media_validated),
+          TEST_CASE(media_every_estimator_long), TEST_CASE(closed_rooms),
+          TEST_CASE(lights_over_a_floor), TEST_CASE(grounds_without_end),
+          TEST_CASE(bodies_of_glass_and_fog), TEST_CASE(shapes_validated),
+          TEST_CASE(shapes_every_estimator_long), TEST_CASE(shapes_every_choice_long),
+          TEST_CASE(fields), TEST_CASE(fields_validated), TEST_CASE(fields_every_estimator_long),
+          TEST_CASE(integrators), TEST_CASE(integrators_validated), TEST_CASE(scales),
+          TEST_CASE(scales_every_estimator_long), TEST_CASE(distances), TEST_CASE(distances_long),
+          TEST_CASE(small_lamps), TEST_CASE(small_lamps_every_choice_long))

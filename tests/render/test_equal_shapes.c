@@ -2,7 +2,7 @@
 // replicates of each.
 #include "metrics/metrics.h"
 #include "render_fixture.h"
-#include "replicates.h"
+#include "check/replicates.h"
 
 static void render_form(struct gpu *gpu, const char *form, uint32_t seed, uint64_t samples,
                         struct replicates *out)

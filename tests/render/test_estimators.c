@@ -2,10 +2,10 @@
 // estimate the same picture: the Cornell box, and a row of rough materials, as a whole and in 4 x 4
 // tiles. Estimates are compared by pairs, each with 64 replicates.
 #include "base/clock.h"
-#include "estimators.h"
+#include "check/estimators.h"
 #include "metrics/metrics.h"
 #include "render_fixture.h"
-#include "replicates.h"
+#include "check/replicates.h"
 
 #define SIDE 32u
 

@@ -33,7 +33,7 @@ static void check_constant(uint64_t samples)
     const struct scene_override overrides[] = {{"emission", "[0.3, 7.7, 1e-3]"}, {0}};
     float mean[3] = {0};
     uint32_t counted = 0;
-    render_one_pixel("tests/render/scenes/sky.json", overrides, samples, mean, &counted);
+    render_one_pixel("src/check/scenes/sky.json", overrides, samples, mean, &counted);
     CHECK(counted == samples, "%u samples", counted);
     for (int c = 0; c < 3; c++) {
         double error = fabs(mean[c] / (double)sky[c] - 1.0);
@@ -79,7 +79,7 @@ static void check_edge(uint64_t samples)
     float mean[3] = {0};
     uint32_t counted = 0;
     uint64_t below, unclear;
-    render_one_pixel("tests/render/scenes/edge.json", overrides, samples, mean, &counted);
+    render_one_pixel("src/check/scenes/edge.json", overrides, samples, mean, &counted);
     count_below_edge(samples, &below, &unclear);
     double allowed = ERROR_MAX + (double)unclear / (double)below;
     for (int c = 0; c < 3; c++) {

@@ -1,9 +1,9 @@
 // Whichever emitters a vertex is connected to, the picture is the same: in the mean, for each way
 // to choose; and bit for bit, whatever the wave's size and whatever else is compiled in.
 #include "base/clock.h"
-#include "estimators.h"
+#include "check/estimators.h"
 #include "render_fixture.h"
-#include "replicates.h"
+#include "check/replicates.h"
 
 #define SCENE "tests/render/scenes/lights.json"
 

@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "metrics/metrics.h"
 #include "render_fixture.h"
-#include "replicates.h"
+#include "check/replicates.h"
 
 // --- comparing methods ---------------------------------------------------------------------------
 
@@ -253,9 +253,9 @@ static void check_form(struct gpu *gpu, const struct form *form, uint32_t index)
     scene_finish(&scene);
 }
 
-#define FURNACE "tests/render/scenes/sphere_furnace.json"
-#define LAMP "tests/render/scenes/sphere_lamp.json"
-#define SQUARE "tests/render/scenes/floor_light.json"
+#define FURNACE "src/check/scenes/sphere_furnace.json"
+#define LAMP "src/check/scenes/sphere_lamp.json"
+#define SQUARE "src/check/scenes/floor_light.json"
 
 // The lamp in the sphere is found by shadow rays alone: `nee_depth` of its bounces are left.
 TEST(closed_forms)

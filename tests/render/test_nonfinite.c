@@ -1,6 +1,6 @@
 // Contributions that are not finite are left out, counted by the place they came from, and can be
 // followed. Loaders let no such scene pass, so each test spoils one in memory.
-#include "estimators.h"
+#include "check/estimators.h"
 #include "render/probe/replay.h"
 #include "render_fixture.h"
 
@@ -16,7 +16,7 @@ static bool load_floor(enum light_estimator estimator, struct scene *scene, stru
         {"light", "{\"type\": \"quad\", \"material\": \"light\", \"corner\": [-1, 0.01, 1],"
                   " \"u\": [2, 0, 0], \"v\": [0, 0, -2]}"},
         {0}};
-    bool ok = load_scene("tests/render/scenes/floor_light.json", light, scene, err);
+    bool ok = load_scene("src/check/scenes/floor_light.json", light, scene, err);
     set_estimator(&scene->settings, estimator);
     return ok;
 }
@@ -121,7 +121,7 @@ TEST(environment)
     struct gpu gpu;
     struct err err = {0};
     OPEN_GPU(&gpu, 0);
-    REQUIRE_OK(load_scene("tests/render/scenes/sky.json", NULL, &scene, &err));
+    REQUIRE_OK(load_scene("src/check/scenes/sky.json", NULL, &scene, &err));
     scene.environment.radiance[0] = INFINITY;
     check_site(&gpu, &scene, SITE_MISS);
     scene_finish(&scene);

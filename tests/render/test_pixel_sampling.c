@@ -13,7 +13,7 @@ static void render_edge(struct gpu *gpu, const struct settings *wanted, uint64_t
 {
     struct scene scene;
     struct err err = {0};
-    REQUIRE_OK(load_scene("tests/render/scenes/edge.json", NULL, &scene, &err));
+    REQUIRE_OK(load_scene("src/check/scenes/edge.json", NULL, &scene, &err));
     scene.settings.max_bounces = 0;
     scene.settings.pixel_jitter = wanted->pixel_jitter;
     scene.settings.pixel_sampling = wanted->pixel_sampling;

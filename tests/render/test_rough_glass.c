@@ -38,7 +38,7 @@ static bool render_body(struct gpu *gpu, const struct body *body, struct arena *
     const struct scene_override overrides[] = {
         {"body", body->material}, {"bodies", body->shape}, {"fov", "20"}, {NULL, NULL}};
     struct scene scene = {0};
-    bool ok = load_scene("tests/render/scenes/media.json", overrides, &scene, err);
+    bool ok = load_scene("src/check/scenes/media.json", overrides, &scene, err);
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     ok = ok && render_film(&params, 16, arena, film, NULL, err);
     scene_finish(&scene);

@@ -2,7 +2,7 @@
 // calls, features that the scene lacks, ways to read and to reserve, and lower limits of the
 // device.
 #include "render_fixture.h"
-#include "scaled_scene.h"
+#include "check/scaled_scene.h"
 #include <math.h>
 
 #define ALL_SAMPLES 32u

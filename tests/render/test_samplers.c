@@ -2,7 +2,7 @@
 // says.
 #include "metrics/metrics.h"
 #include "render_fixture.h"
-#include "replicates.h"
+#include "check/replicates.h"
 
 // --- the same picture ----------------------------------------------------------------------------
 
@@ -97,7 +97,7 @@ static void check_edge(struct gpu *gpu, uint32_t filter, float radius)
     struct arena arena = {0};
     struct film_image film;
     struct err err = {0};
-    REQUIRE_OK(load_scene("tests/render/scenes/edge.json", NULL, &scene, &err));
+    REQUIRE_OK(load_scene("src/check/scenes/edge.json", NULL, &scene, &err));
     scene.settings.width = scene.settings.height = 1;
     scene.settings.max_bounces = 0;
     scene.settings.filter = filter;

@@ -1,45 +1,12 @@
-// Scenes from 1e-12 m to 1e12 m, and cameras as far from what they see: closed forms that no unit
-// of length may change, and the same bits in units that differ by a power of two.
+// Scenes from 1e-12 m to 1e12 m: the same bits in units that differ by a power of two, small lamps
+// that are solid, and what single precision cannot do. Closed forms: src/check/forms_scales.c.
 #include "base/log.h"
-#include "closed_form.h"
+#include "check/closed_form.h"
+#include "check/scaled_scene.h"
 #include "render/probe/replay.h"
-#include "scaled_scene.h"
+#include "render_fixture.h"
 #include "shared/aov.h"
 #include <math.h>
-
-// --- scales --------------------------------------------------------------------------------------
-
-// all_lengths.json: factor B-3 of a square of side 2 at 1 m, a point light at 1 m and 60 degrees,
-// and a slab of fog through which 2^-k of the light goes, that is passed aslant.
-static double all_lengths(double rho, double le, double unused)
-{
-    (void)unused;
-    double corner = sqrt(0.5) * atan(sqrt(0.5)) / M_PI;
-    double floor = rho * le * 4.0 * corner + rho / M_PI * le * 0.5;
-    return floor * pow(rho, 0.2 * sqrt(4.25) / 2.0);
-}
-
-#define ALL_LENGTHS(factor)                                                                        \
-    {                                                                                              \
-        .name = "all lengths, scale " #factor, .scene = OURS "all_lengths.json",                   \
-        .radiance = all_lengths, .kind = BY_STATISTICS, .alone = NEE_ALONE, .scale = factor,       \
-    }
-
-static const struct closed_form scales[] = {
-    ALL_LENGTHS(1e-12), ALL_LENGTHS(1e12), ALL_LENGTHS(1e-9), ALL_LENGTHS(1e9), ALL_LENGTHS(1e-6),
-    ALL_LENGTHS(1e-3),  ALL_LENGTHS(1.0),  ALL_LENGTHS(1e3),  ALL_LENGTHS(1e6),
-};
-#define SHORT_SCALES 4 // the first ones
-
-TEST(closed_forms)
-{
-    closed_forms_by_default(scales, SHORT_SCALES, 0);
-}
-
-TEST(closed_forms_long)
-{
-    closed_forms_by_every_estimator(scales, sizeof scales / sizeof scales[0], 0);
-}
 
 // --- units ---------------------------------------------------------------------------------------
 
@@ -127,7 +94,7 @@ static void check_all_units(const struct units *units, size_t count)
 TEST(units)
 {
     static const struct units units[] = {
-        {OURS "all_lengths.json", {-40, 40}},
+        {"src/check/scenes/all_lengths.json", {-40, 40}},
         {"scenes/all_classes.json", {-40, 40}, INSTANCING_ON},
     };
     check_all_units(units, sizeof units / sizeof units[0]);
@@ -136,9 +103,9 @@ TEST(units)
 TEST(units_long)
 {
     static const struct units units[] = {
-        {OURS "all_lengths.json", {-40, -20, -1, 24, 40}},
-        {OURS "alpha_shadow.json", {-40, 24, 40}},
-        {OURS "aovs.json", {-30, 24, 30}},
+        {"src/check/scenes/all_lengths.json", {-40, -20, -1, 24, 40}},
+        {"src/check/scenes/alpha_shadow.json", {-40, 24, 40}},
+        {"tests/render/scenes/aovs.json", {-30, 24, 30}},
         {"scenes/all_classes.json", {-40, -24, 24, 40}},
         {"scenes/cornell.json", {-40, 24, 40}},
         {"scenes/glow_worms.json", {-40, 24, 36}},
@@ -149,134 +116,6 @@ TEST(units_long)
         {"scenes/all_classes.json", {-24, 24}, INSTANCING_ON},
     };
     check_all_units(units, sizeof units / sizeof units[0]);
-}
-
-// --- distances -----------------------------------------------------------------------------------
-
-// far.json: a sphere or a disc of radius 1 in a picture of 4 by 4.
-static double part_filled(double rho, double le, double unused)
-{
-    (void)rho, (void)unused;
-    return le * M_PI / 16.0;
-}
-
-// A convex body, which fills the picture, sees the sky alone.
-static double convex(double rho, double le, double unused)
-{
-    (void)unused;
-    return rho * le;
-}
-
-#define EYE(x, y, z, degrees)                                                                      \
-    {                                                                                              \
-        "camera",                                                                                  \
-            JSON({"position" : [ x, y, z ], "target" : [ 0, 0, 0 ], "fov_degrees" : degrees})      \
-    }
-
-// clang-format off
-static const struct closed_form distances[] = {
-    {"sphere from 1e8 m", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE, {{0}}},
-    {"white sphere from 1e8 m", OURS "far.json", convex, 0, WITHOUT_VARIANCE, BSDF_ALONE,
-     {EYE(6e7, 0, 8e7, 5.7e-7), {"sky", "[1, 2, 4]"},
-      {"shapes", JSON([{"type": "sphere", "material": "floor", "radius": 1}])}}},
-    {"sphere from 1e12 m, aslant", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE,
-     {EYE(3.6e11, 4.8e11, 8e11, 2.2918311805232929e-10)}},
-    {"from 1e8 m through a lens", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE,
-     {{"camera", JSON({"position": [6e7, 0, 8e7], "target": [0, 0, 0],
-                       "fov_degrees": 2.2918311805232929e-6, "aperture_radius_mm": 1e5,
-                       "focus": [0, 0, 0]})}}},
-    {"from 1e8 m in parallel", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE,
-     {{"camera", JSON({"type": "orthographic", "position": [6e7, 0, 8e7], "target": [0, 0, 0],
-                       "height": 4})}}},
-    {"from 1e8 m beside a plane", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE,
-     {EYE(0, 0, 1e8, 2.2918311805232929e-6),
-      {"shapes", JSON([{"type": "sphere", "material": "light", "radius": 1},
-                       {"type": "plane", "material": "floor", "point": [0, -100, 0],
-                        "normal": [0, 1, 0]}])}}},
-    {"a plane before it", OURS "far.json", convex, 0, WITHOUT_VARIANCE, BSDF_ALONE,
-     {EYE(0, 0, 1e8, 2.2918311805232929e-6), {"sky", "[1, 2, 4]"},
-      {"shapes", JSON([{"type": "sphere", "material": "light", "radius": 1},
-                       {"type": "plane", "material": "floor", "point": [0, 0, 1e3],
-                        "normal": [0, 0, 1]}])}}},
-};
-// clang-format on
-#define SHORT_DISTANCES 3
-
-TEST(distances)
-{
-    closed_forms_by_default(distances, SHORT_DISTANCES, 1000);
-}
-
-TEST(distances_long)
-{
-    closed_forms_by_default(distances, sizeof distances / sizeof distances[0], 2000);
-}
-
-// --- small lamps ---------------------------------------------------------------------------------
-
-// small_lamp.json: a lamp of area A at d = (2, 1, 0) whose radiance is le / A, and whose normal
-// makes an angle with the way there: rho le cos cos' / (pi d^2).
-static double level_lamp(double rho, double le, double unused)
-{
-    (void)unused;
-    return rho * le / (25.0 * M_PI);
-}
-
-// Two edges as of TILTED, and le over the square of their unit.
-static double tilted_lamp(double rho, double le, double unused)
-{
-    (void)unused;
-    const double n[2] = {0.3 * 1.0 - 0.2 * 0.4, 0.2 * 0.1 - 1.0 * 1.0};
-    return rho * le / M_PI * 0.5 * fabs(2.0 * n[0] + n[1]) / 25.0;
-}
-
-#define LEVEL(size)                                                                                \
-    {                                                                                              \
-        "lamp", JSON({                                                                             \
-            "type" : "quad",                                                                       \
-            "material" : "lamp",                                                                   \
-            "corner" : [ 2, 1, 0 ],                                                                \
-            "u" : [ size, 0, 0 ],                                                                  \
-            "v" : [ 0, 0, size ]                                                                   \
-        })                                                                                         \
-    }
-// Edges (1, 0.3, 0.2) and (0.1, 0.4, 1) in units of 1e-7 m; the quad's second triangle has no area.
-#define TILTED                                                                                     \
-    {                                                                                              \
-        "lamp", JSON({                                                                             \
-            "type" : "quad",                                                                       \
-            "material" : "lamp",                                                                   \
-            "vertices" : [                                                                         \
-                [ 2, 1, 0 ], [ 2.0000001, 1.00000003, 2e-8 ], [ 2.00000001, 1.00000004, 1e-7 ],    \
-                [ 2.00000001, 1.00000004, 1e-7 ]                                                   \
-            ]                                                                                      \
-        })                                                                                         \
-    }
-
-#define LAMP(text, form, shape, color)                                                             \
-    {                                                                                              \
-        .name = text, .scene = OURS "small_lamp.json", .radiance = form, .kind = WITHOUT_VARIANCE, \
-        .alone = NEE_ALONE, .overrides = {shape, {"emission", color}},                             \
-    }
-
-static const struct closed_form small_lamps[] = {
-    LAMP("lamp of 1e-6 m", level_lamp, LEVEL(1e-6), "[1e12, 2e12, 4e12]"),
-    LAMP("lamp of 1e-8 m", level_lamp, LEVEL(1e-8), "[1e16, 2e16, 4e16]"),
-    LAMP("tilted lamp of 1e-7 m", tilted_lamp, TILTED, "[1e14, 2e14, 4e14]"),
-    LAMP("lamp of 3e-6 m", level_lamp, LEVEL(3e-6), "[1.1111111e11, 2.2222222e11, 4.4444444e11]"),
-    LAMP("lamp of 1e-10 m", level_lamp, LEVEL(1e-10), "[1e20, 2e20, 4e20]"),
-};
-#define SHORT_LAMPS 3
-
-TEST(small_lamps)
-{
-    closed_forms_by_default(small_lamps, SHORT_LAMPS, 3000);
-}
-
-TEST(small_lamps_long)
-{
-    closed_forms_by_every_light_choice(small_lamps, sizeof small_lamps / sizeof small_lamps[0],
-                                       3000);
 }
 
 // --- solid lamps ---------------------------------------------------------------------------------
@@ -382,7 +221,7 @@ static void check_solid_lamp(struct gpu *gpu, const struct solid_lamp *lamp)
     struct film_image film;
     struct scene scene;
     struct err err = {0};
-    REQUIRE_OK(load_scene(OURS "small_lamp.json", lamp->overrides, &scene, &err));
+    REQUIRE_OK(load_scene("src/check/scenes/small_lamp.json", lamp->overrides, &scene, &err));
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     REQUIRE_OK(render_film(&params, 256, &arena, &film, NULL, &err));
     double ratio = mean_red(&film) / light_of_box(lamp->place);
@@ -446,7 +285,7 @@ static void check_beyond(struct gpu *gpu, const struct beyond *beyond)
     struct renderer renderer = {0};
     struct err err = {0};
     warning[0] = '\0';
-    bool ok = load_scene(OURS "far.json", overrides, &scene, &err);
+    bool ok = load_scene("src/check/scenes/far.json", overrides, &scene, &err);
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     bool is_made = ok && renderer_create(&params, &renderer, &err);
     if (beyond->error)
@@ -469,6 +308,5 @@ TEST(what_is_beyond_is_told)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(closed_forms), TEST_CASE(units), TEST_CASE(distances), TEST_CASE(small_lamps),
-          TEST_CASE(small_lamps_long), TEST_CASE(solid_lamps), TEST_CASE(what_is_beyond_is_told),
-          TEST_CASE(closed_forms_long), TEST_CASE(units_long), TEST_CASE(distances_long))
+TEST_MAIN(TEST_CASE(units), TEST_CASE(solid_lamps), TEST_CASE(what_is_beyond_is_told),
+          TEST_CASE(units_long))

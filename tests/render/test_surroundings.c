@@ -3,9 +3,9 @@
 // multiple importance sampling, and by each estimator that finds the light.
 #include "base/clock.h"
 #include "environment_reference.h"
-#include "estimators.h"
+#include "check/estimators.h"
 #include "render_fixture.h"
-#include "replicates.h"
+#include "check/replicates.h"
 #include "scene/core/environment.h"
 #include "scene/sky/sky.h"
 #include <inttypes.h>
@@ -349,7 +349,7 @@ static bool load_plane(const struct form *form, struct scene *scene, double irra
     snprintf(normal, sizeof normal, "[%.17g, %.17g, %.17g]", n[0], n[1], n[2]);
     snprintf(eye, sizeof eye, "[%.17g, %.17g, %.17g]", n[0] * 5e-4, n[1] * 5e-4, n[2] * 5e-4);
     const struct scene_override overrides[] = {{"normal", normal}, {"eye", eye}, {0}};
-    if (!load_scene("tests/render/scenes/plane.json", overrides, scene, err))
+    if (!load_scene("src/check/scenes/plane.json", overrides, scene, err))
         return false;
     scene->environment = (struct environment){0};
     scene->settings.environment_filter = form->filter;

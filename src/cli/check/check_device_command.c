@@ -1,11 +1,115 @@
+// `lampyris check` without a scene: runs the table of cases on a device.
 #include "cli/check/check_command.h"
 
+#include "base/clock.h"
+#include "base/file_inputs.h"
+#include "base/log.h"
+#include "cli/check/device_check.h"
 #include "cli/commands.h"
+#include <string.h>
+
+size_t device_check_outcomes(const struct device_check *d, enum check_outcome outcome)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < d->done; i++)
+        count += d->rows[i].result.outcome == outcome;
+    return count;
+}
+
+// A case that was named is run however long it takes.
+static bool is_wanted(const struct options *options, const struct check_group *group,
+                      const struct check_case *this_case)
+{
+    const char *only = options->check.only;
+    bool by_name = only && strcmp(only, group->name) != 0;
+    return check_is_wanted(group, this_case, only) &&
+           (!this_case->is_long || options->check.longer || options->check.list || by_name);
+}
+
+static bool choose_cases(struct device_check *d, struct err *err)
+{
+    size_t most = 0;
+    for (size_t g = 0; g < check_group_count; g++)
+        most += check_groups[g]->count;
+    d->rows = ARENA_NEW(&d->arena, struct check_row, most);
+    if (!d->rows)
+        return err_memory(err, "the cases", most * sizeof *d->rows);
+    for (size_t g = 0; g < check_group_count; g++)
+        for (size_t i = 0; i < check_groups[g]->count; i++)
+            if (is_wanted(d->options, check_groups[g], &check_groups[g]->cases[i]))
+                d->rows[d->count++] = (struct check_row){.group = check_groups[g],
+                                                         .this_case = &check_groups[g]->cases[i]};
+    if (d->count > 0)
+        return true;
+    return err_set(err, ERR_USAGE, "--only %s: there is no such group or case; see check --list",
+                   d->options->check.only);
+}
+
+// A case may have lost the device: the next one gets a new one.
+static bool provide_device(struct device_check *d, struct err *err)
+{
+    if (d->gpu.device && !d->gpu.lost)
+        return true;
+    gpu_close(&d->gpu);
+    return gpu_open(&d->options->device.gpu, &d->gpu, err);
+}
+
+static bool run_cases(struct device_check *d, struct err *err)
+{
+    // Renders inside of cases do not report: what is done is told by cases.
+    const struct progress *listener = d->options->progress;
+    const struct progress quiet = {.should_stop = listener->should_stop,
+                                   .context = listener->context};
+    const struct check check = {.gpu = &d->gpu,
+                                .longer = d->options->check.longer,
+                                .arena = d->options->study.report ? &d->arena : NULL,
+                                .progress = &quiet};
+    uint64_t start = clock_ns();
+    bool ok = true;
+    for (size_t i = 0; i < d->count && ok; i++) {
+        struct check_row *row = &d->rows[i];
+        progress_report(listener, "Checking", (double)i / (double)d->count);
+        ok = provide_device(d, err) && check_run(&check, row->this_case, &row->result, err);
+        if (!ok)
+            break;
+        d->done++;
+        progress_pause(listener);
+        if (!d->options->json && !d->options->quiet)
+            device_check_print_row(d, i);
+    }
+    d->seconds = clock_seconds_since(start);
+    return ok || err->code == ERR_STOPPED;
+}
+
+static int tell(struct device_check *d, struct err *err)
+{
+    int code = EXIT_CODE_OK;
+    if (d->options->json)
+        code = command_print(device_check_json(d));
+    else if (d->options->check.list)
+        device_check_print_list(d);
+    else
+        device_check_print_end(d);
+    if (d->options->study.report && !device_check_report(d, err))
+        code = command_fail(err);
+    if (code == EXIT_CODE_OK && device_check_outcomes(d, CHECK_FAILED) > 0)
+        code = EXIT_CODE_CHECK_FAILED;
+    return code;
+}
 
 int check_device_command(const struct options *options)
 {
-    (void)options;
+    struct device_check d = {.options = options};
+    const char *report = options->study.report;
     struct err err = {0};
-    (void)err_set(&err, ERR_USAGE, "expected check SCENE");
-    return command_fail(&err);
+    // Extreme scenes are warned of, and what they are is known.
+    if (!options_given(options, OPTION_LOG_LEVEL))
+        log_set_level(LOG_ERROR);
+    bool ok = (!report || file_inputs_check(report, &err)) && choose_cases(&d, &err) &&
+              (options->check.list || run_cases(&d, &err));
+    progress_end(options->progress);
+    int code = ok ? tell(&d, &err) : command_fail(&err);
+    gpu_close(&d.gpu);
+    arena_finish(&d.arena);
+    return code;
 }

@@ -93,8 +93,10 @@ static void hash_inputs(struct scene *scene, const struct file_bytes *bytes,
 bool load_json(struct scene *scene, const struct scene_load_params *params, scene_load_fn load_base,
                struct err *err)
 {
-    struct file_bytes bytes;
-    if (!file_read(&scene->arena, params->path, LOAD_JSON_BYTES_MAX, &bytes, err))
+    struct file_bytes bytes = {.data = (const uint8_t *)params->text};
+    if (params->text)
+        bytes.size = strlen(params->text);
+    else if (!file_read(&scene->arena, params->path, LOAD_JSON_BYTES_MAX, &bytes, err))
         return false;
     hash_inputs(scene, &bytes, params);
     json_t *root = json_parse(params->path, &bytes, JSON_REJECT_DUPLICATES, err);

@@ -1,4 +1,4 @@
-#include "replicates.h"
+#include "check/replicates.h"
 
 #include "metrics/metrics.h"
 #include <math.h>
@@ -54,7 +54,9 @@ bool replicates_render(struct renderer *r, const struct measurement *measurement
     for (uint32_t i = 0; ok && i < REPLICATES; i++) {
         struct film_image film;
         double values[REPLICATES_VALUES];
-        ok = renderer_restart(r, first_seed + i, err) && renderer_render(r, &call, err) &&
+        if (progress_should_stop(r->progress))
+            ok = err_set(err, ERR_STOPPED, "stopped");
+        ok = ok && renderer_restart(r, first_seed + i, err) && renderer_render(r, &call, err) &&
              renderer_read(r, &arena, &film, err);
         if (!ok)
             break;

@@ -1,4 +1,4 @@
-#include "scaled_scene.h"
+#include "check/scaled_scene.h"
 
 static void scale_vector(double v[3], double factor)
 {

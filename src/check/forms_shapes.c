@@ -2,7 +2,9 @@
 // what shapes that glow send to a floor, ground without end and ground that is a huge sphere, and
 // from within glass and fog.
 #include "base/maths.h"
-#include "closed_form.h"
+#include "check/case_list.h"
+#include "check/closed_form.h"
+#include <math.h>
 
 // --- the forms ----------------------------------------------------------------------------------
 
@@ -12,12 +14,14 @@ static double convex(double rho, double le, double unused)
     (void)unused;
     return rho * le;
 }
+static const char convex_is[] = "rho Le";
 
 // Every ray meets a wall: the first `bounces` + 1 terms of a geometric series.
 static double closed(double rho, double le, double bounces)
 {
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
 }
+static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
 // Two planes without end face each other, the lower one glows.
 static double plates(double rho, double le, double unused)
@@ -25,11 +29,13 @@ static double plates(double rho, double le, double unused)
     (void)unused;
     return le / (1.0 - rho * rho);
 }
+static const char plates_is[] = "Le / (1 - rho^2)";
 
 static double sun_above(double rho, double le, double degrees)
 {
     return rho / M_PI * le * cos(degrees * M_PI / 180.0);
 }
+static const char sun_above_is[] = "rho E cos / pi";
 
 // A square of side 2 above its middle: four times factor B-3 of Howell's catalog.
 static double square_above(double rho, double le, double height)
@@ -37,6 +43,7 @@ static double square_above(double rho, double le, double height)
     double a = 1.0 / height, root = sqrt(1.0 + a * a);
     return rho * le * 4.0 * a / root * atan(a / root) / M_PI;
 }
+static const char square_above_is[] = "rho Le F, factor B-3";
 
 // Lambert's sum over the edges of a parallelogram above the horizon of a floor in y = 0, as a part
 // of pi Le: the sign says which side the origin sees.
@@ -75,6 +82,7 @@ static double box_above(double rho, double le, double unused)
     }
     return rho * le * factor;
 }
+static const char box_above_is[] = "rho (Le / 2 pi) sum of beta cos gamma";
 
 // What a small piece of surface at p, of the given outward normal times its area, adds to the
 // configuration factor of the floor at the origin.
@@ -121,6 +129,7 @@ static double cylinder_above(double rho, double le, double unused)
     }
     return rho * le * factor;
 }
+static const char cylinder_above_is[] = "rho Le F by quadrature";
 
 // An upright tube of radius 1 from 1 to 3 above: its wall is seen from inside, between the disc at
 // its lower end and the one at its upper end.
@@ -129,12 +138,14 @@ static double tube_above(double rho, double le, double unused)
     (void)unused;
     return rho * le * (0.5 - 0.1);
 }
+static const char tube_above_is[] = "rho Le (F of a disc - F of another)";
 
 // A disc of radius 0.5 so near that it is all there is to see.
 static double touching(double rho, double le, double gap)
 {
     return rho * le * 0.25 / (0.25 + gap * gap);
 }
+static const char touching_is[] = "rho Le R^2 / (R^2 + h^2)";
 
 // From within glass of an index whose square is `part`.
 static double all(double rho, double le, double part)
@@ -142,12 +153,14 @@ static double all(double rho, double le, double part)
     (void)rho;
     return part * le;
 }
+static const char all_is[] = "Le times a known part";
 
 // Through as much fog of an index of 1 as lets rho pass in a metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
 }
+static const char fog_is[] = "Le exp(-sigma length)";
 
 // --- the scenes ---------------------------------------------------------------------------------
 
@@ -181,8 +194,8 @@ static double fog(double rho, double le, double metres)
 #define TWO_BOUNCES {"settings", JSON({"max_bounces": 2})}
 #define OPEN {"define.open", "false"}
 #define NO_LIGHT {"light", "0"}
-#define ROOM_FILE OURS "sphere_furnace.json"
-#define FLOOR_FILE OURS "floor_light.json"
+#define ROOM_FILE "sphere_furnace.json"
+#define FLOOR_FILE "floor_light.json"
 #define LIGHT(...) {"light", JSON(__VA_ARGS__)}
 // Between a floor and a light that are closer than the file's camera is to the floor.
 #define SQUEEZED {"camera", JSON({"position": [0, 2e-5, 0], "direction": [0, -1, 0],               \
@@ -195,93 +208,95 @@ static double fog(double rho, double le, double metres)
 #define LOWER {"type": "plane", "material": "lower", "normal": [0, 1, 0]}
 #define UPPER {"type": "plane", "material": "upper", "normal": [0, 1, 0], "point": [0, 1, 0]}
 
-static const struct closed_form rooms[] = {
-    {"3 box", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(0.3, -0.2, 0.4, BOX(1)), TWO_BOUNCES}},
-    {"C1 box of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(3e-7, -2e-7, 4e-7, BOX(1e-6)), TWO_BOUNCES}},
-    {"C1 box of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(3e5, -2e5, 4e5, BOX(1e6)), TWO_BOUNCES}},
-    {"3 cylinder", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(0.3, -0.2, 0.4, CYLINDER(1)), TWO_BOUNCES}},
-    {"C1 cylinder of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(3e-7, -2e-7, 4e-7, CYLINDER(1e-6)), TWO_BOUNCES}},
-    {"C1 cylinder of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(3e5, -2e5, 4e5, CYLINDER(1e6)), TWO_BOUNCES}},
-    {"3 tube and discs", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(0.3, -0.2, 0.4, PIPE(1)), TWO_BOUNCES, OPEN}},
-    {"C1 tube and discs of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(3e-7, -2e-7, 4e-7, PIPE(1e-6)), TWO_BOUNCES, OPEN}},
-    {"C1 tube and discs of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(3e5, -2e5, 4e5, PIPE(1e6)), TWO_BOUNCES, OPEN}},
-    {"C1 sphere of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(3e-7, -2e-7, 4e-7, SPHERE(1e-6)), TWO_BOUNCES}},
-    {"C1 sphere of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(3e5, -2e5, 4e5, SPHERE(1e6)), TWO_BOUNCES}},
-    {"C27 quads", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(0.3, -0.2, 0.4, SIDES), TWO_BOUNCES}},
-    {"C2 box at 1e5", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+static const struct check_case rooms[] = {
+    FORM("B3 box", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, BOX(1)), TWO_BOUNCES}),
+    FORM("C1 box of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e-7, -2e-7, 4e-7, BOX(1e-6)), TWO_BOUNCES}),
+    FORM("C1 box of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e5, -2e5, 4e5, BOX(1e6)), TWO_BOUNCES}),
+    FORM("B3 cylinder", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, CYLINDER(1)), TWO_BOUNCES}),
+    LONG_FORM("C1 cylinder of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e-7, -2e-7, 4e-7, CYLINDER(1e-6)), TWO_BOUNCES}),
+    LONG_FORM("C1 cylinder of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e5, -2e5, 4e5, CYLINDER(1e6)), TWO_BOUNCES}),
+    LONG_FORM("B3 tube and discs", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, PIPE(1)), TWO_BOUNCES, OPEN}),
+    LONG_FORM("C1 tube and discs of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e-7, -2e-7, 4e-7, PIPE(1e-6)), TWO_BOUNCES, OPEN}),
+    LONG_FORM("C1 tube and discs of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e5, -2e5, 4e5, PIPE(1e6)), TWO_BOUNCES, OPEN}),
+    FORM("C1 sphere of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e-7, -2e-7, 4e-7, SPHERE(1e-6)), TWO_BOUNCES}),
+    FORM("C1 sphere of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e5, -2e5, 4e5, SPHERE(1e6)), TWO_BOUNCES}),
+    FORM("C27 quads", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, SIDES), TWO_BOUNCES}),
+    FORM("C2 box at 1e5", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
      {NEAR(100000.3, 99999.8, -99999.6, {"type": "box", "material": "glowing", "as": "analytic",
-      "min": [99999, 99999, -100001], "max": [100001, 100001, -99999]}), TWO_BOUNCES}},
-    {"C2 cylinder at 4e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+      "min": [99999, 99999, -100001], "max": [100001, 100001, -99999]}), TWO_BOUNCES}),
+    FORM("C2 cylinder at 4e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
      {NEAR(4000000.3, 3999999.8, -3999999.6, {"type": "cylinder", "material": "glowing", "radius": 1,
-      "from": [4e6, 3999999, -4e6], "to": [4e6, 4000001, -4e6]}), TWO_BOUNCES}},
-    {"3 planes", ROOM_FILE, closed, 2, BY_STATISTICS, BSDF_ALONE,
-     {NEAR(0.3, -0.2, 0.4, PLANES), TWO_BOUNCES}},
+      "from": [4e6, 3999999, -4e6], "to": [4e6, 4000001, -4e6]}), TWO_BOUNCES}),
+    FORM("B3 planes", ROOM_FILE, closed, 2, BY_STATISTICS, BSDF_ALONE,
+     {NEAR(0.3, -0.2, 0.4, PLANES), TWO_BOUNCES}),    LONG_FORM("B3 box, all bounces", ROOM_FILE, closed, INFINITY, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, BOX(1)), {"settings", JSON({"max_bounces": 1000})}}),
 };
 
-static const struct closed_form lights[] = {
-    {"8 analytic square at 1", FLOOR_FILE, square_above, 1, BY_STATISTICS, EACH_ALONE,
+static const struct check_case lights[] = {
+    FORM("B8 analytic square at 1", FLOOR_FILE, square_above, 1, BY_STATISTICS, EACH_ALONE,
      {LIGHT({"type": "quad", "as": "analytic", "material": "light", "corner": [-1, 1, 1],
-             "u": [2, 0, 0], "v": [0, 0, -2]})}},
-    {"9 analytic square at 0.001", FLOOR_FILE, square_above, 1e-3, BY_STATISTICS, BSDF_ALONE,
+             "u": [2, 0, 0], "v": [0, 0, -2]})}),
+    FORM("B9 analytic square at 0.001", FLOOR_FILE, square_above, 1e-3, BY_STATISTICS, BSDF_ALONE,
      {LIGHT({"type": "quad", "as": "analytic", "material": "light", "corner": [-1, 1e-3, 1],
-             "u": [2, 0, 0], "v": [0, 0, -2]})}},
-    {"9 analytic square at 1000", FLOOR_FILE, square_above, 1e3, BY_STATISTICS, NEE_ALONE,
+             "u": [2, 0, 0], "v": [0, 0, -2]})}),
+    FORM("B9 analytic square at 1000", FLOOR_FILE, square_above, 1e3, BY_STATISTICS, NEE_ALONE,
      {LIGHT({"type": "quad", "as": "analytic", "material": "light", "corner": [-1, 1e3, 1],
-             "u": [2, 0, 0], "v": [0, 0, -2]})}},
-    {"12 box", FLOOR_FILE, box_above, 0, BY_STATISTICS, EACH_ALONE,
+             "u": [2, 0, 0], "v": [0, 0, -2]})}),
+    LONG_FORM("B12 box", FLOOR_FILE, box_above, 0, BY_STATISTICS, EACH_ALONE,
      {LIGHT({"type": "box", "as": "analytic", "material": "light", "min": [-0.9, -0.5, -1.4],
              "max": [0.9, 0.5, 1.4], "transform": [{"rotate": {"axis": [0, 0, 1], "degrees": 30}},
-             {"translate": [1, 1.5, 0.5]}]})}},
-    {"12 tube", FLOOR_FILE, tube_above, 0, BY_STATISTICS, EACH_ALONE,
+             {"translate": [1, 1.5, 0.5]}]})}),
+    FORM("B12 tube", FLOOR_FILE, tube_above, 0, BY_STATISTICS, EACH_ALONE,
      {OPEN, NO_LIGHT, GROUND({"type": "disc", "material": "floor", "radius": 2, "normal": [0, 1, 0]},
       {"type": "cylinder", "caps": "${open}", "material": "light", "radius": 1, "from": [0, 1, 0],
-       "to": [0, 3, 0]})}},
+       "to": [0, 3, 0]})}),
 
-    {"C3 cylinder over a box", FLOOR_FILE, touching, 4e-5, BY_STATISTICS, BSDF_ALONE,
+    FORM("C3 cylinder over a box", FLOOR_FILE, touching, 4e-5, BY_STATISTICS, BSDF_ALONE,
      {SQUEEZED, NO_LIGHT, GROUND({"type": "box", "as": "analytic", "material": "floor", "min": [-1, -1, -1],
       "max": [1, 0, 1]}, {"type": "cylinder", "material": "light", "radius": 0.5,
-      "from": [0, 4e-5, 0], "to": [0, 1, 0]})}},
-    {"C3 disc over a cylinder", FLOOR_FILE, touching, 4e-5, BY_STATISTICS, BSDF_ALONE,
+      "from": [0, 4e-5, 0], "to": [0, 1, 0]})}),
+    FORM("C3 disc over a cylinder", FLOOR_FILE, touching, 4e-5, BY_STATISTICS, BSDF_ALONE,
      {SQUEEZED, NO_LIGHT, GROUND({"type": "cylinder", "material": "floor", "radius": 1, "from": [0, -1, 0],
       "to": [0, 0, 0]}, {"type": "disc", "material": "light", "radius": 0.5,
-      "center": [0, 4e-5, 0], "normal": [0, 1, 0]})}},
-    {"C3 plane over a quad", FLOOR_FILE, convex, 0, BY_STATISTICS, BSDF_ALONE,
+      "center": [0, 4e-5, 0], "normal": [0, 1, 0]})}),
+    FORM("C3 plane over a quad", FLOOR_FILE, convex, 0, BY_STATISTICS, BSDF_ALONE,
      {SQUEEZED, NO_LIGHT, GROUND({"type": "quad", "as": "analytic", "material": "floor", "corner": [-1, 0, -1],
       "u": [2, 0, 0], "v": [0, 0, 2]}, {"type": "plane", "material": "light", "normal": [0, 1, 0],
-      "point": [0, 4e-5, 0]})}},
+      "point": [0, 4e-5, 0]})}),    LONG_FORM("B12 cylinder", FLOOR_FILE, cylinder_above, 0, BY_STATISTICS, EACH_ALONE,
+     {LIGHT({"type": "cylinder", "material": "light", "radius": 0.8, "from": [1, 1, -1],
+             "to": [1.5, 2, 1]})}),
 };
 
-static const struct closed_form grounds[] = {
-    {"14 planes", OURS "plates.json", plates, 0, BY_STATISTICS, BSDF_ALONE, {GROUND(LOWER, UPPER)}},
-    {"2 plane under a sky", OURS "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
-     {SKY, STANDING(2, 5), GROUND({"type": "plane", "material": "plane", "normal": [0, 1, 0]})}},
-    {"2 plane on edge at 1e5", OURS "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
+static const struct check_case grounds[] = {
+    LONG_FORM("B14 planes", "plates.json", plates, 0, BY_STATISTICS, BSDF_ALONE, {GROUND(LOWER, UPPER)}),
+    FORM("B2 plane under a sky", "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
+     {SKY, STANDING(2, 5), GROUND({"type": "plane", "material": "plane", "normal": [0, 1, 0]})}),
+    FORM("B2 plane on edge at 1e5", "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
      {SKY, {"camera", JSON({"position": [100001, 5e4, 7], "target": [1e5, 50001, 8],
       "fov_degrees": 5})}, GROUND({"type": "plane", "material": "plane", "normal": [1, 0, 0],
-      "point": [1e5, 0, 0]})}},
-    {"6 sun on a plane", FLOOR_FILE, sun_above, 60, WITHOUT_VARIANCE, NEE_ALONE,
+      "point": [1e5, 0, 0]})}),
+    FORM("B6 sun on a plane", FLOOR_FILE, sun_above, 60, WITHOUT_VARIANCE, NEE_ALONE,
      {STANDING(2, 5), NO_LIGHT, GROUND({"type": "plane", "material": "floor", "normal": [0, 1, 0]}),
       {"lights", JSON([{"type": "directional", "irradiance": [1, 2, 4],
-      "direction": [-0.8660254037844386, -0.5, 0]}])}}},
-    {"C13 ground sphere of 1e6", OURS "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
-     {SKY, STANDING(2, 5), GROUND(HUGE_BALL(1e6))}},
-    {"C13 ground sphere of 1e4", OURS "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
-     {SKY, STANDING(2, 5), GROUND(HUGE_BALL(1e4))}},
-};
+      "direction": [-0.8660254037844386, -0.5, 0]}])}}),
+    FORM("C13 ground sphere of 1e6", "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
+     {SKY, STANDING(2, 5), GROUND(HUGE_BALL(1e6))}),
+    FORM("C13 ground sphere of 1e4", "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
+     {SKY, STANDING(2, 5), GROUND(HUGE_BALL(1e4))}),};
 
-#define MEDIA_FILE OURS "media.json"
+#define MEDIA_FILE "media.json"
 #define GLASS {"body", JSON({"type": "dielectric", "ior": 1.5})}
 #define FOG {"body", JSON({"type": "dielectric", "ior": 1,                                         \
     "absorption": {"color": [0.8, 0.5, 0.2], "distance": 1}})}
@@ -291,86 +306,37 @@ static const struct closed_form grounds[] = {
 #define WALL(x, y, z, a, b, c, d, e, f) {"type": "quad", "material": "body", "as": "analytic",     \
     "corner": [x, y, z], "u": [a, b, c], "v": [d, e, f]}
 
-static const struct closed_form bodies[] = {
-    {"21 camera in a box of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
+static const struct check_case bodies[] = {
+    FORM("B21 camera in a box of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
      {GLASS, LOOKING(1, 0, 0), BODIES({"type": "box", "as": "analytic", "material": "body",
-      "min": [-1, -1, -1], "max": [1, 1, 1]})}},
-    {"21 camera in a cylinder of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
+      "min": [-1, -1, -1], "max": [1, 1, 1]})}),
+    FORM("B21 camera in a cylinder of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
      {GLASS, LOOKING(0, 0, 1), BODIES({"type": "cylinder", "material": "body", "radius": 1,
-      "from": [0, 0, -1], "to": [0, 0, 1]})}},
-    {"21 camera in walls of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
+      "from": [0, 0, -1], "to": [0, 0, 1]})}),
+    FORM("B21 camera in walls of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
      {GLASS, LOOKING(0, 0, 1), BODIES(
       WALL(-1, -1, 1, 2, 0, 0, 0, 2, 0), WALL(-1, -1, -1, 0, 2, 0, 2, 0, 0),
       WALL(1, -1, -1, 0, 2, 0, 0, 0, 2), WALL(-1, -1, -1, 0, 0, 2, 0, 2, 0),
-      WALL(-1, 1, -1, 0, 0, 2, 2, 0, 0), WALL(-1, -1, -1, 2, 0, 0, 0, 0, 2))}},
-    {"19 camera in fog behind a plane", MEDIA_FILE, fog, 1.5, WITHOUT_VARIANCE, 0,
+      WALL(-1, 1, -1, 0, 0, 2, 2, 0, 0), WALL(-1, -1, -1, 2, 0, 0, 0, 0, 2))}),
+    FORM("B19 camera in fog behind a plane", MEDIA_FILE, fog, 1.5, WITHOUT_VARIANCE, 0,
      {FOG, THIN, {"from", "[-1.5, 1, 2]"}, {"towards", "[1, 0, 0]"},
-      BODIES({"type": "plane", "material": "body", "normal": [1, 0, 0]})}},
-    {"19 camera before fog", MEDIA_FILE, fog, 0, WITHOUT_VARIANCE, 0,
+      BODIES({"type": "plane", "material": "body", "normal": [1, 0, 0]})}),
+    FORM("B19 camera before fog", MEDIA_FILE, fog, 0, WITHOUT_VARIANCE, 0,
      {FOG, THIN, {"from", "[1.5, 1, 2]"}, {"towards", "[1, 0, 0]"},
-      BODIES({"type": "plane", "material": "body", "normal": [1, 0, 0]})}},
-    {"19 box of fog", MEDIA_FILE, fog, 2, WITHOUT_VARIANCE, 0,
+      BODIES({"type": "plane", "material": "body", "normal": [1, 0, 0]})}),
+    FORM("B19 box of fog", MEDIA_FILE, fog, 2, WITHOUT_VARIANCE, 0,
      {FOG, THIN, BODIES({"type": "box", "as": "analytic", "material": "body", "min": [-1, -1, -1],
-      "max": [1, 1, 1]})}},
-    {"19 cylinder of fog at 0.6", MEDIA_FILE, fog, 1.6, WITHOUT_VARIANCE, 0,
+      "max": [1, 1, 1]})}),
+    FORM("B19 cylinder of fog at 0.6", MEDIA_FILE, fog, 1.6, WITHOUT_VARIANCE, 0,
      {FOG, THIN, {"from", "[0.6, 0, 4]"}, BODIES({"type": "cylinder", "material": "body",
-      "radius": 1, "from": [0, -1, 0], "to": [0, 1, 0]})}},
-};
+      "radius": 1, "from": [0, -1, 0], "to": [0, 1, 0]})}),};
 
-static const struct closed_form more[] = {
-    {"12 cylinder", FLOOR_FILE, cylinder_above, 0, BY_STATISTICS, EACH_ALONE,
-     {LIGHT({"type": "cylinder", "material": "light", "radius": 0.8, "from": [1, 1, -1],
-             "to": [1.5, 2, 1]})}},
-    {"3 box, all bounces", ROOM_FILE, closed, INFINITY, BY_STATISTICS, EACH_ALONE,
-     {NEAR(0.3, -0.2, 0.4, BOX(1)), {"settings", JSON({"max_bounces": 1000})}}},
-};
 // clang-format on
 
-#define COUNT(forms) (sizeof(forms) / sizeof(forms)[0])
+CHECK_GROUP(check_rooms, "rooms", "closed rooms of every shape and size that glow", rooms);
 
-TEST(closed_rooms)
-{
-    closed_forms_by_default(rooms, COUNT(rooms), 70000);
-}
+CHECK_GROUP(check_lamps, "lamps", "what shapes that glow send to a floor", lights);
 
-TEST(lights_over_a_floor)
-{
-    closed_forms_by_default(lights, COUNT(lights), 72000);
-}
+CHECK_GROUP(check_grounds, "grounds", "grounds without end, and huge spheres", grounds);
 
-TEST(grounds_without_end)
-{
-    closed_forms_by_default(grounds, COUNT(grounds), 74000);
-}
-
-TEST(bodies_of_glass_and_fog)
-{
-    closed_forms_by_default(bodies, COUNT(bodies), 76000);
-}
-
-TEST(by_every_estimator)
-{
-    closed_forms_by_every_estimator(rooms, COUNT(rooms), 80000);
-    closed_forms_by_every_estimator(lights, COUNT(lights), 82000);
-    closed_forms_by_every_estimator(grounds, COUNT(grounds), 84000);
-    closed_forms_by_every_estimator(more, COUNT(more), 86000);
-}
-
-TEST(by_every_light_choice)
-{
-    closed_forms_by_every_light_choice(rooms, COUNT(rooms), 90000);
-    closed_forms_by_every_light_choice(lights, COUNT(lights), 92000);
-    closed_forms_by_every_light_choice(grounds, COUNT(grounds), 94000);
-}
-
-TEST(validation_is_silent)
-{
-    closed_forms_validated(rooms, COUNT(rooms));
-    closed_forms_validated(lights, COUNT(lights));
-    closed_forms_validated(grounds, COUNT(grounds));
-    closed_forms_validated(bodies, COUNT(bodies));
-}
-
-TEST_MAIN(TEST_CASE(closed_rooms), TEST_CASE(lights_over_a_floor), TEST_CASE(grounds_without_end),
-          TEST_CASE(bodies_of_glass_and_fog), TEST_CASE(validation_is_silent),
-          TEST_CASE(by_every_estimator), TEST_CASE(by_every_light_choice))
+CHECK_GROUP(check_bodies, "bodies", "from within and through shapes of glass and fog", bodies);

@@ -1,6 +1,6 @@
 // The ways to find emitters that tests compare: all converge to the same picture.
-#ifndef LAMPYRIS_TESTS_ESTIMATORS_H
-#define LAMPYRIS_TESTS_ESTIMATORS_H
+#ifndef LAMPYRIS_CHECK_ESTIMATORS_H
+#define LAMPYRIS_CHECK_ESTIMATORS_H
 
 #include "scene/core/settings.h"
 

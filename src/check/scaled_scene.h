@@ -1,6 +1,6 @@
 // The same scene in another unit of length.
-#ifndef LAMPYRIS_TESTS_SCALED_SCENE_H
-#define LAMPYRIS_TESTS_SCALED_SCENE_H
+#ifndef LAMPYRIS_CHECK_SCALED_SCENE_H
+#define LAMPYRIS_CHECK_SCALED_SCENE_H
 
 #include "scene/core/scene.h"
 

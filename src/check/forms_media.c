@@ -1,7 +1,9 @@
 // Scenes of dielectrics, media and metals whose radiance is known in closed form (by their numbers
 // in docs/verification.md, B and C): slabs, absorption, total reflection, nested glass, rough
 // plates.
-#include "closed_form.h"
+#include "check/case_list.h"
+#include "check/closed_form.h"
+#include <math.h>
 
 #include <complex.h>
 
@@ -37,11 +39,13 @@ static double all(double rho, double le, double part)
     (void)rho;
     return part * le;
 }
+static const char all_is[] = "Le times a known part";
 
 static double colored(double rho, double le, double part)
 {
     return part * rho * le;
 }
+static const char colored_is[] = "rho Le";
 
 // What n glass interfaces in a row let through, with all orders of reflection between them and
 // unpolarised at each: T = (1 - R) / (1 + (n - 1) R).
@@ -56,12 +60,14 @@ static double through_slab(double rho, double le, double degrees)
     (void)rho;
     return le * through_interfaces(degrees, 2.0);
 }
+static const char through_slab_is[] = "Le (1 - R) / (1 + R)";
 
 static double from_slab(double rho, double le, double degrees)
 {
     (void)rho;
     return le * (1.0 - through_interfaces(degrees, 2.0));
 }
+static const char from_slab_is[] = "Le (1 - (1 - R) / (1 + R))";
 
 // The box's two walls are two sheets of two interfaces each.
 static double through_sheets(double rho, double le, double degrees)
@@ -69,12 +75,14 @@ static double through_sheets(double rho, double le, double degrees)
     (void)rho;
     return le * through_interfaces(degrees, 4.0);
 }
+static const char through_sheets_is[] = "Le (1 - R) / (1 + 3 R)";
 
 // Transmittance rho at distance 1, of a slab of thickness 1 that refracts nothing.
 static double through_fog(double rho, double le, double degrees)
 {
     return le * pow(rho, 1.0 / cos(radians(degrees)));
 }
+static const char through_fog_is[] = "Le exp(-sigma d / cos)";
 
 static double through_tinted_slab(double rho, double le, double degrees)
 {
@@ -82,12 +90,14 @@ static double through_tinted_slab(double rho, double le, double degrees)
     double tau = pow(rho, 1.0 / cos_refracted(cos(radians(degrees)), 1.5));
     return le * (1.0 - r) * (1.0 - r) * tau / (1.0 - r * r * tau * tau);
 }
+static const char through_tinted_slab_is[] = "Le (1 - R)^2 tau / (1 - R^2 tau^2)";
 
 // A ball of radius 1 passed at distance b of its centre.
 static double through_ball_of_fog(double rho, double le, double b)
 {
     return le * pow(rho, 2.0 * sqrt(1.0 - b * b));
 }
+static const char through_ball_of_fog_is[] = "Le exp(-2 sigma sqrt(r^2 - b^2))";
 
 // docs/verification.md, C43: black, half and clear at distance 1.
 static double through_extremes(double rho, double le, double unused)
@@ -95,6 +105,7 @@ static double through_extremes(double rho, double le, double unused)
     (void)unused;
     return rho > 0.6 ? 0.0 : rho > 0.3 ? 0.5 * le : le;
 }
+static const char through_extremes_is[] = "0, Le / 2 and Le";
 
 // The metal of METAL below.
 static double metal(double rho, double le, double degrees)
@@ -102,17 +113,20 @@ static double metal(double rho, double le, double degrees)
     double complex n = rho > 0.6 ? 0.2 + 3.9 * I : rho > 0.3 ? 0.9 + 2.4 * I : 1.5 + 1.9 * I;
     return le * reflectance(degrees, n);
 }
+static const char metal_is[] = "Le R, Fresnel's of a complex index";
 
 static double reflected(double rho, double le, double degrees)
 {
     (void)rho;
     return le * reflectance(degrees, 1.5);
 }
+static const char reflected_is[] = "Le R, Fresnel's";
 
 static double half_reflected(double rho, double le, double degrees)
 {
     return 0.5 * reflected(rho, le, degrees);
 }
+static const char half_reflected_is[] = "Le R / 2, Fresnel's";
 
 #define GLASS                                                                                      \
     {                                                                                              \
@@ -185,168 +199,151 @@ static double half_reflected(double rho, double le, double degrees)
 
 // All estimators are the same here: what sees an emitter has no lobes but deltas.
 // clang-format off
-static const struct closed_form forms[] = {
-    {"16 slab", OURS "slab.json", through_slab, 0, BY_STATISTICS, 0, {GLASS}},
-    {"16 slab at 60", OURS "slab.json", through_slab, 60, BY_STATISTICS, 0, {GLASS, AT_60}},
-    {"16 slab at 80, reflected", OURS "slab.json", from_slab, 80, BY_STATISTICS, 0,
-     {GLASS, AT_80, {"light", "[0, 0, 5]"}}},
-    {"16 two thin sheets at 60", OURS "slab.json", through_sheets, 60, BY_STATISTICS, 0,
-     {{"slab", JSON({"type": "dielectric", "ior": 1.5, "thin": true})}, AT_60}},
+static const struct check_case forms[] = {
+    FORM("B16 slab", "slab.json", through_slab, 0, BY_STATISTICS, 0, {GLASS}),
+    FORM("B16 slab at 60", "slab.json", through_slab, 60, BY_STATISTICS, 0, {GLASS, AT_60}),
+    FORM("B16 slab at 80, reflected", "slab.json", from_slab, 80, BY_STATISTICS, 0,
+     {GLASS, AT_80, {"light", "[0, 0, 5]"}}),
+    LONG_FORM("B16 two thin sheets at 60", "slab.json", through_sheets, 60, BY_STATISTICS, 0,
+     {{"slab", JSON({"type": "dielectric", "ior": 1.5, "thin": true})}, AT_60}),
 
-    {"17 fog", OURS "slab.json", through_fog, 0, WITHOUT_VARIANCE, 0, {{"slab", TINTED(1)}}},
-    {"17 fog at 60", OURS "slab.json", through_fog, 60, WITHOUT_VARIANCE, 0,
-     {{"slab", TINTED(1)}, AT_60}},
-    {"18 tinted slab", OURS "slab.json", through_tinted_slab, 0, BY_STATISTICS, 0,
-     {{"slab", TINTED(1.5)}}},
-    {"18 tinted slab at 60", OURS "slab.json", through_tinted_slab, 60, BY_STATISTICS, 0,
-     {{"slab", TINTED(1.5)}, AT_60}},
-    {"19 ball of fog", OURS "media.json", through_ball_of_fog, 0, WITHOUT_VARIANCE, 0,
-     {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}}},
-    {"19 ball of fog, at 0.6", OURS "media.json", through_ball_of_fog, 0.6, WITHOUT_VARIANCE, 0,
-     {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}, {"from", "[0.6, 0, 4]"}}},
-    {"19 ball of fog, at 0.9", OURS "media.json", through_ball_of_fog, 0.9, WITHOUT_VARIANCE, 0,
-     {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}, {"from", "[0.9, 0, 4]"}}},
+    FORM("B17 fog", "slab.json", through_fog, 0, WITHOUT_VARIANCE, 0, {{"slab", TINTED(1)}}),
+    FORM("B17 fog at 60", "slab.json", through_fog, 60, WITHOUT_VARIANCE, 0,
+     {{"slab", TINTED(1)}, AT_60}),
+    FORM("B18 tinted slab", "slab.json", through_tinted_slab, 0, BY_STATISTICS, 0,
+     {{"slab", TINTED(1.5)}}),
+    FORM("B18 tinted slab at 60", "slab.json", through_tinted_slab, 60, BY_STATISTICS, 0,
+     {{"slab", TINTED(1.5)}, AT_60}),
+    FORM("B19 ball of fog", "media.json", through_ball_of_fog, 0, WITHOUT_VARIANCE, 0,
+     {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}}),
+    FORM("B19 ball of fog, at 0.6", "media.json", through_ball_of_fog, 0.6, WITHOUT_VARIANCE, 0,
+     {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}, {"from", "[0.6, 0, 4]"}}),
+    FORM("B19 ball of fog, at 0.9", "media.json", through_ball_of_fog, 0.9, WITHOUT_VARIANCE, 0,
+     {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}, {"from", "[0.9, 0, 4]"}}),
 
-    {"20 total reflection, behind", OURS "slab.json", all, 0, EXACT, 0,
-     {{"slab", JSON({"type": "dielectric", "ior": 0.5})}, AT_60}},
-    {"20 total reflection, in front", OURS "slab.json", all, 1, EXACT, 0,
-     {{"slab", JSON({"type": "dielectric", "ior": 0.5})}, AT_60, {"light", "[0, 0, 5]"}}},
-    {"20 glass ball", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0,
-     {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL}},
+    FORM("B20 total reflection, behind", "slab.json", all, 0, EXACT, 0,
+     {{"slab", JSON({"type": "dielectric", "ior": 0.5})}, AT_60}),
+    FORM("B20 total reflection, in front", "slab.json", all, 1, EXACT, 0,
+     {{"slab", JSON({"type": "dielectric", "ior": 0.5})}, AT_60, {"light", "[0, 0, 5]"}}),
+    FORM("B20 glass ball", "media.json", all, 1, WITHOUT_VARIANCE, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL}),
 
     // Radiance within glass of index n is n^2 times that outside.
-    {"21 camera in glass", OURS "media.json", all, 2.25, WITHOUT_VARIANCE, 0,
+    FORM("B21 camera in glass", "media.json", all, 2.25, WITHOUT_VARIANCE, 0,
      {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL, {"from", "[0.2, 0.1, 0.1]"},
-      {"fov", "120"}}},
+      {"fov", "120"}}),
 
     // docs/verification.md, A6: 1 - ln 2 at alpha = 1 from above, the others by quadrature.
-    {"22 GGX, alpha 0.1", OURS "plate.json", all, .98831, BY_STATISTICS, 0,
-     {WHITE("0.31622776601683794")}},
-    {"22 GGX, alpha 0.1, at 45", OURS "plate.json", all, .98169, BY_STATISTICS, 0,
-     {WHITE("0.31622776601683794"), AT_45}},
-    {"22 GGX, alpha 0.1, grazing", OURS "plate.json", all, .88345, BY_STATISTICS, 0,
-     {WHITE("0.31622776601683794"), AT_GRAZING}},
-    {"22 GGX, alpha 0.25, at 60", OURS "plate.json", all, .85726, BY_STATISTICS, 0,
-     {WHITE("0.5"), AT_60}},
-    {"22 GGX, alpha 0.5", OURS "plate.json", all, .68785, BY_STATISTICS, 0,
-     {WHITE("0.7071067811865476")}},
-    {"22 GGX, alpha 0.5, grazing", OURS "plate.json", all, .86011, BY_STATISTICS, 0,
-     {WHITE("0.7071067811865476"), AT_GRAZING}},
-    {"22 GGX, alpha 1", OURS "plate.json", all, .3068528194400547, BY_STATISTICS, 0, {WHITE("1")}},
-    {"22 GGX, alpha 1, at 45", OURS "plate.json", all, .37677, BY_STATISTICS, 0,
-     {WHITE("1"), AT_45}},
-    {"22 GGX, alpha 1, at 60", OURS "plate.json", all, .45069, BY_STATISTICS, 0,
-     {WHITE("1"), AT_60}},
+    FORM("B22 GGX, alpha 0.1", "plate.json", all, .98831, BY_STATISTICS, 0,
+     {WHITE("0.31622776601683794")}),
+    FORM("B22 GGX, alpha 0.1, at 45", "plate.json", all, .98169, BY_STATISTICS, 0,
+     {WHITE("0.31622776601683794"), AT_45}),
+    FORM("B22 GGX, alpha 0.1, grazing", "plate.json", all, .88345, BY_STATISTICS, 0,
+     {WHITE("0.31622776601683794"), AT_GRAZING}),
+    FORM("B22 GGX, alpha 0.25, at 60", "plate.json", all, .85726, BY_STATISTICS, 0,
+     {WHITE("0.5"), AT_60}),
+    FORM("B22 GGX, alpha 0.5", "plate.json", all, .68785, BY_STATISTICS, 0,
+     {WHITE("0.7071067811865476")}),
+    FORM("B22 GGX, alpha 0.5, grazing", "plate.json", all, .86011, BY_STATISTICS, 0,
+     {WHITE("0.7071067811865476"), AT_GRAZING}),
+    FORM("B22 GGX, alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0, {WHITE("1")}),
+    FORM("B22 GGX, alpha 1, at 45", "plate.json", all, .37677, BY_STATISTICS, 0,
+     {WHITE("1"), AT_45}),
+    FORM("B22 GGX, alpha 1, at 60", "plate.json", all, .45069, BY_STATISTICS, 0,
+     {WHITE("1"), AT_60}),
 
     // What a sheet does not reflect it lets through, by the same normals.
-    {"22 thin rough sheet, alpha 0.5", OURS "plate.json", all, .68785, BY_STATISTICS, 0,
+    FORM("B22 thin rough sheet, alpha 0.5", "plate.json", all, .68785, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "dielectric", "thin": true, "roughness": 0.7071067811865476,
-                      "compensate": false})}}},
+                      "compensate": false})}}),
     // At alpha = 1 all normals are alike, D = 1 / pi, for Phong's distribution too, and from above
     // the integral is that of c / (1 + c) dc, 1 - ln 2, with these maskings as well.
-    {"Phong microfacets, alpha 1", OURS "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
-     {ALPHA_1(JSON("distribution": "phong"))}},
-    {"GGX and l.h, alpha 1", OURS "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
-     {ALPHA_1(JSON("masking": "lh"))}},
-    {"GGX and Schlick's masking, alpha 1", OURS "plate.json", all, .3068528194400547,
-     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick_ggx"))}},
+    FORM("A6a Phong microfacets, alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
+     {ALPHA_1(JSON("distribution": "phong"))}),
+    FORM("A6a GGX and l.h, alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
+     {ALPHA_1(JSON("masking": "lh"))}),
+    FORM("A6a GGX and Schlick's masking, alpha 1", "plate.json", all, .3068528194400547,
+     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick_ggx"))}),
     // Normalised to the specular reflectance from above.
-    {"Phong", OURS "plate.json", colored, 1, BY_STATISTICS, 0,
+    FORM("A6a Phong", "plate.json", colored, 1, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "phong", "base_color": [0, 0, 0], "exponent": 10,
-                      "specular_color": [0.8, 0.5, 0.2]})}}},
-    {"Blinn-Phong", OURS "plate.json", colored, 1, BY_STATISTICS, 0,
+                      "specular_color": [0.8, 0.5, 0.2]})}}),
+    FORM("A6a Blinn-Phong", "plate.json", colored, 1, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "blinn_phong", "base_color": [0, 0, 0], "exponent": 10,
-                      "specular_color": [0.8, 0.5, 0.2]})}}},
+                      "specular_color": [0.8, 0.5, 0.2]})}}),
 
-    {"C20 smooth metal", OURS "plate.json", metal, 0, WITHOUT_VARIANCE, 0, {{"plate", METAL}}},
-    {"C20 smooth metal at 60", OURS "plate.json", metal, 60, WITHOUT_VARIANCE, 0,
-     {{"plate", METAL}, AT_60}},
-    {"C21 index 1", OURS "media.json", all, 1, EXACT, 0,
-     {{"body", JSON({"type": "dielectric", "ior": 1})}, ONE_BALL}},
-    {"C21 index 1, rough", OURS "media.json", all, 1, EXACT, 0,
-     {{"body", JSON({"type": "dielectric", "ior": 1, "roughness": 0.7})}, ONE_BALL}},
-    {"C21 index 1.0001", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0,
-     {{"body", JSON({"type": "dielectric", "ior": 1.0001})}, ONE_BALL}},
-    {"C21 index 0.67", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0,
-     {{"body", JSON({"type": "dielectric", "ior": 0.67})}, ONE_BALL}},
+    FORM("C20 smooth metal", "plate.json", metal, 0, WITHOUT_VARIANCE, 0, {{"plate", METAL}}),
+    FORM("C20 smooth metal at 60", "plate.json", metal, 60, WITHOUT_VARIANCE, 0,
+     {{"plate", METAL}, AT_60}),
+    FORM("C21 index 1", "media.json", all, 1, EXACT, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1})}, ONE_BALL}),
+    FORM("C21 index 1, rough", "media.json", all, 1, EXACT, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1, "roughness": 0.7})}, ONE_BALL}),
+    FORM("C21 index 1.0001", "media.json", all, 1, WITHOUT_VARIANCE, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1.0001})}, ONE_BALL}),
+    FORM("C21 index 0.67", "media.json", all, 1, WITHOUT_VARIANCE, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 0.67})}, ONE_BALL}),
 
-    {"C22 overlapping balls", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0, {OVERLAPPING}},
-    {"C22 balls in balls", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0, {NESTED}},
-    {"C22 ball and block", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0, {ROUND_ICE_IN_A_BLOCK}},
-    {"C22 camera where both are", OURS "media.json", all, 2.25, WITHOUT_VARIANCE, 0,
-     {OVERLAPPING, {"from", "[0.4, 0, 0]"}, {"towards", "[-1, 0, 0]"}, {"fov", "20"}}},
-    {"C22 camera in the water", OURS "media.json", all, 1.33 * 1.33, WITHOUT_VARIANCE, 0,
-     {OVERLAPPING, {"from", "[1.2, 0, 0]"}, {"towards", "[1, 0, 0]"}, {"fov", "20"}}},
+    FORM("C22 overlapping balls", "media.json", all, 1, WITHOUT_VARIANCE, 0, {OVERLAPPING}),
+    FORM("C22 balls in balls", "media.json", all, 1, WITHOUT_VARIANCE, 0, {NESTED}),
+    FORM("C22 ball and block", "media.json", all, 1, WITHOUT_VARIANCE, 0, {ROUND_ICE_IN_A_BLOCK}),
+    FORM("C22 camera where both are", "media.json", all, 2.25, WITHOUT_VARIANCE, 0,
+     {OVERLAPPING, {"from", "[0.4, 0, 0]"}, {"towards", "[-1, 0, 0]"}, {"fov", "20"}}),
+    FORM("C22 camera in the water", "media.json", all, 1.33 * 1.33, WITHOUT_VARIANCE, 0,
+     {OVERLAPPING, {"from", "[1.2, 0, 0]"}, {"towards", "[1, 0, 0]"}, {"fov", "20"}}),
 
-    {"C43 black, half and clear", OURS "slab.json", through_extremes, 0, WITHOUT_VARIANCE, 0,
+    FORM("C43 black, half and clear", "slab.json", through_extremes, 0, WITHOUT_VARIANCE, 0,
      {{"slab", JSON({"type": "dielectric", "ior": 1,
-                     "absorption": {"color": [0, 0.5, 1], "distance": 1}})}}},
-    {"C43 sigma 1e6, ln 2, 1e-9", OURS "slab.json", through_extremes, 0, WITHOUT_VARIANCE, 0,
+                     "absorption": {"color": [0, 0.5, 1], "distance": 1}})}}),
+    FORM("C43 sigma 1e6, ln 2, 1e-9", "slab.json", through_extremes, 0, WITHOUT_VARIANCE, 0,
      {{"slab", JSON({"type": "dielectric", "ior": 1,
-                     "extinction": [1e6, 0.6931471805599453, 1e-9]})}}},
+                     "extinction": [1e6, 0.6931471805599453, 1e-9]})}}),
 
     // Choices beside the defaults.
-    {"Phong's exponent 0 is alpha 1", OURS "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
+    LONG_FORM("A6a Phong's exponent 0 is alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "microfacet", "base_color": [0, 0, 0], "distribution": "phong",
-                      "phong_exponent": 0})}}},
+                      "phong_exponent": 0})}}),
     // Half of the integral of c / (c (1 - k) + k) dc: (1 / (1 - k) + k ln(k) / (1 - k)^2) / 2 with
     // k = sqrt(2 / pi).
-    {"GGX and Schlick's own masking, alpha 1", OURS "plate.json", all, .2687840285229841,
-     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick"))}},
+    LONG_FORM("A6a GGX and Schlick's own masking, alpha 1", "plate.json", all, .2687840285229841,
+     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick"))}),
     // Half of the integral of the rational G1 of cot(theta) over the cosine, by quadrature; bounded
     // it is 1 - ln 2 at most.
-    {"GGX and unbounded rational masking, alpha 1", OURS "plate.json", all, .3792765160930264,
-     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "rational_unbounded"))}},
+    LONG_FORM("A6a GGX and unbounded rational masking, alpha 1", "plate.json", all, .3792765160930264,
+     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "rational_unbounded"))}),
     // From above, 1 - 2 times the integral of (1 - x)^5 (2 x^2 - 1) 4 x dx over the half angles'
     // cosines; at a cosine of .1, by quadrature .97900, and the mirror's .9^5 besides.
-    {"uncoupled base", OURS "plate.json", all, .9999181118594366, BY_STATISTICS, 0, {UNCOUPLED}},
-    {"uncoupled base, grazing", OURS "plate.json", all, 1.5694851171966855, BY_STATISTICS, 0,
-     {UNCOUPLED, AT_GRAZING}},
-    {"22 GGX, alpha 0.5, normals by D", OURS "plate.json", all, .68785, BY_STATISTICS, 0,
-     {WHITE("0.7071067811865476"), BY_D}},
-    {"22 GGX, alpha 0.5, grazing, normals by D", OURS "plate.json", all, .86011, BY_STATISTICS, 0,
-     {WHITE("0.7071067811865476"), AT_GRAZING, BY_D}},
+    FORM("A6a uncoupled base", "plate.json", all, .9999181118594366, BY_STATISTICS, 0, {UNCOUPLED}),
+    FORM("A6a uncoupled base, grazing", "plate.json", all, 1.5694851171966855, BY_STATISTICS, 0,
+     {UNCOUPLED, AT_GRAZING}),
+    LONG_FORM("B22 GGX, alpha 0.5, normals by D", "plate.json", all, .68785, BY_STATISTICS, 0,
+     {WHITE("0.7071067811865476"), BY_D}),
+    LONG_FORM("B22 GGX, alpha 0.5, grazing, normals by D", "plate.json", all, .86011, BY_STATISTICS, 0,
+     {WHITE("0.7071067811865476"), AT_GRAZING, BY_D}),
     // The specular colour times the exact curve, that of a metal times Schlick's.
-    {"mixed Fresnel at 60", OURS "plate.json", half_reflected, 60, WITHOUT_VARIANCE, 0,
-     {{"plate", MIXED(JSON("base_color": [0, 0, 0]))}, AT_60}},
-    {"mixed Fresnel of a metal at 60", OURS "plate.json", all, .403125, WITHOUT_VARIANCE, 0,
-     {{"plate", MIXED(JSON("base_color": [0.8, 0.8, 0.8], "metallic": 1))}, AT_60}},
-    {"exact coat at 60", OURS "plate.json", reflected, 60, WITHOUT_VARIANCE, 0,
+    FORM("A6a mixed Fresnel at 60", "plate.json", half_reflected, 60, WITHOUT_VARIANCE, 0,
+     {{"plate", MIXED(JSON("base_color": [0, 0, 0]))}, AT_60}),
+    FORM("A6a mixed Fresnel of a metal at 60", "plate.json", all, .403125, WITHOUT_VARIANCE, 0,
+     {{"plate", MIXED(JSON("base_color": [0.8, 0.8, 0.8], "metallic": 1))}, AT_60}),
+    FORM("A6a exact coat at 60", "plate.json", reflected, 60, WITHOUT_VARIANCE, 0,
      {{"plate", JSON({"type": "principled", "base_color": [0, 0, 0], "specular_weight": 0,
-                      "clearcoat": 1, "clearcoat_roughness": 0, "coat_fresnel": "exact"})}, AT_60}},
+                      "clearcoat": 1, "clearcoat_roughness": 0, "coat_fresnel": "exact"})}, AT_60}),
 
     // Without that factor the same inside as outside; and what goes in comes out again.
-    {"camera in glass, not scaled", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0,
+    FORM("A6a camera in glass, not scaled", "media.json", all, 1, WITHOUT_VARIANCE, 0,
      {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL, {"from", "[0.2, 0.1, 0.1]"},
-      {"fov", "120"}, {"settings.radiance_scaling", "false"}}},
-    {"camera in rough glass, not scaled", OURS "media.json", all, 1, BY_STATISTICS, 0,
+      {"fov", "120"}, {"settings.radiance_scaling", "false"}}),
+    FORM("A6a camera in rough glass, not scaled", "media.json", all, 1, BY_STATISTICS, 0,
      {{"body", JSON({"type": "dielectric", "ior": 1.5, "roughness": 0.5})}, ONE_BALL,
-      {"from", "[0.2, 0.1, 0.1]"}, {"settings.radiance_scaling", "false"}}},
-    {"camera in principled glass, not scaled", OURS "media.json", all, 1, BY_STATISTICS, 0,
+      {"from", "[0.2, 0.1, 0.1]"}, {"settings.radiance_scaling", "false"}}),
+    LONG_FORM("A6a camera in principled glass, not scaled", "media.json", all, 1, BY_STATISTICS, 0,
      {{"body", JSON({"type": "principled", "base_color": [1, 1, 1], "transmission": 1,
                      "roughness": 0.5})}, ONE_BALL,
-      {"from", "[0.2, 0.1, 0.1]"}, {"settings.radiance_scaling", "false"}}},
-    {"glass ball, not scaled", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0,
+      {"from", "[0.2, 0.1, 0.1]"}, {"settings.radiance_scaling", "false"}}),
+    FORM("A6a glass ball, not scaled", "media.json", all, 1, WITHOUT_VARIANCE, 0,
      {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL,
-      {"settings.radiance_scaling", "false"}}},
+      {"settings.radiance_scaling", "false"}}),
 };
 // clang-format on
 
-#define FORM_COUNT (sizeof forms / sizeof forms[0])
-
-TEST(by_default)
-{
-    closed_forms_by_default(forms, FORM_COUNT, FIRST_SEED);
-}
-
-TEST(by_every_estimator)
-{
-    closed_forms_by_every_estimator(forms, FORM_COUNT, FIRST_SEED);
-}
-
-TEST(validation_is_silent)
-{
-    closed_forms_validated(forms, FORM_COUNT);
-}
-
-TEST_MAIN(TEST_CASE(by_default), TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator))
+CHECK_GROUP(check_media, "media", "glass, fog and metals whose radiance is known", forms);

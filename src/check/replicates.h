@@ -1,8 +1,8 @@
 // The statistics of docs/verification.md, "How a mean is checked": R independently seeded
 // replicates of one measurement, a t-test against what is expected, and bounds on the confidence
 // interval and on the bias, since a t-test alone passes when the noise is large.
-#ifndef LAMPYRIS_TESTS_REPLICATES_H
-#define LAMPYRIS_TESTS_REPLICATES_H
+#ifndef LAMPYRIS_CHECK_REPLICATES_H
+#define LAMPYRIS_CHECK_REPLICATES_H
 
 #include "render/render.h"
 

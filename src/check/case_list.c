@@ -1,0 +1,20 @@
+#include "check/case_list.h"
+
+#include <string.h>
+
+const struct check_group *const check_groups[] = {
+    // Scenes whose radiance is known: docs/verification.md, B, and those of C that are such.
+    &check_light,   &check_media,     &check_rooms,       &check_lamps,
+    &check_grounds, &check_bodies,    &check_fields,      &check_integrators,
+    &check_scales,  &check_distances, &check_small_lamps,
+};
+const size_t check_group_count = sizeof check_groups / sizeof check_groups[0];
+
+bool check_is_wanted(const struct check_group *group, const struct check_case *this_case,
+                     const char *only)
+{
+    if (!only || strcmp(only, group->name) == 0 || strcmp(only, this_case->name) == 0)
+        return true;
+    size_t length = strlen(only);
+    return strncmp(only, this_case->name, length) == 0 && this_case->name[length] == ' ';
+}

@@ -1,0 +1,21 @@
+// The table of all cases, by groups.
+#ifndef LAMPYRIS_CHECK_CASE_LIST_H
+#define LAMPYRIS_CHECK_CASE_LIST_H
+
+#include "check/check.h"
+
+// Defines a group from an array of cases.
+#define CHECK_GROUP(symbol, word, words, array)                                                    \
+    const struct check_group symbol = {word, words, array, sizeof(array) / sizeof(array)[0]}
+
+extern const struct check_group check_light, check_media, check_rooms, check_lamps, check_grounds,
+    check_bodies, check_fields, check_integrators, check_scales, check_distances, check_small_lamps;
+
+extern const struct check_group *const check_groups[];
+extern const size_t check_group_count;
+
+// Whether `only` names the group, the case, or the case's number ("C14"); NULL names all.
+bool check_is_wanted(const struct check_group *group, const struct check_case *this_case,
+                     const char *only);
+
+#endif

@@ -1,0 +1,18 @@
+// The closed forms of a group of the table of cases, as tests: each by several estimators.
+#ifndef LAMPYRIS_TESTS_FORM_TRIALS_H
+#define LAMPYRIS_TESTS_FORM_TRIALS_H
+
+#include "check/case_list.h"
+
+// Each form in the default configuration, with the fewest samples that give the half-width.
+void forms_by_default(const struct check_group *group, uint32_t first_seed);
+// The same without the long ones.
+void forms_that_are_short(const struct check_group *group, uint32_t first_seed);
+// With CLOSED_FORM_LONG_SAMPLES, and by each estimator that can.
+void forms_by_every_estimator(const struct check_group *group, uint32_t first_seed);
+// By each way to choose an emitter, with the fewest samples that give the half-width.
+void forms_by_every_light_choice(const struct check_group *group, uint32_t first_seed);
+// One sample a pixel under the validation layers.
+void forms_validated(const struct check_group *group);
+
+#endif
