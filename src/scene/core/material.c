@@ -187,6 +187,17 @@ uint32_t material_class(const struct material *material)
     }
 }
 
+double material_phong_exponent(double roughness)
+{
+    double alpha = roughness * roughness;
+    return 2.0 / (alpha * alpha) - 2.0;
+}
+
+double material_phong_roughness(double exponent)
+{
+    return pow(2.0 / (exponent + 2.0), 0.25);
+}
+
 bool material_has_inside(const struct material *material)
 {
     bool through = material->model == MATERIAL_DIELECTRIC ||

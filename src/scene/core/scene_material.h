@@ -78,6 +78,10 @@ void material_set_absorption(struct material *material, const float color[3], fl
 uint32_t material_shading_model(const struct material *material);
 // CLASS_* that shades it.
 uint32_t material_class(const struct material *material);
+// The exponent of Phong's distribution of normals stands for a roughness by alpha_p = 2 / alpha^2 -
+// 2 (Walter et al. 2007, section 5.2), alpha = roughness^2. It is INFINITY at roughness 0.
+double material_phong_exponent(double roughness);
+double material_phong_roughness(double exponent);
 // Returns whether its surfaces bound a medium: it transmits, refracting or not, and is not
 // thin-walled.
 bool material_has_inside(const struct material *material);

@@ -225,8 +225,7 @@ static bool read_coat(const struct json_node *node, struct material *material, s
     return true;
 }
 
-// The exponent of Phong's distribution of normals in place of its roughness: alpha_p = 2 / alpha^2
-// - 2 (Walter et al. 2007, section 5.2, solved for alpha).
+// The exponent of Phong's distribution of normals stands in place of its roughness.
 static bool read_phong_exponent(const struct json_node *node, struct material *material,
                                 struct err *err)
 {
@@ -241,7 +240,7 @@ static bool read_phong_exponent(const struct json_node *node, struct material *m
         return node_fail(&exponent, err, "goes with \"distribution\": \"phong\"");
     if (!node_number(&exponent, (struct range){0, 1e6, false}, &n, err))
         return false;
-    material->roughness = (float)pow(2 / (n + 2), 0.25);
+    material->roughness = (float)material_phong_roughness(n);
     return true;
 }
 

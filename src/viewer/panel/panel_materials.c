@@ -121,6 +121,17 @@ static void flag(struct gui *gui, const char *id, const char *label, const char 
         field_set(field, to, field->words ? value : on);
 }
 
+static void phong_exponent(struct gui *gui, struct material *to)
+{
+    static const struct gui_range range = {0, INFINITY, .logarithmic = true, .infinite = "mirror",
+                                           .greatest = 1e6};
+    double exponent = material_phong_exponent((double)to->roughness);
+    if (gui_number(gui, "material.phong_exponent", "Phong exponent",
+                   "Of Phong's distribution of normals: its roughness in other terms.", &range,
+                   &exponent))
+        to->roughness = (float)material_phong_roughness(exponent);
+}
+
 static void flags(struct gui *gui, struct material *to)
 {
     bool is_principled = to->model == MATERIAL_PRINCIPLED;
@@ -154,6 +165,10 @@ static void flags(struct gui *gui, struct material *to)
          "Separable instead of height-correlated Smith masking.", to);
     gui_enabled(gui, is_microfacet);
     flag(gui, "material.distribution", "Distribution", "Of microfacets' normals.", to);
+    gui_enabled(gui, is_microfacet &&
+                         (to->flags >> MATERIAL_DISTRIBUTION_SHIFT & 3u) == DISTRIBUTION_PHONG);
+    phong_exponent(gui, to);
+    gui_enabled(gui, is_microfacet);
     flag(gui, "material.masking", "Masking", "How microfacets hide each other.", to);
     flag(gui, "material.diffuse", "Diffuse",
          "The base under microfacets: light enters and leaves through what the surface does not "
