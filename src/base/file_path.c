@@ -1,8 +1,8 @@
 // Paths as text, and the file that a path means.
-#include "base/ascii.h"
 #include "base/file.h"
-#include "base/file_system.h"
 
+#include "base/ascii.h"
+#include "base/file_system.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

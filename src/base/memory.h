@@ -49,8 +49,16 @@ uint64_t memory_failures(void);
 // the system, and what was left of the budget then. err_memory asks, to say which it was.
 uint64_t memory_refused(uint64_t *left);
 
-// The most that the process had so far, of the budget or not; 0 where it is not known.
+// What the process has now, and the most that it had so far, of the budget or not; 0 where it is
+// not known.
+uint64_t memory_resident(void);
 uint64_t memory_peak(void);
+// All of the machine's, 0 where it is not known; and of it what nothing uses, not even for the
+// content of files, UINT64_MAX where it is not known.
+uint64_t memory_physical(void);
+uint64_t memory_unused(void);
+// What malloc() gave for `data`, which may be more than it was asked for.
+size_t memory_block_bytes(void *data);
 
 // "1.5 GiB", "48 bytes".
 struct memory_text {

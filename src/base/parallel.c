@@ -1,19 +1,13 @@
-#define _GNU_SOURCE // CPU_COUNT, sched_getaffinity
 #include "base/parallel.h"
 
+#include "base/system.h"
 #include "base/thread.h"
-#include <sched.h>
 #include <stdatomic.h>
-#include <unistd.h>
 
 unsigned cpu_count(void)
 {
-    cpu_set_t set;
-    long count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set)
-                                                             : sysconf(_SC_NPROCESSORS_ONLN);
-    if (count < 1)
-        return 1;
-    return count < PARALLEL_MAX_THREADS ? (unsigned)count : PARALLEL_MAX_THREADS;
+    const unsigned count = system_processors();
+    return count < PARALLEL_MAX_THREADS ? count : PARALLEL_MAX_THREADS;
 }
 
 struct loop {

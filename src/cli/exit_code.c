@@ -1,7 +1,7 @@
 #include "cli/exit_code.h"
 
 #include "base/log.h"
-#include "cli/signals.h"
+#include "base/signals.h"
 #include "report/json_out.h"
 
 int exit_code(enum err_code code)

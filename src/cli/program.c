@@ -3,11 +3,11 @@
 #include "base/file_inputs.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/signals.h"
 #include "cli/commands.h"
 #include "cli/help.h"
 #include "cli/options.h"
 #include "cli/progress_bar.h"
-#include "cli/signals.h"
 #include "json/json_parse.h"
 #include <errno.h>
 #include <stdio.h>

@@ -1,11 +1,10 @@
 #include "cli/progress_bar.h"
 
 #include "base/clock.h"
-#include "cli/signals.h"
+#include "base/signals.h"
+#include "base/terminal.h"
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #define SECOND_NS UINT64_C(1000000000)
 
@@ -16,10 +15,8 @@
 
 void progress_bar_init(struct progress_bar *bar, FILE *stream)
 {
-    const char *terminal = getenv("TERM");
-    bool is_dumb = !terminal || strcmp(terminal, "dumb") == 0; // knows no escape sequences
     *bar = (struct progress_bar){.stream = stream};
-    bar->is_terminal = isatty(fileno(stream)) && !is_dumb;
+    bar->is_terminal = terminal_is_smart(stream);
     mutex_init(&bar->mutex);
 }
 
@@ -36,13 +33,6 @@ static void format_seconds(double seconds, char *out, size_t size)
         snprintf(out, size, "very long");
 }
 
-static int terminal_columns(const struct progress_bar *bar)
-{
-    struct winsize window;
-    bool known = ioctl(fileno(bar->stream), TIOCGWINSZ, &window) == 0 && window.ws_col > 0;
-    return known ? window.ws_col : 80;
-}
-
 // Back to the start of the line, and clear it (ECMA-48, EL).
 static void clear_line(struct progress_bar *bar)
 {
@@ -57,7 +47,7 @@ static void draw_bar(struct progress_bar *bar, double fraction, const char *time
     char cells[MOST_CELLS + 1];
     // "PHASE: [" … "] 100% (TIMES)", and one column free, since some terminals wrap at the last.
     int fixed = (int)(strlen(bar->phase) + strlen(times)) + 13;
-    int width = terminal_columns(bar) - fixed;
+    int width = terminal_columns(bar->stream) - fixed;
     width = width > MOST_CELLS ? MOST_CELLS : width;
     clear_line(bar);
     if (width >= 5) {

@@ -10,7 +10,6 @@
 #include "shared/types.h"
 #include <inttypes.h>
 #include <stdio.h>
-#include <unistd.h>
 
 // Measured (docs/performance.md): a dispatch on lavapipe costs some 65 us to wake its threads, so
 // larger waves pay until the path state leaves the caches. GPUs want enough paths to fill every
@@ -286,23 +285,17 @@ static bool check(const struct memory_plan_params *p, const struct memory_plan *
 // The host keeps so much of a picture to read it back, estimate its error and write it.
 #define HOST_BYTES_A_PIXEL 64
 
-static uint64_t host_free(void)
-{
-    long pages = sysconf(_SC_AVPHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    return pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : UINT64_MAX;
-}
-
 // On a CPU driver device memory is the host's, whatever size the driver gives its heap.
 uint64_t memory_plan_free(const struct gpu *gpu)
 {
     uint64_t bytes = gpu->info.memory_bytes, used = gpu->allocated_bytes;
-    return gpu->info.is_cpu ? host_free() : bytes - least(bytes, used);
+    return gpu->info.is_cpu ? memory_unused() : bytes - least(bytes, used);
 }
 
 static bool check_total(const struct memory_plan_params *p, const struct memory_plan *plan,
                         uint64_t pixels, struct err *err)
 {
-    uint64_t host = host_free();
+    uint64_t host = memory_unused();
     bool is_cpu = p->gpu->info.is_cpu;
     uint64_t device = is_cpu ? host : p->gpu->info.memory_bytes;
     uint64_t host_bytes = HOST_BYTES_A_PIXEL + film_aovs_bytes(p->specialization->aovs);

@@ -1,7 +1,7 @@
 // From a path to a complete scene: the loader for the extension, then what a file may leave out.
-#include "base/ascii.h"
 #include "scene/core/scene.h"
 
+#include "base/ascii.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/log.h"

@@ -1,6 +1,6 @@
 #define _GNU_SOURCE // nftw
+#include "base/signals.h"
 #include "base/temporary_folder.h"
-#include "cli/signals.h"
 #include "test.h"
 
 #include <errno.h>

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/hash.h"
+#include "base/system.h"
 #include "cli/scene_options.h"
 #include "render/wave.h"
 #include "shared/aov.h"
@@ -39,8 +40,7 @@ bool bench_prepare(struct bench *b, struct err *err)
 {
     struct variant *variants;
     b->repeats = b->options->bench.repeats;
-    if (getloadavg(&b->load, 1) != 1)
-        b->load = NAN;
+    b->load = system_load();
     if (!variants_make(b->options, &b->arena, &variants, &b->variant_count, err))
         return false;
     b->variants = ARENA_NEW(&b->arena, struct bench_variant, b->variant_count);

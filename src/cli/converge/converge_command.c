@@ -1,7 +1,7 @@
 // The command that makes a curve's picture again.
-#include "base/memory_stream.h"
 #include "cli/converge/converge.h"
 
+#include "base/memory_stream.h"
 #include "cli/commands.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 // gnuplot scripts of curves.
-#include "base/memory_stream.h"
 #include "cli/converge/converge.h"
 
+#include "base/memory_stream.h"
 #include "report/html.h"
 #include <math.h>
 #include <stdio.h>

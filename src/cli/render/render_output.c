@@ -6,14 +6,14 @@
 #include "base/file.h"
 #include "base/file_system.h"
 #include "base/log.h"
-#include "cli/signals.h"
+#include "base/signals.h"
+#include "base/terminal.h"
 #include "image/image.h"
 #include "output/layers.h"
 #include "output/metadata.h"
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static char *without_extension(struct arena *arena, const char *path)
 {
@@ -27,7 +27,7 @@ static char *without_extension(struct arena *arena, const char *path)
 // Returns whether somebody reads the summary, and may want to look at the picture.
 static bool is_watched(const struct options *options)
 {
-    return isatty(STDOUT_FILENO) && !options->quiet && !options->json;
+    return terminal_is(stdout) && !options->quiet && !options->json;
 }
 
 // The scene's name with .exr, in the working directory; for people a picture to look at besides.

@@ -1,5 +1,6 @@
 // Reports a render to people.
 #include "cli/render/render_report.h"
+
 #include "base/file.h"
 #include "base/memory.h"
 #include "cli/sharing.h"

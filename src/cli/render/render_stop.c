@@ -2,8 +2,8 @@
 // a sample.
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/signals.h"
 #include "cli/render/render_run.h"
-#include "cli/signals.h"
 
 #include <math.h>
 

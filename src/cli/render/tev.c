@@ -2,17 +2,12 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/socket.h"
 #include "base/thread.h"
-#include <endian.h>
-#include <errno.h>
-#include <netdb.h>
-#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #define CREATE_IMAGE 4
 #define UPDATE_IMAGE 5 // with several channels
@@ -31,7 +26,7 @@ struct tev {
     bool is_closing, is_abandoned, is_failed, is_done;
     struct tev_picture picture; // its arrays are our own
     // Of the thread alone.
-    int socket;
+    struct connection connection;
     bool is_created; // the viewer knows the picture
 };
 
@@ -97,100 +92,39 @@ bool tev_parse_address(const char *text, struct tev_address *out, struct err *er
 
 // --- connection ----------------------------------------------------------------------------------
 
-static bool is_abandoned(struct tev *tev)
+static bool is_abandoned(void *context)
 {
+    struct tev *tev = context;
     mutex_lock(&tev->mutex);
     bool abandoned = tev->is_abandoned;
     mutex_unlock(&tev->mutex);
     return abandoned;
 }
 
-static bool fail(struct tev *tev, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static bool fail(struct tev *tev, const char *format, ...)
+static bool fail(struct tev *tev, const char *reason)
 {
-    char reason[256];
     if (is_abandoned(tev)) // nobody waits for it any more, and tev_wait has told so
         return false;
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(reason, sizeof reason, format, arguments);
-    va_end(arguments);
     log_warn("--tev: %s port %s: %s; the render goes on without", tev->address.host,
              tev->address.port, reason);
     return false;
 }
 
-// Until the socket takes data, or a connection is made.
-static bool wait_writable(struct tev *tev)
+static bool connect_to(struct tev *tev)
 {
-    struct pollfd poll_fd = {.fd = tev->socket, .events = POLLOUT};
-    uint64_t start = clock_ns();
-    int ready = 0;
-    while (ready <= 0 && clock_seconds_since(start) < TEV_PATIENCE_SECONDS && !is_abandoned(tev)) {
-        ready = poll(&poll_fd, 1, 100);
-        if (ready < 0 && errno != EINTR)
-            return false;
-    }
-    if (ready <= 0)
-        errno = ETIMEDOUT;
-    return ready > 0;
-}
-
-// 0, or what went wrong.
-static int connect_to(struct tev *tev, const struct addrinfo *address)
-{
-    int type = address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, error = 0;
-    socklen_t size = sizeof error;
-    tev->socket = socket(address->ai_family, type, address->ai_protocol);
-    if (tev->socket < 0)
-        return errno;
-    if (connect(tev->socket, address->ai_addr, address->ai_addrlen) != 0) {
-        error = errno;
-        if (error == EINPROGRESS && wait_writable(tev)) {
-            if (getsockopt(tev->socket, SOL_SOCKET, SO_ERROR, &error, &size) != 0)
-                error = errno;
-        } else if (error == EINPROGRESS) {
-            error = errno;
-        }
-    }
-    if (error != 0) {
-        close(tev->socket);
-        tev->socket = -1;
-    }
-    return error;
-}
-
-static bool connect_any(struct tev *tev)
-{
-    const struct addrinfo hints = {.ai_family = AF_UNSPEC, .ai_socktype = SOCK_STREAM};
-    struct addrinfo *list = NULL;
-    int status = getaddrinfo(tev->address.host, tev->address.port, &hints, &list), error = 0;
-    if (status != 0)
-        return fail(tev, "%s", status == EAI_SYSTEM ? strerror(errno) : gai_strerror(status));
-    for (const struct addrinfo *at = list; at && tev->socket < 0; at = at->ai_next)
-        error = connect_to(tev, at);
-    freeaddrinfo(list);
-    return tev->socket >= 0 || fail(tev, "%s (is tev running?)", strerror(error));
+    tev->connection = (struct connection){
+        .patience_seconds = TEV_PATIENCE_SECONDS, .is_abandoned = is_abandoned, .context = tev};
+    if (connection_open(&tev->connection, tev->address.host, tev->address.port))
+        return true;
+    char reason[SOCKET_REASON_BYTES + 32];
+    snprintf(reason, sizeof reason, "%s%s", tev->connection.reason,
+             tev->connection.has_address ? " (is tev running?)" : "");
+    return fail(tev, reason);
 }
 
 static bool send_bytes(struct tev *tev, const void *data, size_t size)
 {
-    const char *at = data;
-    while (size > 0) {
-        ssize_t sent = send(tev->socket, at, size, MSG_NOSIGNAL | MSG_DONTWAIT);
-        if (sent > 0) {
-            at += sent;
-            size -= (size_t)sent;
-        } else if (sent < 0 && errno == EAGAIN) {
-            if (!wait_writable(tev))
-                return fail(tev, "took nothing for %g s: %s", TEV_PATIENCE_SECONDS,
-                            strerror(errno));
-        } else if (sent == 0 || errno != EINTR) {
-            return fail(tev, "the connection broke: %s", strerror(errno));
-        }
-    }
-    return true;
+    return connection_send(&tev->connection, data, size) || fail(tev, tev->connection.reason);
 }
 
 // --- packets -------------------------------------------------------------------------------------
@@ -207,9 +141,18 @@ static void put_bytes(struct head *head, const void *data, size_t size)
     head->size += size;
 }
 
+// The bits of the value in the order of tev's bytes, whatever the host's is.
+static uint32_t little_endian(uint32_t value)
+{
+    const uint8_t bytes[] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16),
+                             (uint8_t)(value >> 24)};
+    memcpy(&value, bytes, sizeof value);
+    return value;
+}
+
 static void put_int(struct head *head, uint32_t value)
 {
-    value = htole32(value);
+    value = little_endian(value);
     put_bytes(head, &value, sizeof value);
 }
 
@@ -237,7 +180,7 @@ static void put_channels(struct head *head, const struct tev_picture *picture)
 
 static bool send_head(struct tev *tev, struct head *head, size_t following)
 {
-    uint32_t length = htole32((uint32_t)(head->size + following));
+    uint32_t length = little_endian((uint32_t)(head->size + following));
     memcpy(head->bytes, &length, sizeof length);
     return send_bytes(tev, head->bytes, head->size);
 }
@@ -324,7 +267,7 @@ static void run(void *context)
 {
     struct tev *tev = context;
     struct head *head = malloc(sizeof *head);
-    bool ok = head && connect_any(tev);
+    bool ok = head && connect_to(tev);
     if (!head)
         fail(tev, "out of memory");
     if (!ok)
@@ -334,8 +277,7 @@ static void run(void *context)
         picture_is_gone(tev, ok);
     }
     free(head);
-    if (tev->socket >= 0)
-        close(tev->socket);
+    connection_close(&tev->connection);
     mutex_lock(&tev->mutex);
     tev->is_done = true;
     condition_wake_all(&tev->changed);
@@ -358,7 +300,7 @@ struct tev *tev_open(const struct tev_address *address, const char *name, struct
         return NULL;
     }
     tev->address = *address;
-    tev->socket = -1;
+    tev->connection.socket = CONNECTION_NONE;
     snprintf(tev->name, sizeof tev->name, "%s", name);
     mutex_init(&tev->mutex);
     condition_init(&tev->changed);
@@ -382,10 +324,10 @@ void tev_send(struct tev *tev, struct tev_picture *picture)
 {
     size_t count = (size_t)picture->width * picture->height * picture->channel_count;
     // Little-endian, whatever the host's order.
-    for (size_t i = 0; i < count && htole32(1) != 1; i++) {
+    for (size_t i = 0; i < count && little_endian(1) != 1; i++) {
         uint32_t bits;
         memcpy(&bits, &picture->values[i], sizeof bits);
-        bits = htole32(bits);
+        bits = little_endian(bits);
         memcpy(&picture->values[i], &bits, sizeof bits);
     }
     mutex_lock(&tev->mutex);

@@ -1,7 +1,7 @@
 // `lampyris view`: the window is a program of its own, so that this one needs no window library.
-#include "base/file.h"
 #include "cli/commands.h"
 
+#include "base/file.h"
 #include "base/file_system.h"
 #include "base/process.h"
 #include <errno.h>

@@ -3,8 +3,8 @@
 #include "scene/core/text.h"
 
 #include "base/ascii.h"
+#include "base/c_locale.h"
 #include <float.h>
-#include <locale.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -268,21 +268,6 @@ static bool convert_fast_double(const struct decimal *decimal, double *out)
     return true;
 }
 
-// strtof and strtod in the C locale, whatever the process's locale takes for a decimal point.
-static void convert_slow(const char *at, float *single, double *exact)
-{
-    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    locale_t before = c_locale ? uselocale(c_locale) : (locale_t)0;
-    if (single)
-        *single = strtof(at, NULL);
-    if (exact)
-        *exact = strtod(at, NULL);
-    if (c_locale) {
-        uselocale(before);
-        freelocale(c_locale);
-    }
-}
-
 static const char *parse_special(const char *at, float *out)
 {
     static const struct {
@@ -309,7 +294,7 @@ const char *text_parse_float(const char *at, float *out)
     if (!end)
         return parse_special(at, out);
     if (!convert_fast(&decimal, out))
-        convert_slow(at, out, NULL);
+        *out = c_locale_strtof(at);
     return end;
 }
 
@@ -322,7 +307,7 @@ static const char *parse_double(const char *at, double *out)
         end = parse_special(at, &special);
         *out = (double)special;
     } else if (!convert_fast_double(&decimal, out)) {
-        convert_slow(at, NULL, out);
+        *out = c_locale_strtod(at);
     }
     return end;
 }

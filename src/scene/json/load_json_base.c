@@ -1,7 +1,7 @@
 // A document with a "base": another scene file, loaded whole, and what is different here.
-#include "base/ascii.h"
 #include "scene/json/load_json.h"
 
+#include "base/ascii.h"
 #include "base/file.h"
 #include "json/field_json.h"
 #include "json/json_parse.h"

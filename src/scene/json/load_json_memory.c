@@ -1,7 +1,7 @@
 // Counts the memory that the shapes of a scene file will take at least, before any is made.
-#include "base/ascii.h"
 #include "scene/json/load_json.h"
 
+#include "base/ascii.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "scene/generate/phong_spheres.h"

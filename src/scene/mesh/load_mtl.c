@@ -313,7 +313,8 @@ void mtl_sort(struct mtl_library *library)
 // Like strcmp of a NUL-terminated name with one of given length.
 static int compare_names(const char *name, const char *wanted, size_t length)
 {
-    length = strnlen(wanted, length); // a damaged file may have NUL bytes in its names
+    const char *nul = memchr(wanted, '\0', length); // a damaged file may have them in its names
+    length = nul ? (size_t)(nul - wanted) : length;
     int difference = strncmp(name, wanted, length);
     return difference != 0 ? difference : name[length] != '\0';
 }

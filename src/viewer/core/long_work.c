@@ -2,7 +2,7 @@
 #include "viewer/core/long_work.h"
 
 #include "base/clock.h"
-#include "cli/signals.h"
+#include "base/signals.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/viewer.h"
 

@@ -1,6 +1,7 @@
 #include "viewer/script/state.h"
 
 #include "base/hash.h"
+#include "base/memory.h"
 #include "render/parts.h"
 #include "viewer/core/frame.h"
 #include "viewer/core/messages.h"
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static json_t *vector_json(const double v[3])
 {
@@ -110,17 +110,6 @@ static json_t *counts_json(const struct viewer *viewer)
                      "validation_messages", viewer->stage.gpu.validation_messages);
 }
 
-// Resident memory of the process now; 0 where it is not known.
-static double resident_bytes(void)
-{
-    FILE *file = fopen("/proc/self/statm", "r");
-    unsigned long pages = 0;
-    bool ok = file && fscanf(file, "%*u %lu", &pages) == 1;
-    if (file)
-        fclose(file);
-    return ok ? (double)pages * (double)sysconf(_SC_PAGESIZE) : 0.0;
-}
-
 static json_t *kernels_json(const struct viewer *viewer)
 {
     json_t *object = json_object();
@@ -146,7 +135,7 @@ static json_t *times_json(const struct viewer *viewer)
         json_number(s->panel_ms), "present_ms", json_number(s->present_ms), "render_seconds",
         json_number(view->seconds), "swapchains", (json_int_t)viewer->stage.swapchain.recreated,
         "shrink", (json_int_t)viewer->view.pace.shrink, "resident_bytes",
-        json_number(resident_bytes()), "device_bytes",
+        json_number((double)memory_resident()), "device_bytes",
         (json_int_t)viewer->stage.gpu.allocated_bytes, "working",
         !worker_is_idle(viewer->shell.worker), "kernel_ms", kernels_json(viewer));
 }

@@ -1,8 +1,8 @@
 // SIGINT and SIGTERM ask the program to stop in good order, and so do SIGHUP, SIGXCPU and SIGUSR1,
 // with which terminals and batch systems announce the end; a SIGINT or SIGTERM after any of them
 // ends it at once.
-#ifndef LAMPYRIS_CLI_SIGNALS_H
-#define LAMPYRIS_CLI_SIGNALS_H
+#ifndef LAMPYRIS_BASE_SIGNALS_H
+#define LAMPYRIS_BASE_SIGNALS_H
 
 #include <stdbool.h>
 

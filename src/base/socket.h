@@ -1,0 +1,30 @@
+// Connections to other programs (TCP). Nothing blocks for longer than its patience.
+#ifndef LAMPYRIS_BASE_SOCKET_H
+#define LAMPYRIS_BASE_SOCKET_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define SOCKET_REASON_BYTES 192
+
+struct connection {
+    intptr_t socket; // CONNECTION_NONE where there is none
+    // How long the other side may take nothing at all, and whether somebody asks to stop waiting,
+    // which is looked at ten times a second.
+    double patience_seconds;
+    bool (*is_abandoned)(void *context);
+    void *context;
+    bool has_address;                 // the host's name is known
+    char reason[SOCKET_REASON_BYTES]; // of the last failure
+};
+
+#define CONNECTION_NONE ((intptr_t)-1)
+
+// To the first of the host's addresses that answers. False, with the reason, where none does.
+bool connection_open(struct connection *connection, const char *host, const char *port);
+// All of it, or false with the reason.
+bool connection_send(struct connection *connection, const void *data, size_t size);
+void connection_close(struct connection *connection); // accepts CONNECTION_NONE
+
+#endif

@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+"""What the program asks of the system: outside of src/base/posix and src/base/windows the headers
+and functions of ISO C, and those of libraries, alone.
+
+check_platform.py SOURCE_ROOT BUILD_ROOT [unittest's arguments]
+"""
+import os
+import re
+import sys
+import unittest
+
+from check_graph import read_objects, read_symbols
+
+# ISO C17, section 7.1.2, but for threads.h, which macOS and MinGW have not.
+ISO_HEADERS = {f'{name}.h' for name in (
+    'assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal '
+    'stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath time '
+    'uchar wchar wctype').split()}
+# These have functions that end otherwise on other systems: the room's files have them instead.
+ISO_HEADERS -= {'signal.h', 'locale.h', 'time.h'}
+LIBRARY_HEADERS = {'jansson.h', 'GLFW/glfw3.h', 'volk.h', 'openexr.h', 'meshoptimizer.h', 'png.h',
+                   'jpeglib.h', 'jerror.h', 'imgui.h', 'cglm/struct/vec3.h',
+                   'cstring', 'cstddef',  # of C++, for Dear ImGui
+                   'sanitizer/asan_interface.h'}
+# Types alone: a mutex is kept by value.
+TYPES = {'base/thread.h': {'pthread.h'}}
+
+# ISO C17, sections 7.3 and 7.12, of double and single precision; 7.8, 7.21, 7.22 and 7.24 but for
+# what opens, names and removes files, and runs programs: base/file_system.h and base/process.h take
+# their place.
+MATHS = '''
+    acos acosh asin asinh atan atan2 atanh cabs carg cbrt ceil cexp cimag clog conj copysign cos
+    cosh cpow creal csqrt erf erfc exp exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp hypot
+    ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint lround modf nan nearbyint
+    nextafter pow remainder remquo rint round scalbln scalbn sin sinh sqrt tan tanh tgamma
+    trunc'''.split()
+ISO_FUNCTIONS = {name + suffix for name in MATHS for suffix in ('', 'f')} | set('''
+    abort abs atexit bsearch calloc clearerr exit fclose feof ferror fflush fgetc fgets fprintf
+    fputc fputs fread free fseek ftell fwrite getc getenv labs llabs longjmp malloc memchr memcmp
+    memcpy memmove memset printf putc putchar puts qsort realloc rewind setvbuf snprintf sscanf
+    stderr stdin stdout strchr strcmp strcpy strcspn strerror strlen strncmp strncpy strpbrk strrchr
+    strspn strstr strtod strtof strtol strtoll strtoul strtoull tolower toupper ungetc vfprintf
+    vsnprintf
+    strdup'''.split())  # of C23, and on every system
+# What compilers and C libraries make of these.
+HIDDEN = re.compile(r'__\w+|_GLOBAL_OFFSET_TABLE_|_setjmp|sincosf?|_Z\w+|_Unwind_\w+')
+LIBRARY_FUNCTIONS = re.compile(r'(json|png|exr|jpeg|meshopt|glfw|vk|volk|ImGui)\w*')
+LOADER = {'gpu/volk.c': {'dlopen', 'dlsym', 'dlclose'}}  # volk's own code, compiled by this file
+
+
+def is_system_file(path):
+    return re.match(r'base/(posix|windows)/', path) is not None
+
+
+def foreign_headers(path, text):
+    allowed = ISO_HEADERS | LIBRARY_HEADERS | TYPES.get(path, set())
+    return [f'{path}: <{name}>' for name in re.findall(r'^\s*#\s*include\s*<([^>]+)>', text,
+                                                       re.MULTILINE) if name not in allowed]
+
+
+def foreign_functions(symbols):
+    """Of {source: (defined, used)}: those that are neither ours nor ISO C's nor a library's."""
+    own = set().union(*(defined for defined, _ in symbols.values()))
+    return [f'{source}: {name}' for source, (_, used) in symbols.items()
+            if not is_system_file(source)
+            for name in sorted(used - own - ISO_FUNCTIONS - LOADER.get(source, set()))
+            if not HIDDEN.fullmatch(name) and not LIBRARY_FUNCTIONS.fullmatch(name)]
+
+
+class Platform(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        objects = read_objects(SOURCE_ROOT, BUILD_ROOT)
+        symbols = read_symbols(objects.values())
+        cls.symbols = {source: symbols[path] for source, path in objects.items()}
+        cls.texts = {}
+        top = os.path.join(SOURCE_ROOT, 'src')
+        for folder, _, names in os.walk(top):
+            for name in (name for name in names if re.search(r'\.(c|h|cpp)$', name)):
+                path = os.path.join(folder, name)
+                with open(path, encoding='utf-8') as file:
+                    cls.texts[os.path.relpath(path, top)] = file.read()
+
+    def test_headers_are_of_iso_c(self):
+        found = [line for path, text in self.texts.items() if not is_system_file(path)
+                 for line in foreign_headers(path, text)]
+        self.assertEqual(found, [])
+        self.assertEqual(foreign_headers('job/job.c', '#include <unistd.h>\n'),
+                         ['job/job.c: <unistd.h>'])
+        self.assertEqual(len(foreign_headers('base/log.h', '# include <pthread.h>\n')), 1)
+
+    def test_functions_are_of_iso_c(self):
+        self.assertGreater(len(self.symbols), 250)
+        self.assertEqual(foreign_functions(self.symbols), [])
+        for name in ('stat', 'fopen', 'getpid', 'strcasecmp', 'open_memstream', 'pthread_create'):
+            defined, used = self.symbols['job/job.c']
+            planted = {**self.symbols, 'job/job.c': (defined, used | {name})}
+            self.assertEqual(foreign_functions(planted), [f'job/job.c: {name}'])
+
+
+if __name__ == '__main__':
+    SOURCE_ROOT, BUILD_ROOT = sys.argv[1:3]
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
