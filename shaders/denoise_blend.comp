@@ -64,7 +64,10 @@ bool is_told_by_halves(ivec2 pixel, float variance)
 struct past {
     vec3 light;
     float samples, deviation, freedom;
+    float part; // of the taps that fit
 };
+
+const past NO_PAST = past(vec3(0.0), 0.0, 0.0, 0.0, 0.0);
 
 // A pixel of the history, where it may speak for the place `at` of its picture: the surface there
 // has the same normal, and the depth that its own slope leads to. Returns its weight.
@@ -87,8 +90,7 @@ float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float to
 // Bilinear, of those taps that fit; what is missing of them takes its share of the samples along.
 past read_past(vec2 at, vec4 guide, float expected_depth, float tolerance)
 {
-    past sum = past(vec3(0.0), 0.0, 0.0, 0.0);
-    float weights = 0.0;
+    past sum = NO_PAST;
     ivec2 size = ivec2(denoise.history.width, denoise.history.height);
     ivec2 corner = ivec2(floor(at - 0.5));
     for (int i = 0; i < 4; i++) {
@@ -106,23 +108,22 @@ past read_past(vec2 at, vec4 guide, float expected_depth, float tolerance)
         vec4 light = load_blended_history(index);
         vec4 record = load_records_history(index);
         weight = inside && light.w > 0.0 ? weight : 0.0;
-        weights += weight;
+        sum.part += weight;
         sum.light += weight * light.rgb;
         sum.samples += weight * light.w;
         sum.deviation += weight * record.z;
         sum.freedom += weight * record.w;
     }
-    if (!(weights > 0.0))
-        return past(vec3(0.0), 0.0, 0.0, 0.0);
-    sum.light /= weights;
+    if (!(sum.part > 0.0))
+        return NO_PAST;
+    sum.light /= sum.part;
     return sum;
 }
 
 past find_past(vec2 middle, vec4 guide, vec2 slope)
 {
-    past none = past(vec3(0.0), 0.0, 0.0, 0.0);
     if (HISTORY == 0u)
-        return none;
+        return NO_PAST;
     view_ray ray = ray_through(denoise.now, middle);
     bool far = is_sky(guide);
     vec3 point = far ? ray.direction
@@ -136,7 +137,7 @@ past find_past(vec2 middle, vec4 guide, vec2 slope)
     float own = (abs(slope.x) + abs(slope.y)) / guide.w + ray_length_change(denoise.now, middle) +
                 ray_length_change(denoise.history, at) + 2.0 * DEPTH_ROUNDING;
     if (!inside || is_empty(guide))
-        return none;
+        return NO_PAST;
     return read_past(at, guide, expected_depth, far ? 0.0 : own * expected_depth);
 }
 
@@ -165,10 +166,13 @@ void main()
         float share = worth / (worth + samples);
         float difference = luminance(before.light) - luminance(light.rgb);
         light.rgb += share * (before.light - light.rgb);
-        // Two means and what lies between them (Chan, Golub and LeVeque 1979).
-        deviation += before.deviation + difference * difference *
-                                            (before.samples * samples / (before.samples + samples));
-        freedom += before.freedom + 1.0;
+        // Two means and what lies between them (Chan, Golub and LeVeque 1979). The history's is that
+        // of all samples of the taps that fit, however few these are; what it tells counts as they
+        // do. Otherwise an edge's pixel would take the fewness of its taps for a small variance.
+        float whole = before.samples / before.part;
+        deviation += before.deviation + before.part * difference * difference *
+                                            (whole * samples / (whole + samples));
+        freedom += before.freedom + before.part;
         samples = 1.0 / (share * share / before.samples + (1.0 - share) * (1.0 - share) / samples);
     }
     float kept = min(1.0, FREEDOM_MOST / max(freedom, 1.0));

@@ -27,11 +27,9 @@ const float RARE_SHARE = 1.0 / 500.0;
 
 // The mix lambda f + (1 - lambda) p of the filtered light f and the pixel p has the error
 // lambda^2 b^2 + (1 - lambda)^2 V, by the bias b of f and the variance V of p: least with lambda =
-// V / (V + b^2), and there below both. The mean of (f - p)^2, `moved`, is V + b^2; what chance
-// explains is no bias.
-float best_part(float moved, float variance, float chance)
+// V / (V + b^2), and there below both. `bias` is b^2, or less than 0 where chance explains it.
+float best_part(float variance, float bias)
 {
-    float bias = moved - chance * variance;
     return bias > 0.0 ? variance / (variance + bias) : 1.0;
 }
 
@@ -40,18 +38,22 @@ vec2 unpack_judgement(uint packed)
     return vec2(uintBitsToFloat(packed & 0xffff0000u), uintBitsToFloat(packed << 16u));
 }
 
-void add_judgement(inout vec2 sum, ivec2 pixel, ivec2 offset)
+// The third sum is of the variances times the numbers of samples: of one sample.
+void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
 {
     bool inside;
     uint index = neighbour_index(pixel, offset, inside);
     float weight = inside ? spline(abs(offset.x)) * spline(abs(offset.y)) : 0.0;
-    sum += weight * unpack_judgement(floatBitsToUint(load_from(index).w));
+    vec2 judgement = unpack_judgement(floatBitsToUint(load_from(index).w));
+    sum += weight * vec3(judgement, judgement.y * load_blended(index).w);
 }
 
-// By the pixels around together, and by the pixel alone.
-float trust(ivec2 pixel, vec2 own, float samples)
+// By the pixels around together, and by the pixel alone. The mean of (f - p)^2 is V + b^2: the
+// pixels around tell the bias b. The variance is that which they would have with as many samples,
+// `worth` with the history's, as the pixel has: one that has just come into view has fewer.
+float trust(ivec2 pixel, vec2 own, float samples, float worth)
 {
-    vec2 sum = vec2(0.0);
+    vec3 sum = vec3(0.0);
 #define ADD_JUDGEMENT(x, y) add_judgement(sum, pixel, ivec2(x, y));
     DENOISE_SQUARE_5(ADD_JUDGEMENT)
     float many = max(samples / SAMPLES_FEW, 1.0);
@@ -59,8 +61,10 @@ float trust(ivec2 pixel, vec2 own, float samples)
     // Both halves of a dark pixel may have found nothing yet: what the pixels around say counts to
     // its variance, and with more samples less.
     float variance = own.y + sum.y / (many * many);
-    return min(best_part(sum.x, sum.y, 1.0 + (FISHER_13_13 - 1.0) / many),
-               best_part(own.x, variance, rare * rare));
+    float chance = 1.0 + (FISHER_13_13 - 1.0) / many;
+    float expected = worth > 0.0 ? sum.z / worth : 0.0;
+    return min(best_part(expected, sum.x - chance * sum.y),
+               best_part(variance, own.x - rare * rare * variance));
 }
 
 void main()
@@ -70,12 +74,13 @@ void main()
         return;
     uint index = pixel_index(pixel);
     vec4 filtered = load_from(index);
-    vec3 before = load_blended(index).rgb;
+    vec4 before = load_blended(index);
     vec3 divisor = load_modulation(index).rgb;
     vec3 emission = load_emission(index).rgb;
     vec4 film = picture_words[index];
     vec2 own = unpack_judgement(floatBitsToUint(filtered.w));
-    vec3 light = before + trust(ivec2(pixel), own, film.w) * (filtered.rgb - before);
+    float part = trust(ivec2(pixel), own, film.w, before.w);
+    vec3 light = before.rgb + part * (filtered.rgb - before.rgb);
     // Where nothing was moved these are the film's own bits, without the rounding of two divisions.
     bvec3 same = equal(light, (film.rgb - emission) / divisor);
     picture_words[index].rgb = mix(light * divisor + emission, film.rgb, same);

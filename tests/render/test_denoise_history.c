@@ -414,5 +414,97 @@ TEST(history_ends)
     trip_close(&t);
 }
 
+// --- what it says of the variance ----------------------------------------------------------------
+
+// A wall in front of a parallel camera with light of 1. What is now has one sample a pixel, 1.5 or
+// 0.5; what was has 64, and halves that tell the same variance. In every fourth column of every
+// fourth row lies the pixel that differs.
+struct noisy {
+    bool is_past;
+    float past_normal[3]; // of the pixels that differ
+    uint32_t past_samples;
+};
+
+static bool is_different(uint32_t x, uint32_t y)
+{
+    return x % 4 == 1 && y % 4 == 1;
+}
+
+static struct made_pixel noise(const void *context, uint32_t x, uint32_t y)
+{
+    const struct noisy *n = context;
+    uint32_t hash = (x * 73856093u) ^ (y * 19349663u);
+    float sign = (hash * 2654435761u) >> 31 ? 0.5f : -0.5f;
+    float light = n->is_past ? 1.0f : 1.0f + sign, apart = n->is_past ? sign / 8 : 0.0f;
+    struct made_pixel pixel = {
+        .samples = n->is_past ? 64 : 1,
+        .light = {light, light, light},
+        .apart = {apart, apart, apart},
+        .albedo = {0.5f, 0.5f, 0.5f},
+        .normal = {0, 0, 1},
+        .depth = 6,
+        .alpha = 1,
+    };
+    if (n->is_past && is_different(x, y)) {
+        memcpy(pixel.normal, n->past_normal, sizeof pixel.normal);
+        pixel.samples = n->past_samples;
+    }
+    return pixel;
+}
+
+// The mean square of what is left of the noise, of 0.25, in the pixels that differ.
+static double left_over(const struct trip *t)
+{
+    double sum = 0;
+    uint32_t count = 0;
+    for (uint32_t y = 0; y < t->to.height; y++)
+        for (uint32_t x = 0; x < t->to.width; x++)
+            if (is_different(x, y)) {
+                double error = (double)t->to.picture[y * t->to.width + x][0] / 0.5 - 1;
+                sum += error * error;
+                count++;
+            }
+    return sum / count;
+}
+
+// A pixel whose history hardly fits, as where two surfaces meet, or that has none, is filtered as
+// without a history at all: its variance is not that of the pixels around, which have theirs.
+TEST(a_poor_history_leaves_no_noise)
+{
+    const struct view front = look(CAMERA_ORTHOGRAPHIC, 0, 0, 0, 0);
+    const struct move move = {"at rest", WORLD_WALL_AND_POST, front, front};
+    const struct noisy now = {.is_past = false};
+    // Normals' weight is their cosine^128: 0.37 and 0.0014.
+    const struct {
+        const char *name;
+        struct noisy past;
+    } cases[] = {
+        {"turned by 7 degrees", {true, {0.122f, 0, 0.99255f}, 64}},
+        {"turned by 18 degrees", {true, {0.312f, 0, 0.9501f}, 64}},
+        {"none", {true, {0, 0, 1}, 0}},
+    };
+    struct trip t = {0};
+    OPEN_GPU(&t.gpu, .validation = true);
+    REQUIRE(trip_open(&t, &move), "%s", t.err.msg);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct denoise_call keep = {.renderer = &t.from.renderer,
+                                          .camera = &move.from.camera};
+        struct denoise_call run = {.renderer = &t.to.renderer, .camera = &move.to.camera};
+        REQUIRE(film_make(&t.from, noise, &cases[i].past, &t.err) &&
+                    denoiser_keep(&t.denoiser, &keep, &t.err) &&
+                    film_make(&t.to, noise, &now, &t.err) &&
+                    film_denoise(&t.to, &t.denoiser, &run, &t.err),
+                "%s", t.err.msg);
+        double without = left_over(&t);
+        run.temporal = true;
+        REQUIRE(film_denoise(&t.to, &t.denoiser, &run, &t.err), "%s", t.err.msg);
+        double with = left_over(&t);
+        printf("  %s: %.5f of 0.25 is left, without history %.5f\n", cases[i].name, with, without);
+        CHECK(with <= without, "%s: %g, without history %g", cases[i].name, with, without);
+        denoiser_forget(&t.denoiser);
+    }
+    trip_close(&t);
+}
+
 TEST_MAIN(TEST_CASE(history_is_where_it_was), TEST_CASE(what_was_hidden_has_no_history),
-          TEST_CASE(history_ends))
+          TEST_CASE(history_ends), TEST_CASE(a_poor_history_leaves_no_noise))
