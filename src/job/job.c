@@ -176,22 +176,6 @@ void job_finish(struct job *job)
     *job = (struct job){0};
 }
 
-bool job_grow(struct arena *arena, void **list, uint32_t count, uint32_t *capacity, size_t size,
-              struct err *err)
-{
-    if (count < *capacity)
-        return true;
-    uint32_t larger = *capacity ? 2 * *capacity : 64;
-    void *moved = arena_alloc(arena, larger, size);
-    if (!moved)
-        return err_memory(err, "a list", larger * size);
-    if (count)
-        memcpy(moved, *list, count * size);
-    *list = moved;
-    *capacity = larger;
-    return true;
-}
-
 const char *job_ended_by(const struct job *job)
 {
     static const char *const names[] = {

@@ -5,9 +5,6 @@
 #include "job/job.h"
 
 // --- job.c ---
-// Makes room for one entry more in a list that grows by doubling.
-bool job_grow(struct arena *arena, void **list, uint32_t count, uint32_t *capacity, size_t size,
-              struct err *err);
 // Returns whether a clock, or each tile for itself, decides how many samples there are.
 bool job_is_open_ended(const struct job *job);
 // Samples of a pixel that a step of renderer_render() is: one, or those of a round.

@@ -7,11 +7,11 @@
 
 static bool add_frame_time(struct job *job, double ms, struct err *err)
 {
-    void *list = job->frames_ms;
-    if (!job_grow(&job->arena, &list, job->frame_count, &job->frame_capacity, sizeof ms, err))
-        return false;
-    job->frames_ms = list;
-    job->frames_ms[job->frame_count++] = ms;
+    double *added = arena_append(&job->arena, &job->frames_ms, &job->frame_count,
+                                 &job->frame_capacity, sizeof *added, NULL);
+    if (!added)
+        return err_memory(err, "times of frames", job->frame_count * sizeof *added);
+    *added = ms;
     return true;
 }
 
@@ -58,14 +58,14 @@ static bool advance_with_rows(struct job *job, uint64_t steps, double expected, 
 
 static bool add_look(struct job *job, uint64_t samples, struct err *err)
 {
-    void *list = job->looks;
     struct half_error error;
-    if (!job_estimate_error(job, LOOKS_CONFIDENCE, &error, err) ||
-        !job_grow(&job->arena, &list, job->look_count, &job->look_capacity, sizeof *job->looks,
-                  err))
+    if (!job_estimate_error(job, LOOKS_CONFIDENCE, &error, err))
         return false;
-    job->looks = list;
-    job->looks[job->look_count++] = (struct job_look){
+    struct job_look *added = arena_append(&job->arena, &job->looks, &job->look_count,
+                                          &job->look_capacity, sizeof *added, NULL);
+    if (!added)
+        return err_memory(err, "looks at the error", job->look_count * sizeof *added);
+    *added = (struct job_look){
         .samples = (double)samples,
         .seconds = job_elapsed(job),
         .confidence = LOOKS_CONFIDENCE,

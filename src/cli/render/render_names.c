@@ -30,7 +30,7 @@ struct numbered {
 struct numbered_list {
     struct arena arena;
     struct numbered *files;
-    size_t count, capacity;
+    uint32_t count, capacity;
 };
 
 static bool is_written(const struct render_run *run, uint32_t number)
@@ -42,19 +42,12 @@ static bool is_written(const struct render_run *run, uint32_t number)
 
 static bool append(struct numbered_list *list, const char *path, struct err *err)
 {
-    if (list->count == list->capacity) {
-        size_t capacity = list->capacity ? 2 * list->capacity : 64;
-        struct numbered *files = ARENA_NEW(&list->arena, struct numbered, capacity);
-        if (!files)
-            return err_memory(err, "output names", capacity * sizeof *files);
-        if (list->count)
-            memcpy(files, list->files, list->count * sizeof *files);
-        list->files = files;
-        list->capacity = capacity;
-    }
-    if (!path)
-        return err_memory(err, "output names", 64);
-    list->files[list->count++] = (struct numbered){path, file_is_link(path)};
+    struct numbered *added = path ? arena_append(&list->arena, &list->files, &list->count,
+                                                 &list->capacity, sizeof *added, NULL)
+                                  : NULL;
+    if (!added)
+        return err_memory(err, "output names", list->count * sizeof *added);
+    *added = (struct numbered){path, file_is_link(path)};
     return true;
 }
 

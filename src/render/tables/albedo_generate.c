@@ -16,11 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double clamp01(double x)
-{
-    return fmin(1.0, fmax(0.0, x));
-}
-
 static uint32_t words[ALBEDO_WORDS][4];
 
 static uint32_t float_bits(double value)

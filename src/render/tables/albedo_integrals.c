@@ -14,11 +14,6 @@ static double square(double x)
     return x * x;
 }
 
-static double clamp01(double x)
-{
-    return fmin(1.0, fmax(0.0, x));
-}
-
 static double schlick_weight(double cos_theta)
 {
     return pow(1.0 - clamp01(cos_theta), 5.0);

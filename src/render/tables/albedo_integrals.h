@@ -4,6 +4,13 @@
 #ifndef LAMPYRIS_RENDER_TABLES_ALBEDO_INTEGRALS_H
 #define LAMPYRIS_RENDER_TABLES_ALBEDO_INTEGRALS_H
 
+#include <math.h>
+
+static inline double clamp01(double x)
+{
+    return fmin(1.0, fmax(0.0, x));
+}
+
 double albedo_ggx(double x, double y);
 double albedo_schlick(double x, double y);
 double albedo_fresnel(double x, double y, double z, double w);
