@@ -1,4 +1,4 @@
-// What scene/core/environment.h says of an image, once more and in double precision: radiance
+// Computes what scene/core/environment.h says of an image once more, in double precision: radiance
 // between the centres of texels, and the density with which render/tables/environment_table.h says
 // that it is sampled.
 #ifndef LAMPYRIS_TESTS_ENVIRONMENT_REFERENCE_H

@@ -1,4 +1,4 @@
-// What a photometric profile says of a direction, for tests: kernels read it from a texture.
+// Looks a direction up in a photometric profile, for tests: kernels read it from a texture.
 #ifndef LAMPYRIS_TESTS_IES_REFERENCE_H
 #define LAMPYRIS_TESTS_IES_REFERENCE_H
 

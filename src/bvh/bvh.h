@@ -136,7 +136,7 @@ struct bvh_params {
     const struct progress *progress; // phase "Building BVH"
 };
 
-// Always from the top, until every leaf has one primitive:
+// Builds a tree, always from the top, until every leaf has one primitive:
 // - SAH: by the surface area heuristic, then moved to better places and collapsed into wide nodes
 //   at the least expected cost;
 // - median: into halves by the centroids along the widest axis of their bounds;

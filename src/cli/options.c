@@ -202,7 +202,7 @@ static bool check_combinations(const struct options *options, struct err *err)
     return true;
 }
 
-// Of check: whether the option says something of a scene.
+// Returns whether an option of check says something of a scene.
 static bool needs_scene(const struct option_def *def)
 {
     switch ((enum option_id)(def - option_table)) {

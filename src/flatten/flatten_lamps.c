@@ -17,7 +17,7 @@
 // A light's sample asks all triangles of its lamp whether they hide it; so many are less than what
 // a driver allows in iterations (shaders/shared/methods.h).
 #define LAMP_TRIANGLES_MAX 4096
-// The same for all samples of a vertex that is connected to every emitter.
+// The most tests for all samples of a vertex that is connected to every emitter.
 #define LAMP_TESTS_MAX 32768
 
 // Connected triangles that may be of a lamp: a node of a union-find forest, whose roots stand for

@@ -20,7 +20,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Of a window that nobody asked a size for.
+// The size of a window that nobody asked a size for.
 #define DEFAULT_WIDTH 1280u
 #define DEFAULT_HEIGHT 720u
 // A frame of a script moves the camera by this, however long it takes: so its pictures are the same

@@ -24,7 +24,7 @@ struct bvh_hit {
 // A shape test supplied by the caller: the nearest t in (0, t_max) or a negative number.
 typedef double (*bvh_shape_fn)(const void *context, uint32_t shape, const struct bvh_ray *ray);
 
-// What an instance's leaf leads to.
+// The place that an instance's leaf leads to.
 struct bvh_trace_instance {
     double to_object[3][4]; // from the world to the tree's space, as exact as is known
     uint32_t root;
@@ -49,7 +49,7 @@ struct bvh_trace_scene {
 void bvh_trace_closest(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
                        struct bvh_hit *hit);
 bool bvh_trace_any(const struct bvh_trace_scene *scene, const struct bvh_ray *ray);
-// The same without the BVH: the yardstick of the yardstick.
+// Traces without the BVH: the yardstick of the yardstick.
 void bvh_trace_brute_force(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
                            struct bvh_hit *hit);
 

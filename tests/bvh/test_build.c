@@ -324,8 +324,8 @@ TEST(long_leaves_bound_the_number_of_triangles)
     arena_finish(&arena);
 }
 
-// What median and mean are bad at: much in little room, and little around it. The heuristic's tree
-// costs 0.63 of the one by median and 0.77 of the one by mean.
+// Median and mean are bad at much in little room, and little around it. The heuristic's tree costs
+// 0.63 of the one by median and 0.77 of the one by mean.
 TEST(small_among_large)
 {
     struct arena arena = {0};
@@ -654,7 +654,7 @@ static void check_flips(const struct bvh *bvh, const struct bvh_params *params, 
     }
 }
 
-// What the flips are tried on: a few triangles and shapes.
+// Flips are tried on a few triangles and shapes.
 static bool build_for_flips(enum bvh_format format, struct arena *arena, struct bvh_params *params,
                             struct bvh *bvh)
 {

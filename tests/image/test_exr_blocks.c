@@ -22,7 +22,7 @@ struct block {
     size_t raw_bytes;
 };
 
-// What is in a picture of some kind: its channels in the order of their names.
+// The channels of a picture of some kind, in the order of their names.
 struct kind {
     const char *name;
     uint32_t width;
@@ -97,8 +97,9 @@ static void fill(struct block *block, const struct kind *kind, uint32_t seed, si
     lay_out(block, kind);
 }
 
-// What ZIP compression makes of the block: bytes of even places before those of odd ones, then
-// their differences, then zlib's format ("Technical Introduction to OpenEXR", data compression).
+// Returns the size that ZIP compression gives a block: bytes of even places before those of odd
+// ones, then their differences, then zlib's format ("Technical Introduction to OpenEXR", data
+// compression).
 static size_t compressed_bytes(const struct block *block)
 {
     uint8_t bytes[MOST_BYTES], out[2 * MOST_BYTES];

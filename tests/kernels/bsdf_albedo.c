@@ -120,7 +120,7 @@ double table_fresnel(double mu, double alpha, double eta)
     return cube(ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0), size, at);
 }
 
-// Of a table of runs of eight nodes along the first axis: from 0 to 65535.
+// Returns a node of a table of runs of eight along the first axis: from 0 to 65535.
 static double runs(uint32_t first, const uint32_t size[3], const double at[3])
 {
     double w[3], sum = 0;

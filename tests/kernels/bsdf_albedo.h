@@ -8,17 +8,18 @@
 double table_ggx(double mu, double alpha);     // E1
 double table_schlick(double mu, double alpha); // mean of Schlick's weight over what GGX reflects
 double table_fresnel(double mu, double alpha, double eta); // the same of Fresnel's reflectance
-// Of an interface that reflects and refracts; of one that reflects nothing but totally.
+// Return the albedos of an interface that reflects and refracts, and of one that reflects nothing
+// but totally.
 double table_glass(double mu, double alpha, double eta);
 double table_clear(double mu, double alpha, double eta);
-// Of anisotropic GGX: E1, and a cosine that stands for those of what it reflects. wo in the frame
-// of the turned tangent.
+// Return anisotropic GGX's E1, and a cosine that stands for those of what it reflects. wo is in the
+// frame of the turned tangent.
 double table_turned(const double wo[3], double roughness, double anisotropic,
                     const double alpha[2]);
 double table_turned_cosine(const double wo[3], double roughness, double anisotropic,
                            const double alpha[2]);
-// Of an anisotropic interface that reflects and refracts, without reflection if `is_clear` but
-// where it is total.
+// Returns the albedo of an anisotropic interface that reflects and refracts; if `is_clear`, it
+// reflects nothing but totally.
 double table_turned_glass(const double wo[3], double roughness, double anisotropic,
                           const double alpha[2], double eta, bool is_clear);
 double table_charlie(double mu, double roughness);

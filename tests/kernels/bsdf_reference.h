@@ -60,7 +60,7 @@ double reference_normal_density(const struct reference *reference, const double 
                                 const double h[3], const double alpha[2]);
 double reference_reflected_density(const struct reference *reference, const double wo[3],
                                    const double h[3], const double alpha[2]);
-// What refraction divides radiance by.
+// Refraction divides radiance by this.
 double reference_divisor(const struct reference *reference, double eta);
 
 // --- by model ------------------------------------------------------------------------------------
@@ -77,7 +77,8 @@ double dielectric_survival(const struct reference *reference, const double wo[3]
                            const double alpha[2], bool thin,
                            double (*reflects)(const struct reference *, double cosine));
 double dielectric_true_survival(const struct reference *reference);
-// What drawing again makes of a density of visible normals of which `unshadowed` survives.
+// Returns the density that drawing again makes of one of visible normals of which `unshadowed`
+// survives.
 double dielectric_tried(const struct reference *reference, double density, double unshadowed);
 // The part of a microfacet that survives: reflection with the probability `reflects`, or
 // refraction.

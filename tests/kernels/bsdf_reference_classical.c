@@ -69,8 +69,8 @@ static double beckmann_lambda(const double w[3], double alpha)
     return isinf(a) ? 0 : (erf(a) - 1) / 2 + exp(-a * a) / (2 * a * sqrt(M_PI));
 }
 
-// Of Phong's distribution: Smith's integral over Student's t with 2 k degrees of freedom; see
-// docs/materials-classical.md.
+// Lambda of Phong's distribution: Smith's integral over Student's t with 2 k degrees of freedom;
+// see docs/materials-classical.md.
 static double phong_lambda(const double w[3], double alpha)
 {
     // Nodes of Gauss and Legendre's rule of 3 points (DLMF table 3.5.1), in 16 parts.
@@ -192,7 +192,8 @@ static double specular_probability(const struct reference *r)
     return diffuse > 0 ? specular / (specular + diffuse) : 1;
 }
 
-// What reaches the base and leaves it again; uncoupled, what a microfacet between does not reflect.
+// The light that reaches the base and leaves it again; uncoupled, what a microfacet between does
+// not reflect.
 static double base_part(const struct reference *r, int channel, const double wi[3])
 {
     double h[3];

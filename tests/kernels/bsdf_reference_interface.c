@@ -19,7 +19,7 @@ static bool is_straight(const struct reference *r)
     return fabs(r->eta - 1) <= 6 * 0x1p-24;
 }
 
-// Of a slab without thickness: all orders of reflection between its faces.
+// The reflectance of a slab without thickness: all orders of reflection between its faces.
 static double reflectance(const struct reference *r, double cosine)
 {
     double one = optics_fresnel(fmin(cosine, 1), r->eta);
@@ -31,7 +31,7 @@ static void set_all(double f[3], double value)
     f[0] = f[1] = f[2] = value;
 }
 
-// What single scattering loses, given back to it: of a lossless interface all.
+// Gives back what single scattering loses: a lossless interface gets all.
 static double compensation(const struct reference *r)
 {
     double alpha = alpha_of(r->material);

@@ -271,7 +271,7 @@ static double lossless_albedo(const struct principled_state *p, const struct mat
     double moved = (p->f0[c] - p->f0_index) / (1 - p->f0_index);
     if (p->thin)
         return e1;
-    // What scales reflection but where it is total, as the specular weight does.
+    // This scales reflection but where it is total, as the specular weight does.
     double scale = p->specular_weight * p->specular[c];
     if (p->mixed)
         return scale * lossless_part(p, m, wo, false) + (1 - scale) * lossless_part(p, m, wo, true);

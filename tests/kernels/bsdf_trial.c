@@ -379,7 +379,7 @@ static double count_impossible(const struct work *w, const double *expected,
     return (double)impossible / samples;
 }
 
-// The same in cells of 5 x 10: what is wrong everywhere by little shows better in few cells.
+// Tests in cells of 5 x 10: what is wrong everywhere by little shows better in few cells.
 static double coarse_p(const double *expected, const uint32_t *count)
 {
     enum { ROWS = 5, COLUMNS = 10, A_ROW = CHART_COLUMNS / COLUMNS };
@@ -455,8 +455,8 @@ static bool integrate_hidden(struct work *w)
     return cells_integrate(charts, hidden_density, &w->exact, &w->hidden);
 }
 
-// What rounding does to a half-vector's slope, in units of the narrowest lobe's width: directions
-// are off by 2^-24, and at a cosine c half-vectors magnify that by 1 / c at most.
+// Rounding changes a half-vector's slope by this, in units of the narrowest lobe's width:
+// directions are off by 2^-24, and at a cosine c half-vectors magnify that by 1 / c at most.
 static double find_resolution(const struct work *w)
 {
     double narrowest = 1;

@@ -14,7 +14,7 @@ struct trial_params {
     double significance; // of each chi-square test
 };
 
-// What a trial found; trial_check() judges it, the tables sum it up.
+// A trial's findings; trial_check() judges them, the tables sum them up.
 struct trial {
     double
         chi_p; // of the counts in cells, of deltas and of absorbed samples; the lesser of two tests

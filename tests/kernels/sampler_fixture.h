@@ -6,7 +6,7 @@
 
 #define SAMPLER_ITEMS (1u << 18) // at a time
 
-// What goes in and what comes out.
+// A draw's input and, in its place, its output.
 union draw {
     struct {
         uint32_t pixel, sample, dimension, unused;
@@ -22,7 +22,7 @@ struct sampler_setup {
     uint32_t pixel_sampling, pixel_strata;
 };
 
-// Of a picture of width x height; leaves the test where there is no device.
+// Opens a sampler for a picture of width x height; leaves the test where there is no device.
 #define OPEN_SAMPLER(s, width, height)                                                             \
     do {                                                                                           \
         memset((s), 0, sizeof *(s));                                                               \

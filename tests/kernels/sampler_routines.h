@@ -1,4 +1,4 @@
-// What sampler.comp can run: read by C and by GLSL.
+// Routines that sampler.comp can run: read by C and by GLSL.
 #ifndef LAMPYRIS_TESTS_SAMPLER_ROUTINES_H
 #define LAMPYRIS_TESTS_SAMPLER_ROUTINES_H
 

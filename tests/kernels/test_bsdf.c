@@ -49,7 +49,7 @@ static void print_figures(const struct figures figures[MATERIAL_MODEL_COUNT], do
     printf("  limit of p: %.2g (family error 1 %%)\n", significance);
 }
 
-// Of the grid's first `count` configurations those that are chosen.
+// Chooses among the grid's first `count` configurations.
 typedef bool (*choice_fn)(const struct material *material);
 
 static bool is_principled(const struct material *material)

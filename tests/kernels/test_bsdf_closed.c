@@ -318,8 +318,8 @@ TEST(albedo_tables)
     }
 }
 
-// What an interface sends to both sides, over the normals that wo sees: those by the midpoint rule,
-// each with what Fresnel's equations and the masking of the other direction leave.
+// Integrates what an interface sends to both sides over the normals that wo sees, by the midpoint
+// rule, each with what Fresnel's equations and the masking of the other direction leave.
 static double integrate_glass(const struct point *p, bool is_clear, int steps)
 {
     double aspect = sqrt(1 - 0.9 * p->anisotropic), sine = sqrt(1 - p->mu * p->mu);
@@ -463,9 +463,9 @@ static double try_interface(double mu, double alpha, double eta, struct random *
     return random_unit(random) < unshadowed ? wi[2] : 0;
 }
 
-// Of light 1 from everywhere, what a path from a point of the ball brings. It scatters again and
-// again with what a table that is right would leave: all. A chord of a ball meets it at the same
-// cosine at both of its ends.
+// Returns what a path from a point of the ball brings of light 1 from everywhere. It scatters again
+// and again with what a table that is right would leave: all. A chord of a ball meets it at the
+// same cosine at both of its ends.
 static double follow_ball(const struct ball *ball, struct random *random)
 {
     double mu = sqrt(1 - random_unit(random)), carried = 1;

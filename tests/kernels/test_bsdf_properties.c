@@ -1,5 +1,5 @@
-// What must hold of the shipped BSDFs besides their distributions: the same bits whatever is
-// compiled in, extreme uniforms, reciprocity, and no energy lost where none should be.
+// Properties of the shipped BSDFs besides their distributions: the same bits whatever is compiled
+// in, extreme uniforms, reciprocity, and no energy lost where none should be.
 #include "bsdf_means.h"
 
 enum { CAPACITY = 512 };
@@ -251,9 +251,10 @@ static void turn_around(const struct configuration *c, bool through, union bsdf_
     }
 }
 
-// What rounding alone may do to f, as a part of it: directions and products are off by 2^-24, which
-// moves a half-vector's slope by that over the length of wo + eta wi, in a lobe as wide as alpha;
-// and the cosine beyond a microfacet, the root of a difference, by that over its square.
+// Returns what rounding alone may do to f, as a part of it: directions and products are off by
+// 2^-24, which moves a half-vector's slope by that over the length of wo + eta wi, in a lobe as
+// wide as alpha; and the cosine beyond a microfacet, the root of a difference, by that over its
+// square.
 static double rounding_of(const struct configuration *c, const union bsdf_item *item)
 {
     double alpha = (double)c->material.roughness * (double)c->material.roughness;
@@ -283,7 +284,7 @@ static double check_pairs(struct bsdf_device *device, uint32_t number, bool thro
     double worst = 0, largest = 0;
     for (uint32_t k = 0; k < PAIRS; k++) {
         double cos_i = fabs((double)items[k].in.wi[2]), cos_o = (double)items[k].in.wo[2];
-        // As rounded, the way back has a slightly different index: the product is not exactly 1.
+        // Rounded, the way back has a slightly different index: the product is not exactly 1.
         double scale = through && !(c->material.flags & MATERIAL_THIN)
                            ? (double)items[k].in.eta / (double)items[PAIRS + k].in.eta
                            : 1;

@@ -15,8 +15,8 @@ static const struct mix mixes[MIXES] = {
 
 // --- closed forms --------------------------------------------------------------------------------
 
-// What an addition of a uniform sample to a multiple of `unit` brings, which rounds to one: the
-// mean and the variance of what rounding adds.
+// Computes the mean and the variance of what rounding adds where a uniform sample is added to a
+// multiple of `unit`.
 static void rounded(const struct mix *s, double unit, double *mean, double *variance)
 {
     enum { PARTS = 1 << 14 };
@@ -37,8 +37,9 @@ static void rounded(const struct mix *s, double unit, double *mean, double *vari
     }
 }
 
-// Of `count` samples' plain sum. Between 2^j and 2^(j+1) it is a multiple of 2^(j-23), and grows
-// by samples that are rounded to that: a broken line, and the roundings' noise about it.
+// Returns the drift of `count` samples' plain sum. Between 2^j and 2^(j+1) it is a multiple of
+// 2^(j-23), and grows by samples that are rounded to that: a broken line, and the roundings' noise
+// about it.
 static double drift_of_sum(const struct mix *s, double count)
 {
     double sum = s->mean, added = 1, noise = 0;
@@ -53,13 +54,13 @@ static double drift_of_sum(const struct mix *s, double count)
     return hypot(sum - count * s->mean, sqrt(noise)) / (count * s->mean);
 }
 
-// Of `count` samples' running mean m += (x - m) / k. Roundings e_k are uniform in half a unit of
-// m's last place, and weigh k / n in the end: their variance is n unit^2 / 36. From k0 = 2 h / unit
-// samples on no step reaches half a unit: m stands still, and knows no later ones. With s = k / k0,
-// from s = 1/3 on, m moves by whole units alone, down or up with a mean of -2 (m - mean) / k0 and a
-// variance of unit^2 (1 - s). Its variance D about the mean follows D' = -4 D + unit^2 k0 (1 - s),
-// whose solution from D(1/3) = unit^2 k0 (1/4 + 1/108) ends at D(1) = 0.0646 unit^2 k0. After that
-// the samples' mean goes on without m.
+// Returns the drift of `count` samples' running mean m += (x - m) / k. Roundings e_k are uniform in
+// half a unit of m's last place, and weigh k / n in the end: their variance is n unit^2 / 36. From
+// k0 = 2 h / unit samples on no step reaches half a unit: m stands still, and knows no later ones.
+// With s = k / k0, from s = 1/3 on, m moves by whole units alone, down or up with a mean of -2 (m -
+// mean) / k0 and a variance of unit^2 (1 - s). Its variance D about the mean follows D' = -4 D +
+// unit^2 k0 (1 - s), whose solution from D(1/3) = unit^2 k0 (1/4 + 1/108) ends at D(1) = 0.0646
+// unit^2 k0. After that the samples' mean goes on without m.
 static double drift_of_running_mean(const struct mix *s, double count)
 {
     double unit = ldexp(1, ilogb(s->mean) - 23), spread = s->half_width * s->half_width / 3;

@@ -300,7 +300,7 @@ static void check_convex(bool inside)
     }
 }
 
-// What is convex meets all of an even sky: none of its rays comes back to it.
+// A convex instance meets all of an even sky: none of its rays comes back to it.
 TEST(no_ray_comes_back_to_a_convex_instance)
 {
     check_convex(false);

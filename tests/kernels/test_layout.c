@@ -237,7 +237,7 @@ TEST(every_record)
           all >> 2); // the frame and the push block have none
 }
 
-// What is shipped, too: the push block is in all kernels, and most have the counters.
+// Checks the shipped kernels, too: the push block is in all, and most have the counters.
 TEST(embedded_kernels)
 {
     for (int id = 0; id < KERNEL_COUNT; id++) {

@@ -41,7 +41,7 @@ static void check_rounds(struct sampler_setup *s, uint32_t half)
         uint32_t seen[SETTINGS_STRATA_MAX * SETTINGS_STRATA_MAX] = {0};
         for (uint32_t i = 0; i < count; i++) {
             const union draw *draw = &draws[round * count + i];
-            // Of an edge between 24-bit numbers the lower side belongs to the stratum.
+            // The lower side of an edge between 24-bit numbers belongs to the stratum.
             union draw inside = *draw;
             for (int c = 0; c < 2; c++)
                 inside.u[c] += 0x1p-25f;

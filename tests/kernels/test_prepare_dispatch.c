@@ -12,7 +12,7 @@ static void add_64(uint32_t words[2], uint32_t value)
     words[1] = (uint32_t)(sum >> 32);
 }
 
-// What the kernel makes of the counters.
+// Does to the counters what the kernel is to do.
 static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgroup,
                    uint32_t part_items, uint32_t slots)
 {
@@ -54,7 +54,7 @@ static void check(struct renderer *r, uint32_t mask, uint32_t count, uint32_t pa
     memset(&expected, 0x5a, sizeof expected);
     for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++)
         expected.queue[queue] = count;
-    // Of the bounce before: another number of each class.
+    // The bounce before left another number of each class.
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         expected.queue[QUEUE_SURFACE + c] = count / (c + 1);
     // The next ray carries into the high word.

@@ -183,7 +183,7 @@ static const struct variation variations[] = {
     {"next row", 512, 0, 0},
 };
 
-// Of every second pixel's sample with its like in which one number has changed.
+// Draws every second pixel's sample, and beside it the one in which one number has changed.
 static bool draw_variation(struct sampler_setup *s, const struct variation *variation)
 {
     for (uint32_t i = 0; i < PAIRS; i++) {
@@ -205,7 +205,7 @@ TEST(independent)
     OPEN_SAMPLER(&s, 512, 512);
     s.samples = 64;
     for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
-        // What is close in the picture, a blue-noise sampler is to correlate.
+        // A blue-noise sampler is to correlate what is close in the picture.
         int most = s.sampler == SAMPLER_BLUE_NOISE ? 3 : 5;
         // Beyond what the sine's argument tells apart, see sine_is_bad.
         most = s.sampler == SAMPLER_SINE ? 2 : most;
@@ -255,8 +255,8 @@ TEST(seeds)
     sampler_close(&s);
 }
 
-// What all other samplers pass, fractions of sines do not, and by far. A product of 43758 and a
-// sine has steps of up to 2^-8, and an argument that is large has steps beyond a whole turn: then
+// Fractions of sines fail, and by far, what all other samplers pass. A product of 43758 and a sine
+// has steps of up to 2^-8, and an argument that is large has steps beyond a whole turn: then
 // neighbours, and seeds, have the same numbers.
 TEST(sine_is_bad)
 {

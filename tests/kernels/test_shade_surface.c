@@ -370,7 +370,8 @@ static void check_shadow_ray(const struct hit *h)
     }
 }
 
-// Whether there must be a shadow ray: 1, must not be: 0, or either: -1.
+// Returns 1 where there must be a shadow ray, 0 where there must not be one, and -1 where either is
+// right.
 static int wants_shadow_ray(const struct hit *h, uint32_t emitter)
 {
     if (!connects(h, h->r->push.bounce) || h->r->push.bounce >= h->r->frame.max_bounces ||
@@ -553,7 +554,7 @@ static struct tally check_slots(const struct renderer *r, const struct gpu_emitt
     return tally;
 }
 
-// What differs from the defaults.
+// Settings that differ from the defaults.
 struct method {
     uint32_t mis, directions, roulette;
     uint32_t nee_depth; // 0: all
@@ -690,7 +691,8 @@ TEST(clamped_emission)
     check_method(0, ESTIMATOR_MIS, 0, &(struct method){.clamp_limit = 1.5f});
 }
 
-// What is not finite is left out of the sum, counted by its place, marked, and ends the path.
+// A contribution that is not finite is left out of the sum, counted by its place, marked, and ends
+// the path.
 TEST(nonfinite_throughput)
 {
     struct setup setup;

@@ -1,5 +1,6 @@
-// What a scene does not need is left out: pairs of tiny scenes, with and without one need. Of the
-// first, the Vulkan objects must be there; of the second they must be gone, and nothing else.
+// Pairs of tiny scenes, with and without one need, show that what a scene does not need is left
+// out: the first one's Vulkan objects must be there, and the second one's must be gone, and nothing
+// else.
 #include "flatten/geometry.h"
 #include "kernel_fixture.h"
 #include "render/probe/replay.h"
@@ -8,7 +9,7 @@
 
 #define BIT(n) (1u << (n))
 
-// What a tiny scene has.
+// The traits of a tiny scene.
 #define TRAIT(n) (UINT64_C(1) << (n))
 enum {
     QUAD = TRAIT(0),
@@ -107,7 +108,7 @@ static void add_textures(struct scene *scene, uint64_t has, struct material *mat
         add_texture(scene, material, false, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT);
 }
 
-// What a part is made of: `model`, and the bit that says whether it emits.
+// Makes a part's material: of `model`, emitting by the bit `bright`.
 static uint32_t make_material(struct scene *scene, uint64_t has, uint32_t model, uint64_t bright)
 {
     struct material material;
@@ -272,7 +273,7 @@ static void make_scene(uint64_t has, struct scene *scene)
     settings->mis = has & ONLY_NEE ? MIS_NONE : MIS_POWER;
 }
 
-// What was made for a scene.
+// The parts of a renderer that were made for a scene.
 struct inventory {
     uint64_t features; // of the scene; emitters from bit 32 on
     uint32_t kernels;  // bits by enum kernel_id: pipelines
@@ -328,7 +329,7 @@ static bool make(struct gpu *gpu, uint64_t has, bool compile_all, struct invento
 struct pair {
     const char *name;
     uint64_t with, without;
-    // What goes with the need, and nothing else.
+    // These go with the need, and nothing else does.
     uint64_t features;
     uint32_t kernels, buffers;
     uint32_t queue_rows;
@@ -489,7 +490,7 @@ TEST(each_need)
     gpu_close(&gpu);
 }
 
-// Of geometry, what pairs are there for.
+// Bits of the geometry that there are pairs for.
 #define GEOMETRY_PAIRED                                                                            \
     (GEOMETRY_SHAPES | GEOMETRY_LARGE_SPHERES | GEOMETRY_INSTANCES | GEOMETRY_SMALL_TRIANGLES)
 
@@ -513,7 +514,7 @@ TEST(no_feature_is_forgotten)
           (unsigned long long)named);
 }
 
-// What works on data that scenes may lack is not compiled in on demand.
+// Features that work on data that scenes may lack are not compiled in on demand.
 #define WITH_DATA                                                                                  \
     (FEATURE_CLASSES | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |             \
      FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA |               \

@@ -9,8 +9,8 @@
 
 enum { RAYS = 8000 };
 
-// Of all planes in units of the largest distance to one: more than the kernel widens boxes by,
-// which is some 16 roundings of 2^-24 of two such distances.
+// The margin of all planes in units of the largest distance to one: more than the kernel widens
+// boxes by, which is some 16 roundings of 2^-24 of two such distances.
 #define MARGIN 1e-5
 
 struct counts {

@@ -33,7 +33,7 @@ static void take(struct hit *hit, enum object object, double t, const double d[3
     }
 }
 
-// Of scenes/aovs.json about (1000, 2000, -500), without the veil.
+// Returns the hit that a pixel of scenes/aovs.json about (1000, 2000, -500) has, without the veil.
 static struct hit expect(uint32_t pixel)
 {
     struct hit hit = {0};

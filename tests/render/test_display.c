@@ -1,4 +1,4 @@
-// What a viewer shows, pixel by pixel against a computation on the host.
+// Compares what a viewer shows, pixel by pixel, with a computation on the host.
 #include "base/clock.h"
 #include "display_reference.h"
 #include "render/show/denoise.h"
@@ -84,7 +84,7 @@ TEST(every_size)
 // of a sixteenth of an octave leave open.
 static void check_range(const struct display *display, uint32_t shown, const struct values *values)
 {
-    // What share of all values is below the range, and below its end.
+    // The shares of all values that are below the range, and below its end.
     static const double shares[SHOWN_COUNT][2] = {
         [SHOWN_DEPTH] = {0.01, 0.95},
         [SHOWN_SAMPLES] = {0, 1},
@@ -224,7 +224,8 @@ TEST(split)
     stage_close(&s);
 }
 
-// As the kernels have it: what is kept is there as far as the film has nothing.
+// Puts the film over what is kept, as the kernels do: the latter is there as far as the film has
+// nothing.
 static struct values over(const struct values *film, const struct values *kept, struct arena *arena)
 {
     struct values out = values_new(film->width, film->height, arena);
@@ -397,8 +398,7 @@ TEST(denoised)
     stage_close(&s);
 }
 
-// What a window and a PNG file show is the same: up to one code of 255, where values lie between
-// two.
+// A window and a PNG file show the same: up to one code of 255, where values lie between two.
 TEST(png)
 {
     struct stage s = {0};
@@ -496,7 +496,7 @@ TEST(changing_sizes)
         if (i % 3 == 0)
             REQUIRE_OK(display_keep(&s.display, &call, &err));
     }
-    // Of each side five linear pictures of 200 x 150, taps, and the pixels; a quarter of room.
+    // Each side has five linear pictures of 200 x 150, taps, and the pixels; a quarter is room.
     uint64_t most = (2 * (5 * 200 * 150 * 16 + 4 * 350 * 16) + 4 * 218 * 150) / 4 * 5 + (1u << 16);
     CHECK(s.gpu.allocated_bytes - before < most, "%llu bytes",
           (unsigned long long)(s.gpu.allocated_bytes - before));

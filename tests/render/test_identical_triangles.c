@@ -9,7 +9,7 @@
 #define SMALL_PILE 20000u
 #define PILE_SAMPLES 2u
 
-// As many triangles as the device takes, where its limits are lowered.
+// Returns as many triangles as the device takes, where its limits are lowered.
 static uint32_t pile_size(const struct gpu *gpu)
 {
     uint64_t fits = gpu->max_storage_range / sizeof(struct gpu_triangle) - 16;
@@ -89,7 +89,7 @@ static double intersect_disc(const void *context, uint32_t index, const struct b
     return distance2 <= (double)shape->radius * shape->radius && t < ray->t_max ? t : -1.0;
 }
 
-// What the first surface on the ray emits.
+// Finds what the first surface on the ray emits.
 static void trace_emission(const struct scene *scene, const struct flat_scene *flat,
                            const struct bvh *bvh, uint32_t x, uint32_t y, float emission[3])
 {

@@ -272,7 +272,7 @@ TEST(ignored_triangles_are_of_one_instance)
     ray.ignore_instance[1] = 2;
     bvh_trace_closest(&f.trace, &ray, &hit);
     CHECK(hit.primitive == UINT32_MAX && hit.instance == UINT32_MAX);
-    // The same place twice: the first instance wins.
+    // Two instances are in the same place: the first one wins.
     f.scene.instances[1].transform[2][3] = 0;
     REQUIRE(prepare(&f, INSTANCING_ON, (struct bvh_method){0}, &err), "%s", err.msg);
     ray.ignore[0] = ray.ignore[1] = UINT32_MAX;

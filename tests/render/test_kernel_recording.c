@@ -163,7 +163,7 @@ TEST(other_results_are_found)
     finish(&s);
 }
 
-// What cannot be timed is refused, and the renderer goes on.
+// Kernels that cannot be timed are refused, and the renderer goes on.
 TEST(refusals)
 {
     struct err err = {0};
@@ -180,7 +180,7 @@ TEST(refusals)
     CHECK(recorded.items == 0, "%llu items", (unsigned long long)recorded.items);
     CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
 
-    // As on a device whose memory the render has used up.
+    // This is a device whose memory the render has used up.
     bool is_cpu = s.gpu.info.is_cpu;
     uint64_t memory = s.gpu.info.memory_bytes;
     s.gpu.info.is_cpu = false;

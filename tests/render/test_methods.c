@@ -100,7 +100,7 @@ static void check_methods(const struct method *methods, uint32_t count, uint64_t
     REQUIRE(count <= MOST_METHODS, "%u methods", count);
     OPEN_GPU(&gpu, 0);
     for (uint32_t i = 0; i < count; i++) {
-        // What finds lights by chance needs more samples for as good an answer.
+        // Methods that find lights by chance need more samples for as good an answer.
         render_method(&gpu, &methods[i], i, methods[i].nee ? samples : 4 * samples, &results[i]);
         struct estimate whole = replicates_estimate(&results[i], WHOLE);
         CHECK(whole.half_width <= half_width * whole.mean, "method %u: half-width %.3g", i,
@@ -178,7 +178,8 @@ static double furnace_of_likely_paths(double rho, double le, double bounces)
     return furnace(rho * likely_part(), le, bounces);
 }
 
-// The same with shadow rays, which lose nothing: each vertex has all of its direct light.
+// Returns the furnace's radiance with shadow rays, which lose nothing: each vertex has all of its
+// direct light.
 static double furnace_with_shadow_rays(double rho, double le, double bounces)
 {
     double onwards = rho * likely_part();
@@ -433,7 +434,8 @@ static double render_clamped(struct gpu *gpu, float limit, bool compile_all,
     return mean;
 }
 
-// The same paths with and without a limit: what is missing in the picture is what is reported.
+// Renders the same paths with and without a limit: what is missing in the picture is what is
+// reported.
 TEST(clamp_reports_what_it_takes)
 {
     struct gpu gpu;

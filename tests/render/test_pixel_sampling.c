@@ -1,11 +1,11 @@
-// What each way to place samples in a pixel makes of an edge, by closed forms: the mean, its
-// variance, and what the half-buffers say of that.
+// Compares what each way to place samples in a pixel makes of an edge with closed forms: of the
+// mean, its variance, and what the half-buffers say of that.
 #include "render_fixture.h"
 #include <stdio.h>
 
 enum { PIXELS = 1024, STRATA = 4 };
 
-// Of each pixel the lower 30 % shine.
+// The lower 30 % of each pixel shine.
 #define SHARE 0.3
 
 static void render_edge(struct gpu *gpu, const struct settings *wanted, uint64_t samples,
@@ -94,7 +94,7 @@ static double variance_of_some(double between, double within, double m)
 
 TEST(edge)
 {
-    // Of four rows of strata the last one shines, and a fifth of the third one.
+    // The last of four rows of strata shines, and a fifth of the third one.
     const double third = SHARE * STRATA - 1;
     const double between = (1 + third * third) / 4 - SHARE * SHARE; // of the rows' means
     const double within = third * (1 - third) / 4;
@@ -104,7 +104,7 @@ TEST(edge)
         {PIXEL_SAMPLING_RANDOM, HALVES_INDEPENDENT, 6, SHARE, random / 6},
         {PIXEL_SAMPLING_RANDOM, HALVES_INDEPENDENT, 32, SHARE, random / 32},
         {PIXEL_SAMPLING_RANDOM, HALVES_CONTIGUOUS, 16, SHARE, random / 16},
-        // Of each half three strata, and all 16; of one sequence all 16, and 6.
+        // Each half has three strata, and all 16; one sequence has all 16, and 6.
         {PIXEL_SAMPLING_STRATIFIED, HALVES_INDEPENDENT, 6, SHARE,
          variance_of_some(between, within, 3) / 2},
         {PIXEL_SAMPLING_STRATIFIED, HALVES_INDEPENDENT, 32, SHARE, within / 32},

@@ -8,7 +8,7 @@
 #include <math.h>
 
 #define RHO 0.5
-// Of the device's atan, times how steeply the profiles rise; and of the rest.
+// The rounding of the device's atan, times how steeply the profiles rise, and that of the rest.
 #define ROUNDING_MAX 2e-5
 
 struct trial {

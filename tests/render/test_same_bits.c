@@ -1,4 +1,4 @@
-// What must not change one bit of a picture: the size of the waves, how samples are split over
+// These must not change one bit of a picture: the size of the waves, how samples are split over
 // calls, features that the scene lacks, ways to read and to reserve, and lower limits of the
 // device.
 #include "render_fixture.h"

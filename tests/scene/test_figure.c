@@ -75,7 +75,7 @@ static struct shape_of measure(const struct mesh *mesh)
     return s;
 }
 
-// What each is like: size, and how much of its box it fills.
+// Each has its size, and fills so much of its box.
 TEST(figures)
 {
     static const struct {
@@ -121,7 +121,7 @@ TEST(the_same_each_time)
     scene_finish(&scenes[1]);
 }
 
-// Of the figure's scale, and none that the mesh cannot show.
+// Detail is of the figure's scale, and there is none that the mesh cannot show.
 TEST(detail_is_as_fine_as_the_mesh)
 {
     for (int skin = SKIN_BONE; skin < SKIN_PLAIN; skin++) {

@@ -323,7 +323,8 @@ static void check_outward(const struct mesh *mesh, const double center[3])
     }
 }
 
-// What is counter-clockwise on the surface is so in the picture, whose v points downwards.
+// Triangles that are counter-clockwise on the surface are so in the picture, whose v points
+// downwards.
 static void check_not_mirrored(const struct mesh *mesh)
 {
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {

@@ -1,4 +1,4 @@
-// What scene_load adds to a file: camera, light, material; and environments.
+// Tests what scene_load adds to a file: camera, light, material; and environments.
 #include "mesh_files.h"
 
 #include "environment_texel.h"

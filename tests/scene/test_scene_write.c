@@ -287,7 +287,7 @@ TEST(environments_of_the_command_line)
                 return;
             check_round_trip(&e, saved, "command line");
             finish_edited(&e);
-            // The same options on top of what was saved.
+            // The same options are put on top of what was saved.
             struct scene_load_params load = loads[i];
             char other[sizeof path_buffer];
             snprintf(other, sizeof other, "%s", in_folder("other.json"));
@@ -342,7 +342,7 @@ TEST(names_of_files)
     check_not_written(&e, in_folder("none/a.json"), ERR_OUTPUT, "No such file");
     finish_edited(&e);
 
-    // What is made from it may be written over, but not what that is made from.
+    // A file that is made from it may be written over, but not what that is made from.
     REQUIRE(load_edited(&e, (struct scene_load_params){.path = saved}));
     check_round_trip(&e, saved, "itself");
     check_not_written(&e, path, ERR_USAGE, "expected another name");
@@ -478,8 +478,7 @@ TEST(memory_that_runs_out)
     finish_edited(&e);
 }
 
-// Of a few characters anywhere in a written file another one: an error that names the file, or a
-// scene.
+// Other characters at a few places of a written file give an error that names the file, or a scene.
 TEST(damaged_files)
 {
     char path[sizeof path_buffer];

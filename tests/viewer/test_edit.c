@@ -38,7 +38,7 @@ static void tear_down(void)
     scene_finish(&viewer.document.scene);
 }
 
-// What was asked for since the last time.
+// Returns what was asked for since the last time.
 static enum change asked(uint32_t side)
 {
     enum change change = viewer.stage.changes[side];
@@ -294,7 +294,7 @@ TEST(what_is_placed_comes_back)
     tear_down();
 }
 
-// What is added with its material, and one lamp for another, are one step each.
+// Adding a lamp with its material, and exchanging one for another, are one step each.
 TEST(lamps_come_and_go_as_one_step)
 {
     REQUIRE(set_up());

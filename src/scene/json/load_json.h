@@ -64,7 +64,7 @@ load_json_shape_fn load_json_torus, load_json_stadium, load_json_figure;
 load_json_shape_fn load_json_phong_spheres; // with materials of their own
 load_json_shape_fn load_json_sdf;           // placed by its own transforms
 
-// What describes the last five meshes; those that make them call these.
+// These read what describes the last five meshes; those that make them call these.
 bool load_json_read_generated(const struct json_node *generated, uint32_t *triangles,
                               struct err *err);
 bool load_json_read_teapot(const struct json_node *teapot, uint32_t *resolution, struct err *err);

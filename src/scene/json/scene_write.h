@@ -6,7 +6,7 @@
 
 #include "scene/core/scene.h"
 
-// What may be edited after scene_load:
+// After scene_load these may be edited:
 // - materials: everything but their names and textures; lights: everything but their names, and
 //   their profiles, which may be taken away only;
 // - instances and shapes: `hidden` and `material`;

@@ -92,8 +92,8 @@ static bool has_roll(const struct camera_rig *rig, const struct camera *camera)
     return sideways(camera, camera->up, right) && fabs(vec3_dot(right, rig->up)) > ROLL_MIN;
 }
 
-// What of a pitch (upwards positive) keeps the view off the poles. A view that is nearer already
-// can only go away from them.
+// Returns the part of a pitch (upwards positive) that keeps the view off the poles. A view that is
+// nearer already can only go away from them.
 static double allowed_pitch(const struct camera_rig *rig, const struct camera *camera, double pitch)
 {
     double cosine = vec3_dot(camera->direction, rig->up);
@@ -154,7 +154,7 @@ static bool fly(const struct camera_rig *rig, const struct camera_rig_input *inp
     return true;
 }
 
-// What a pixel is wide at the target, metres.
+// Returns a pixel's width at the target, in metres.
 static double pixel_size(const struct camera_rig *rig, const struct camera_rig_input *input,
                          const struct camera *camera)
 {

@@ -31,8 +31,8 @@ struct camera_rig_input {
 // Speed, target and up for a scene of that bounding box (world) and a camera in it.
 void camera_rig_init(struct camera_rig *rig, const struct camera *camera, const double min[3],
                      const double max[3]);
-// Of the automatic revolution, degrees a second: its most, and what a key that is held for a second
-// changes it by.
+// The automatic revolution's greatest speed in degrees a second, and its change by a key that is
+// held for a second.
 #define REVOLVE_SPEED_MAX 360.0
 #define REVOLVE_ACCELERATION 45.0
 

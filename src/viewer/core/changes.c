@@ -1,4 +1,4 @@
-// What was changed takes effect, at the least cost.
+// Lets changes take effect, at the least cost.
 #include "viewer/core/changes.h"
 
 #include "viewer/core/frame.h"
@@ -238,7 +238,7 @@ static enum change greatest_change(const struct viewer *viewer)
     return most;
 }
 
-// What is seen stays what it is until the hierarchy is there.
+// Leaves the picture as it is until the hierarchy is there.
 static void put_off(struct viewer *viewer)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
@@ -315,7 +315,8 @@ static bool apply(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// What cannot be had is undone; the rest of the scene is as it was, but has to be built again.
+// Undoes a change that cannot be had; the rest of the scene is as it was, but has to be built
+// again.
 static bool apply_reverted(struct viewer *viewer, struct err *err)
 {
     struct err reason = *err;
@@ -331,7 +332,8 @@ static bool apply_reverted(struct viewer *viewer, struct err *err)
     return apply(viewer, err);
 }
 
-// What the middle of the picture shows is what the camera turns about, and tells how fast to fly.
+// Lets the camera turn about what the middle of the picture shows, whose distance also tells how
+// fast to fly.
 static bool aim_rig(struct viewer *viewer, struct err *err)
 {
     struct camera_rig *rig = &viewer->view.rig;

@@ -1,4 +1,4 @@
-// What the viewer has on the device besides pictures, from opening it to losing it.
+// Keeps what the viewer has on the device besides pictures, from opening it to losing it.
 #include "viewer/core/device.h"
 
 #include "cli/options.h"

@@ -1,4 +1,4 @@
-// What is edited: a scene, with what it was loaded from and what was done to it since.
+// The document that is edited: a scene, with what it was loaded from and what was done to it since.
 #ifndef LAMPYRIS_VIEWER_CORE_DOCUMENT_H
 #define LAMPYRIS_VIEWER_CORE_DOCUMENT_H
 

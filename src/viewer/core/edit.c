@@ -22,7 +22,7 @@ struct around {
     bool has_sun;
 };
 
-// What one target is at one time.
+// A target's value at one time.
 union state {
     struct camera camera;
     struct method method;
@@ -169,7 +169,7 @@ static bool same_bytes(const void *a, const void *b, size_t size)
 static enum change method_change(const struct method *from, const struct method *to)
 {
     struct method same = *from;
-    // What accumulates begins with the first sample, as any picture does.
+    // A picture that accumulates begins with the first sample, as any does.
     enum change least = from->fresh_frames && !to->fresh_frames ? CHANGE_CAMERA : CHANGE_SHOWN;
     same.fresh_frames = to->fresh_frames;
     same.samples_a_frame = to->samples_a_frame;
@@ -268,7 +268,7 @@ static bool add_shape(struct scene *scene)
     return true;
 }
 
-// What was chosen in a list may be gone: then it is the last one.
+// Keeps the choice in a list within it: where the chosen entry is gone, the last one is chosen.
 static void choose_within(uint32_t *chosen, uint32_t count)
 {
     if (*chosen >= count)
@@ -556,7 +556,7 @@ void edit_end_group(struct viewer *viewer)
     viewer->document.history->is_group = viewer->document.history->is_open = false;
 }
 
-// What led back to where it began is no step.
+// Changes that led back to where they began are no step.
 void edit_close(struct viewer *viewer)
 {
     struct history *history = viewer->document.history;

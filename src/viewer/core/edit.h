@@ -67,7 +67,7 @@ struct list_counts edit_counts(const struct viewer *viewer);
 // Adds a grey material, a light that sends nothing, a square of 1 m; or takes the last ones away.
 bool edit_lists(struct viewer *viewer, const struct list_counts *to, const char *control);
 bool edit_shape(struct viewer *viewer, uint32_t index, const struct shape *to, const char *control);
-// What is edited between the two is one step of the history.
+// All edits between the two are one step of the history.
 void edit_begin_group(struct viewer *viewer);
 void edit_end_group(struct viewer *viewer);
 // Ends the step that is open: the mouse button or key was let go.

@@ -1,4 +1,4 @@
-// What a frame does with the device: samples, and what is seen of them.
+// Uses the device for a frame: for samples, and for what is seen of them.
 #include "viewer/core/frame.h"
 
 #include "base/clock.h"
@@ -50,7 +50,7 @@ bool viewer_frame_is_over(void *context)
     return clock_ns() >= viewer->stage.render_until_ns || signals_received() != 0;
 }
 
-// What a frame renders for.
+// Returns how long a frame renders, in milliseconds.
 static double frame_render_ms(const struct viewer *viewer)
 {
     bool is_calm = !viewer->view.is_moving && !viewer->shell.gui.is_busy &&

@@ -22,14 +22,14 @@ void frame_budget_init(struct frame_budget *pace, double target_ms);
 // Takes in one frame's figures: samples of single pixels, the time of rendering and all other time.
 void frame_budget_measure(struct frame_budget *pace, double samples, double render_ms,
                           double overhead_ms);
-// The same for small pictures: `shrink` is chosen by it.
+// Measures small pictures: `shrink` is chosen by that.
 void frame_budget_measure_small(struct frame_budget *pace, double samples, double render_ms);
 void frame_budget_measure_pixels(struct frame_budget *pace, double pixels, double ms);
-// What a frame may take for rendering; never below a quarter of the target, so that the picture
-// goes on where all else takes long.
+// Returns the time that a frame may take for rendering; never below a quarter of the target, so
+// that the picture goes on where all else takes long.
 double frame_budget_render_ms(const struct frame_budget *pace);
-// The same while nothing is done but looking: longer, so that most of the time goes into the
-// picture.
+// Returns that time while nothing is done but looking: longer, so that most of the time goes into
+// the picture.
 double frame_budget_calm_render_ms(const struct frame_budget *pace);
 // Paths in flight, a power of two, that take no longer than that: a frame ends between two waves.
 uint32_t frame_budget_wave(const struct frame_budget *pace, double render_ms);

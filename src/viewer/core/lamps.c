@@ -9,7 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-// Of the sphere about a scene: how far from its middle a new lamp hangs, and half its edge.
+// Parts of the radius of the sphere about a scene: how far from its middle a new lamp hangs, and
+// half its edge.
 #define LAMP_DISTANCE 0.75
 #define LAMP_HALF_EDGE 0.1
 
@@ -35,7 +36,8 @@ bool lamp_is(const struct scene *scene, uint32_t object)
 
 // --- how much it sends there ---------------------------------------------------------------------
 
-// Of a sphere about the whole scene; of 1 m where it is empty or has no end.
+// Returns the radius of a sphere about the whole scene, and its middle; 1 m where the scene is
+// empty or has no end.
 static double middle_of_scene(const struct document *document, double middle[3])
 {
     double half[3];
@@ -50,8 +52,8 @@ static double middle_of_scene(const struct document *document, double middle[3])
     return 1;
 }
 
-// What a mesh's triangles show in all, seen along `way`: of an open surface the sum is that of all
-// normals, of a closed one half of it is turned away.
+// Returns the area that a mesh's triangles show in all, seen along `way`: an open surface shows the
+// sum over its normals, and half of a closed one is turned away.
 static double projected_mesh(const struct scene *scene, const struct instance *instance,
                              const double way[3])
 {

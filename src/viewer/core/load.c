@@ -16,7 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// What the command line says of its own scene says nothing of another one.
+// Sets the options of a scene: those of the command line say nothing of another one than its own.
 static void set_options(struct viewer *viewer, const char *path)
 {
     const struct options *given = viewer->shell.options;
@@ -140,7 +140,7 @@ void viewer_go_home(struct viewer *viewer)
     edit_camera(viewer, &camera, "camera.reset");
 }
 
-// As the scene and the command line say.
+// Sets the view as the scene and the command line say.
 static void set_view(struct viewer *viewer)
 {
     const struct settings *settings = &viewer->document.scene.settings;

@@ -19,7 +19,8 @@ uint32_t viewer_object(const struct renderer *renderer, bool is_shape, uint32_t 
     return flat_instance == NO_INSTANCE ? instance : flat->instances[flat_instance].source;
 }
 
-// What a side shows may be gone from the scene, while its next hierarchy is being built.
+// Returns whether what a side shows is still in the scene: it may be gone while the next hierarchy
+// is being built.
 static bool is_there(const struct scene *scene, const struct picked *picked)
 {
     return picked->object < scene->instance_count + scene->shape_count &&

@@ -29,7 +29,8 @@ static bool same_pose(const struct scene_pose *a, const struct scene_pose *b)
     return memcmp(a, b, sizeof *a) == 0;
 }
 
-// What is loaded at another time: a file that has a base adds its edits, which are here already.
+// Returns what is loaded at another time: the base, where a file has one, since the file's edits
+// are here already.
 static const struct scene_load_params *animated(const struct document *document)
 {
     return document->pristine.base ? &document->pristine.base->load : &document->load_params;
@@ -180,7 +181,7 @@ static bool take_objects(struct document *document, const struct scene *posed, s
     return true;
 }
 
-// What was edited of a light stays, and all else is as it is now. A sky's sun does not move.
+// Takes lights from the new pose but for what was edited of them. A sky's sun does not move.
 static void take_lights(struct document *document, const struct scene *posed)
 {
     const struct base_lists base = base_of(document);

@@ -16,7 +16,7 @@ struct pose {
     struct scene loaded, older; // what holds the vertices of the shown pose, and of the last one
 };
 
-// As the scene was opened.
+// Sets the pose in which the scene was opened.
 void pose_init(struct viewer *viewer);
 // Returns whether the scene's file, or its base, has an animation.
 bool pose_has_animation(const struct viewer *viewer);

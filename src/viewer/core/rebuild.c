@@ -66,7 +66,7 @@ static bool run(void *context, struct err *err)
 
 // --- on the viewer's thread ----------------------------------------------------------------------
 
-// What cannot be built is taken back, as where it is built between two frames.
+// Takes back what cannot be built, as where it is built between two frames.
 static void done(void *context, void *of_viewer, bool ok, const struct err *err)
 {
     struct viewer *viewer = of_viewer;

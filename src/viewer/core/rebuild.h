@@ -8,7 +8,7 @@
 
 struct viewer;
 
-// What is under way, or was adopted while the scene changed once more.
+// The build that is under way, or was adopted while the scene changed once more.
 struct rebuild {
     struct rebuild_job *job; // NULL: nothing is under way
     bool is_stale;           // the scene changed since the job began

@@ -23,7 +23,7 @@ struct source {
     struct shader_code *code;
 };
 
-// What renderers may be using; its codes are users of theirs.
+// The kernels that renderers may be using; its codes are users of theirs.
 struct set {
     struct kernel_set kernels;
     struct shader_code *codes[KERNEL_COUNT];

@@ -11,8 +11,8 @@ void frame_times_add(struct frame_times *times, double ms);
 // The value below which that part of them is, in [0, 1]; NAN without any. Puts them in order.
 double frame_times_quantile(struct frame_times *times, double part);
 void frame_times_finish(struct frame_times *times);
-// What stands at the head of the panel: frames since the start, for how long the chosen side's
-// picture has been rendered, where the camera is.
+// The line at the head of the panel: frames since the start, for how long the chosen side's picture
+// has been rendered, where the camera is.
 #define VIEWER_HEADER_MAX 160
 void viewer_header(const struct viewer *viewer, char out[VIEWER_HEADER_MAX]);
 void viewer_count_frame(struct viewer *viewer); // statistics of the frame that ends

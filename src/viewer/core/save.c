@@ -66,7 +66,7 @@ static char *free_name(struct arena *arena, const char *stem, const char *extens
 
 // --- what a picture says about itself ------------------------------------------------------------
 
-// As `render` describes what it made, of this side's film as it is.
+// Describes this side's film as it is, as `render` describes what it made.
 static bool describe(const struct viewer *viewer, uint32_t side, const struct film_image *film,
                      struct saving *saving, struct err *err)
 {
@@ -213,7 +213,7 @@ static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, str
     return false;
 }
 
-// What was shown last, where it would be without the panel, until the next frame is drawn. Where
+// Shows the last picture where it would be without the panel, until the next frame is drawn. Where
 // that cannot be had, it stays as it is shown.
 static void draw_alone(struct viewer *viewer)
 {

@@ -1,4 +1,4 @@
-// What is around the pictures: the window, the panel, who works and what is told.
+// The shell around the pictures: the window, the panel, who works and what is told.
 #ifndef LAMPYRIS_VIEWER_CORE_SHELL_H
 #define LAMPYRIS_VIEWER_CORE_SHELL_H
 
@@ -8,7 +8,7 @@
 #include "viewer/gui/gui.h"
 #include "viewer/window/window.h"
 
-// What the log says, which comes from any thread, becomes messages of the next frame.
+// Lines of the log, which come from any thread, become messages of the next frame.
 struct viewer_log {
     struct mutex mutex;
     enum log_level level; // up to which stderr has it, too

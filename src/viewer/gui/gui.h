@@ -67,7 +67,8 @@ void gui_event(struct gui *gui, const struct event *event);
 // Of the panel, pixels, in a window of that width where it is not hidden.
 float gui_panel_width(const struct gui *gui, uint32_t window_width);
 void gui_begin(struct gui *gui, uint32_t width, uint32_t height, double seconds);
-// What is to be drawn, valid until the next gui_begin. Afterwards `items` are those of this frame.
+// Returns what is to be drawn, valid until the next gui_begin. Afterwards `items` are those of this
+// frame.
 void gui_end(struct gui *gui, struct gpu_drawing *out);
 // An id that two controls of the last frame had, which is a bug of the panel; or NULL.
 const char *gui_duplicate(const struct gui *gui);
@@ -104,7 +105,7 @@ void gui_warning(struct gui *gui, const char *format, ...) __attribute__((format
 // A label at the left, as controls have it, and a text where their values are.
 void gui_pair(struct gui *gui, const char *label, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-// The same in one line however long the text is, so that what follows stays where it is.
+// A pair in one line however long the text is, so that what follows stays where it is.
 void gui_fact(struct gui *gui, const char *label, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 // Text over the picture, its upper left corner there; with a dark ground. Returns its height.
@@ -125,7 +126,7 @@ void gui_progress(struct gui *gui, const char *what, double fraction);
 // --- controls ------------------------------------------------------------------------------------
 bool gui_button(struct gui *gui, const char *id, const char *label, const char *help);
 bool gui_switch(struct gui *gui, const char *id, const char *label, const char *help, bool *value);
-// The same of a number that is 0 or 1.
+// A switch of a number that is 0 or 1.
 bool gui_flag(struct gui *gui, const char *id, const char *label, const char *help,
               uint32_t *value);
 struct gui_range {

@@ -518,7 +518,7 @@ void gui_list_begin(struct gui *gui, const char *id, struct gui_list *list)
     im_dummy(0.0f, 0.0f);
 }
 
-// Of the rows from `row` on the first that is to be called for.
+// Returns the first of the rows from `row` on that is to be called for.
 static uint32_t next_row(const struct gui_list *list, uint32_t row)
 {
     if (row < GUI_LIST_IDS || (row >= list->first && row < list->last) || row == list->chosen)

@@ -1,4 +1,4 @@
-// What mouse and keys do to the panel.
+// Passes mouse and keys on to the panel.
 //
 // Dear ImGui takes what is held at the time of a frame. What follows each other within one frame
 // (pressed and let go) therefore waits for the next one.
@@ -15,7 +15,7 @@ static bool is_over_panel(const struct gui *gui)
            (!gui->is_floating || (mouse[1] >= (double)place[1] && mouse[1] < (double)place[3]));
 }
 
-// What was pressed elsewhere is moved and let go there.
+// A button that was pressed elsewhere is moved and let go there.
 void events_want(struct gui *gui)
 {
     const struct gui_state *own = gui->own;
@@ -50,7 +50,7 @@ void gui_event(struct gui *gui, const struct event *event)
     }
 }
 
-// What of a frame's events came already.
+// The events of a frame that came already.
 struct fed {
     uint32_t buttons;
     int keys[32];

@@ -1,4 +1,4 @@
-// What stands over the picture: notes, tables, scales of colours, progress.
+// Draws what stands over the picture: notes, tables, scales of colours, progress.
 #include "viewer/gui/gui_state.h"
 #include "viewer/gui/imgui_bridge.h"
 

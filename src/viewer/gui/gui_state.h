@@ -1,5 +1,5 @@
-// What the files of the panel's controls share: their registry (gui_items.c, gui_values.c), and
-// what draws them with Dear ImGui, through imgui_bridge.h (gui.c, gui_events.c, gui_controls.c,
+// State that the files of the panel's controls share: their registry (gui_items.c, gui_values.c),
+// and what draws them with Dear ImGui, through imgui_bridge.h (gui.c, gui_events.c, gui_controls.c,
 // gui_charts.c, gui_overlay.c).
 #ifndef LAMPYRIS_VIEWER_GUI_GUI_STATE_H
 #define LAMPYRIS_VIEWER_GUI_GUI_STATE_H
@@ -14,7 +14,7 @@
 #define GUI_WHY_MAX 512
 #define GUI_SLOTS 4096 // a power of two, twice GUI_ITEMS_MAX
 
-// What a script wants.
+// A script's wish for a control.
 struct gui_wish {
     char id[GUI_ID_MAX];
     char value[GUI_TEXT_MAX];
@@ -82,12 +82,12 @@ struct gui_state {
 void items_begin(struct gui_state *own);
 struct gui_item *items_add(struct gui_state *own, const char *id, enum gui_kind kind,
                            const char *label, const char *help);
-// What a script wants of it, or NULL. Refuses for controls that are disabled.
+// Returns what a script wants of it, or NULL. Refuses for controls that are disabled.
 const char *items_wish(struct gui_state *own, const struct gui_item *item);
 void items_refuse(struct gui_state *own, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void items_end(struct gui *gui);
-// Of the group, index plus 1; makes it where there was none so far. 0: there are too many.
+// Returns the group's index plus 1; makes it where there was none so far. 0: there are too many.
 uint32_t items_group(struct gui_state *own, const char *id, bool open_at_first);
 
 // --- gui_values.c --------------------------------------------------------------------------------
@@ -95,7 +95,7 @@ uint32_t items_group(struct gui_state *own, const char *id, bool open_at_first);
 // out: GUI_VALUE_MAX.
 void value_write(const double *value, uint32_t count, bool is_float, const struct gui_range *range,
                  char *out);
-// As it is shown: so many digits at most, with the unit.
+// Writes a number as it is shown: with so many digits at most, and the unit.
 void value_show(double value, const struct gui_range *range, int digits, char *out);
 // So many numbers, at most 3, with commas between them. False: why says what was expected
 // (GUI_WHY_MAX bytes), and out keeps what it was.

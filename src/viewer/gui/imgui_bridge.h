@@ -72,7 +72,8 @@ void im_panel_begin(float width, float height); // at the upper left, without an
 // Returns where it is now.
 struct im_rect im_panel_begin_floating(const char *title, struct im_rect at_first);
 void im_panel_end(void);
-// As wide as there is room. A list has a ground of its own, and switches as high as letters.
+// Begins a list as wide as there is room, with a ground of its own, and switches as high as
+// letters.
 void im_child_begin(const char *id, float height, bool is_list);
 void im_child_end(bool is_list);
 void im_item_begin(const char *id, bool is_disabled); // ids within are its own

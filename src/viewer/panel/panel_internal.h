@@ -1,4 +1,4 @@
-// What the files of the panel share.
+// Declarations that the files of the panel share.
 #ifndef LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
 #define LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
 

@@ -25,8 +25,8 @@ static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
              light_kind_names[light->kind], light->hidden ? ", hidden" : "");
 }
 
-// The same light from one that had other parameters: those that were not used get values that make
-// sense.
+// Gives parameters that were not used values that make sense when a light becomes one of another
+// type.
 static void change_kind(struct light *to, uint32_t kind)
 {
     to->kind = kind;

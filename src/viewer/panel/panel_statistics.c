@@ -1,4 +1,4 @@
-// What there is to know of the picture as it grows.
+// Shows what there is to know of the picture as it grows.
 #include "viewer/panel/panel_internal.h"
 
 #include "base/memory.h"
@@ -68,7 +68,7 @@ static void kernel_bars(struct panel *panel, const struct stage *stage)
 
 // --- error ---------------------------------------------------------------------------------------
 
-// Of independent samples the error falls with their number, and so with time.
+// The error of independent samples falls with their number, and so with time.
 static void forecast_line(struct panel *panel, const struct job_look *look)
 {
     struct gui *gui = panel->gui;

@@ -223,8 +223,8 @@ static bool has_changed(const struct script *script, const struct command_line *
     return !json_equal(json_object_get(before, "sides"), json_object_get(after, "sides"));
 }
 
-// Whether the control takes the value is step_set's; nothing is changed before the picture rests,
-// so that as many samples are compared.
+// Nothing is changed before the picture rests, so that as many samples are compared; step_set()
+// finds whether the control takes the value.
 enum step step_check(struct script *script, struct viewer *viewer,
                      const struct command_line *command, struct err *err)
 {
