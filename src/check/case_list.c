@@ -3,10 +3,21 @@
 #include <string.h>
 
 const struct check_group *const check_groups[] = {
+    // What the driver itself does.
+    &check_arithmetic,
+    &check_threads,
     // Scenes whose radiance is known: docs/verification.md, B, and those of C that are such.
-    &check_light,   &check_media,     &check_rooms,       &check_lamps,
-    &check_grounds, &check_bodies,    &check_fields,      &check_integrators,
-    &check_scales,  &check_distances, &check_small_lamps,
+    &check_light,
+    &check_media,
+    &check_rooms,
+    &check_lamps,
+    &check_grounds,
+    &check_bodies,
+    &check_fields,
+    &check_integrators,
+    &check_scales,
+    &check_distances,
+    &check_small_lamps,
 };
 const size_t check_group_count = sizeof check_groups / sizeof check_groups[0];
 
