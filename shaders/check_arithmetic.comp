@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/angle.glsl"
+#include "lib/constants.glsl"
 #include "lib/double_float.glsl"
 #include "shared/check.h"
 
