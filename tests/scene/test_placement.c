@@ -114,11 +114,13 @@ TEST(a_sphere_stays_one)
     struct placement to = placement_none(scene.shapes[0].center);
     to.scale[1] = 2;
     CHECK(!scene_place(&scene, 1, &to, &err) && strstr(err.msg, "along all axes"), "%s", err.msg);
-    CHECK(scene.shapes[0].radius == 3);
+    CHECK(scene.shapes[0].radius == 3 && !scene_find_placed(&scene, 1));
     to.scale[0] = to.scale[2] = 2;
     CHECK(scene_place(&scene, 1, &to, &err) && scene.shapes[0].radius == 6);
     to.move[1] = 2e13;
     CHECK(!scene_place(&scene, 1, &to, &err) && strstr(err.msg, "range of scenes"), "%s", err.msg);
+    const struct placement kept = scene_placement(&scene, 1);
+    CHECK(scene.shapes[0].radius == 6 && kept.scale[1] == 2 && kept.move[1] == 0);
     scene_finish(&scene);
 }
 

@@ -218,29 +218,36 @@ static void remove_placed(struct scene *scene, struct placed_object *placed)
     scene->placed_count--;
 }
 
+static bool place(struct scene *scene, struct placed_object *placed, const struct placement *to,
+                  struct err *err)
+{
+    if (placed->object < scene->instance_count) {
+        double transform[3][4];
+        if (!place_transform(to, (const double(*)[4])placed->transform, transform, err))
+            return false;
+        memcpy(scene->instances[placed->object].transform, transform, sizeof transform);
+    } else {
+        struct shape shape = placed->shape;
+        if (!place_shape(to, &placed->shape, &shape, err))
+            return false;
+        shape_take_place(&scene->shapes[placed->object - scene->instance_count], &shape);
+    }
+    placed->placement = *to;
+    return true;
+}
+
 bool scene_place(struct scene *scene, uint32_t object, const struct placement *to, struct err *err)
 {
     struct placed_object *placed = find_or_add(scene, object);
     if (!placed)
         return err_memory(err, "a placement", sizeof *placed);
-    if (placement_is_none(to)) {
+    bool is_back = placement_is_none(to), ok = is_back || place(scene, placed, to, err);
+    if (is_back)
         put_back(scene, placed);
+    // What was added for a placement that is refused is not placed.
+    if (is_back || placement_is_none(&placed->placement))
         remove_placed(scene, placed);
-        return true;
-    }
-    if (object < scene->instance_count) {
-        double transform[3][4];
-        if (!place_transform(to, (const double(*)[4])placed->transform, transform, err))
-            return false;
-        memcpy(scene->instances[object].transform, transform, sizeof transform);
-    } else {
-        struct shape shape = placed->shape;
-        if (!place_shape(to, &placed->shape, &shape, err))
-            return false;
-        shape_take_place(&scene->shapes[object - scene->instance_count], &shape);
-    }
-    placed->placement = *to;
-    return true;
+    return ok;
 }
 
 void scene_object_middle(const struct scene *scene, uint32_t object, double out[3])

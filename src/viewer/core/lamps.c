@@ -119,17 +119,12 @@ static void aim_quad(struct shape *quad, const double center[3], const double wa
     double across[3] = {fabs(way[0]) < 0.5, fabs(way[0]) >= 0.5, 0}, up[3];
     vec3_cross(way, across, up);
     vec3_normalize(up);
-    vec3_cross(up, way, across);
+    vec3_cross(up, way, across); // across x up is `way` then
     memcpy(quad->center, center, sizeof quad->center);
     for (int c = 0; c < 3; c++) {
         quad->axes[0][c] = half * across[c];
         quad->axes[1][c] = half * up[c];
     }
-    vec3_cross(across, up, quad->normal);
-    if (vec3_dot(quad->normal, way) < 0)
-        for (int c = 0; c < 3; c++)
-            quad->axes[0][c] = -quad->axes[0][c];
-    memset(quad->normal, 0, sizeof quad->normal);
 }
 
 // The material and the shape are the last of their lists.
