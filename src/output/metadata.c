@@ -83,14 +83,15 @@ static void add_settings(struct attributes *a, const struct metadata_params *par
     const struct scene_load_params *load = params->load;
     const struct job_params *asked = &params->job->params;
     const struct renderer *r = &params->job->renderer;
+    struct settings made = *params->settings;
+    // The samples and the exposure that the picture has, not those that were asked for.
+    made.spp = params->samples;
+    made.exposure = params->exposure;
+    made.exposure_is_auto = false;
     for (int i = 0; i < SETTING_TOTAL; i++)
-        if (i != SETTING_SPP && i != SETTING_EXPOSURE)
-            add_setting(a, &settings_table[i], params->settings);
-    // The samples that the picture has, not those that were asked for.
-    add(a, "lampyris:spp", "%" PRIu64, params->samples);
+        add_setting(a, &settings_table[i], &made);
     if (sample_planning(params->settings, NULL) != PLANNING_NONE)
         add(a, "lampyris:samples_planned", "%u", r->frame.samples);
-    add(a, "lampyris:exposure", "%.9g", (double)params->exposure);
     add(a, "lampyris:camera", "%u", params->camera);
     add_if_given(a, "lampyris:gltf_scene", load->scene_name);
     add_if_given(a, "lampyris:animation", load->animation);
