@@ -53,10 +53,8 @@ uint64_t memory_refused(uint64_t *left);
 // not known.
 uint64_t memory_resident(void);
 uint64_t memory_peak(void);
-// All of the machine's, 0 where it is not known; and of it what nothing uses, not even for the
-// content of files, UINT64_MAX where it is not known.
+// All of the machine's, 0 where it is not known.
 uint64_t memory_physical(void);
-uint64_t memory_unused(void);
 // What malloc() gave for `data`, which may be more than it was asked for.
 size_t memory_block_bytes(void *data);
 

@@ -413,6 +413,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "and ulimit leave.",
         FIELD(memory),
     },
+    [OPTION_REOPEN] = {
+        .name = "reopen", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = 1000,
+        .group = "Device", .commands = FOR_RENDER, .fallback = "2",
+        .help = "How often a device that is lost in the middle of a render is opened again. "
+                "Rendering then goes on from the last copy of the film, and the picture is the "
+                "same.", FIELD(render.reopens),
+    },
     [OPTION_VALIDATION] = {
         .name = "validation", .type = VALUE_FLAG, .group = "Device", .commands = FOR_SCENE,
         .help = "Enable the Vulkan validation layers, synchronization validation included. Slow.",
@@ -500,8 +507,16 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_LOSE_DEVICE] = {
         .name = "lose-device", .argument = "N", .type = VALUE_COUNT, .min = 1,
         .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
-        .help = "Lose the device at the N-th submission of commands.",
+        .help = "Lose the device at the N-th submission of commands, and again once it was opened "
+                "again.",
         FIELD(device.gpu.lose_device_at_submit),
+    },
+    [OPTION_LOSE_DEVICES] = {
+        .name = "lose-devices", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER,
+        .fallback = "every time",
+        .help = "How often --lose-device loses the device, which is well afterwards.",
+        FIELD(device.gpu.devices_to_lose),
     },
 
     [OPTION_SCRIPT] = {

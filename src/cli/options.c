@@ -359,6 +359,7 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
                                       .anisotropy = true},
                             .render.spp_per_frame = 1,
                             .render.checkpoint_seconds = 60.0,
+                            .render.reopens = 2,
                             .converge.replicates = 16,
                             .converge.spp_from = 16,
                             .bench.repeats = 7,

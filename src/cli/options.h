@@ -81,6 +81,7 @@ enum option_id {
     OPTION_WAVE,
     OPTION_WORKGROUP,
     OPTION_MEMORY,
+    OPTION_REOPEN,
     OPTION_VALIDATION,
     OPTION_PIXEL,
     OPTION_SAMPLE,
@@ -95,6 +96,7 @@ enum option_id {
     OPTION_INSTANCES,
     OPTION_FAIL_ALLOCATION,
     OPTION_LOSE_DEVICE,
+    OPTION_LOSE_DEVICES,
     OPTION_SCRIPT,
     OPTION_HEADLESS,
     OPTION_WATCH,
@@ -195,6 +197,7 @@ struct render_options {
     const char *checkpoint;    // NULL: none is kept
     double checkpoint_seconds; // between two of them
     bool resume;
+    uint32_t reopens; // of a lost device
 
     uint32_t pixel[2]; // the path to follow, where --pixel was given
     uint64_t sample;

@@ -52,13 +52,15 @@ static VkMemoryPropertyFlags preferred_flags(const struct gpu *gpu, enum gpu_mem
 {
     if (memory == GPU_READBACK)
         return VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
-    bool shared = gpu->info.is_cpu || strcmp(gpu->info.kind, "integrated GPU") == 0;
-    return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (shared ? MAPPED_FLAGS : 0);
+    return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (gpu->info.shares_memory ? MAPPED_FLAGS : 0);
 }
 
 static VkResult memory_call(struct gpu *gpu, uint64_t bytes, uint32_t type, VkDeviceMemory *out)
 {
-    if (++gpu->allocation_count == gpu->params.fail_allocation)
+    uint64_t most = gpu->params.limits.memory;
+    bool is_refused =
+        most && bytes > most - (gpu->allocated_bytes < most ? gpu->allocated_bytes : most);
+    if (++gpu->allocation_count == gpu->params.fail_allocation || is_refused)
         return VK_ERROR_OUT_OF_DEVICE_MEMORY;
     const VkMemoryAllocateInfo info = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,

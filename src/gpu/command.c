@@ -58,6 +58,8 @@ bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
     };
+    if (!gpu->device) // it could not be opened again
+        return gpu_fail(gpu, "recording", VK_ERROR_DEVICE_LOST, err);
     if (!gpu_wait(gpu, commands, err) ||
         !VK(gpu, err, vkResetCommandPool(gpu->device, commands->pool, 0)) ||
         !VK(gpu, err, vkBeginCommandBuffer(commands->handle, &info)))

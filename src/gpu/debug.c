@@ -38,6 +38,8 @@ bool gpu_fail(struct gpu *gpu, const char *call, VkResult result, struct err *er
 {
     if (gpu && result == VK_ERROR_DEVICE_LOST)
         gpu->lost = true;
+    if (gpu && result == VK_ERROR_OUT_OF_DEVICE_MEMORY)
+        gpu->out_of_memory = true;
     return err_set(err, ERR_GPU, "%s: %s (VkResult %d)", call, result_text(result), (int)result);
 }
 

@@ -1,6 +1,7 @@
 // Opening and closing a device.
 #include "base/memory.h"
 #include "gpu/gpu_internal.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,6 +69,30 @@ bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
 fail:
     gpu_close(out);
     return false;
+}
+
+bool gpu_reopen(struct gpu *gpu, struct err *err)
+{
+    char index[16];
+    struct gpu_params params = gpu->params;
+    const struct gpu_device_info info = gpu->info;
+    uint32_t messages = gpu->validation_messages;
+    snprintf(index, sizeof index, "%u", info.index);
+    params.device = index;
+    if (params.devices_to_lose > 0 && --params.devices_to_lose == 0)
+        params.lose_device_at_submit = 0;
+    gpu_close(gpu);
+    bool ok = gpu_open(&params, gpu, err);
+    if (ok && strcmp(gpu->info.name, info.name) != 0) {
+        ok = err_set(err, ERR_GPU, "device %s is %s now", info.name, gpu->info.name);
+        gpu_close(gpu);
+    }
+    if (!ok) {
+        gpu->info = info;
+        gpu->lost = true;
+    }
+    gpu->validation_messages += messages;
+    return ok;
 }
 
 void gpu_settle(struct gpu *gpu)

@@ -27,9 +27,10 @@
 struct gpu_device_info {
     uint32_t index;
     char name[256];
-    char driver[512]; // name, version and info of the driver
-    const char *kind; // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
-    bool is_cpu;      // runs on the processor (lavapipe, SwiftShader)
+    char driver[512];   // name, version and info of the driver
+    const char *kind;   // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
+    bool is_cpu;        // runs on the processor (lavapipe, SwiftShader)
+    bool shares_memory; // its memory is the host's
     uint32_t api_version;
     uint64_t memory_bytes; // largest device-local heap
     char unusable[256];    // "", or what it lacks for us
@@ -72,6 +73,7 @@ struct gpu {
     uint32_t validation_messages; // warnings and errors of the validation layers so far; gpu_close
                                   // keeps it, so that objects left over can be counted
     bool lost;                    // VK_ERROR_DEVICE_LOST was seen
+    bool out_of_memory;           // VK_ERROR_OUT_OF_DEVICE_MEMORY; whoever goes on takes it back
     bool abandoned;               // it may still be at work, so nothing is destroyed any more
     uint64_t allocated_bytes, peak_bytes; // of buffers, staging included, and images
 
@@ -91,6 +93,13 @@ struct gpu {
 // its address.
 bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err);
 void gpu_close(struct gpu *gpu); // accepts NULL and {0}
+// Closes the device, which may be lost, and opens it again: all that belonged to it must be
+// finished before. On failure *gpu has no device any more, is lost, and can be closed.
+bool gpu_reopen(struct gpu *gpu, struct err *err);
+
+// Bytes of device memory that can still be had: what VK_EXT_memory_budget tells, or else the rest
+// of the largest heap; and no more than the host has left where its memory is the device's.
+uint64_t gpu_memory_free(const struct gpu *gpu);
 
 // --- buffers ------------------------------------------------------------------------------------
 enum gpu_memory {

@@ -41,6 +41,8 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         {"storage-count=", &limits->storage_count},
         {"texel-elements=", &limits->texel_elements},
         {"allocation=", &limits->allocation},
+        {"memory=", &limits->memory},
+        {"memory-budget=", &limits->memory_budget},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         size_t name_length = strlen(numbers[i].name);
@@ -69,7 +71,8 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
             return err_set(err, ERR_USAGE,
                            VARIABLE ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
                                     "no-mapped-device, no-timestamps, storage-range=BYTES, "
-                                    "storage-count=N, texel-elements=N or allocation=BYTES",
+                                    "storage-count=N, texel-elements=N, allocation=BYTES, "
+                                    "memory=BYTES or memory-budget=BYTES",
                            (int)length, word);
         word += length + (word[length] == ',');
     }

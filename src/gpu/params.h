@@ -12,12 +12,14 @@ struct VkPhysicalDevice_T;
 // here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
 // be run on the fallbacks: words separated by commas out of api-1.1, no-texel, no-ballot,
 // no-mapped-device, no-timestamps, storage-range=BYTES, storage-count=N, texel-elements=N,
-// allocation=BYTES. Other words are ERR_USAGE.
+// allocation=BYTES, memory=BYTES, memory-budget=BYTES. Other words are ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
     uint64_t storage_count;  // storage-buffer bindings, never fewer than GPU_MIN_STORAGE
     uint64_t texel_elements; // maxTexelBufferElements
     uint64_t allocation;     // largest VkDeviceMemory, bytes
+    uint64_t memory;         // of all allocations: what exceeds it fails
+    uint64_t memory_budget;  // of them, as the driver tells before anything is allocated
     bool api_1_1;            // a device of Vulkan 1.1 that does not tell its driver's name
     bool no_texel;           // SSBO reads only
     bool no_ballot;          // without subgroup ballot
@@ -38,8 +40,10 @@ struct gpu_params {
     bool (*can_present)(void *context, struct VkInstance_T *instance,
                         struct VkPhysicalDevice_T *device, uint32_t queue_family);
     void *present_context;
-    // Faults for tests: fail the n-th (from 1) allocation / submission, staging included; 0: never.
+    // Faults for tests: fail the n-th (from 1) allocation / submission, staging included, of every
+    // device that is opened with this; 0: never.
     uint32_t fail_allocation, lose_device_at_submit;
+    uint32_t devices_to_lose; // those after so many are well; 0: none
 };
 
 #endif

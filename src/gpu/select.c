@@ -1,4 +1,5 @@
 // Which devices there are, whether they suffice, and which one is used.
+#include "base/memory.h"
 #include "gpu/gpu_internal.h"
 #include <ctype.h>
 #include <stdio.h>
@@ -83,16 +84,60 @@ static uint32_t queue_family_find(const struct gpu *gpu, VkPhysicalDevice device
     return found;
 }
 
+// The largest device-local heap, or UINT32_MAX.
+static uint32_t largest_heap(const VkPhysicalDeviceMemoryProperties *memory)
+{
+    uint32_t found = UINT32_MAX;
+    for (uint32_t i = 0; i < memory->memoryHeapCount; i++)
+        if ((memory->memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) &&
+            (found == UINT32_MAX || memory->memoryHeaps[i].size > memory->memoryHeaps[found].size))
+            found = i;
+    return found;
+}
+
 static uint64_t device_memory_bytes(VkPhysicalDevice device)
 {
     VkPhysicalDeviceMemoryProperties memory;
     vkGetPhysicalDeviceMemoryProperties(device, &memory);
-    uint64_t largest = 0;
-    for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
-        if ((memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) &&
-            memory.memoryHeaps[i].size > largest)
-            largest = memory.memoryHeaps[i].size;
-    return largest;
+    uint32_t heap = largest_heap(&memory);
+    return heap == UINT32_MAX ? 0 : memory.memoryHeaps[heap].size;
+}
+
+static uint64_t left_of(uint64_t most, uint64_t used)
+{
+    return most > used ? most - used : 0;
+}
+
+static uint64_t heap_free(const struct gpu *gpu)
+{
+    VkPhysicalDeviceMemoryBudgetPropertiesEXT budget = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT,
+    };
+    VkPhysicalDeviceMemoryProperties2 memory = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
+    };
+    bool has_budget = !gpu->params.limits.api_1_1 &&
+                      device_has_extension(gpu->physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+    if (has_budget)
+        memory.pNext = &budget;
+    vkGetPhysicalDeviceMemoryProperties2(gpu->physical, &memory);
+    uint32_t heap = largest_heap(&memory.memoryProperties);
+    if (heap == UINT32_MAX)
+        return 0;
+    return has_budget
+               ? left_of(budget.heapBudget[heap], budget.heapUsage[heap])
+               : left_of(memory.memoryProperties.memoryHeaps[heap].size, gpu->allocated_bytes);
+}
+
+// Drivers on the processor give their heap any size: there the host's memory alone counts.
+uint64_t gpu_memory_free(const struct gpu *gpu)
+{
+    uint64_t told = gpu->params.limits.memory_budget;
+    uint64_t bytes = gpu->info.is_cpu ? UINT64_MAX : heap_free(gpu);
+    if (told && left_of(told, gpu->allocated_bytes) < bytes)
+        bytes = left_of(told, gpu->allocated_bytes);
+    uint64_t host = gpu->info.shares_memory ? memory_available() : UINT64_MAX;
+    return bytes < host ? bytes : host;
 }
 
 void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_family, char *out,
@@ -173,6 +218,8 @@ static void info_read(const struct gpu *gpu, VkPhysicalDevice device, uint32_t i
         .index = index,
         .kind = kind_name(p.core.deviceType),
         .is_cpu = p.core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU,
+        .shares_memory = p.core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ||
+                         p.core.deviceType == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU,
         .api_version = p.core.apiVersion,
         .memory_bytes = device_memory_bytes(device),
     };

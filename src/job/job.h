@@ -18,6 +18,7 @@
 #include "metrics/forecast.h"
 #include "render/adaptive.h"
 #include "render/checkpoint.h"
+#include "render/film_copy.h"
 
 struct kernel_recording;
 struct kernel_recording_params;
@@ -65,6 +66,9 @@ struct job_params {
     struct job_checkpoint_params checkpoint;
     const struct reference *reference; // as large as the image; outlives the job. NULL: none
     bool keeps_trace;                  // rows at doubling numbers of samples
+    // How often a device that is lost during job_run() is opened again:
+    // nothing but the job may be on it then. 0: never.
+    uint32_t reopens;
     struct job_listener listener;
     const struct progress *progress; // NULL: nobody listens or asks to stop
 };
@@ -139,6 +143,9 @@ struct job_rescue {
     double worst_seconds;     // that a copy took
     double seconds;           // and all of them
     bool is_too_large;        // for the memory budget, which was said
+    struct film_copy records; // from which rendering goes on; they live in the arena, too
+    bool has_records;
+    uint32_t reopened; // how often the device was
 };
 
 // To be read by all; to be changed by the functions below alone.

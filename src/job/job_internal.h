@@ -12,13 +12,23 @@ uint64_t job_step_samples(const struct job *job);
 // Returns whether there are no samples but the pilot's, which are not part of the image.
 bool job_is_pilot(const struct job *job);
 
+// --- film.c ---
+// Reads the film, where the device is well.
+bool job_read_now(struct job *job, struct err *err);
+struct film_state job_film_state(const struct renderer *r);
+
+// --- steps.c ---
+// Goes on to so many steps since the beginning, after failures of the device too where it may be
+// opened again.
+bool job_render_to(struct job *job, const struct job_step *step, uint64_t steps, double from,
+                   double to, struct err *err);
+
 // --- judge.c ---
 // As film_error(), of the film as it was read last. confidence: 0 for the usual.
 bool job_estimate_error(struct job *job, double confidence, struct half_error *out,
                         struct err *err);
 // Has the renderer find what estimates need, while the device is well.
 bool job_prepare_estimates(struct job *job, struct err *err);
-struct film_state job_film_state(const struct renderer *r);
 
 // --- pilot.c ---
 // Takes samples that are not part of the image, and makes the plan of the tiles from them. Leaves
@@ -41,5 +51,11 @@ bool job_checkpoint_when_due(struct job *job, struct err *err);
 // --- rescue.c ---
 // Copies the film when that costs less than a hundredth of the time of rendering.
 bool job_rescue_copy_when_due(struct job *job, struct err *err);
+// Where rendering begins, goes on from a checkpoint, or empties the film: from here it goes on.
+bool job_rescue_begin(struct job *job, struct err *err);
+// After a failure of the device: opens it again, with the film as it was copied last. False, and
+// *err as it was, where it was opened too often, or there is nothing to go on from; with another
+// reason where that failed.
+bool job_recover(struct job *job, struct err *err);
 
 #endif

@@ -109,25 +109,6 @@ static bool compare(struct job *job, struct err *err)
            err_memory(err, "bias", (uint64_t)film->width * film->height * 16);
 }
 
-struct film_state job_film_state(const struct renderer *r)
-{
-    return (struct film_state){r->stats, r->next_sample, r->pass, renderer_is_even(r)};
-}
-
-bool job_fetch_film(struct job *job, struct err *err)
-{
-    uint64_t start = clock_ns();
-    arena_finish(&job->film_arena);
-    job->rescue.is_read = false;
-    bool ok = renderer_read(&job->renderer, &job->film_arena, &job->film, err);
-    if (ok) {
-        job->rescue.is_read = !job_is_pilot(job);
-        job->rescue.read = job_film_state(&job->renderer);
-    }
-    job->seconds.judge += clock_seconds_since(start);
-    return ok;
-}
-
 bool job_judge_end(struct job *job, struct err *err)
 {
     return job_is_rescued(job) ? job_judge_film(job, err) : job_read_film(job, err);

@@ -29,8 +29,10 @@ static uint64_t film_pixels(const struct job *job)
 // Says once where it does not, since a lost device then loses the picture.
 static bool fits_memory(struct job *job)
 {
-    // Mean, halves and count, and what --aov asks for besides.
+    // Mean, halves and count, what --aov asks for besides, and the records that these are made of.
     uint64_t bytes = 2 * film_pixels(job) * (3 * 12 + 4 + film_aovs_bytes(job->renderer.aovs));
+    if (job->params.reopens > 0)
+        bytes += 2 * film_copy_bytes(&job->renderer);
     uint64_t most = memory_budget() / MEMORY_PART;
     if (most == 0 || bytes <= most)
         return true;
@@ -69,13 +71,18 @@ bool job_rescue_copy_when_due(struct job *job, struct err *err)
     uint64_t start = clock_ns();
     struct arena arena = {0};
     struct film_image film;
-    if (!renderer_read(&job->renderer, &arena, &film, err)) {
+    struct film_copy records = {0};
+    if (!renderer_read(&job->renderer, &arena, &film, err) ||
+        (job->params.reopens > 0 &&
+         !film_copy_take(&job->renderer, false, &arena, &records, err))) {
         arena_finish(&arena);
         return false;
     }
     arena_finish(&rescue->arena);
     rescue->arena = arena;
     rescue->film = film;
+    rescue->records = records;
+    rescue->has_records = job->params.reopens > 0;
     rescue->copied = job_film_state(&job->renderer);
     rescue->copied_at = job->renderer.stats.render_seconds - job->seconds.render_before;
     double seconds = clock_seconds_since(start);
@@ -85,11 +92,46 @@ bool job_rescue_copy_when_due(struct job *job, struct err *err)
     return true;
 }
 
+// --- going on -----------------------------------------------------------------------------------
+
+bool job_rescue_begin(struct job *job, struct err *err)
+{
+    struct job_rescue *rescue = &job->rescue;
+    const struct renderer *r = &job->renderer;
+    bool is_empty = r->next_sample == r->emptied_at && r->pass.position == 0;
+    rescue->has_records = job->params.reopens > 0 && (is_empty || fits_memory(job));
+    return !rescue->has_records ||
+           film_copy_take(&job->renderer, is_empty, &rescue->arena, &rescue->records, err);
+}
+
+// A device without memory for the wave gets smaller ones.
+bool job_recover(struct job *job, struct err *err)
+{
+    struct job_rescue *rescue = &job->rescue;
+    struct renderer *r = &job->renderer;
+    bool is_lost = r->gpu->lost, is_full = r->gpu->out_of_memory;
+    if (!job->is_rendering || !rescue->has_records || err->code != ERR_GPU ||
+        !(is_lost || is_full) || rescue->reopened == job->params.reopens)
+        return false;
+    rescue->reopened++;
+    log_warn("%s: opening the device again, to go on from %" PRIu64 " samples a pixel%s", err->msg,
+             job_is_pilot(job) ? 0 : rescue->records.next_sample * job_step_samples(job),
+             is_lost ? "" : " with smaller waves");
+    struct err failure = {0};
+    uint32_t wave = is_lost ? r->plan.wave_slots : r->plan.wave_slots / 2;
+    if (renderer_reopen(r, wave, &failure) && film_copy_put(&rescue->records, r, &failure))
+        return true;
+    err_set(err, ERR_GPU, "%s; it could not be opened again: %s", err->msg, failure.msg);
+    return false;
+}
+
+// --- the film of a device that stays lost -------------------------------------------------------
+
 // The device is well where memory ran out on the host: the film may be had as it is now.
 static void read_again(struct job *job)
 {
     if (job->is_rendering && !job_is_pilot(job) && renderer_has_all_pixels(&job->renderer))
-        job_fetch_film(job, NULL);
+        job_read_now(job, NULL);
 }
 
 static bool choose_newest(struct job *job)

@@ -137,13 +137,25 @@ static bool render_image(struct job *job, struct err *err)
 
 // --- frames --------------------------------------------------------------------------------------
 
+static bool begin_anew(struct job *job, struct err *err)
+{
+    struct err failure = {0};
+    while (!renderer_clear(&job->renderer, &failure))
+        if (!job_recover(job, &failure)) {
+            if (err)
+                *err = failure;
+            return false;
+        }
+    return job_rescue_begin(job, err);
+}
+
 // Empties the film first, unless the frame goes on from the one before or was begun already.
 static bool render_frame(struct job *job, uint32_t frame, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
     struct renderer *r = &job->renderer;
     bool is_begun = r->next_sample % goal->samples_per_frame != 0 || r->pass.length > 0;
-    if (frame > 0 && !goal->accumulate && !is_begun && !renderer_clear(r, err))
+    if (frame > 0 && !goal->accumulate && !is_begun && !begin_anew(job, err))
         return false;
     double before = r->stats.render_seconds;
     const struct job_step step = {
@@ -185,13 +197,30 @@ static bool render_frames(struct job *job, struct err *err)
 
 // --- all of it -----------------------------------------------------------------------------------
 
+// What the judge needs is found now, while the device is well: a film that is rescued from it is
+// judged, too.
+static bool prepare(struct job *job, struct err *err)
+{
+    struct err failure = {0};
+    bool was_pilot = job_is_pilot(job);
+    if (!job_rescue_begin(job, err))
+        return false;
+    while (!job_prepare_estimates(job, &failure) ||
+           (job_is_pilot(job) && !job_run_pilot(job, &failure)))
+        if (!job_recover(job, &failure)) {
+            if (err)
+                *err = failure;
+            return false;
+        }
+    return !was_pilot || job_rescue_begin(job, err); // with the tiles' plan
+}
+
 bool job_run(struct job *job, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
     job->seconds.render_before = job->renderer.stats.render_seconds;
     job->is_rendering = true;
-    // Now, while the device is well: a film that is rescued from it is judged, too.
-    if (!job_prepare_estimates(job, err) || (job_is_pilot(job) && !job_run_pilot(job, err)))
+    if (!prepare(job, err))
         return false;
     bool ok = job->stopped || (goal->frames ? render_frames(job, err) : render_image(job, err));
     if (job->stopped)

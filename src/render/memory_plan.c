@@ -282,28 +282,35 @@ static bool check(const struct memory_plan_params *p, const struct memory_plan *
                    binding_name(b), bytes, p->gpu->info.name, limit, parts, advice(p, b));
 }
 
+static uint64_t picture_pixels(const struct memory_plan_params *p)
+{
+    const struct settings *settings = &p->scene->settings;
+    return p->pixels ? p->pixels : (uint64_t)settings->width * settings->height;
+}
+
 // The host keeps so much of a picture to read it back, estimate its error and write it.
 #define HOST_BYTES_A_PIXEL 64
 
-// On a CPU driver device memory is the host's, whatever size the driver gives its heap.
-uint64_t memory_plan_free(const struct gpu *gpu)
+// Device memory that all buffers of the plan may take.
+static uint64_t device_room(const struct memory_plan_params *p)
 {
-    uint64_t bytes = gpu->info.memory_bytes, used = gpu->allocated_bytes;
-    return gpu->info.is_cpu ? memory_unused() : bytes - least(bytes, used);
+    uint64_t left = gpu_memory_free(p->gpu);
+    return left < UINT64_MAX - p->replaced_bytes ? left + p->replaced_bytes : UINT64_MAX;
 }
 
 static bool check_total(const struct memory_plan_params *p, const struct memory_plan *plan,
-                        uint64_t pixels, struct err *err)
+                        struct err *err)
 {
-    uint64_t host = memory_unused();
-    bool is_cpu = p->gpu->info.is_cpu;
-    uint64_t device = is_cpu ? host : p->gpu->info.memory_bytes;
+    uint64_t pixels = picture_pixels(p), device = device_room(p);
+    uint64_t host = memory_available();
+    bool is_shared = p->gpu->info.shares_memory;
     uint64_t host_bytes = HOST_BYTES_A_PIXEL + film_aovs_bytes(p->specialization->aovs);
-    uint64_t host_needed = pixels * host_bytes + (is_cpu ? plan->total_bytes : 0);
+    uint64_t further = plan->total_bytes - least(plan->total_bytes, p->replaced_bytes);
+    uint64_t host_needed = pixels * host_bytes + (is_shared ? further : 0);
     if (plan->total_bytes > device)
         return err_set(err, ERR_GPU,
                        "the plan needs %" PRIu64 " bytes of device memory, but %s has %" PRIu64
-                       ": expected a smaller scene, picture (--size) or --wave",
+                       " left: expected a smaller scene, picture (--size) or --wave",
                        plan->total_bytes, p->gpu->info.name, device);
     if (!memory_check(pixels * host_bytes, "the picture on the host", err))
         return false;
@@ -317,7 +324,6 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
 
 static bool make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
 {
-    const struct settings *settings = &p->scene->settings;
     const struct gpu *gpu = p->gpu;
     const uint32_t aovs = p->specialization->aovs;
     *out = (struct memory_plan){0};
@@ -328,7 +334,7 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     out->part_bytes = part_bytes(gpu);
     out->part_shift = out->part_bytes ? 59u - (uint32_t)__builtin_clzll(out->part_bytes) : 31u;
 
-    uint64_t pixels = p->pixels ? p->pixels : (uint64_t)settings->width * settings->height;
+    uint64_t pixels = picture_pixels(p);
     uint64_t range = least(gpu->max_storage_range, gpu->max_allocation);
     out->film_chunk_pixels = least(pixels, range / (16 * AOV_FILM_WORDS(aovs)));
     if (out->film_chunk_pixels == 0)
@@ -370,7 +376,35 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
         take_parts(p, out, b);
         out->total_bytes += out->buffers[b].bytes * copies;
     }
-    return check_total(p, out, pixels, err);
+    return true;
+}
+
+// Where memory is too little for all, the wave is halved until it suffices or waves do not get
+// smaller: the picture is the same.
+static bool make_fitting(const struct memory_plan_params *p, struct memory_plan *out,
+                         struct err *err)
+{
+    struct memory_plan_params smaller = *p;
+    uint64_t room = device_room(p);
+    if (!make(p, out, err))
+        return false;
+    uint32_t wanted = out->wave_slots;
+    while (out->total_bytes > room) {
+        uint32_t slots = out->wave_slots;
+        smaller.wave = slots / 2;
+        smaller.wave_is_wish = true; // said below
+        if (!make(&smaller, out, err))
+            return false;
+        if (out->wave_slots >= slots)
+            break;
+    }
+    if (!check_total(p, out, err))
+        return false;
+    if (out->wave_slots < wanted)
+        log_warn("waves have %u paths in place of %u, since %s of device memory are left (slower, "
+                 "the same picture)",
+                 out->wave_slots, wanted, memory_print(room).text);
+    return true;
 }
 
 static bool make_wanted(const struct memory_plan_params *p, struct memory_plan *out,
@@ -379,11 +413,11 @@ static bool make_wanted(const struct memory_plan_params *p, struct memory_plan *
     struct err none = {0};
     struct memory_plan_params usual = *p;
     if (!p->wave_is_wish || p->wave == 0)
-        return make(p, out, err);
-    if (make(p, out, &none))
+        return make_fitting(p, out, err);
+    if (make(p, out, &none) && check_total(p, out, &none))
         return true;
     usual.wave = 0;
-    return make(&usual, out, err);
+    return make_fitting(&usual, out, err);
 }
 
 bool memory_plan_make(const struct memory_plan_params *p, struct specialization *s,

@@ -40,6 +40,7 @@ struct memory_plan_params {
     uint32_t wave;   // wanted; 0: the device's default. Lowered where a limit asks for it.
     // Lowered without a warning, to the default where memory is too small for what is wanted.
     bool wave_is_wish;
+    uint64_t replaced_bytes; // of buffers that there are already, and that the plan's replace
 };
 
 // Fails with ERR_GPU, naming buffer, bytes, limit and what would help, when the scene cannot fit.
@@ -51,9 +52,6 @@ bool memory_plan_make(const struct memory_plan_params *params, struct specializa
 // Bytes of all buffers that `params->specialization` needs in a wave of `slots` paths, but for the
 // film and what is read back of it. Allocates nothing and refuses nothing.
 uint64_t memory_plan_bytes(const struct memory_plan_params *params, uint32_t slots);
-
-// Bytes of device memory that can still be had.
-uint64_t memory_plan_free(const struct gpu *gpu);
 
 const char *binding_name(uint32_t binding);
 

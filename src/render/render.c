@@ -30,6 +30,10 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
         .wave = wave,
         .wave_is_wish = wave_is_wish,
     };
+    for (uint32_t b = 0; b < BINDING_COUNT; b++)
+        params.replaced_bytes += r->buffers[b].bytes;
+    for (uint32_t i = 0; r->film && i < r->plan.film_chunks; i++)
+        params.replaced_bytes += r->film[i].bytes;
     return memory_plan_make(&params, &r->specialization, &r->plan, err);
 }
 
@@ -98,6 +102,28 @@ static bool create_wave_state(struct renderer *r, struct err *err)
            create_buffer(r, BINDING_SUSPENDED, GPU_DEVICE, false, err) && create_bindings(r, err);
 }
 
+// The same with smaller waves where the device's memory runs out.
+static bool create_fitting_wave_state(struct renderer *r, struct err *err)
+{
+    struct err failure = {0};
+    const uint32_t wanted = r->plan.wave_slots;
+    r->gpu->out_of_memory = false;
+    while (!create_wave_state(r, &failure)) {
+        uint32_t slots = r->plan.wave_slots;
+        bool may_shrink = r->gpu->out_of_memory && plan_memory(r, slots / 2, true, &failure);
+        if (!may_shrink || r->plan.wave_slots >= slots) {
+            if (err)
+                *err = failure;
+            return false;
+        }
+        r->gpu->out_of_memory = false;
+    }
+    if (r->plan.wave_slots < wanted)
+        log_warn("%s: going on with waves of %u paths in place of %u (slower, the same picture)",
+                 failure.msg, r->plan.wave_slots, wanted);
+    return true;
+}
+
 static bool upload(struct renderer *r, struct err *err)
 {
     struct upload_params params = {
@@ -117,7 +143,7 @@ static bool upload(struct renderer *r, struct err *err)
     return upload_scene(r->gpu, &params, r->buffers, err) &&
            create_buffer(r, BINDING_COUNTERS, GPU_DEVICE, false, err) &&
            create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err) && film_create(r, err) &&
-           frame_create(r, err) && create_wave_state(r, err) &&
+           frame_create(r, err) && create_fitting_wave_state(r, err) &&
            gpu_commands_create(r->gpu, &r->commands, err);
 }
 
@@ -252,22 +278,35 @@ fail:
     return false;
 }
 
-void renderer_finish(struct renderer *r)
+// All that is the device's.
+static void finish_device_objects(struct renderer *r)
 {
-    if (!r || !r->gpu)
-        return;
     gpu_commands_finish(r->gpu, &r->commands);
     for (int i = 0; i < KERNEL_COUNT; i++)
         gpu_kernel_finish(r->gpu, &r->kernels[i]);
     for (uint32_t i = 0; r->bindings && i < r->plan.film_chunks; i++)
         gpu_bindings_finish(r->gpu, &r->bindings[i]);
     film_finish(r);
-    in_view_finish(&r->in_view);
     gpu_buffer_finish(r->gpu, &r->frame_buffer);
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
         gpu_buffer_finish(r->gpu, &r->buffers[b]);
+}
+
+void renderer_finish(struct renderer *r)
+{
+    if (!r || !r->gpu)
+        return;
+    finish_device_objects(r);
+    in_view_finish(&r->in_view);
     arena_finish(&r->arena);
     *r = (struct renderer){0};
+}
+
+bool renderer_reopen(struct renderer *r, uint32_t wave, struct err *err)
+{
+    finish_device_objects(r);
+    return gpu_reopen(r->gpu, err) && plan_memory(r, wave, true, err) && upload(r, err) &&
+           wave_compile(r, err);
 }
 
 // --- rendering -----------------------------------------------------------------------------------
@@ -279,7 +318,7 @@ static bool enable_suspension(struct renderer *r, struct err *err)
              "traversals (slower, the same picture)",
              r->specialization.iteration_budget);
     specialization_suspend(&r->specialization);
-    return plan_memory(r, r->plan.wave_slots, false, err) && create_wave_state(r, err) &&
+    return plan_memory(r, r->plan.wave_slots, false, err) && create_fitting_wave_state(r, err) &&
            wave_compile(r, err);
 }
 
@@ -294,7 +333,7 @@ bool renderer_resize(struct renderer *r, uint32_t wave, uint32_t workgroup, stru
     if (r->plan.buffers[BINDING_RESOLVED].bytes != resolved &&
         !create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err))
         return false;
-    return create_wave_state(r, err) && wave_compile(r, err);
+    return create_fitting_wave_state(r, err) && wave_compile(r, err);
 }
 
 static bool has_tiles(const struct renderer *r)

@@ -209,6 +209,11 @@ bool renderer_has_all_pixels(const struct renderer *renderer);
 // the renderer without buffers, until another call succeeds.
 bool renderer_resize(struct renderer *renderer, uint32_t wave, uint32_t workgroup, struct err *err);
 
+// Opens the device again, which was lost, and makes all anew that was on it, with waves of at most
+// `wave` paths. Nothing but the renderer may have been on it. The film is empty; see film_copy.h.
+// On failure the renderer can only be finished.
+bool renderer_reopen(struct renderer *renderer, uint32_t wave, struct err *err);
+
 // Empties the film; the sample numbers go on, so that what follows is independent of what was.
 bool renderer_clear(struct renderer *renderer, struct err *err);
 // Another number of samples a pixel than the settings' is planned, as samplers and half-buffers

@@ -207,7 +207,7 @@ class Checkpoints(unittest.TestCase):
 
     def test_a_lost_device_leaves_the_last_checkpoint(self):
         for submission in range(20, 400, 20):
-            result = self.run_one('--spp', '320', '--wave', '1024', '--lose-device',
+            result = self.run_one('--spp', '320', '--wave', '1024', '--reopen', '0', '--lose-device',
                                   str(submission), *self.checkpoint())
             self.assertEqual(result.returncode, 3, result.stderr)
             if os.path.exists(self.path('c')):

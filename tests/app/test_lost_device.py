@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A device that is lost in the middle of a render leaves the picture that was copied out before.
+"""A device that is lost in the middle of a render, or has too little memory: rendering goes on, or
+leaves the picture that was copied out before.
 
 Usage: test_lost_device.py LAMPYRIS SCENE_FOLDER [unittest arguments]
 """
@@ -25,15 +26,17 @@ class LostDevice(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder.name, name)
 
-    def render(self, name, *arguments):
+    def render(self, name, *arguments, limits=None):
+        env = dict(os.environ, LAMPYRIS_LIMITS=limits) if limits else None
         return subprocess.run([LAMPYRIS, 'render', CORNELL, *SMALL, '-q', '--json', '-o',
-                               self.path(name), *arguments], stdout=subprocess.PIPE,
+                               self.path(name), *arguments], stdout=subprocess.PIPE, env=env,
                               stderr=subprocess.PIPE, text=True, timeout=100, check=False)
 
     def lose(self, *arguments):
-        """The first loss that has a copy, and what is reported then."""
+        """The first loss for good that has a copy, and what is reported then."""
         for submission in (1200, 4800, 19200):
-            result = self.render('lost.exr', '--lose-device', str(submission), *arguments)
+            result = self.render('lost.exr', '--reopen', '0', '--lose-device', str(submission),
+                                 *arguments)
             self.assertEqual(result.returncode, 3, result.stderr)
             self.assertIn('device lost', result.stderr)
             if result.stdout:
@@ -79,7 +82,7 @@ class LostDevice(unittest.TestCase):
 
     def rescued(self, *arguments):
         """Arguments after those that are the rule here win."""
-        result = self.render('lost.exr', *arguments)
+        result = self.render('lost.exr', '--reopen', '0', *arguments)
         self.assertEqual(result.returncode, 3, result.stderr)
         self.assertTrue(os.path.exists(self.path('lost.exr')), result.stderr)
         report = json.loads(result.stdout)
@@ -104,8 +107,66 @@ class LostDevice(unittest.TestCase):
         self.assertEqual(report['spp'], 10)
         self.assertTrue(os.path.exists(self.path('lost.0010.exr')))
 
+    def goes_on(self, losses, submission, *arguments):
+        """With a device that is lost at every so many submissions the picture is the same."""
+        whole = json.loads(self.render('whole.exr', *arguments).stdout)
+        result = self.render('lost.exr', *arguments, '--lose-device', str(submission),
+                             '--lose-devices', str(losses))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lost = json.loads(result.stdout)
+        self.assertEqual(result.stderr.count('opening the device again'), losses, result.stderr)
+        for key in 'spp', 'spp_most', 'image_hash', 'rays', 'ended_by':
+            self.assertEqual(lost[key], whole[key])
+        self.assertTrue(self.same_pictures())
+
+    def test_goes_on(self):
+        # The first losses are before the first sample.
+        for losses, submission in (1, 2), (2, 30), (1, 60):
+            self.goes_on(losses, submission, '--spp', '64', '--aov', 'albedo')
+
+    def test_lost_too_often(self):
+        result = self.render('lost.exr', '--spp', '1M', '--lose-device', '300')
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertEqual(result.stderr.count('opening the device again'), 2)
+        self.assertEqual(json.loads(result.stdout)['ended_by'], 'device')
+        whole = json.loads(self.render('whole.exr', '--spp', str(json.loads(result.stdout)['spp']))
+                           .stdout)
+        self.assertEqual(json.loads(result.stdout)['image_hash'], whole['image_hash'])
+
+    def test_tiles_and_frames_go_on(self):
+        self.goes_on(1, 40, '--spp', '64', '--adaptive', 'on')
+        self.goes_on(1, 15, '--frames', '20', '--accumulate', 'off')
+        self.goes_on(1, 15, '--frames', '20', '--accumulate', 'on')
+
+    def test_a_resumed_render_goes_on(self):
+        whole = json.loads(self.render('whole.exr', '--spp', '96').stdout)
+        begun = self.render('begun.exr', '--spp', '40', '--checkpoint', self.path('a.ck'))
+        self.assertEqual(begun.returncode, 0, begun.stderr)
+        lost = self.render('lost.exr', '--spp', '96', '--checkpoint', self.path('a.ck'),
+                           '--resume', '--lose-device', '30', '--lose-devices', '1')
+        self.assertEqual(lost.returncode, 0, lost.stderr)
+        self.assertIn('opening the device again', lost.stderr)
+        self.assertEqual(json.loads(lost.stdout)['image_hash'], whole['image_hash'])
+
+    def test_memory_that_is_too_small(self):
+        arguments = ['--spp', '16', '--wave', '64k']
+        whole = json.loads(self.render('whole.exr', *arguments).stdout)
+        # What the device does not have, or tells beforehand that it has not.
+        for limits in 'memory=3000000', 'memory-budget=3000000', 'memory=400000':
+            result = self.render('lost.exr', *arguments, limits=limits)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            small = json.loads(result.stdout)
+            self.assertLess(small['wave'], whole['wave'])
+            self.assertEqual(small['image_hash'], whole['image_hash'])
+            self.assertIn('%d paths in place of %d' % (small['wave'], whole['wave']), result.stderr)
+            self.assertEqual(result.stderr.count('\n'), 1)
+        for limits in 'memory=100000', 'memory-budget=100000':
+            result = self.render('none.exr', *arguments, limits=limits)
+            self.assertEqual((result.returncode, result.stdout), (3, ''), result.stderr)
+            self.assertFalse(os.path.exists(self.path('none.exr')))
+
     def test_before_the_first_copy(self):
-        result = self.render('lost.exr', '--spp', '64', '--lose-device', '3')
+        result = self.render('lost.exr', '--spp', '64', '--reopen', '0', '--lose-device', '3')
         self.assertEqual((result.returncode, result.stdout), (3, ''))
         self.assertEqual(os.listdir(self.folder.name), [])
 

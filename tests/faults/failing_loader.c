@@ -1,6 +1,7 @@
 // A Vulkan loader in which one call fails: a library of the loader's name that hands every function
 // on to the real one, but for the VKF_N-th call (from 1) of the function VKF_NAME, which returns
 // the VkResult VKF_RESULT without doing anything. With VKF_STICKY all its later calls fail, too.
+// With VKF_LOSE the device is lost at the VKF_LOSE-th submission, and calls are counted from there.
 // VKF_COUNT names a file that gets the number of calls of each function when the process ends;
 // VKF_LOADER is the real loader.
 #define VK_NO_PROTOTYPES
@@ -88,11 +89,33 @@ struct function {
     long calls;
 };
 
+static bool is_lost; // at VKF_LOSE
+static void forget_calls(void);
+
+// Whether this is the submission at which the device is lost.
+static bool loses(const struct function *function)
+{
+    const char *number = getenv("VKF_LOSE");
+    if (!number || is_lost || strcmp(function->name, "vkQueueSubmit") != 0 ||
+        function->calls + 1 < atol(number))
+        return false;
+    is_lost = true;
+    forget_calls();
+    return true;
+}
+
+static bool waits_for_loss(void)
+{
+    return getenv("VKF_LOSE") && !is_lost;
+}
+
 static bool fails(struct function *function)
 {
     const char *name = getenv("VKF_NAME"), *number = getenv("VKF_N");
     long n = number ? atol(number) : 0;
     function->calls++;
+    if (waits_for_loss())
+        return false;
     if (!name || strcmp(name, function->name) != 0)
         return false;
     return function->calls == n || (getenv("VKF_STICKY") && function->calls > n);
@@ -121,10 +144,18 @@ static struct function functions[FUNCTION_COUNT] = {
     static VKAPI_ATTR VkResult VKAPI_CALL call_##call parameters                                   \
     {                                                                                              \
         struct function *function = &functions[FUNCTION_##call];                                   \
+        if (loses(function))                                                                       \
+            return VK_ERROR_DEVICE_LOST;                                                           \
         return fails(function) ? failure() : ((PFN_##call)function->real)arguments;                \
     }
 FUNCTIONS(X)
 #undef X
+
+static void forget_calls(void)
+{
+    for (int i = 0; i < FUNCTION_COUNT; i++)
+        functions[i].calls = 0;
+}
 
 static const PFN_vkVoidFunction calls[FUNCTION_COUNT] = {
 #define X(call, parameters, arguments) [FUNCTION_##call] = (PFN_vkVoidFunction)call_##call,

@@ -182,13 +182,12 @@ TEST(refusals)
 
     // This is a device whose memory the render has used up.
     bool is_cpu = s.gpu.info.is_cpu;
-    uint64_t memory = s.gpu.info.memory_bytes;
     s.gpu.info.is_cpu = false;
-    s.gpu.info.memory_bytes = s.gpu.allocated_bytes + 1000;
+    s.gpu.params.limits.memory_budget = s.gpu.allocated_bytes + 1000;
     CHECK(!record_closest(&s, 1, &recorded, &err) && strstr(err.msg, "1000 left"), "%s", err.msg);
     CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
     s.gpu.info.is_cpu = is_cpu;
-    s.gpu.info.memory_bytes = memory;
+    s.gpu.params.limits.memory_budget = 0;
     CHECK(try_kernel(&s, KERNEL_intersect_closest, 1) > 0, "no rays");
 
     s.r.specialization.iteration_budget = 3;

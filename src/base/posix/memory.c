@@ -186,16 +186,6 @@ uint64_t memory_physical(void)
     return pages > 0 ? (uint64_t)pages * page_bytes() : 0;
 }
 
-uint64_t memory_unused(void)
-{
-#ifdef _SC_AVPHYS_PAGES
-    const long pages = sysconf(_SC_AVPHYS_PAGES);
-    return pages > 0 ? (uint64_t)pages * page_bytes() : UINT64_MAX;
-#else
-    return memory_available();
-#endif
-}
-
 uint64_t memory_resident(void)
 {
     FILE *file = fopen("/proc/self/statm", "re");

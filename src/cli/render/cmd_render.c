@@ -62,6 +62,7 @@ static bool init_job(struct render_run *run, struct err *err)
         .reference = options->reference ? &run->reference : NULL,
         .listener = {after_wave, after_frame, after_row, run},
         .progress = render_progress(run),
+        .reopens = options->render.reopens,
     };
     params.renderer.aovs = options->render.aovs;
     if (!follows_path(options)) {

@@ -141,7 +141,7 @@ static bool check_memory(const struct renderer *r, struct kernel_recording *rec,
 {
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
         rec->bytes += is_kept(r, rec, b) ? buffer_of(r, rec, b)->bytes : 0;
-    uint64_t free = memory_plan_free(r->gpu);
+    uint64_t free = gpu_memory_free(r->gpu);
     return rec->bytes <= free ||
            err_set(err, ERR_GPU,
                    "keeping what %s gets takes %" PRIu64 " bytes, but %s has %" PRIu64
