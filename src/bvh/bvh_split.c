@@ -301,8 +301,7 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
     return true;
 }
 
-// --- In place: sweep, median, mean and middle
-// -----------------------------------------------------
+// --- In place: sweep, median, mean and middle ----------------------------------------------------
 
 static void sort_by_centroid(const struct bvh_primitive *primitives, uint32_t count, int axis,
                              uint8_t order[SWEEP_MAX])

@@ -76,7 +76,7 @@ static void draw_kinds(struct bench *bench)
     gui_group_begin(gui, "kinds", "Kinds", "One of each.", true);
     used(bench, gui_switch(gui, "kinds.switch", "Switch", "On or off.", &v->on));
     gui_enabled(gui, !bench->disabled);
-    used(bench, gui_number(gui, "kinds.number", "Number", "0 to 1.", &unit_range, &v->number));
+    used(bench, gui_number(gui, "kinds.number", "Number", "A part.", &unit_range, &v->number));
     gui_enabled(gui, true);
     used(bench, gui_float(gui, "kinds.float", "Float", "Metres.", &metres, &v->real));
     used(bench, gui_count(gui, "kinds.count", "Count", "Whole.", &counts, &v->count));
@@ -570,6 +570,25 @@ TEST(events_go_where_they_belong)
     bench_free(bench);
 }
 
+static void check_help(const struct bench *bench, const char *id, const char *expected)
+{
+    const struct gui_item *item = gui_find(&bench->gui, id);
+    char help[GUI_HELP_MAX] = "";
+    if (item)
+        gui_item_help(item, help);
+    CHECK(strcmp(help, expected) == 0, "%s: \"%s\", expected \"%s\"", id, help, expected);
+}
+
+TEST(help_on_numbers_has_their_range)
+{
+    struct bench *bench = bench_new(1);
+    frames(bench, 2);
+    check_help(bench, "kinds.choice", "A word.");
+    check_help(bench, "kinds.number", "A part. From 0 to 1.");
+    check_help(bench, "kinds.color", "Linear. From 0 to 1.");
+    bench_free(bench);
+}
+
 TEST(help_of_what_the_mouse_is_over)
 {
     struct bench *bench = bench_new(1);
@@ -791,8 +810,9 @@ TEST_MAIN(TEST_CASE(scripts_set_every_kind), TEST_CASE(scripts_reach_closed_grou
           TEST_CASE(drags_stay_in_their_range), TEST_CASE(mouse_reaches_every_kind),
           TEST_CASE(numbers_and_texts_are_typed), TEST_CASE(disabled_controls_take_no_mouse),
           TEST_CASE(untouched_values_keep_their_bits), TEST_CASE(events_go_where_they_belong),
-          TEST_CASE(help_of_what_the_mouse_is_over), TEST_CASE(reveal_opens_and_scrolls),
-          TEST_CASE(reveal_scrolls_lists), TEST_CASE(long_lists_cost_what_is_seen_of_them),
-          TEST_CASE(an_id_twice_is_told), TEST_CASE(triangles_are_in_range_and_in_the_window),
+          TEST_CASE(help_on_numbers_has_their_range), TEST_CASE(help_of_what_the_mouse_is_over),
+          TEST_CASE(reveal_opens_and_scrolls), TEST_CASE(reveal_scrolls_lists),
+          TEST_CASE(long_lists_cost_what_is_seen_of_them), TEST_CASE(an_id_twice_is_told),
+          TEST_CASE(triangles_are_in_range_and_in_the_window),
           TEST_CASE(windows_may_be_of_any_size), TEST_CASE(charts_take_any_numbers),
           TEST_CASE(charts_show_bounds), TEST_CASE(notes_are_as_high_as_their_lines))

@@ -83,7 +83,6 @@ void gui_begin(struct gui *gui, uint32_t width, uint32_t height, double seconds)
     items_begin(own);
     gui->used = NULL;
     gui->hovered_help = NULL;
-    own->hovered_id[0] = '\0';
     gui->width = 0.0f;
     own->has_popup = false;
 }
@@ -157,12 +156,14 @@ bool gui_panel_begin(struct gui *gui, const char *title, const char *facts)
 static void draw_help(const struct gui *gui)
 {
     const struct gui_state *own = gui->own;
+    char help[GUI_HELP_MAX];
     im_separator();
     if (own->clock < own->refusal_until) {
         put_text(IM_WARNING, 0.0f, "%s", own->refusal);
     } else if (gui->hovered_help) {
-        put_text(IM_DIM, 0.0f, "%s", own->hovered_id);
-        put_text(IM_TEXT, 0.0f, "%s", gui->hovered_help);
+        gui_item_help(own->hovered, help);
+        put_text(IM_DIM, 0.0f, "%s", own->hovered->id);
+        put_text(IM_TEXT, 0.0f, "%s", help);
     } else {
         put_text(IM_DIM, 0.0f,
                  "Help on what the mouse is over. Numbers: drag, or Ctrl+click to type.");

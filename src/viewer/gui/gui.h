@@ -17,6 +17,7 @@
 #define GUI_ID_MAX 96
 #define GUI_VALUE_MAX 256
 #define GUI_LABEL_MAX 64
+#define GUI_HELP_MAX 1024
 #define GUI_ITEMS_MAX 2048
 
 enum gui_kind {
@@ -41,6 +42,7 @@ struct gui_item {
     bool is_enabled;
     char label[GUI_LABEL_MAX];
     const char *help; // the caller's
+    double range[2];  // the least and the greatest of a number; both 0: it has none
     uint32_t group;   // see gui_state.h
 };
 
@@ -60,8 +62,10 @@ struct gui {
 };
 
 bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels a point
-void gui_finish(struct gui *gui);                               // accepts NULL and {0}
-void gui_atlas(struct gui *gui, struct gpu_atlas *out);         // of the letters; lives as long
+// A control's help and, of a number, its range.
+void gui_item_help(const struct gui_item *item, char out[GUI_HELP_MAX]);
+void gui_finish(struct gui *gui);                       // accepts NULL and {0}
+void gui_atlas(struct gui *gui, struct gpu_atlas *out); // of the letters; lives as long
 void gui_event(struct gui *gui, const struct event *event);
 // seconds: since the last frame.
 // Of the panel, pixels, in a window of that width where it is not hidden.
@@ -140,6 +144,7 @@ struct gui_range {
     const char *file_word; // what scene files call that word, which is read, too; NULL: the same
     double drag; // what dragging over all of the control's width adds; 0: follows from the range
 };
+// All controls of numbers say their range behind `help`.
 bool gui_number(struct gui *gui, const char *id, const char *label, const char *help,
                 const struct gui_range *range, double *value);
 bool gui_float(struct gui *gui, const char *id, const char *label, const char *help,

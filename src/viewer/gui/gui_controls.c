@@ -30,7 +30,7 @@ static void note_drawn(struct gui *gui, struct gui_item *item)
     item->rect[3] = fmaxf(fminf(box.bottom, clip.bottom), item->rect[1]);
     if (last.is_hovered) {
         gui->hovered_help = item->help;
-        snprintf(own->hovered_id, sizeof own->hovered_id, "%s", item->id);
+        own->hovered = item;
     }
     if (own->reveal_frames && strcmp(own->reveal, item->id) == 0)
         im_scroll_here();
@@ -414,6 +414,8 @@ static bool numbers(struct gui *gui, const char *id, enum gui_kind kind, const c
     double before[3];
     memcpy(before, value, count * sizeof *value);
     struct gui_item *item = begin(gui, id, kind, label, help, &wish);
+    item->range[0] = range->min;
+    item->range[1] = range->infinite ? range->greatest : range->max;
     if (wish && !value_read(wish, count, is_float, range, value, why))
         items_refuse(own, "%s: %s", id, why);
     if (own->is_drawn && kind == GUI_COLOR)

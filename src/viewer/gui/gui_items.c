@@ -68,6 +68,7 @@ struct gui_item *items_add(struct gui_state *own, const char *id, enum gui_kind 
     item->is_enabled = own->is_enabled;
     snprintf(item->label, sizeof item->label, "%s", label);
     item->help = help;
+    item->range[0] = item->range[1] = 0.0;
     item->group = own->depth ? own->stack[own->depth - 1] : 0;
     own->reveal_hit = own->reveal_hit || (own->reveal_frames && strcmp(own->reveal, id) == 0);
     return item;

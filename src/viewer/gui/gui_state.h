@@ -62,7 +62,7 @@ struct gui_state {
     bool drag_types;   // it becomes typing where it does not move
     char refusal[512]; // why what was typed last was not taken
     double refusal_until, clock;
-    char hovered_id[GUI_ID_MAX];
+    const struct gui_item *hovered; // by the mouse, while gui.hovered_help is not NULL
 
     // Events that wait for a frame of their own.
     struct event events[GUI_EVENTS_MAX];

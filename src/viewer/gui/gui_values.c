@@ -2,6 +2,7 @@
 #include "viewer/gui/gui_state.h"
 
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,6 +63,19 @@ void value_show(double value, const struct gui_range *range, int digits, char *o
                        : snprintf(out, GUI_VALUE_MAX, "%.*g", digits, value);
     if (range->unit)
         snprintf(out + length, GUI_VALUE_MAX - (size_t)length, " %s", range->unit);
+}
+
+void gui_item_help(const struct gui_item *item, char out[GUI_HELP_MAX])
+{
+    const char *help = item->help ? item->help : "";
+    bool has_range = item->range[0] < item->range[1] && isfinite(item->range[1]);
+    if (has_range && item->range[1] >= (double)FLT_MAX)
+        snprintf(out, GUI_HELP_MAX, "%s From %.10g on.", help, item->range[0]);
+    else if (has_range)
+        snprintf(out, GUI_HELP_MAX, "%s From %.10g to %.10g.", help, item->range[0],
+                 item->range[1]);
+    else
+        snprintf(out, GUI_HELP_MAX, "%s", help);
 }
 
 static const char *skip_spaces(const char *text)

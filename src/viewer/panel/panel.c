@@ -14,7 +14,7 @@ bool panel_create(struct panel **out, struct err *err)
     if (!*out)
         return err_memory(err, "a panel", sizeof **out);
     (*out)->slot = 1;
-    return panel_settings_create(*out, err);
+    return true;
 }
 
 void panel_destroy(struct panel *panel)
@@ -25,7 +25,6 @@ void panel_destroy(struct panel *panel)
     free(panel->lights.rows);
     free(panel->objects.rows);
     arena_finish(&panel->files_arena);
-    arena_finish(&panel->arena);
     free(panel);
 }
 

@@ -31,14 +31,13 @@ static void moving(struct panel *panel, struct viewpoint *view)
     gui_choice(gui, "camera.mode", "Moves",
                "Fly freely, or turn about what was double-clicked (C changes it).",
                camera_rig_mode_names, &rig->mode);
-    gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second, 1e-18 to 1e13.", &speed,
-               &rig->speed);
+    gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second.", &speed, &rig->speed);
     if (gui_switch(gui, "camera.revolves", "Revolve", "Turns about the target by itself.",
                    &rig->revolves) &&
         rig->revolves)
         rig->mode = CAMERA_RIG_ORBIT;
     gui_number(gui, "camera.revolve_speed", "  speed",
-               "Of that, degrees a second, -360 to 360; below 0: the other way round.", &turning,
+               "Of that, degrees a second; below 0: the other way round.", &turning,
                &rig->revolve_speed);
     if (gui_button(gui, "camera.stop", "Stop", "Ends the turning.")) {
         rig->revolves = false;
@@ -73,14 +72,14 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
     bool is_perspective = to->kind == CAMERA_PERSPECTIVE;
     double radius = to->lens_radius * 1e3;
     gui_enabled(gui, is_perspective);
-    gui_angle(gui, "camera.fov", "Field of view",
-              "From the lower to the upper edge, degrees, 0.001 to 179.999.", &angle, &to->fov_y);
+    gui_angle(gui, "camera.fov", "Field of view", "Between the lower and the upper edge, degrees.",
+              &angle, &to->fov_y);
     gui_enabled(gui, to->kind == CAMERA_ORTHOGRAPHIC);
-    gui_number(gui, "camera.height", "Height",
-               "Of what an orthographic camera sees, metres, 1e-18 to 1e13.", &metres, &to->height);
+    gui_number(gui, "camera.height", "Height", "Of what an orthographic camera sees, metres.",
+               &metres, &to->height);
     gui_enabled(gui, is_perspective);
     if (gui_number(gui, "camera.lens_radius", "Lens radius",
-                   "Millimetres, 0 to 1e16; 0: a pinhole, all is in focus.", &millimetres, &radius))
+                   "Millimetres; 0: a pinhole, all is in focus.", &millimetres, &radius))
         to->lens_radius = radius * 1e-3;
     if (to->lens_radius > 0 && !(to->focus_distance > 0))
         to->focus_distance = target_distance(view);
@@ -89,15 +88,14 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
                &to->focus_distance);
     uint32_t corners = to->lens_blades;
     if (gui_count(gui, "camera.blades", "Blades",
-                  "Of the aperture, 3 to 64; 0: a round one. 1 and 2 become 3.", &blades,
-                  &corners)) {
+                  "Of the aperture; 0: a round one. 1 and 2 become 3.", &blades, &corners)) {
         // Between round and a triangle there is nothing: a drag passes over it.
         bool is_falling = corners < to->lens_blades;
         to->lens_blades = corners == 1 || corners == 2 ? (is_falling ? 0 : 3) : corners;
     }
     gui_enabled(gui, is_perspective && to->lens_radius > 0 && to->lens_blades > 0);
-    gui_angle(gui, "camera.blade_rotation", "  rotation", "Of the blades, degrees, -360 to 360.",
-              &panel_turn, &to->lens_rotation);
+    gui_angle(gui, "camera.blade_rotation", "  rotation", "Of the blades, degrees.", &panel_turn,
+              &to->lens_rotation);
     gui_enabled(gui, true);
 }
 
@@ -172,7 +170,7 @@ static void saved_views(struct panel *panel, struct viewpoint *view)
 {
     struct gui *gui = panel->gui;
     gui_count(gui, "camera.slot", "Saved view",
-              "The one that the buttons mean, 1 to 16; keys 1 to 9 restore, with Ctrl save.", &slot,
+              "The one that the buttons mean; keys 1 to 9 restore, with Ctrl save.", &slot,
               &panel->slot);
     struct saved_view *saved = &view->saved[panel->slot - 1];
     if (gui_button(gui, "camera.save", "Save", "Keeps the camera as it is."))

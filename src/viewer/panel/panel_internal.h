@@ -34,8 +34,6 @@ struct panel {
     struct window *window;
     struct arena *frame_arena; // emptied in every frame
 
-    struct arena arena;
-    const char *setting_help[SETTING_TOTAL]; // with the range
     struct panel_filter materials, lights, objects;
     char scene_path[SURROUNDINGS_PATH_MAX]; // that the lists below are of
     struct arena files_arena;
@@ -74,7 +72,6 @@ struct panel_list {
 bool panel_list(struct panel *panel, struct panel_filter *filter, const struct panel_list *list,
                 uint32_t *chosen);
 
-bool panel_settings_create(struct panel *panel, struct err *err);
 // The controls of those settings that have a label.
 void panel_settings(struct panel *panel, const struct document *document, struct settings *to);
 

@@ -67,11 +67,10 @@ static void radiant(struct gui *gui, struct light *to)
         color[c] = to->radiant[c] / most;
     strength.unit = to->kind == LIGHT_DIRECTIONAL ? "W/m²" : "W/sr";
     bool changed = gui_float(gui, "light.intensity", "Intensity",
-                             "Of its greatest component: W/sr, or W/m^2 of directional lights, 0 "
-                             "to 1e30.",
+                             "Of its greatest component: W/sr, or W/m^2 of directional lights.",
                              &strength, &intensity);
-    if (gui_color(gui, "light.color", "Colour",
-                  "Factors on the intensity, 0 to 1; linear Rec. 709.", &panel_unit, color))
+    if (gui_color(gui, "light.color", "Colour", "Factors on the intensity; linear Rec. 709.",
+                  &panel_unit, color))
         changed = true;
     for (int c = 0; changed && c < 3; c++)
         to->radiant[c] = color[c] * intensity;
@@ -84,13 +83,13 @@ static void cone(struct gui *gui, struct light *to)
     const float least = 1e-3f; // between the two, radians
     gui_enabled(gui, to->kind == LIGHT_SPOT);
     if (gui_angle(gui, "light.inner_angle", "Inner angle",
-                  "From the axis to where the light begins to fade, degrees, 0 to 90.",
-                  &right_angle, &inner)) {
+                  "Between the axis and where the light begins to fade, degrees.", &right_angle,
+                  &inner)) {
         to->inner_angle = fminf((float)inner, (float)(M_PI / 2) - least);
         to->outer_angle = fmaxf(to->outer_angle, to->inner_angle + least);
     }
     if (gui_angle(gui, "light.outer_angle", "Outer angle",
-                  "From the axis to where it ends, degrees, 0 to 90.", &right_angle, &outer)) {
+                  "Between the axis and where it ends, degrees.", &right_angle, &outer)) {
         to->outer_angle = fmaxf(fminf((float)outer, (float)(M_PI / 2)), least);
         to->inner_angle = fminf(to->inner_angle, to->outer_angle - least);
     }

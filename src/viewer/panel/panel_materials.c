@@ -189,8 +189,7 @@ static void inside(struct gui *gui, struct material *to)
               "Of what is inside of closed surfaces, 1/m: light falls by exp(-extinction x way).",
               &extinction, to->extinction);
     gui_count(gui, "material.medium_priority", "Priority",
-              "Where insides overlap the highest is there, 1 to 255.", &priority,
-              &to->medium_priority);
+              "Where insides overlap the highest is there.", &priority, &to->medium_priority);
     gui_enabled(gui, true);
 }
 

@@ -57,10 +57,9 @@ static void place(struct panel *panel, const struct document *document, uint32_t
         gui, "object.turn", "Turned",
         "About its middle and the world's x axis, then y, then z, degrees, against the file.",
         &turn, to.turn_degrees);
-    if (gui_vector(
-            gui, "object.scale", "Scaled",
-            "Along its own axes, 1e-6 to 1e6, against the file; round shapes take one scale.",
-            &scale, to.scale) &&
+    if (gui_vector(gui, "object.scale", "Scaled",
+                   "Along its own axes, against the file; round shapes take one scale.", &scale,
+                   to.scale) &&
         !place_axes_are_free(scene, object))
         even_scale(to.scale, before.scale);
     gui_enabled(panel->gui, !placement_is_none(&before));

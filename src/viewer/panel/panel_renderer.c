@@ -26,15 +26,14 @@ static void accumulation(struct panel *panel, const struct stage *stage, struct 
                    words, &fresh))
         to->fresh_frames = fresh;
     gui_count(gui, "renderer.samples_a_frame", "Per frame",
-              "Samples of every pixel in a frame, 0 to 4096; 0: as many as the time allows.",
-              &samples_a_frame, &to->samples_a_frame);
+              "Samples of every pixel in a frame; 0: as many as the time allows.", &samples_a_frame,
+              &to->samples_a_frame);
     const char *used = gui->used; // the limit is no part of the method
     struct shown shown = stage->shown;
     double most = shown.spp_limit ? (double)shown.spp_limit : spp.max;
     if (gui_number(gui, "renderer.spp", "Samples",
-                   "Samples of a pixel after which the picture rests, 1 to 4294967295, of all "
-                   "sides.",
-                   &spp, &most)) {
+                   "Samples of a pixel after which the picture rests, of all sides.", &spp,
+                   &most)) {
         shown.spp_limit = most < spp.max ? (uint32_t)most : 0;
         edit_shown(panel->viewer, &shown, "renderer.spp");
     }
@@ -68,7 +67,7 @@ static void device(const struct stage *stage, struct gui *gui, struct method *to
     static const char *const classes[] = {"separate", "merged", NULL};
     uint32_t everything = to->compile_all, merged = to->merge_classes;
     if (gui_count(gui, "renderer.wave", "Wave",
-                  "Paths in flight, 64 to 16777216: changes memory and speed, and no bit of the "
+                  "Paths in flight, at least 64: changes memory and speed, and no bit of the "
                   "picture.",
                   &wave, &to->wave) &&
         to->wave > 0 && to->wave < 64)
@@ -151,9 +150,8 @@ static void picture(const struct stage *stage, struct gui *gui, struct shown *to
                &to->what);
     gui_enabled(gui, is_light);
     gui_float(gui, "view.exposure", "Exposure",
-              "Stops that the picture is brightened, -100 to "
-              "100; what is accumulated stays.",
-              &exposure, &to->exposure);
+              "Stops that the picture is brightened; what is accumulated stays.", &exposure,
+              &to->exposure);
     gui_flag(gui, "view.exposure_auto", "Find exposure",
              "Found from the picture's luminances when a scene is opened or its surroundings "
              "change, see docs/output.md.",
@@ -193,7 +191,7 @@ static void denoising(struct gui *gui, struct shown *to)
     gui_enabled(gui, to->what == SHOWN_RADIANCE && to->denoise);
     gui_flag(gui, "view.denoise_temporal", "  temporal",
              "Takes earlier pictures along where the camera moved.", &to->denoise_temporal);
-    gui_count(gui, "view.denoise_iterations", "  passes", "Of the wavelet, 1 to 5.", &iterations,
+    gui_count(gui, "view.denoise_iterations", "  passes", "Of the wavelet.", &iterations,
               &to->denoise_iterations);
     gui_enabled(gui, true);
 }
@@ -204,7 +202,7 @@ static void split(struct panel *panel, const struct stage *stage, struct shown *
     gui_flag(gui, "view.split", "Split view",
              "Two settings side by side over one scene, each with its error.", &to->split);
     gui_enabled(gui, to->split);
-    gui_number(gui, "view.split_at", "  line at", "Part of the width that is side A's, 0 to 1.",
+    gui_number(gui, "view.split_at", "  line at", "Part of the width that is side A's.",
                &panel_unit, &to->split_at);
     bool swap =
         gui_button(gui, "view.swap", "Swap A and B", "Each side gets the other's settings.");
@@ -221,8 +219,8 @@ static void pace(struct panel *panel, struct stage *stage, struct viewpoint *vie
 {
     static const struct gui_range target = {1, 1000, .logarithmic = true, .unit = "ms"};
     struct gui *gui = panel->gui;
-    gui_number(gui, "view.frame_ms", "Frame time",
-               "Aim of a frame's time, milliseconds, 1 to 1000.", &target, &view->pace.target_ms);
+    gui_number(gui, "view.frame_ms", "Frame time", "Aim of a frame's time, milliseconds.", &target,
+               &view->pace.target_ms);
     gui_enabled(gui, stage->swapchain.handle != VK_NULL_HANDLE);
     gui_switch(gui, "view.vsync", "Vsync", "Frames wait for the display.", &stage->swapchain.vsync);
     gui_enabled(gui, true);

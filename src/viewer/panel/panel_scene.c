@@ -140,12 +140,12 @@ static void sky(struct gui *gui, struct surroundings *to)
     static const struct gui_range turbidity = {SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX};
     static const struct gui_range elevation = {0, 90, .unit = "°"};
     gui_enabled(gui, to->kind == SURROUNDINGS_SKY);
-    gui_number(gui, "surroundings.turbidity", "Turbidity", "How hazy the sky is, 2 to 10.",
-               &turbidity, &to->turbidity);
-    gui_number(gui, "surroundings.elevation", "Sun height", "Above the horizon, degrees, 0 to 90.",
+    gui_number(gui, "surroundings.turbidity", "Turbidity", "How hazy the sky is.", &turbidity,
+               &to->turbidity);
+    gui_number(gui, "surroundings.elevation", "Sun height", "Above the horizon, degrees.",
                &elevation, &to->elevation_degrees);
-    gui_number(gui, "surroundings.azimuth", "Sun direction",
-               "From +X towards +Z, degrees, -360 to 360.", &panel_turn, &to->azimuth_degrees);
+    gui_number(gui, "surroundings.azimuth", "Sun direction", "Turned from +X towards +Z, degrees.",
+               &panel_turn, &to->azimuth_degrees);
     gui_flag(gui, "surroundings.sun", "Sun", "The sky has a disc that is the sun.", &to->has_sun);
 }
 
@@ -173,16 +173,14 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     const struct environment *around = &document->scene.environment;
     bool is_lit = to.kind != SURROUNDINGS_NONE && around->present;
     gui_enabled(gui, is_lit);
-    gui_number(gui, "surroundings.strength", "Strength", "Factor on all of it, 0 to 1e30.",
-               &panel_radiance, &to.strength);
+    gui_number(gui, "surroundings.strength", "Strength", "Factor on all of it.", &panel_radiance,
+               &to.strength);
     gui_enabled(gui, is_lit && around->width > 0); // one colour looks the same from all sides
     gui_number(gui, "surroundings.rotation", "Rotation",
-               "About +Y, degrees, -1e6 to 1e6, in addition to the file's.", &turn,
-               &to.rotation_degrees);
+               "About +Y, degrees, in addition to the file's.", &turn, &to.rotation_degrees);
     gui_enabled(gui, to.kind == SURROUNDINGS_CONSTANT);
-    gui_color(gui, "surroundings.color", "Radiance",
-              "Of one colour from everywhere, W/(sr m^2), 0 to 1e30.", &panel_radiance,
-              to.radiance);
+    gui_color(gui, "surroundings.color", "Radiance", "Of one colour from everywhere, W/(sr m^2).",
+              &panel_radiance, to.radiance);
     sky(gui, &to);
     gui_enabled(gui, true);
     if (gui_text(gui, "surroundings.image", "Image",
@@ -280,8 +278,8 @@ static void animation(struct panel *panel, struct document *document)
         to.is_posed = 1;
         edit_pose(panel->viewer, &to, "animation.time");
     }
-    gui_number(gui, "animation.speed", "Speed", "Seconds of the animation a second, -100 to 100.",
-               &speed, &pose->speed);
+    gui_number(gui, "animation.speed", "Speed", "Seconds of the animation a second.", &speed,
+               &pose->speed);
     gui_enabled(gui, true);
     gui_group_end(gui);
 }

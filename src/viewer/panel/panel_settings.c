@@ -11,20 +11,6 @@ static const char *const setting_ids[SETTING_TOTAL] = {
 #include "scene/core/settings_list.h"
 };
 
-bool panel_settings_create(struct panel *panel, struct err *err)
-{
-    for (int i = 0; i < SETTING_TOTAL; i++) {
-        const struct setting *setting = &settings_table[i];
-        char range[SETTING_RANGE_MAX];
-        setting_range(setting, range);
-        panel->setting_help[i] =
-            arena_printf(&panel->arena, "%s%s%s", setting->help, *range ? " " : "", range);
-        if (!panel->setting_help[i])
-            return err_memory(err, "the help of settings", SETTING_RANGE_MAX);
-    }
-    return true;
-}
-
 // Where a word means a number beyond the range, the control ends one step behind it.
 static bool has_word_at_end(const struct field *field)
 {
@@ -52,7 +38,7 @@ static struct gui_range range_of(const struct setting *setting)
     };
 }
 
-static void number(struct gui *gui, enum setting_id id, const char *help, struct settings *to)
+static void number(struct gui *gui, enum setting_id id, struct settings *to)
 {
     const struct setting *setting = &settings_table[id];
     const struct field *field = &setting->field;
@@ -62,10 +48,10 @@ static void number(struct gui *gui, enum setting_id id, const char *help, struct
     float narrow = (float)value;
     bool is_used;
     if (field->type == FIELD_REAL) {
-        is_used = gui_float(gui, setting_ids[id], setting->label, help, &range, &narrow);
+        is_used = gui_float(gui, setting_ids[id], setting->label, setting->help, &range, &narrow);
         value = (double)narrow;
     } else {
-        is_used = gui_number(gui, setting_ids[id], setting->label, help, &range, &value);
+        is_used = gui_number(gui, setting_ids[id], setting->label, setting->help, &range, &value);
     }
     if (is_used && has_word_at_end(field) && value > field->max)
         field_set_word(field, to);
@@ -73,7 +59,7 @@ static void number(struct gui *gui, enum setting_id id, const char *help, struct
         field_set(field, to, value);
 }
 
-static void control(struct gui *gui, enum setting_id id, const char *help, struct settings *to)
+static void control(struct gui *gui, enum setting_id id, struct settings *to)
 {
     const struct setting *setting = &settings_table[id];
     const struct field *field = &setting->field;
@@ -81,15 +67,15 @@ static void control(struct gui *gui, enum setting_id id, const char *help, struc
     bool on = choice != 0;
     switch (field->type) {
     case FIELD_SWITCH:
-        if (gui_switch(gui, setting_ids[id], setting->label, help, &on))
+        if (gui_switch(gui, setting_ids[id], setting->label, setting->help, &on))
             field_set(field, to, on);
         break;
     case FIELD_CHOICE:
-        if (gui_choice(gui, setting_ids[id], setting->label, help, field->words, &choice))
+        if (gui_choice(gui, setting_ids[id], setting->label, setting->help, field->words, &choice))
             field_set(field, to, choice);
         break;
     default:
-        number(gui, id, help, to);
+        number(gui, id, to);
     }
 }
 
@@ -104,7 +90,7 @@ void panel_settings(struct panel *panel, const struct document *document, struct
         if (setting->gap)
             gui_space(gui);
         gui_enabled(gui, setting_is_in_use(setting, to, has_image));
-        control(gui, i, panel->setting_help[i], to);
+        control(gui, i, to);
     }
     gui_enabled(gui, true);
 }

@@ -39,10 +39,12 @@ static json_t *item_json(const struct gui_item *item)
         [GUI_NUMBER] = "number", [GUI_CHOICE] = "choice", [GUI_COLOR] = "color",
         [GUI_VECTOR] = "vector", [GUI_TEXT] = "text",     [GUI_ROW] = "row",
     };
+    char help[GUI_HELP_MAX];
+    gui_item_help(item, help);
     return json_pack("{s:o, s:s, s:o, s:o, s:o, s:b, s:b}", "id", json_words(item->id), "kind",
                      kinds[item->kind], "value", json_words(item->value), "label",
-                     json_words(item->label), "help", json_words(item->help ? item->help : ""),
-                     "enabled", item->is_enabled, "shown", item->is_shown);
+                     json_words(item->label), "help", json_words(help), "enabled", item->is_enabled,
+                     "shown", item->is_shown);
 }
 
 static json_t *items_json(const struct gui *gui)
