@@ -6,6 +6,8 @@ const struct check_group *const check_groups[] = {
     // What the driver itself does.
     &check_arithmetic,
     &check_threads,
+    // What must not change one bit of a picture.
+    &check_bits,
     // Scenes whose radiance is known: docs/verification.md, B, and those of C that are such.
     &check_light,
     &check_media,

@@ -371,6 +371,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "long", .type = VALUE_FLAG, .group = "Cases", .commands = FOR_CHECK,
         .help = "Run the long cases, too.", FIELD(check.longer),
     },
+    [OPTION_REPRODUCIBLE] = {
+        .name = "reproducible", .type = VALUE_FLAG, .group = "Cases", .commands = FOR_CHECK,
+        .help = "Run the cases of the group bits, the long ones too: a picture with other waves, "
+                "splits of its samples, features and limits. Prints their hashes, and one line to "
+                "put into a paper.",
+        FIELD(check.reproducible),
+    },
     [OPTION_REPORT] = {
         .name = "report", .argument = "FOLDER|FILE", .type = VALUE_TEXT, .group = "Report",
         .commands = FOR_CONVERGE | FOR_BENCH | FOR_CHECK, .fallback = "none",

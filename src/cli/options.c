@@ -184,6 +184,7 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_TIMES, OPTION_SPP, false},
         {OPTION_IMAGES, OPTION_REPORT, true},
         {OPTION_MAP, OPTION_DIFFERENCE, true},
+        {OPTION_REPRODUCIBLE, OPTION_ONLY, false},
         {OPTION_TRACE, OPTION_PIXEL, false},
         {OPTION_EXPLAIN, OPTION_PIXEL, false},
         {OPTION_TEV, OPTION_PIXEL, false},
@@ -219,7 +220,8 @@ static bool needs_scene(const struct option_def *def)
 // Options of check that belong to devices, and to scenes.
 static bool check_check(const struct options *options, struct err *err)
 {
-    static const enum option_id of_devices[] = {OPTION_ONLY, OPTION_LIST, OPTION_LONG};
+    static const enum option_id of_devices[] = {OPTION_ONLY, OPTION_LIST, OPTION_LONG,
+                                                OPTION_REPRODUCIBLE};
     for (int i = 0; i < OPTION_TOTAL; i++)
         if (options_given(options, i) && options->argument_count == 0 &&
             needs_scene(&option_table[i]))

@@ -75,6 +75,7 @@ enum option_id {
     OPTION_ONLY,
     OPTION_LIST,
     OPTION_LONG,
+    OPTION_REPRODUCIBLE,
     OPTION_REPORT,
     OPTION_IMAGES,
     OPTION_DEVICE,
@@ -238,7 +239,8 @@ struct bench_options {
 struct check_options {
     const char *only; // a group or a case; NULL: all
     bool list;
-    bool longer; // the long cases, too
+    bool longer;       // the long cases, too
+    bool reproducible; // those of equal bits alone, and a line about them
 };
 
 struct compare_options {

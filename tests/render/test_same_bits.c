@@ -1,109 +1,10 @@
 // These must not change one bit of a picture: the size of the waves, how samples are split over
 // calls, features that the scene lacks, ways to read and to reserve, and lower limits of the
 // device.
-#include "render_fixture.h"
+#include "check/bits.h"
 #include "check/scaled_scene.h"
+#include "render_fixture.h"
 #include <math.h>
-
-#define ALL_SAMPLES 32u
-
-struct variant {
-    const char *name;
-    struct gpu_limit_overrides limits;
-    uint32_t wave;
-    bool compile_all;
-    uint32_t first_calls[2]; // samples of the first calls; the last one makes up ALL_SAMPLES
-    bool restarted;          // after other samples of another seed
-    bool representative;     // tried on every scene, not on the first and in the long form alone
-};
-
-// The limits are far below those that Vulkan guarantees, for the pictures are small.
-static const struct variant variants[] = {
-    {"again", {0}},
-    {"waves of 2^10", {0}, .wave = 1u << 10},
-    {"waves of 2^14", {0}, .wave = 1u << 14},
-    {"waves of 2^20", {0}, .wave = 1u << 20},
-    {"waves of 352", {0}, .wave = 352, .representative = true},
-    {"split 1 + 2 + 29", {0}, .first_calls = {1, 2}},
-    {"split 13 + 10 + 9", {0}, .first_calls = {13, 10}, .representative = true},
-    {"restarted", {0}, .restarted = true},
-    {"with all features", {0}, .compile_all = true, .representative = true},
-    {"without texel buffers", {.no_texel = true}},
-    {"without ballot", {.no_ballot = true}},
-    {"without mapped device memory", {.no_mapped_device = true}},
-    {"storage buffers of 64 KiB", {.storage_range = 1u << 16}},
-    {"allocations of 64 KiB", {.allocation = 1u << 16}},
-    {"65536 texels", {.texel_elements = 65536}},
-    {"1024 texels", {.texel_elements = 1024}, .representative = true},
-    {"16 texels", {.texel_elements = 16}},
-    {"all at once",
-     {.no_texel = true, .no_ballot = true, .no_mapped_device = true, .storage_range = 1u << 16},
-     .wave = 1u << 10,
-     .compile_all = true,
-     .first_calls = {3, 16},
-     .representative = true},
-};
-
-static bool render_samples(struct renderer *r, uint64_t samples, struct err *err)
-{
-    const struct render_call call = {.samples = samples};
-    return renderer_render(r, &call, err);
-}
-
-static bool render_split(struct renderer *r, const struct variant *variant, struct err *err)
-{
-    const uint32_t *first = variant->first_calls;
-    uint32_t seed = r->scene->settings.seed;
-    return (!variant->restarted ||
-            (render_samples(r, 7, err) && renderer_restart(r, seed + 1, err) &&
-             render_samples(r, 5, err) && renderer_restart(r, seed, err))) &&
-           render_samples(r, first[0], err) && render_samples(r, first[1], err) &&
-           render_samples(r, ALL_SAMPLES - first[0] - first[1], err);
-}
-
-// Whatever limits the device has, the film needs several buffers.
-static bool render_on(struct gpu *gpu, const struct scene *scene, const struct variant *variant,
-                      struct arena *arena, struct film_image *film, struct err *err)
-{
-    struct renderer renderer;
-    const struct renderer_params params = {
-        .gpu = gpu, .scene = scene, .wave = variant->wave, .compile_all = variant->compile_all};
-    bool ok = renderer_create(&params, &renderer, err);
-    if (ok) {
-        bool lowered = variant->limits.storage_range || variant->limits.allocation;
-        CHECK(!lowered || renderer.plan.film_chunks > 1, "%s: one film buffer", variant->name);
-        ok = render_split(&renderer, variant, err) && renderer_read(&renderer, arena, film, err);
-        renderer_finish(&renderer);
-    }
-    return ok;
-}
-
-// A picture as `variant` makes it, on `gpu` or, with limits, on a device of its own.
-static bool render_variant(struct gpu *gpu, const struct scene *scene,
-                           const struct variant *variant, struct arena *arena,
-                           struct film_image *film, struct err *err)
-{
-    static const struct gpu_limit_overrides none;
-    const struct gpu_params params = {.limits = variant->limits};
-    struct gpu limited;
-    if (memcmp(&variant->limits, &none, sizeof none) == 0)
-        return render_on(gpu, scene, variant, arena, film, err);
-    if (!gpu_open(&params, &limited, err))
-        return false;
-    bool ok = render_on(&limited, scene, variant, arena, film, err);
-    gpu_close(&limited);
-    return ok;
-}
-
-static bool same_bits(const struct film_image *a, const struct film_image *b)
-{
-    size_t pixels = (size_t)a->width * a->height;
-    return a->width == b->width && a->height == b->height &&
-           memcmp(a->mean, b->mean, pixels * sizeof *a->mean) == 0 &&
-           memcmp(a->half_a, b->half_a, pixels * sizeof *a->half_a) == 0 &&
-           memcmp(a->half_b, b->half_b, pixels * sizeof *a->half_b) == 0 &&
-           memcmp(a->samples, b->samples, pixels * sizeof *a->samples) == 0;
-}
 
 // Pixels that are not black: equal pictures of nothing would prove nothing.
 static size_t lit_pixels(const struct film_image *film)
@@ -125,30 +26,31 @@ static bool fits_smallest_buffers(const struct scene *scene)
 
 static void check_scene(struct gpu *gpu, struct scene *scene, const char *name, bool all)
 {
-    const struct variant plain = {"plain", {0}};
+    const struct bits_variant plain = {"plain", {0}};
     struct arena arena = {0};
     struct film_image expected, film;
     struct err err = {0};
-    REQUIRE_OK(render_variant(gpu, scene, &plain, &arena, &expected, &err));
+    REQUIRE_OK(bits_render(gpu, scene, &plain, &arena, &expected, &err));
     size_t pixels = (size_t)expected.width * expected.height;
     CHECK(lit_pixels(&expected) > pixels / 2, "%s is dark", name);
-    CHECK(expected.least_samples == ALL_SAMPLES && expected.most_samples == ALL_SAMPLES,
+    CHECK(expected.least_samples == BITS_SAMPLES && expected.most_samples == BITS_SAMPLES,
           "%s: wrong number of samples", name);
     bool large = !fits_smallest_buffers(scene);
-    for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++) {
-        const struct gpu_limit_overrides *limits = &variants[i].limits;
+    for (size_t i = 0; i < bits_variant_count; i++) {
+        const struct gpu_limit_overrides *limits = &bits_variants[i].limits;
         if ((large && (limits->storage_range || limits->allocation)) ||
-            !(all || variants[i].representative))
+            !(all || bits_variants[i].representative))
             continue;
-        CHECK(render_variant(gpu, scene, &variants[i], &arena, &film, &err), "%s, %s: %s", name,
-              variants[i].name, err.msg);
+        CHECK(bits_render(gpu, scene, &bits_variants[i], &arena, &film, &err), "%s, %s: %s", name,
+              bits_variants[i].name, err.msg);
         if (err.code == ERR_NONE)
-            CHECK(same_bits(&film, &expected), "%s, %s: different", name, variants[i].name);
+            CHECK(bits_are_same(&film, &expected), "%s, %s: different", name,
+                  bits_variants[i].name);
         err = (struct err){0};
     }
     scene->settings.seed++;
-    REQUIRE_OK(render_variant(gpu, scene, &plain, &arena, &film, &err));
-    CHECK(!same_bits(&film, &expected), "%s: another seed gives the same picture", name);
+    REQUIRE_OK(bits_render(gpu, scene, &plain, &arena, &film, &err));
+    CHECK(!bits_are_same(&film, &expected), "%s: another seed gives the same picture", name);
     arena_finish(&arena);
 }
 
@@ -192,7 +94,8 @@ static void check_further_scenes(bool all)
 // those of the coat are rounded.
 TEST(clearcoat)
 {
-    static const struct variant plain = {"plain", {0}}, all = {"all", {0}, .compile_all = true};
+    static const struct bits_variant plain = {"plain", {0}},
+                                     all = {"all", {0}, .compile_all = true};
     const struct scene_override small[] = {{"film.width", "64"}, {"film.height", "24"}, {0}};
     struct film_image expected, film;
     struct arena arena = {0};
@@ -201,9 +104,9 @@ TEST(clearcoat)
     struct err err = {0};
     OPEN_GPU(&gpu, 0);
     REQUIRE_OK(load_scene("scenes/materials_clearcoat.json", small, &scene, &err));
-    REQUIRE_OK(render_variant(&gpu, &scene, &plain, &arena, &expected, &err));
-    REQUIRE_OK(render_variant(&gpu, &scene, &all, &arena, &film, &err));
-    CHECK(same_bits(&film, &expected), "features that the scene lacks change it");
+    REQUIRE_OK(bits_render(&gpu, &scene, &plain, &arena, &expected, &err));
+    REQUIRE_OK(bits_render(&gpu, &scene, &all, &arena, &film, &err));
+    CHECK(bits_are_same(&film, &expected), "features that the scene lacks change it");
     arena_finish(&arena);
     scene_finish(&scene);
     gpu_close(&gpu);
@@ -212,13 +115,13 @@ TEST(clearcoat)
 // Up to eight slots a sample; where all features are compiled in, in the long form.
 TEST(split_lobes)
 {
-    static const struct variant plain = {"plain", {0}}, others[] = {
-                                                            {"waves of 352", {0}, .wave = 352},
-                                                            {"split 13 + 10 + 9",
-                                                             {.no_texel = true},
-                                                             .wave = 1u << 10,
-                                                             .first_calls = {13, 10}},
-                                                        };
+    static const struct bits_variant plain = {"plain", {0}}, others[] = {
+                                                                 {"waves of 352", {0}, .wave = 352},
+                                                                 {"split 13 + 10 + 9",
+                                                                  {.no_texel = true},
+                                                                  .wave = 1u << 10,
+                                                                  .first_calls = {13, 10}},
+                                                             };
     const struct scene_override split[] = {
         {"film.width", "48"}, {"film.height", "32"}, {"settings.split_lobes", "3"}, {0}};
     struct film_image expected, film;
@@ -228,14 +131,14 @@ TEST(split_lobes)
     struct err err = {0};
     OPEN_GPU(&gpu, 0);
     REQUIRE_OK(load_scene("scenes/phong_lobes.json", split, &scene, &err));
-    REQUIRE_OK(render_variant(&gpu, &scene, &plain, &arena, &expected, &err));
+    REQUIRE_OK(bits_render(&gpu, &scene, &plain, &arena, &expected, &err));
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
-        REQUIRE_OK(render_variant(&gpu, &scene, &others[i], &arena, &film, &err));
-        CHECK(same_bits(&film, &expected), "%s: different", others[i].name);
+        REQUIRE_OK(bits_render(&gpu, &scene, &others[i], &arena, &film, &err));
+        CHECK(bits_are_same(&film, &expected), "%s: different", others[i].name);
     }
     scene.settings.split_lobes = 0;
-    REQUIRE_OK(render_variant(&gpu, &scene, &plain, &arena, &film, &err));
-    CHECK(!same_bits(&film, &expected), "nothing is split");
+    REQUIRE_OK(bits_render(&gpu, &scene, &plain, &arena, &film, &err));
+    CHECK(!bits_are_same(&film, &expected), "nothing is split");
     arena_finish(&arena);
     scene_finish(&scene);
     gpu_close(&gpu);
@@ -299,10 +202,11 @@ static void check_workgroup(struct gpu *gpu, const struct scene *scene, uint32_t
     struct err err = {0};
     if (workgroup > gpu->max_invocations)
         return;
-    bool ok = render_film(&params, ALL_SAMPLES, arena, &film, NULL, &err);
+    bool ok = render_film(&params, BITS_SAMPLES, arena, &film, NULL, &err);
     CHECK(ok, "workgroups of %u: %s", workgroup, err.msg);
-    CHECK(!ok || same_bits(&film, expected), "workgroups of %u, ballot %d, %u groups: different",
-          workgroup, gpu->has_ballot, gpu->max_groups);
+    CHECK(!ok || bits_are_same(&film, expected),
+          "workgroups of %u, ballot %d, %u groups: different", workgroup, gpu->has_ballot,
+          gpu->max_groups);
 }
 
 static void check_workgroups(const char *path, const uint32_t *sizes, size_t count)
@@ -319,7 +223,7 @@ static void check_workgroups(const char *path, const uint32_t *sizes, size_t cou
     REQUIRE_OK(gpu_open(&without_ballot, &plain, &err));
     REQUIRE_OK(load_scene(path, small, &scene, &err));
     const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
-    REQUIRE_OK(render_film(&params, ALL_SAMPLES, &arena, &expected, NULL, &err));
+    REQUIRE_OK(render_film(&params, BITS_SAMPLES, &arena, &expected, NULL, &err));
     CHECK(lit_pixels(&expected) > 32 * 24 / 2, "%s is dark", path);
     for (size_t i = 0; i < count; i++) {
         check_workgroup(&gpu, &scene, sizes[i], &arena, &expected);
@@ -373,13 +277,14 @@ TEST(resized)
                   ? slots == sizes[i].wave / sizes[i].workgroup * sizes[i].workgroup
                   : slots < sizes[i].wave,
               "a wave of %u paths is one of %u", sizes[i].wave, slots);
-        REQUIRE_OK(render_samples(&renderer, 5, &err));
+        const struct render_call call = {.samples = 5};
+        REQUIRE_OK(renderer_render(&renderer, &call, &err));
     }
     CHECK(renderer.stats.suspended > 0, "no traversal was suspended");
     CHECK(!renderer_resize(&renderer, 1024, 48, &err) && err.code == ERR_USAGE, "48 threads");
     err = (struct err){0};
     REQUIRE_OK(renderer_read(&renderer, &arena, &film, &err));
-    CHECK(same_bits(&film, &expected), "different");
+    CHECK(bits_are_same(&film, &expected), "different");
     renderer_finish(&renderer);
     scene_finish(&scene);
     gpu_close(&gpu);
@@ -408,7 +313,7 @@ TEST(waves_of_a_large_picture)
         bool fits = bytes <= gpu.max_storage_range && bytes <= gpu.max_texel_elements * 16;
         CHECK(!fits || stats.waves == full + last, "%u paths: %u waves", waves[i],
               (unsigned)stats.waves);
-        CHECK(same_bits(&films[i], &films[0]), "%u paths", waves[i]);
+        CHECK(bits_are_same(&films[i], &films[0]), "%u paths", waves[i]);
     }
     arena_finish(&arena);
     scene_finish(&scene);
@@ -479,7 +384,7 @@ static void check_scales(const char *path)
         scale_scene(&scene, ldexp(1.0, exponents[i]));
         const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
         REQUIRE_OK(render_film(&params, 16, &arena, &films[i], NULL, &err));
-        CHECK(same_bits(&films[i], &films[0]), "%s scaled by 2^%d", path, exponents[i]);
+        CHECK(bits_are_same(&films[i], &films[0]), "%s scaled by 2^%d", path, exponents[i]);
         scene_finish(&scene);
     }
     arena_finish(&arena);

@@ -22,6 +22,8 @@ static bool is_wanted(const struct options *options, const struct check_group *g
 {
     const char *only = options->check.only;
     bool by_name = only && strcmp(only, group->name) != 0;
+    if (options->check.reproducible)
+        return group == &check_bits;
     return check_is_wanted(group, this_case, only) &&
            (!this_case->is_long || options->check.longer || options->check.list || by_name);
 }

@@ -37,6 +37,18 @@ void device_check_print_row(const struct device_check *d, size_t row)
     fflush(stdout);
 }
 
+// For a paper: what was the same, and where. The first case is the same picture again.
+static void print_reproducible(const struct device_check *d)
+{
+    size_t same = device_check_outcomes(d, CHECK_PASSED);
+    size_t others = device_check_outcomes(d, CHECK_FAILED);
+    printf("lampyris %s on %s (%s): %zu of %zu renders with other waves, splits of the samples, "
+           "features and limits have the same bits, hash %s%s.\n",
+           LAMPYRIS_VERSION, d->gpu.info.name, d->gpu.info.driver, same, same + others,
+           d->done > 0 ? d->rows[0].result.expected : "not known",
+           others > 0 ? "; the others do not" : "");
+}
+
 void device_check_print_end(const struct device_check *d)
 {
     size_t passed = device_check_outcomes(d, CHECK_PASSED);
@@ -44,6 +56,8 @@ void device_check_print_end(const struct device_check *d)
     printf("%s%zu of %zu cases pass, %zu fail, %zu were not run, in %.0f s, on %s (%s)\n",
            d->options->quiet ? "" : "\n", passed, d->count, failed, d->count - passed - failed,
            d->seconds, d->gpu.info.name, d->gpu.info.driver);
+    if (d->options->check.reproducible)
+        print_reproducible(d);
 }
 
 static json_t *words_or_null(const char *text)
