@@ -50,11 +50,11 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
 }
 
 // Sides use what is to be replaced.
-static void end_jobs(struct viewer *viewer)
+static void end_jobs(struct stage *stage)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
-        job_finish(&viewer->stage.sides[side].job);
-        viewer->stage.sides[side].is_ready = false;
+        job_finish(&stage->sides[side].job);
+        stage->sides[side].is_ready = false;
     }
 }
 
@@ -63,7 +63,7 @@ static bool refresh_geometry(struct viewer *viewer, struct err *err)
     struct geometry_params params =
         viewer_geometry_params(viewer, &viewer->document.scene, &viewer->view.camera);
     rebuild_cancel(viewer);
-    end_jobs(viewer);
+    end_jobs(&viewer->stage);
     if (!geometry_refresh(&params, &viewer->document.geometry, err))
         return false;
     viewer_find_bounds(viewer);
@@ -230,20 +230,20 @@ static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
 
 // --- changes -------------------------------------------------------------------------------------
 
-static enum change greatest_change(const struct viewer *viewer)
+static enum change greatest_change(const struct stage *stage)
 {
     enum change most = CHANGE_NONE;
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
-        most = viewer->stage.changes[side] > most ? viewer->stage.changes[side] : most;
+        most = stage->changes[side] > most ? stage->changes[side] : most;
     return most;
 }
 
 // Leaves the picture as it is until the hierarchy is there.
-static void put_off(struct viewer *viewer)
+static void put_off(struct stage *stage)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
-        if (viewer->stage.changes[side] >= CHANGE_METHOD)
-            viewer->stage.changes[side] = CHANGE_SHOWN;
+        if (stage->changes[side] >= CHANGE_METHOD)
+            stage->changes[side] = CHANGE_SHOWN;
 }
 
 // Returns whether a hierarchy has to be built, and takes so long that it is built meanwhile.
@@ -263,19 +263,19 @@ static bool change_geometry(struct viewer *viewer, struct err *err)
     struct rebuild *rebuild = &viewer->document.rebuild;
     bool is_adopted = rebuild_is_done(viewer);
     if (is_adopted) {
-        end_jobs(viewer);
+        end_jobs(&viewer->stage);
         rebuild_adopt(viewer);
     }
-    enum change most = greatest_change(viewer);
+    enum change most = greatest_change(&viewer->stage);
     if (most < CHANGE_METHOD)
         return true;
     if (rebuild_is_pending(viewer)) {
         rebuild->is_stale = true;
-        put_off(viewer);
+        put_off(&viewer->stage);
     } else if (most >= CHANGE_TABLES && !is_adopted && builds_meanwhile(viewer)) {
         if (!rebuild_start(viewer, err))
             return false;
-        put_off(viewer);
+        put_off(&viewer->stage);
     } else if (most >= CHANGE_TABLES) {
         return refresh_geometry(viewer, err);
     }
@@ -286,7 +286,7 @@ static bool apply(struct viewer *viewer, struct err *err)
 {
     if (!change_geometry(viewer, err))
         return false;
-    enum change most = greatest_change(viewer);
+    enum change most = greatest_change(&viewer->stage);
     uint32_t width, height;
     viewer_picture_size(viewer, &width, &height);
     viewer->stage.side_count = viewer->stage.shown.split ? VIEWER_SIDES : 1;

@@ -95,20 +95,18 @@ void history_destroy(struct history *history)
 
 // --- what is there -------------------------------------------------------------------------------
 
-static bool *hidden_flag(struct viewer *viewer, uint32_t object)
+static bool *hidden_flag(struct scene *scene, uint32_t object)
 {
-    struct scene *scene = &viewer->document.scene;
     if (object < scene->instance_count)
         return &scene->instances[object].hidden;
     assert(object - scene->instance_count < scene->shape_count);
     return &scene->shapes[object - scene->instance_count].hidden;
 }
 
-static struct light *find_sun(struct viewer *viewer)
+static struct light *find_sun(struct scene *scene)
 {
-    const struct scene *scene = &viewer->document.scene;
     uint32_t sun = scene->environment.sun.light;
-    return scene->environment.present && sun > 0 ? &viewer->document.scene.lights[sun - 1] : NULL;
+    return scene->environment.present && sun > 0 ? &scene->lights[sun - 1] : NULL;
 }
 
 static void get(struct viewer *viewer, enum target target, uint32_t index, union state *out)
@@ -122,7 +120,7 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
         out->method = viewer->stage.sides[index].method;
         break;
     case TARGET_SURROUNDINGS: {
-        const struct light *sun = find_sun(viewer);
+        const struct light *sun = find_sun(&viewer->document.scene);
         out->around.surroundings = viewer->document.surroundings;
         out->around.has_sun = sun != NULL;
         if (sun)
@@ -136,7 +134,7 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
         out->light = viewer->document.scene.lights[index];
         break;
     case TARGET_OBJECT:
-        out->visible = !*hidden_flag(viewer, index);
+        out->visible = !*hidden_flag(&viewer->document.scene, index);
         break;
     case TARGET_DISPLAY:
         out->shown = viewer->stage.shown;
@@ -230,7 +228,7 @@ static bool put_around(struct viewer *viewer, const struct around *to, struct er
     viewer->document.surroundings_arena = arena;
     viewer->document.surroundings = to->surroundings;
     viewer_begin_exposure(viewer);
-    struct light *sun = find_sun(viewer);
+    struct light *sun = find_sun(&viewer->document.scene);
     if (sun && to->has_sun)
         *sun = to->sun;
     viewer_changed(viewer, CHANGE_METHOD);
@@ -323,7 +321,7 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
         viewer_changed(viewer, CHANGE_METHOD);
         break;
     case TARGET_OBJECT:
-        *hidden_flag(viewer, index) = !to->visible;
+        *hidden_flag(&viewer->document.scene, index) = !to->visible;
         viewer_changed(viewer, CHANGE_GEOMETRY);
         break;
     case TARGET_DISPLAY:
@@ -354,9 +352,8 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
     return true;
 }
 
-static bool is_there(const struct viewer *viewer, enum target target, uint32_t index)
+static bool is_there(const struct scene *scene, enum target target, uint32_t index)
 {
-    const struct scene *scene = &viewer->document.scene;
     switch (target) {
     case TARGET_METHOD:
         return index < VIEWER_SIDES;
@@ -435,7 +432,7 @@ static bool edit(struct viewer *viewer, enum target target, uint32_t index, cons
 {
     union state before, after;
     struct err err = {0};
-    assert(is_there(viewer, target, index));
+    assert(is_there(&viewer->document.scene, target, index));
     get(viewer, target, index, &before);
     if (same_bytes(&before, to, state_bytes[target]))
         return true;

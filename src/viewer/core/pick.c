@@ -27,7 +27,7 @@ static bool is_there(const struct scene *scene, const struct picked *picked)
            picked->material < scene->material_count;
 }
 
-static void take_hit(const struct viewer *viewer, const struct view *view,
+static void take_hit(const struct scene *scene, const struct view *view,
                      const struct replay_vertex *hit, struct picked *out)
 {
     double away[3];
@@ -37,7 +37,7 @@ static void take_hit(const struct viewer *viewer, const struct view *view,
     memcpy(out->position, hit->position, sizeof out->position);
     vec3_subtract(hit->position, view->job.renderer.camera.position, away);
     out->distance = vec3_length(away);
-    if (!is_there(&viewer->document.scene, out))
+    if (!is_there(scene, out))
         out->object = out->material = VIEWER_NO_OBJECT;
 }
 
@@ -68,6 +68,6 @@ bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, 
         return false;
     out->is_some = true;
     if (replay.vertex_count > 0 && strcmp(replay.vertices[0].queue, "surface") == 0)
-        take_hit(viewer, view, &replay.vertices[0], out);
+        take_hit(&viewer->document.scene, view, &replay.vertices[0], out);
     return true;
 }
