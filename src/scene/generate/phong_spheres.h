@@ -26,8 +26,8 @@ struct phong_sphere {
 // Phong's exponent of a smoothness: 1000^(s^2), from 1 to 1000.
 double phong_exponent(double smoothness);
 
-// Tries `count` spheres on the plane y = 0 and keeps those that overlap none before them: about
-// thirty of 10000 that are as large as the published ones. `out` has room for `count`. ERR_STOPPED
+// Tries `count` spheres on the plane y = 0 and keeps those that overlap none before them: 86 of the
+// 10000 published ones. `out` has room for `count`. ERR_STOPPED
 // when `progress` asks to stop.
 bool phong_spheres_place(const struct phong_spheres *params, struct phong_sphere *out,
                          uint32_t *placed, struct err *err);
