@@ -97,6 +97,16 @@ class Platform(unittest.TestCase):
             planted = {**self.symbols, 'job/job.c': (defined, used | {name})}
             self.assertEqual(foreign_functions(planted), [f'job/job.c: {name}'])
 
+    def test_each_system_has_each_purpose(self):
+        paths = set(self.texts)
+        purposes = [os.path.basename(path) for path in paths
+                    if re.fullmatch(r'base/posix/\w+\.c', path)]
+        self.assertGreater(len(purposes), 10)
+        for purpose in purposes:
+            with self.subTest(purpose):
+                self.assertIn('base/' + purpose[:-1] + 'h', paths)
+                self.assertIn('base/windows/' + purpose, paths)
+
 
 if __name__ == '__main__':
     SOURCE_ROOT, BUILD_ROOT = sys.argv[1:3]

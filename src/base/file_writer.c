@@ -258,8 +258,6 @@ static bool temporary_name(struct file_writer *writer, struct err *err)
 
 static bool replace_target(struct file_writer *writer, struct err *err)
 {
-    if (!temporary_name(writer, err))
-        return false;
     if (!file_rename(writer->temporary_path, writer->path))
         return fail(err, writer->path, "rename the temporary file");
     temporary_path_forget(writer);
@@ -272,11 +270,14 @@ bool file_writer_commit(struct file_writer *writer, struct err *err)
     bool ok = writer->block_bytes == 0 || write_block(writer, err);
     if (ok && !writer->direct)
         ok = (file_handle_sync(writer->handle) || fail(err, writer->path, "sync")) &&
-             verify(writer, err) && replace_target(writer, err);
+             verify(writer, err) && temporary_name(writer, err);
+    // Closed before the rename: not every system renames open files over others.
     const bool is_closed = file_handle_close(writer->handle);
     writer->handle = -1;
     if (ok && !is_closed)
         ok = fail(err, writer->path, "close");
+    if (ok && !writer->direct)
+        ok = replace_target(writer, err);
     file_writer_finish(writer);
     return ok;
 }

@@ -8,6 +8,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+// What main() begins with: afterwards arguments are UTF-8, and consoles show UTF-8.
+void process_begin(int *argc, char ***argv);
 uint64_t process_id(void);
 // The file of the program that runs; false where that is not known.
 bool process_own_path(char *out, size_t size);

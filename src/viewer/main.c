@@ -1,5 +1,6 @@
 // lampyris-view: the interactive viewer. Its command line is that of `lampyris view`, without the
 // word.
+#include "base/process.h"
 #include "cli/exit_code.h"
 #include "cli/program.h"
 #include "viewer/run.h"
@@ -10,6 +11,7 @@
 int main(int argc, char **argv)
 {
     static char name[] = "lampyris", command[] = "view";
+    process_begin(&argc, &argv);
     char **arguments = calloc((size_t)argc + 2, sizeof *arguments);
     if (!arguments)
         return EXIT_CODE_DEVICE;

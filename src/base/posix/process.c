@@ -16,6 +16,11 @@
 #define environ (*_NSGetEnviron())
 #endif
 
+void process_begin(int *argc, char ***argv)
+{
+    (void)argc, (void)argv;
+}
+
 uint64_t process_id(void)
 {
     return (uint64_t)getpid();
