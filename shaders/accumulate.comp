@@ -98,6 +98,9 @@ void main()
     uint count_b = words[0].w - count_a;
     for (uint i = 0u; i < samples; i++) {
         vec4 radiance = load_sample((item << push.sample_shift) + i, 0u);
+#ifdef PLANTED_FILM_FACTOR // tests of tests only: is a film that gains light found?
+        radiance.rgb *= PLANTED_FILM_FACTOR;
+#endif
         if (half_of_sample(words[0].w + i) == 0u)
             accumulate(halves[0], radiance.rgb, ++count_a);
         else

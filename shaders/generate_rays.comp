@@ -27,6 +27,9 @@ void main()
         u = uniforms(slot, DIMENSION_CAMERA);
     if (is_apart)
         u.xy = pixel_uniforms_2d(pixel, slot_sample(slot));
+#ifdef PLANTED_SLOT // tests of tests only: is a picture that depends on slots found?
+    u.x = fract(u.x + 0.5 * float(slot >> 8u & 1u));
+#endif
     vec2 inside = HAS(FEATURE_JITTER) ? filter_position(u.xy) : vec2(0.5);
     vec2 size = vec2(frame.width, frame.height);
     vec2 at = (vec2(pixel % frame.width, pixel / frame.width) + inside) / size * 2.0 - 1.0;

@@ -29,5 +29,6 @@ bool check_is_wanted(const struct check_group *group, const struct check_case *t
     if (!only || strcmp(only, group->name) == 0 || strcmp(only, this_case->name) == 0)
         return true;
     size_t length = strlen(only);
-    return strncmp(only, this_case->name, length) == 0 && this_case->name[length] == ' ';
+    return !strchr(only, ' ') && strncmp(only, this_case->name, length) == 0 &&
+           this_case->name[length] == ' ';
 }
