@@ -26,9 +26,11 @@ void log_configure(enum log_level level, log_sink_fn sink, void *context)
     log_state.context = context;
 }
 
-void log_set_level(enum log_level level)
+enum log_level log_set_level(enum log_level level)
 {
+    enum log_level former = log_state.level;
     log_state.level = level;
+    return former;
 }
 
 void log_message(enum log_level level, const char *format, ...)

@@ -10,8 +10,8 @@ typedef void (*log_sink_fn)(void *context, enum log_level level, const char *mes
 // before threads start. The default is stderr, LOG_WARN.
 void log_configure(enum log_level level, log_sink_fn sink, void *context);
 
-// Changes the level alone.
-void log_set_level(enum log_level level);
+// Changes the level alone; returns the one so far. Not thread-safe either.
+enum log_level log_set_level(enum log_level level);
 
 // One line without a newline. Thread-safe.
 void log_message(enum log_level level, const char *format, ...)

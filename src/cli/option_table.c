@@ -76,11 +76,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_ERROR] = {
         .name = "error", .argument = "E", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
-        .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
+        .group = "Sampling", .commands = FOR_RENDER | FOR_CHECK, .fallback = "no limit",
         .help = "Stop when the local relMSE (the mean squared error relative to the mean around "
                 "each pixel) is below this with 95 % confidence. Looks at the error from 2 samples "
                 "per pixel on, where it may have come low enough; ends at --spp (65536 where not "
-                "given) or --time at the latest.",
+                "given) or --time at the latest. check says what a render to this error would take; "
+                "0.001 where not given.",
         FIELD(render.error),
     },
     [OPTION_ADAPTIVE] = {
@@ -377,6 +378,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "splits of its samples, features and limits. Prints their hashes, and one line to "
                 "put into a paper.",
         FIELD(check.reproducible),
+    },
+    [OPTION_FIX] = {
+        .name = "fix", .argument = "OUT.json", .type = VALUE_TEXT, .group = "Cases",
+        .commands = FOR_CHECK, .fallback = "none",
+        .help = "Write the scene with the harmless remedies applied: those that remove an error, or "
+                "something without effect, and change nothing else of the picture. Says which.",
+        FIELD(check.fix),
     },
     [OPTION_REPORT] = {
         .name = "report", .argument = "FOLDER|FILE", .type = VALUE_TEXT, .group = "Report",

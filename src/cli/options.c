@@ -211,6 +211,9 @@ static bool needs_scene(const struct option_def *def)
     case OPTION_MEMORY:
     case OPTION_VALIDATION:
         return false;
+    case OPTION_ERROR:
+    case OPTION_FIX:
+        return true;
     default:
         return option_belongs(def, &commands[COMMAND_INFO]) &&
                !option_belongs(def, &commands[COMMAND_DEVICES]);

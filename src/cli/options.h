@@ -76,6 +76,7 @@ enum option_id {
     OPTION_LIST,
     OPTION_LONG,
     OPTION_REPRODUCIBLE,
+    OPTION_FIX,
     OPTION_REPORT,
     OPTION_IMAGES,
     OPTION_DEVICE,
@@ -241,6 +242,7 @@ struct check_options {
     bool list;
     bool longer;       // the long cases, too
     bool reproducible; // those of equal bits alone, and a line about them
+    const char *fix;   // with a scene: where to write it with harmless remedies; NULL: nowhere
 };
 
 struct compare_options {

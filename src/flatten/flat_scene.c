@@ -17,14 +17,27 @@ static uint32_t first_above(const uint32_t *values, uint32_t count, uint32_t val
     return low;
 }
 
+// By its number among all triangles, dropped ones included.
+static void find_source(const struct flat_scene *flat, uint32_t number, uint32_t *instance,
+                        uint32_t *triangle)
+{
+    uint32_t runs = flat->instance_count + flat->mesh_count;
+    uint32_t run = first_above(flat->instance_first, runs, number) - 1;
+    *triangle = number - flat->instance_first[run];
+    *instance = run < flat->instance_count ? run : SCENE_NONE;
+}
+
 void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
                           uint32_t *triangle)
 {
     uint32_t dropped = first_above(flat->dropped_before, flat->dropped_degenerate, id);
-    uint32_t source = id + dropped, runs = flat->instance_count + flat->mesh_count;
-    uint32_t run = first_above(flat->instance_first, runs, source) - 1;
-    *triangle = source - flat->instance_first[run];
-    *instance = run < flat->instance_count ? run : SCENE_NONE;
+    find_source(flat, id + dropped, instance, triangle);
+}
+
+void flat_dropped_source(const struct flat_scene *flat, uint32_t k, uint32_t *instance,
+                         uint32_t *triangle)
+{
+    find_source(flat, flat->dropped_before[k] + k, instance, triangle);
 }
 
 void flat_from_world(const struct flat_scene *flat, const double point[3], double out[3])

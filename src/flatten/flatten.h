@@ -131,6 +131,9 @@ const struct flat_small_triangle *flat_find_small(const struct flat_scene *flat,
 // triangles it is.
 void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
                           uint32_t *triangle);
+// The same of the k-th of those that were dropped.
+void flat_dropped_source(const struct flat_scene *flat, uint32_t k, uint32_t *instance,
+                         uint32_t *triangle);
 
 // Equal where scene_flatten() would make the same of the scene as before, or fail again: a hash of
 // all that it reads, of meshes' vertices and indices where they are instead of what they say. So

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "render/probe/kernel_recording.h"
+#include "render/probe/ray_probe.h"
 #include "render/probe/replay.h"
 #include <string.h>
 
@@ -69,4 +70,12 @@ bool job_record_kernel(struct job *job, const struct kernel_recording_params *pa
                        struct kernel_recording *out, struct err *err)
 {
     return kernel_recording_create(&job->renderer, params, out, err);
+}
+
+bool job_trace_rays(struct job *job, const struct probe_ray *rays, uint32_t count,
+                    struct probe_hit *hits, bool *complete, struct err *err)
+{
+    double ms;
+    return ray_probe_trace(&job->renderer, KERNEL_intersect_closest, rays, count, hits, &ms,
+                           complete, err);
 }

@@ -22,6 +22,8 @@
 
 struct kernel_recording;
 struct kernel_recording_params;
+struct probe_hit;
+struct probe_ray;
 struct replay;
 
 // --- what is asked for ---------------------------------------------------------------------------
@@ -263,6 +265,9 @@ bool job_replay(struct job *job, uint32_t x, uint32_t y, uint64_t sample, struct
 bool job_count_steps(struct job *job, bool on, struct err *err); // see wave_count_steps()
 bool job_record_kernel(struct job *job, const struct kernel_recording_params *params,
                        struct kernel_recording *out, struct err *err); // see kernel_recording.h
+// See ray_probe_trace(): to the nearest hit.
+bool job_trace_rays(struct job *job, const struct probe_ray *rays, uint32_t count,
+                    struct probe_hit *hits, bool *complete, struct err *err);
 
 // --- the film and its error ----------------------------------------------------------------------
 

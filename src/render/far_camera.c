@@ -88,23 +88,40 @@ double far_camera_start(const struct flat_scene *flat, const struct camera *came
 // A share of a pixel that samples find too seldom to be relied on.
 #define LEAST_PART 0x1p-8
 
-void far_camera_warn(const struct flat_scene *flat, const struct camera *camera, uint32_t height)
+struct far_fault far_camera_judge(const struct flat_scene *flat, const struct camera *camera,
+                                  uint32_t height)
 {
     const struct sight sight = find_sight(flat, camera);
     bool is_panoramic = camera->kind == CAMERA_PANORAMIC;
     if (!(sight.radius > 0.0) || camera->kind == CAMERA_ORTHOGRAPHIC)
-        return;
+        return (struct far_fault){0};
     double seen = is_panoramic ? M_PI : 2.0 * tan(0.5 * camera->fov_y); // a metre away
     double pixel = seen / height, farthest = sight.distance + sight.radius;
     double begin = is_far(&sight, camera) ? sight.depth - sight.radius : 0.0;
+    struct far_fault fault = {
+        .extent = 2.0 * sight.radius / flat->scale,
+        .distance = sight.distance / flat->scale,
+        .pixels = 2.0 * sight.radius / (pixel * sight.distance),
+        .pixel = pixel,
+        .direction = 0x1p-24,
+    };
     if (2.0 * sight.radius < LEAST_PART * pixel * sight.distance)
+        fault.kind = FAR_FAULT_SCENE;
+    else if (0x1p-24 * (farthest - begin) > 0.5 * pixel * farthest)
+        fault.kind = FAR_FAULT_PIXEL;
+    return fault;
+}
+
+void far_camera_warn(const struct flat_scene *flat, const struct camera *camera, uint32_t height)
+{
+    const struct far_fault fault = far_camera_judge(flat, camera, height);
+    if (fault.kind == FAR_FAULT_SCENE)
         log_warn("the scene is %g m across and %g m away: %.2g of a pixel, which samples hardly "
                  "ever find; expected a camera nearer to it, or a narrower field of view",
-                 2.0 * sight.radius / flat->scale, sight.distance / flat->scale,
-                 2.0 * sight.radius / (pixel * sight.distance));
-    else if (0x1p-24 * (farthest - begin) > 0.5 * pixel * farthest)
+                 fault.extent, fault.distance, fault.pixels);
+    else if (fault.kind == FAR_FAULT_PIXEL)
         log_warn("a pixel is %.2g radians wide, and single precision tells directions apart by "
                  "%.2g from within a scene: expected a wider field of view, or a camera farther "
                  "away from all of it",
-                 pixel, 0x1p-24);
+                 fault.pixel, fault.direction);
 }

@@ -16,8 +16,21 @@ bool camera_is_far(const struct flat_scene *flat, const struct camera *camera);
 double far_camera_start(const struct flat_scene *flat, const struct camera *camera,
                         const double right[3], const double up[3]);
 
-// Warns where single precision cannot tell the picture's pixels apart, or the scene is too small in
-// the picture to be found.
+// What is wrong with where a camera is.
+enum far_fault_kind {
+    FAR_FAULT_NONE,
+    FAR_FAULT_SCENE, // the scene is too small in the picture to be found
+    FAR_FAULT_PIXEL, // single precision cannot tell the picture's pixels apart
+};
+struct far_fault {
+    enum far_fault_kind kind;
+    double extent, distance; // of the scene, metres
+    double pixels;           // that it is across
+    double pixel, direction; // sizes of a pixel, and of the steps between directions, radians
+};
+struct far_fault far_camera_judge(const struct flat_scene *flat, const struct camera *camera,
+                                  uint32_t height);
+// Warns of it.
 void far_camera_warn(const struct flat_scene *flat, const struct camera *camera, uint32_t height);
 
 #endif

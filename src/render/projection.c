@@ -35,6 +35,24 @@ void projection_make(const struct camera *camera, const struct flat_scene *flat,
     out->start = far_camera_start(flat, camera, out->right, out->up);
 }
 
+void projection_ray(const struct projection *p, double x, double y, double origin[3],
+                    double direction[3])
+{
+    double across = 2.0 * x / p->width - 1.0, upwards = 1.0 - 2.0 * y / p->height;
+    double longitude = across * M_PI, latitude = upwards * 0.5 * M_PI;
+    for (int i = 0; i < 3; i++) {
+        double in_picture = across * p->right[i] + upwards * p->up[i], forward = p->forward[i];
+        double level = cos(longitude) * forward + sin(longitude) * p->right[i];
+        bool is_parallel = p->kind == CAMERA_ORTHOGRAPHIC;
+        direction[i] = p->kind == CAMERA_PANORAMIC
+                           ? cos(latitude) * level + sin(latitude) * p->up[i]
+                           : forward + (is_parallel ? 0.0 : in_picture);
+        origin[i] = p->position[i] +
+                    (is_parallel ? p->start * forward + in_picture : p->start * direction[i]);
+    }
+    vec3_normalize(direction);
+}
+
 // `across`, `upwards`: in the picture, from -1 to 1.
 static void place(const struct projection *p, double across, double upwards, struct projected *out)
 {

@@ -1,5 +1,5 @@
 // Where the camera sees points of the scene: the way back from a point to the picture. The way out,
-// from the picture into the scene, is lib/camera.glsl's.
+// from the picture into the scene, is lib/camera.glsl's; for probes it is here, too.
 #ifndef LAMPYRIS_RENDER_PROJECTION_H
 #define LAMPYRIS_RENDER_PROJECTION_H
 
@@ -28,6 +28,11 @@ struct projected {
 
 void projection_make(const struct camera *camera, const struct flat_scene *flat, uint32_t width,
                      uint32_t height, struct projection *out);
+
+// The ray through a point of the picture, pixels from its upper left corner, and through the middle
+// of the lens. `direction` is a unit vector.
+void projection_ray(const struct projection *p, double x, double y, double origin[3],
+                    double direction[3]);
 
 // Projects a point in the flat scene's space; false where it is behind the camera.
 bool projection_find(const struct projection *p, const double point[3], struct projected *out);

@@ -1,3 +1,4 @@
+// `lampyris check SCENE`: what in a scene is stiff or extreme, for people and for machines.
 #include "cli/check/check_command.h"
 
 #include "check/check_scene.h"
@@ -7,70 +8,192 @@
 #include "render/render.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
+#include "scene/json/scene_write.h"
+#include <math.h>
 #include <stdio.h>
 
-static void print_text(const struct scene_findings *findings)
+// To which it looks ahead where nothing is asked for.
+#define USUAL_ERROR 1e-3
+
+struct scene_check {
+    const struct options *options;
+    struct gpu gpu;
+    struct scene scene;
+    struct arena arena;
+    struct scene_findings findings;
+};
+
+// What is wrong, and stays so in the file that --fix writes.
+static uint32_t count_wrong(const struct scene_check *check)
 {
-    for (uint32_t i = 0; i < findings->count; i++) {
-        const struct scene_finding *finding = &findings->items[i];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < check->findings.count; i++) {
+        const struct scene_finding *finding = &check->findings.items[i];
+        bool is_fixed = check->options->check.fix && finding->change;
+        count += finding->level == FINDING_WRONG && !is_fixed;
+    }
+    return count;
+}
+
+// --- for people ----------------------------------------------------------------------------------
+
+static void print_share(double share)
+{
+    if (isnan(share))
+        puts("");
+    else if (share == 0.0)
+        puts(", not in the picture");
+    else
+        printf(share < 0.01 ? ", %.1f %% of the picture\n" : ", %.0f %% of the picture\n",
+               100.0 * share);
+}
+
+static void print_finding(const struct scene_finding *finding)
+{
+    printf("\n%-8s  ", finding_level_names[finding->level]);
+    print_words(finding->name);
+    print_share(finding->share);
+    print_line("  where   ", finding->place);
+    print_line("  seen    ", finding->figure);
+    print_line("  so      ", finding->consequence);
+    print_line("  remedy  ", finding->remedy);
+}
+
+// "local relMSE 0.001 takes about 410 spp, 130 s of rendering and 35.2 MiB on the device".
+static void print_outlook(const struct scene_outlook *outlook)
+{
+    double memory = (double)outlook->device_bytes / 1048576.0;
+    if (isnan(outlook->samples))
+        printf("what local relMSE %g takes is not known (%s); %.1f MiB on the device\n",
+               outlook->error, outlook->reason, memory);
+    else
+        printf("local relMSE %g takes %s %.3g spp, %.3g s of rendering and %.1f MiB on the "
+               "device\n",
+               outlook->error, outlook->reason ? "at most" : "about", ceil(outlook->samples),
+               outlook->seconds, memory);
+}
+
+static void print_changes(const struct scene_check *check)
+{
+    uint32_t count = 0;
+    if (!check->options->check.fix)
+        return;
+    putchar('\n');
+    for (uint32_t i = 0; i < check->findings.count; i++) {
+        const struct scene_finding *finding = &check->findings.items[i];
+        if (!finding->change)
+            continue;
+        count++;
+        printf("changed   ");
         print_words(finding->name);
-        print_line(": ", finding->place);
-        print_line("  seen     ", finding->figure);
-        print_line("  follows  ", finding->consequence);
-        print_line("  remedy   ", finding->remedy);
+        print_line(": ", finding->change);
     }
-    if (findings->count == 0)
-        puts("Nothing in this scene is stiff or extreme.");
+    print_line(count > 0 ? "wrote     " : "Nothing was changed in ", check->options->check.fix);
 }
 
-static int print_json(const struct options *options, const struct scene_findings *findings)
+static void print_text(const struct scene_check *check)
 {
+    const struct scene_findings *findings = &check->findings;
+    uint32_t wrong = 0;
+    for (uint32_t i = 0; i < findings->count; i++)
+        wrong += findings->items[i].level == FINDING_WRONG;
+    print_words(check->scene.path);
+    if (findings->count == 0) {
+        printf(": nothing in it is stiff or extreme; ");
+        print_outlook(&findings->outlook);
+        return print_changes(check);
+    }
+    printf(": %u finding%s, %u of which make%s the picture wrong\n", findings->count,
+           findings->count == 1 ? "" : "s", wrong, wrong == 1 ? "s" : "");
+    for (uint32_t i = 0; i < findings->count; i++)
+        print_finding(&findings->items[i]);
+    printf("\noutlook   ");
+    print_outlook(&findings->outlook);
+    print_changes(check);
+}
+
+// --- for machines --------------------------------------------------------------------------------
+
+static json_t *finding_json(const struct scene_finding *finding)
+{
+    return json_pack("{s:o, s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "name", json_words(finding->name),
+                     "level", finding_level_names[finding->level], "place",
+                     json_words(finding->place), "figure", json_words(finding->figure),
+                     "consequence", json_words(finding->consequence), "remedy",
+                     json_words(finding->remedy), "share", json_number(finding->share), "change",
+                     finding->change ? json_words(finding->change) : json_null());
+}
+
+static int print_json(const struct scene_check *check)
+{
+    const struct scene_outlook *outlook = &check->findings.outlook;
+    const char *fixed = check->options->check.fix;
     json_t *list = json_array();
-    for (uint32_t i = 0; i < findings->count; i++) {
-        const struct scene_finding *finding = &findings->items[i];
-        json_array_append_new(
-            list,
-            json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "name", json_words(finding->name), "place",
-                      json_words(finding->place), "figure", json_words(finding->figure),
-                      "consequence", json_words(finding->consequence), "remedy",
-                      json_words(finding->remedy), "share", json_number(finding->share)));
-    }
-    return command_print(
-        json_pack("{s:o, s:o}", "scene", json_words(options->scene.path), "findings", list));
+    for (uint32_t i = 0; i < check->findings.count; i++)
+        json_array_append_new(list, finding_json(&check->findings.items[i]));
+    return command_print(json_pack(
+        "{s:o, s:o, s:o, s:{s:f, s:o, s:o, s:I, s:o}, s:o}", "scene", json_words(check->scene.path),
+        "device", json_words(check->gpu.info.name), "findings", list, "outlook", "local_relmse",
+        outlook->error, "spp", json_number(outlook->samples), "seconds",
+        json_number(outlook->seconds), "device_bytes", (json_int_t)outlook->device_bytes, "reason",
+        outlook->reason ? json_words(outlook->reason) : json_null(), "fixed",
+        fixed ? json_words(fixed) : json_null()));
 }
 
-static bool gather(const struct options *options, struct gpu *gpu, struct scene *scene,
-                   struct arena *arena, struct scene_findings *findings, struct err *err)
+// --- the command ---------------------------------------------------------------------------------
+
+static bool write_fixed(struct scene_check *check, const struct scene *before, uint32_t camera,
+                        struct err *err)
 {
+    const struct scene_load_params load =
+        options_scene_params(&check->options->scene, check->options->progress);
+    const struct scene_write_params params = {
+        .path = check->options->check.fix,
+        .load = &load,
+        .before = before,
+        .scene = &check->scene,
+        .camera = &check->scene.cameras[camera],
+    };
+    return scene_write(&params, err);
+}
+
+static bool run(struct scene_check *check, struct err *err)
+{
+    const struct options *options = check->options;
     uint32_t camera;
-    if (!options_load_scene(&options->scene, options->progress, scene, &camera, err) ||
-        !gpu_open(&options->device.gpu, gpu, err))
+    struct scene before;
+    if (!options_load_scene(&options->scene, options->progress, &check->scene, &camera, err) ||
+        !scene_snapshot(&check->arena, &check->scene, &before, err) ||
+        !gpu_open(&options->device.gpu, &check->gpu, err))
         return false;
-    struct renderer_params params = options_renderer_params(&options->device, gpu, scene, camera);
-    params.progress = options->progress;
-    return check_scene(&params, arena, findings, err);
+    struct check_scene_params params = {
+        .renderer = options_renderer_params(&options->device, &check->gpu, &check->scene, camera),
+        .scene = &check->scene,
+        .error = options->render.error > 0.0 ? options->render.error : USUAL_ERROR,
+        .fixes = options->check.fix != NULL,
+    };
+    params.renderer.progress = options->progress;
+    return check_scene(&params, &check->arena, &check->findings, err) &&
+           (!options->check.fix || write_fixed(check, &before, camera, err));
 }
 
 int check_scene_command(const struct options *options)
 {
-    struct gpu gpu = {0};
-    struct scene scene = {0};
-    struct arena arena = {0};
-    struct scene_findings findings = {0};
+    struct scene_check check = {.options = options};
     struct err err = {0};
     int code = EXIT_CODE_OK;
-    bool ok = gather(options, &gpu, &scene, &arena, &findings, &err);
+    bool ok = run(&check, &err);
     progress_end(options->progress);
     if (!ok)
         code = command_fail(&err);
     else if (options->json)
-        code = print_json(options, &findings);
+        code = print_json(&check);
     else
-        print_text(&findings);
-    if (code == EXIT_CODE_OK && findings.count > 0)
+        print_text(&check);
+    if (code == EXIT_CODE_OK && count_wrong(&check) > 0)
         code = EXIT_CODE_CHECK_FAILED;
-    arena_finish(&arena);
-    scene_finish(&scene);
-    gpu_close(&gpu);
+    scene_finish(&check.scene);
+    gpu_close(&check.gpu);
+    arena_finish(&check.arena);
     return code;
 }

@@ -30,9 +30,9 @@ static bool hash_file(struct scene *scene, const char *path, struct err *err)
 
 // Zeroes what is no radiance; false with *err set for a texel beyond all limits.
 static bool clean_texels(struct scene *scene, const char *path, struct image *image,
-                         const float factor[3], struct err *err)
+                         const float factor[3], uint64_t *zeroed, struct err *err)
 {
-    size_t count = (size_t)image->width * image->height, zeroed = 0;
+    size_t count = (size_t)image->width * image->height;
     for (size_t i = 0; i < count; i++) {
         if (!scene_goes_on(scene, i, err))
             return false;
@@ -40,7 +40,7 @@ static bool clean_texels(struct scene *scene, const char *path, struct image *im
         if (!isfinite(texel[0]) || !isfinite(texel[1]) || !isfinite(texel[2]) || texel[0] < 0 ||
             texel[1] < 0 || texel[2] < 0) {
             texel[0] = texel[1] = texel[2] = 0;
-            zeroed++;
+            ++*zeroed;
         }
         for (int c = 0; c < 3; c++)
             if ((double)texel[c] * (double)factor[c] > SCENE_RADIANCE_MAX)
@@ -48,9 +48,9 @@ static bool clean_texels(struct scene *scene, const char *path, struct image *im
                                i % image->width, i / image->width,
                                (double)texel[c] * (double)factor[c], SCENE_RADIANCE_MAX);
     }
-    return zeroed == 0 ||
+    return *zeroed == 0 ||
            scene_note(scene, "%s: %zu of %zu texels were negative or not finite and are black",
-                      path, zeroed, count) ||
+                      path, (size_t)*zeroed, count) ||
            err_memory(err, "a note", 0);
 }
 
@@ -64,7 +64,7 @@ static bool load_image(struct scene *scene, const char *path, const float factor
     if (image.width > ENVIRONMENT_SIZE_MAX || image.height > ENVIRONMENT_SIZE_MAX)
         return err_set(err, ERR_INPUT, "%s: is %u x %u pixels; expected at most %d on a side", path,
                        image.width, image.height, ENVIRONMENT_SIZE_MAX);
-    if (!clean_texels(scene, path, &image, factor, err))
+    if (!clean_texels(scene, path, &image, factor, &out->zeroed, err))
         return false;
     out->width = image.width;
     out->height = image.height;

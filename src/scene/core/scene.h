@@ -128,6 +128,7 @@ struct environment {
     uint32_t width, height; // 0 x 0: constant
     float (*texels)[3];     // latitude-longitude, row 0 at the top (+Y), see environment.h
     struct environment_sun sun;
+    uint64_t zeroed; // texels of the file that were negative or not finite, and are black
     // Where the texels came from, for those who write it down: at most one of them. None: constant.
     const char *file; // as seen from the working directory
     const struct sky *sky;

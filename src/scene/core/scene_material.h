@@ -98,6 +98,7 @@ struct texture_image {
     const void *texels;     // row 0 at the top
     float mean[4];          // of all texels
     float greatest;         // component of all texels
+    uint64_t zeroed;        // texels that were negative or not finite, and are black
     uint64_t hash;          // of the file's bytes and of how they were decoded
 };
 

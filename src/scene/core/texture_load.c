@@ -100,6 +100,7 @@ static bool add_image(struct scene *scene, const struct texture_file *file,
         .is_float = texels->is_float,
         .has_alpha = judgement.has_alpha,
         .greatest = judgement.greatest,
+        .zeroed = judgement.zeroed,
         .texels = texels->texels,
         .hash = file->hash,
     };
@@ -204,6 +205,11 @@ bool material_mark_missing(const struct scene *scene, struct material *material)
     material->name = name;
     memcpy(material->base_color, missing_color, sizeof missing_color);
     return true;
+}
+
+bool material_is_missing(const struct material *material)
+{
+    return memcmp(material->base_color, missing_color, sizeof missing_color) == 0;
 }
 
 // --- textures ------------------------------------------------------------------------------------

@@ -27,6 +27,8 @@ bool texture_image_missing(struct scene *scene, const struct err *reason, uint32
 // Returns whether a texture of the material is of such an image; it is pink then, Lambert's, and
 // has no textures any more.
 bool material_mark_missing(const struct scene *scene, struct material *material);
+// Whether it was made so.
+bool material_is_missing(const struct material *material);
 
 // Appends a texture to the material, whose textures must be the last ones of the scene's: a
 // material's are added one after the other. *texture is copied. Texels above 1 count as 1 but for

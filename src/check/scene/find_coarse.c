@@ -1,0 +1,211 @@
+// What single precision does not resolve: objects that are small for where they are, meshes whose
+// file has lost their digits, cameras that are too far away.
+#include "check/scene/survey.h"
+
+#include "base/maths.h"
+#include "flatten/flatten_census.h"
+#include "render/far_camera.h"
+#include "scene/core/affine.h"
+#include "scene/core/bounds.h"
+#include <float.h>
+
+// Of each mesh in its own space, of the vertices that triangles use.
+static struct bounds *list_mesh_bounds(struct survey *survey, struct err *err)
+{
+    const struct scene *scene = survey->scene;
+    struct bounds *list = ARENA_NEW(&survey->scratch, struct bounds, scene->mesh_count);
+    if (!list)
+        err_memory(err, "bounds", scene->mesh_count * sizeof *list);
+    for (uint32_t m = 0; list && m < scene->mesh_count; m++) {
+        const struct mesh *mesh = &scene->meshes[m];
+        list[m] = BOUNDS_EMPTY;
+        for (uint32_t t = 0; t < mesh->triangle_count; t++)
+            for (int corner = 0; corner < 3; corner++) {
+                double point[3];
+                mesh_vertex(mesh, mesh->indices[t][corner], point);
+                bounds_add_point(&list[m], point);
+            }
+    }
+    return list;
+}
+
+static struct bounds object_bounds(const struct survey *survey, const struct bounds *meshes,
+                                   uint32_t object)
+{
+    const struct scene *scene = survey->scene;
+    struct bounds bounds = BOUNDS_EMPTY;
+    if (!survey_is_instance(survey, object)) {
+        bounds_add_shape(&bounds, &scene->shapes[object - scene->instance_count]);
+        return bounds;
+    }
+    const struct instance *instance = &scene->instances[object];
+    const struct bounds *mesh = &meshes[instance->mesh];
+    if (!bounds_is_empty(mesh))
+        affine_box(instance->transform, mesh->min, mesh->max, bounds.min, bounds.max);
+    return bounds;
+}
+
+static bool is_hidden(const struct survey *survey, uint32_t object)
+{
+    const struct scene *scene = survey->scene;
+    return survey_is_instance(survey, object)
+               ? scene->instances[object].hidden
+               : scene->shapes[object - scene->instance_count].hidden;
+}
+
+// Lamps that are too small for where they are keep a form of their own (flatten_lamps.h).
+static bool is_small_lamp(const struct survey *survey, uint32_t object)
+{
+    const struct flat_scene *flat = survey->flat;
+    if (!survey_is_instance(survey, object))
+        return false;
+    for (uint32_t i = 0; i < flat->small_count; i++) {
+        uint32_t instance, triangle;
+        flat_triangle_source(flat, flat->small[i].triangle, &instance, &triangle);
+        if (instance == object)
+            return true;
+    }
+    return false;
+}
+
+struct coarse {
+    uint32_t count, first;
+    double extent, farthest; // of the first one
+    bool *marked;            // of all objects, those that are
+};
+
+static void look_at_object(const struct survey *survey, const struct bounds *meshes,
+                           uint32_t object, struct coarse *coarse)
+{
+    double extent, farthest;
+    struct bounds bounds = object_bounds(survey, meshes, object);
+    if (bounds_is_empty(&bounds))
+        return;
+    vec3_subtract(bounds.min, survey->flat->origin, bounds.min);
+    vec3_subtract(bounds.max, survey->flat->origin, bounds.max);
+    if (!flatten_is_coarse(&bounds, &extent, &farthest) || is_small_lamp(survey, object))
+        return;
+    coarse->marked[object] = true;
+    if (coarse->count++ > 0)
+        return;
+    coarse->first = object;
+    coarse->extent = extent;
+    coarse->farthest = farthest;
+}
+
+static bool add_objects(struct survey *survey, const struct coarse *coarse, struct err *err)
+{
+    struct arena *arena = survey->arena;
+    double step = coarse->farthest * (double)FLT_EPSILON;
+    const char *place = survey_object_name(survey, coarse->first);
+    if (coarse->count == 0)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "coarse-object",
+            .level = FINDING_WRONG,
+            .place = coarse->count == 1 || !place
+                         ? place
+                         : arena_printf(arena, "%s, and %u more", place, coarse->count - 1),
+            .figure =
+                arena_printf(arena,
+                             "%g m across, %g m from where coordinates begin: known in steps "
+                             "of %.2g m, %.2g %% of its size",
+                             coarse->extent, coarse->farthest, step, 100.0 * step / coarse->extent),
+            .consequence = "Its form, its shadows and the light that it sends are wrong.",
+            .remedy = "Move the scene so that what matters is near the origin or near the camera, "
+                      "or make the object larger.",
+            .share = survey_share_of_objects(survey, coarse->marked),
+        },
+        err);
+}
+
+static bool is_of_mesh(const struct survey *survey, const struct sighting *at, const void *context)
+{
+    return survey_is_instance(survey, at->object) &&
+           survey->scene->instances[at->object].mesh == *(const uint32_t *)context;
+}
+
+// A mesh that lost its digits in the file, whose numbers are in single precision.
+static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bounds *bounds,
+                         struct err *err)
+{
+    const struct scene *scene = survey->scene;
+    double extent, farthest;
+    uint32_t object = SCENE_NONE;
+    if (scene->meshes[index].exact_positions || !flatten_is_coarse(bounds, &extent, &farthest))
+        return true;
+    for (uint32_t i = scene->instance_count; i-- > 0;)
+        if (scene->instances[i].mesh == index && !scene->instances[i].hidden)
+            object = i;
+    if (object == SCENE_NONE)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "coarse-mesh",
+            .level = FINDING_WRONG,
+            .place = survey_object_name(survey, object),
+            .figure = arena_printf(survey->arena,
+                                   "%g in size and %g from its own origin: its file knows it in "
+                                   "steps of %.2g",
+                                   extent, farthest, farthest * (double)FLT_EPSILON),
+            .consequence = "Its vertices are rounded already: its form is wrong.",
+            .remedy = "Export the mesh about its own middle and place it by a transform.",
+            .share = survey_share(survey, is_of_mesh, &index),
+        },
+        err);
+}
+
+static bool look_at_camera(struct survey *survey, struct err *err)
+{
+    struct arena *arena = survey->arena;
+    const struct far_fault fault =
+        far_camera_judge(survey->flat, survey->camera, survey->settings.height);
+    if (fault.kind == FAR_FAULT_NONE)
+        return true;
+    bool is_lost = fault.kind == FAR_FAULT_SCENE;
+    const char *name = survey->camera->name;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "far-camera",
+            .level = is_lost ? FINDING_SLOW : FINDING_WRONG,
+            .place = name && *name ? arena_printf(arena, "camera \"%s\"", name) : "the camera",
+            .figure = is_lost ? arena_printf(arena,
+                                             "the scene is %g m across and %g m away: %.2g "
+                                             "of a pixel",
+                                             fault.extent, fault.distance, fault.pixels)
+                              : arena_printf(arena,
+                                             "a pixel is %.2g radians wide, and directions "
+                                             "differ by %.2g",
+                                             fault.pixel, fault.direction),
+            .consequence = is_lost ? "Samples hardly ever find it."
+                                   : "Single precision does not tell the pixels apart.",
+            .remedy = is_lost ? "Move the camera nearer, or make its field of view narrower."
+                              : "Make the field of view wider, or move the camera away from all of "
+                                "the scene.",
+            .share = 1.0,
+        },
+        err);
+}
+
+bool find_coarse(struct survey *survey, struct err *err)
+{
+    const struct scene *scene = survey->scene;
+    uint32_t objects = survey_object_count(survey);
+    struct coarse coarse = {.marked = ARENA_NEW(&survey->scratch, bool, objects)};
+    const struct bounds *meshes = list_mesh_bounds(survey, err);
+    if (!meshes || !coarse.marked)
+        return err_memory(err, "bounds", objects);
+    for (uint32_t i = 0; i < objects; i++)
+        if (!is_hidden(survey, i))
+            look_at_object(survey, meshes, i, &coarse);
+    if (!add_objects(survey, &coarse, err))
+        return false;
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        if (!look_at_mesh(survey, i, &meshes[i], err))
+            return false;
+    return look_at_camera(survey, err);
+}

@@ -1,0 +1,203 @@
+// Images: missing ones, texels that no light or colour can have, suns of a single texel.
+#include "check/scene/survey.h"
+
+#include "base/maths.h"
+#include "scene/core/environment.h"
+#include "scene/core/texture_load.h"
+
+#define HALF_MAX 65504.0f // the greatest finite number of half precision (IEEE 754-2008)
+
+static bool is_sky(const struct survey *survey)
+{
+    return survey->scene->environment.present;
+}
+
+static double share_of_sky(const struct survey *survey)
+{
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < survey->line_count; i++)
+        open += survey->lines[i].is_open;
+    return (double)open / survey->line_count;
+}
+
+static bool reads_image(const struct survey *survey, const struct sighting *at, const void *context)
+{
+    const struct scene *scene = survey->scene;
+    const struct material *material = &scene->materials[at->material];
+    for (uint32_t i = 0; i < material->texture_count; i++)
+        if (scene->textures[material->first_texture + i].image == *(const uint32_t *)context)
+            return true;
+    return false;
+}
+
+static bool look_at_image(struct survey *survey, uint32_t index, struct err *err)
+{
+    const struct texture_image *image = &survey->scene->images[index];
+    if (image->zeroed == 0)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "texels",
+            .level = FINDING_WRONG,
+            .place = arena_printf(survey->arena, "image %s", image->name),
+            .figure = arena_printf(survey->arena, "%llu of %llu texels are negative or not finite",
+                                   (unsigned long long)image->zeroed,
+                                   (unsigned long long)image->width * image->height),
+            .consequence = "They count as black.",
+            .remedy = "Repair the image where it was made.",
+            .share = survey_share(survey, reads_image, &index),
+        },
+        err);
+}
+
+static bool is_missing(const struct survey *survey, const struct sighting *at, const void *context)
+{
+    (void)context;
+    return material_is_missing(&survey->scene->materials[at->material]);
+}
+
+// What they belonged on no longer names them.
+static bool find_missing(struct survey *survey, struct err *err)
+{
+    const struct scene *scene = survey->scene;
+    uint32_t first = 0;
+    if (scene->missing_image_count == 0)
+        return true;
+    while (!scene->images[first].is_missing)
+        first++;
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "missing-image",
+                          .level = FINDING_WRONG,
+                          .place = scene->images[first].name,
+                          .figure = arena_printf(survey->arena, "%u of %u images are missing",
+                                                 scene->missing_image_count, scene->image_count),
+                          .consequence = "What they belong on is pink.",
+                          .remedy = "Put the files where the scene names them.",
+                          .share = survey_share(survey, is_missing, NULL),
+                      },
+                      err);
+}
+
+// --- the environment -----------------------------------------------------------------------------
+
+static const char *sky_place(const struct survey *survey)
+{
+    const char *file = survey->scene->environment.file;
+    return file ? arena_printf(survey->arena, "environment %s", file) : "the environment";
+}
+
+static bool find_unusable(struct survey *survey, struct err *err)
+{
+    const struct environment *sky = &survey->scene->environment;
+    if (sky->zeroed == 0)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "texels",
+            .level = FINDING_WRONG,
+            .place = sky_place(survey),
+            .figure = arena_printf(survey->arena, "%llu of %llu texels are negative or not finite",
+                                   (unsigned long long)sky->zeroed,
+                                   (unsigned long long)sky->width * sky->height),
+            .consequence = "They count as black; where a sun has overflowed half precision, its "
+                           "light is gone.",
+            .remedy = "Repair the image where it was made, or store it in single precision.",
+            .share = 1.0,
+        },
+        err);
+}
+
+// The texel that sends most, and what all send.
+struct sun_texel {
+    uint32_t column, row;
+    double light, all;
+};
+
+static struct sun_texel brightest_texel(const struct environment *sky)
+{
+    struct sun_texel brightest = {0};
+    for (uint32_t row = 0; row < sky->height; row++) {
+        double solid_angle = environment_texel_solid_angle(sky, row);
+        for (uint32_t column = 0; column < sky->width; column++) {
+            double light = solid_angle * luminance(sky->texels[(size_t)row * sky->width + column]);
+            brightest.all += light;
+            if (light <= brightest.light)
+                continue;
+            brightest.light = light;
+            brightest.column = column;
+            brightest.row = row;
+        }
+    }
+    return brightest;
+}
+
+// A texel is a sun where it sends this part of all light, and is so many times as bright as the
+// rest: shadows then show its form.
+#define SUN_PART_MIN 0.1
+#define SUN_BRIGHTNESS_MIN 100.0
+
+static bool find_sun_texel(struct survey *survey, struct err *err)
+{
+    const struct environment *sky = &survey->scene->environment;
+    if (sky->width == 0 || (uint64_t)sky->width * sky->height < 64)
+        return true;
+    const struct sun_texel sun = brightest_texel(sky);
+    double solid_angle = environment_texel_solid_angle(sky, sun.row);
+    double part = sun.light / sun.all;
+    double rest = (sun.all - sun.light) / (4.0 * M_PI - solid_angle);
+    if (!(part >= SUN_PART_MIN) || !(sun.light / solid_angle >= SUN_BRIGHTNESS_MIN * rest))
+        return true;
+    double size = sqrt(solid_angle) * 180.0 / M_PI;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "one-texel-sun",
+            .level = FINDING_SLOW,
+            .place = sky_place(survey),
+            .figure = arena_printf(survey->arena,
+                                   "texel (%u, %u), %.2g degrees wide, sends %.0f %% of all light",
+                                   sun.column, sun.row, size, 100.0 * part),
+            .consequence = "Shadows are as soft as the texel is wide, not as under the sun "
+                           "(0.53 degrees), and gloss and glass meet it by chance.",
+            .remedy = "Paint it out and add a directional light with an angular diameter, or use a "
+                      "larger image.",
+            .share = 1.0,
+        },
+        err);
+}
+
+static bool find_overflow(struct survey *survey, struct err *err)
+{
+    const struct environment *sky = &survey->scene->environment;
+    double share = share_of_sky(survey);
+    float greatest = sky->width > 0 ? environment_greatest(sky) : 0.0f;
+    if (greatest <= HALF_MAX || share == 0.0)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "beyond-half",
+            .level = FINDING_REMARK,
+            .place = sky_place(survey),
+            .figure = arena_printf(survey->arena, "radiance of up to %.3g", (double)greatest),
+            .consequence = "Pictures written with --half cannot hold it: they end "
+                           "at 65504.",
+            .remedy = "Write EXR files in single precision, as is usual.",
+            .share = share,
+        },
+        err);
+}
+
+bool find_texels(struct survey *survey, struct err *err)
+{
+    if (!find_missing(survey, err))
+        return false;
+    for (uint32_t i = 0; i < survey->scene->image_count; i++)
+        if (!look_at_image(survey, i, err))
+            return false;
+    return !is_sky(survey) || (find_unusable(survey, err) && find_sun_texel(survey, err) &&
+                               find_overflow(survey, err));
+}

@@ -1,0 +1,281 @@
+// Surfaces that lie upon each other: objects that are there twice, and faces of others in the same
+// plane, as a ray that starts just above finds them.
+#include "check/scene/survey.h"
+
+#include "base/maths.h"
+#include "shared/types.h"
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+// --- objects -------------------------------------------------------------------------------------
+
+// What an object is and where, for comparing bytes.
+struct identity {
+    uint32_t kind; // of shapes, plus 1; 0: an instance
+    uint32_t mesh; // or distance field
+    double numbers[18];
+    uint32_t object;
+};
+
+static struct identity identity_of(const struct scene *scene, uint32_t object)
+{
+    struct identity identity = {.object = object};
+    if (object < scene->instance_count) {
+        const struct instance *instance = &scene->instances[object];
+        identity.mesh = instance->mesh;
+        memcpy(identity.numbers, instance->transform, sizeof instance->transform);
+        return identity;
+    }
+    const struct shape *shape = &scene->shapes[object - scene->instance_count];
+    identity.kind = (uint32_t)shape->kind + 1;
+    identity.mesh = shape->kind == SHAPE_SDF ? shape->sdf : 0;
+    memcpy(&identity.numbers[0], shape->center, sizeof shape->center);
+    memcpy(&identity.numbers[3], shape->normal, sizeof shape->normal);
+    memcpy(&identity.numbers[6], shape->axes, sizeof shape->axes);
+    identity.numbers[15] = shape->radius;
+    return identity;
+}
+
+static bool is_hidden(const struct scene *scene, uint32_t object)
+{
+    return object < scene->instance_count ? scene->instances[object].hidden
+                                          : scene->shapes[object - scene->instance_count].hidden;
+}
+
+static bool *hidden_of(struct scene *scene, uint32_t object)
+{
+    return object < scene->instance_count ? &scene->instances[object].hidden
+                                          : &scene->shapes[object - scene->instance_count].hidden;
+}
+
+static uint32_t material_of(const struct scene *scene, uint32_t object)
+{
+    if (object >= scene->instance_count)
+        return scene->shapes[object - scene->instance_count].material;
+    const struct instance *instance = &scene->instances[object];
+    return instance->material != SCENE_NONE ? instance->material
+                                            : scene->meshes[instance->mesh].material;
+}
+
+#define IDENTITY_BYTES offsetof(struct identity, object)
+
+static int compare(const void *a, const void *b)
+{
+    const struct identity *x = a, *y = b;
+    int order = memcmp(x, y, IDENTITY_BYTES);
+    return order ? order : (x->object > y->object) - (x->object < y->object);
+}
+
+struct twins {
+    uint32_t count, first, second; // objects that are there again; the first pair
+    bool *marked;                  // of all objects, those that are there twice
+    bool matter;                   // what is there twice counts twice, or is of two materials
+};
+
+// Whether two surfaces at one place differ from one. Lamps do where light is looked for twice.
+static bool matters(const struct survey *survey, uint32_t a, uint32_t b)
+{
+    const struct material *m = &survey->scene->materials[a];
+    bool lights = survey->settings.nee && survey->settings.max_bounces > 0;
+    return a != b || (lights && material_emits(m)) || material_lets_through(m) ||
+           (m->flags & MATERIAL_ALPHA_BLEND);
+}
+
+static bool find_twins(struct survey *survey, struct twins *twins, struct err *err)
+{
+    struct scene *scene = survey->scene;
+    uint32_t all = survey_object_count(survey), count = 0;
+    struct identity *list = ARENA_NEW(&survey->scratch, struct identity, all);
+    twins->marked = ARENA_NEW(&survey->scratch, bool, all);
+    if (!list || !twins->marked)
+        return err_memory(err, "objects", all * sizeof *list);
+    for (uint32_t i = 0; i < all; i++)
+        if (!is_hidden(scene, i))
+            list[count++] = identity_of(scene, i);
+    qsort(list, count, sizeof *list, compare);
+    for (uint32_t i = 0, first = 0; i < count; i++) {
+        if (memcmp(&list[first], &list[i], IDENTITY_BYTES) != 0)
+            first = i;
+        if (first == i)
+            continue;
+        uint32_t a = list[first].object, b = list[i].object;
+        bool pair_matters = matters(survey, material_of(scene, a), material_of(scene, b));
+        if (twins->count++ == 0 || (pair_matters && !twins->matter)) {
+            twins->first = a;
+            twins->second = b;
+        }
+        twins->matter |= pair_matters;
+        twins->marked[a] = twins->marked[b] = true;
+        *hidden_of(scene, b) |= survey->params->fixes;
+    }
+    return true;
+}
+
+static bool find_same_objects(struct survey *survey, struct err *err)
+{
+    struct twins twins = {0};
+    if (!find_twins(survey, &twins, err))
+        return false;
+    if (twins.count == 0)
+        return true;
+    struct arena *arena = survey->arena;
+    const char *a = survey_object_name(survey, twins.first);
+    const char *b = survey_object_name(survey, twins.second);
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "object-twice",
+            .level = twins.matter ? FINDING_WRONG : FINDING_REMARK,
+            .place = a && b ? arena_printf(arena, "%s, and %s", a, b) : NULL,
+            .figure = arena_printf(arena, "%u object%s at the very place of another", twins.count,
+                                   twins.count == 1 ? "" : "s"),
+            .consequence = twins.matter ? "What emits or lets light through counts twice there, "
+                                          "and of two materials the first one is seen."
+                                        : "They cost memory and time, and change nothing.",
+            .remedy = "Remove or hide the second one.",
+            .share = survey_share_of_objects(survey, twins.marked),
+            .change = "the second one is hidden",
+        },
+        err);
+}
+
+// --- faces ---------------------------------------------------------------------------------------
+
+// A ray that falls onto a surface from a small height above it.
+struct drop {
+    const struct sighting *at;
+    double direction[3], height, tolerance;
+};
+
+// Heights of which rounding leaves 6 digits in binary: faces count as upon each other where they
+// are nearer than twice the kernels' own bound of where they are.
+#define HEIGHT_IN_TOLERANCES 64.0
+
+static struct drop drop_onto(const struct sighting *at)
+{
+    struct drop drop = {.at = at};
+    for (int c = 0; c < 3; c++) {
+        drop.direction[c] = at->is_front ? -at->normal[c] : at->normal[c];
+        drop.tolerance = fmax(drop.tolerance, fabs(at->point[c]));
+    }
+    drop.tolerance *= 8.0 * (double)FLT_EPSILON;
+    drop.height = HEIGHT_IN_TOLERANCES * drop.tolerance;
+    return drop;
+}
+
+// Kernels ignore planar surfaces that a ray starts on, and no others.
+static bool is_planar(const struct survey *survey, const struct sighting *at)
+{
+    if (!(at->hit.primitive & PRIMITIVE_SHAPE))
+        return true;
+    enum shape_kind kind = survey->flat->shapes[at->hit.primitive & ~PRIMITIVE_SHAPE].kind;
+    return kind == SHAPE_DISC || kind == SHAPE_PLANE || kind == SHAPE_QUAD;
+}
+
+static struct probe_ray ray_of(const struct drop *drop)
+{
+    struct probe_ray ray = {
+        .leaves = true, .from = drop->at->hit.primitive, .from_instance = drop->at->hit.instance};
+    for (int c = 0; c < 3; c++) {
+        ray.origin[c] = (float)(drop->at->point[c] - drop->height * drop->direction[c]);
+        ray.direction[c] = (float)drop->direction[c];
+    }
+    return ray;
+}
+
+struct pairs {
+    uint32_t count;
+    struct sighting first[2];
+};
+
+// Whether what is met lies upon what the ray was dropped onto.
+static bool lies_upon(const struct survey *survey, const struct drop *drop,
+                      const struct probe_ray *ray, const struct probe_hit *hit,
+                      struct sighting *other)
+{
+    double origin[3];
+    if (hit->primitive == NO_PRIMITIVE || fabs((double)hit->t - drop->height) > drop->tolerance ||
+        hit->primitive == drop->at->hit.primitive)
+        return false;
+    vec3_widen(ray->origin, origin);
+    sighting_find(survey, hit, origin, drop->direction, other);
+    // Not a neighbour at an edge: the same plane.
+    return fabs(vec3_dot(other->normal, drop->at->normal)) > 1.0 - 1e-6 &&
+           matters(survey, drop->at->material, other->material);
+}
+
+static bool drop_rays(struct survey *survey, struct pairs *pairs, struct err *err)
+{
+    struct arena scratch = {0};
+    uint32_t most = survey->job.renderer.plan.wave_slots, count = 0;
+    struct drop *drops = ARENA_NEW(&scratch, struct drop, survey->line_count);
+    struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, survey->line_count);
+    struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, survey->line_count);
+    bool complete, ok = drops && rays && hits;
+    if (!ok)
+        err_memory(err, "rays", survey->line_count * sizeof *rays);
+    for (uint32_t i = 0; ok && i < survey->line_count; i++) {
+        const struct sightline *line = &survey->lines[i];
+        if (line->count == 0 || !is_planar(survey, &line->steps[0]))
+            continue;
+        drops[count] = drop_onto(&line->steps[0]);
+        rays[count] = ray_of(&drops[count]);
+        count++;
+    }
+    for (uint32_t i = 0; ok && i < count; i += most)
+        ok = job_trace_rays(&survey->job, &rays[i], count - i < most ? count - i : most, &hits[i],
+                            &complete, err);
+    for (uint32_t i = 0; ok && i < count; i++) {
+        struct sighting other;
+        if (lies_upon(survey, &drops[i], &rays[i], &hits[i], &other) && pairs->count++ == 0) {
+            pairs->first[0] = *drops[i].at;
+            pairs->first[1] = other;
+        }
+    }
+    arena_finish(&scratch);
+    return ok;
+}
+
+// Of lines that a shared edge happens to be hit by there are fewer.
+#define PAIRS_MIN 2
+
+static bool find_same_faces(struct survey *survey, struct err *err)
+{
+    struct pairs pairs = {0};
+    if (!drop_rays(survey, &pairs, err))
+        return false;
+    if (pairs.count < PAIRS_MIN)
+        return true;
+    struct arena *arena = survey->arena;
+    const char *objects[2], *materials[2];
+    double world[3];
+    flat_to_world(survey->flat, pairs.first[0].point, world);
+    for (int i = 0; i < 2; i++) {
+        objects[i] = survey_object_name(survey, pairs.first[i].object);
+        materials[i] = survey_material_name(survey, pairs.first[i].material);
+        if (!objects[i] || !materials[i])
+            return err_memory(err, "names", 0);
+    }
+    double share = (double)pairs.count / survey->line_count;
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "coincident-faces",
+                          .level = FINDING_WRONG,
+                          .place = arena_printf(arena, "%s (%s) and %s (%s)", objects[0],
+                                                materials[0], objects[1], materials[1]),
+                          .figure = arena_printf(arena, "in one plane at (%.4g, %.4g, %.4g)",
+                                                 world[0], world[1], world[2]),
+                          .consequence =
+                              "Rounding decides which one is seen, and lamps or glass there count "
+                              "twice or not at all.",
+                          .remedy = "Move one of them by a visible distance, or remove it.",
+                          .share = share,
+                      },
+                      err);
+}
+
+bool find_twice(struct survey *survey, struct err *err)
+{
+    return find_same_objects(survey, err) && find_same_faces(survey, err);
+}

@@ -1,0 +1,290 @@
+// What short renders of a small picture tell: how heavy the tail of the samples is, what they would
+// take to a given error, and what light the last bounce cuts off.
+#include "check/scene/survey.h"
+
+#include "base/maths.h"
+#include "render/probe/replay.h"
+#include <stdlib.h>
+#include <string.h>
+
+// --- the samples' tail ---------------------------------------------------------------------------
+
+#define TAIL_SAMPLES 64u // of a pixel, each alone
+
+// A sample less the mean of its pixel, over the picture's.
+struct outlier {
+    double excess;
+    uint32_t pixel, sample;
+};
+
+static bool take_samples(struct survey *survey, float *samples, struct err *err)
+{
+    struct job *job = &survey->job;
+    if (!job_begin(job, survey->settings.seed, 0, err))
+        return false;
+    for (uint32_t k = 0; k < TAIL_SAMPLES && !job_is_stopped(job); k++) {
+        struct arena arena = {0};
+        struct film_image film;
+        const struct job_step step = {.samples = k + 1u, .to = 1e-9};
+        bool ok = (k == 0 || job_clear(job, err)) && job_advance(job, &step, err) &&
+                  job_copy_film(job, &arena, &film, err);
+        for (uint32_t i = 0; ok && i < survey->line_count; i++)
+            samples[(size_t)i * TAIL_SAMPLES + k] = (float)luminance(film.mean[i]);
+        arena_finish(&arena);
+        if (!ok)
+            return false;
+    }
+    return true;
+}
+
+static int descending(const void *a, const void *b)
+{
+    double x = ((const struct outlier *)a)->excess, y = ((const struct outlier *)b)->excess;
+    return (x < y) - (x > y);
+}
+
+static bool list_outliers(struct survey *survey, const float *samples, struct outlier **out,
+                          struct err *err)
+{
+    uint32_t pixels = survey->line_count;
+    size_t count = (size_t)pixels * TAIL_SAMPLES;
+    double all = 0.0;
+    *out = ARENA_NEW(&survey->scratch, struct outlier, count);
+    if (!*out)
+        return err_memory(err, "samples", count * sizeof **out);
+    for (size_t i = 0; i < count; i++)
+        all += (double)samples[i];
+    all /= (double)count;
+    if (!(all > 0.0))
+        all = 1.0;
+    for (uint32_t i = 0; i < pixels; i++) {
+        const float *own = &samples[(size_t)i * TAIL_SAMPLES];
+        double mean = 0.0;
+        for (uint32_t k = 0; k < TAIL_SAMPLES; k++)
+            mean += (double)own[k] / TAIL_SAMPLES;
+        for (uint32_t k = 0; k < TAIL_SAMPLES; k++)
+            (*out)[(size_t)i * TAIL_SAMPLES + k] =
+                (struct outlier){((double)own[k] - mean) / all, i, k};
+    }
+    qsort(*out, count, sizeof **out, descending);
+    return true;
+}
+
+// The largest samples as a power law, P(x) ~ x^-index: its exponent by Hill's estimate (1975), with
+// a standard error of index / sqrt(TAIL_LENGTH). Below 2 the variance is infinite, or behaves so as
+// far as these samples reach: the error then falls more slowly than 1 / samples.
+#define TAIL_LENGTH 100u
+
+struct tail {
+    double index;
+    double part; // of the squares of all, that the tail has
+};
+
+static struct tail find_tail(const struct outlier *outliers, size_t count)
+{
+    double logs = 0.0, squares = 0.0, most = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        double square = outliers[i].excess * outliers[i].excess;
+        squares += square;
+        most += i < TAIL_LENGTH ? square : 0.0;
+        logs += i < TAIL_LENGTH ? log(outliers[i].excess / outliers[TAIL_LENGTH].excess) : 0.0;
+    }
+    return (struct tail){TAIL_LENGTH / logs, most / squares};
+}
+
+// The vertex of a path that brings most, by a shadow ray or by itself.
+static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ray)
+{
+    uint32_t brightest = 0;
+    double most = -1.0;
+    for (uint32_t i = 0; i < replay->vertex_count; i++) {
+        const struct replay_vertex *v = &replay->vertices[i];
+        double own = luminance(v->gained);
+        double sent = v->connected && !v->occluded ? luminance(v->light_radiance) : 0.0;
+        if (fmax(own, sent) <= most)
+            continue;
+        most = fmax(own, sent);
+        brightest = i;
+        *by_shadow_ray = sent > own;
+    }
+    return brightest;
+}
+
+// The way that the brightest sample took: "material \"floor\", material \"glass\" and a shadow
+// ray".
+static const char *describe_path(struct survey *survey, const struct replay *replay)
+{
+    const struct scene *scene = survey->scene;
+    bool by_shadow_ray = false;
+    uint32_t last = brightest_vertex(replay, &by_shadow_ray);
+    const char *text = "";
+    for (uint32_t i = 0; text && i <= last && i < replay->vertex_count; i++) {
+        const struct material *material = replay->vertices[i].material;
+        const char *name =
+            material ? survey_material_name(survey, (uint32_t)(material - scene->materials))
+                     : "the environment";
+        text = name ? arena_printf(survey->arena, "%s%s%s", text, i > 0 ? ", " : "", name) : NULL;
+    }
+    return text && by_shadow_ray ? arena_printf(survey->arena, "%s and a shadow ray", text) : text;
+}
+
+// The share of the pixels that have one of them.
+static double share_of_tail(const struct survey *survey, const struct outlier *outliers)
+{
+    uint32_t pixels = 0;
+    for (uint32_t i = 0; i < TAIL_LENGTH; i++) {
+        bool is_new = true;
+        for (uint32_t k = 0; k < i; k++)
+            is_new = is_new && outliers[k].pixel != outliers[i].pixel;
+        pixels += is_new;
+    }
+    return (double)pixels / survey->line_count;
+}
+
+static bool add_tail(struct survey *survey, const struct outlier *first, const struct tail *tail,
+                     struct err *err)
+{
+    uint32_t width = survey->job.renderer.frame.width, height = survey->job.renderer.frame.height;
+    uint32_t x = first->pixel % width, y = first->pixel / width;
+    struct replay replay;
+    if (!job_replay(&survey->job, x, y, first->sample, &survey->scratch, &replay, err))
+        return false;
+    const char *path = describe_path(survey, &replay);
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "heavy-tail",
+            .level = FINDING_SLOW,
+            .place = path ? arena_printf(survey->arena, "paths by way of %s", path) : NULL,
+            .figure =
+                arena_printf(survey->arena,
+                             "%u of %u samples have %.0f %% of the noise, the brightest is "
+                             "%.3g times the picture, about (%u, %u); they fall off with the "
+                             "power %.2f of their brightness",
+                             TAIL_LENGTH, survey->line_count * TAIL_SAMPLES, 100.0 * tail->part,
+                             first->excess, x * survey->settings.width / width,
+                             y * survey->settings.height / height, tail->index),
+            .consequence = "Below the power 2 the error falls more slowly than 1 / samples: "
+                           "fireflies come however long it renders.",
+            .remedy = "Look for a small lamp seen by way of gloss, glass or metal: make it larger, "
+                      "or the surface rougher; --clamp trades the noise for a bias.",
+            .share = share_of_tail(survey, first),
+        },
+        err);
+}
+
+#define TAIL_PART_MIN 0.25
+
+static bool measure_tail(struct survey *survey, struct err *err)
+{
+    size_t count = (size_t)survey->line_count * TAIL_SAMPLES;
+    float *samples = ARENA_NEW(&survey->scratch, float, count);
+    struct outlier *outliers;
+    if (!samples)
+        return err_memory(err, "samples", count * sizeof *samples);
+    if (!take_samples(survey, samples, err) || !list_outliers(survey, samples, &outliers, err))
+        return false;
+    if (count <= 10 * TAIL_LENGTH || !(outliers[TAIL_LENGTH].excess > 0.0))
+        return true;
+    const struct tail tail = find_tail(outliers, count);
+    bool is_heavy = tail.index * (1.0 + 1.96 / sqrt(TAIL_LENGTH)) < 2.0;
+    return !is_heavy || tail.part < TAIL_PART_MIN || add_tail(survey, outliers, &tail, err);
+}
+
+// --- what goes wrong on the way ------------------------------------------------------------------
+
+static bool find_accidents(struct survey *survey, struct err *err)
+{
+    const struct render_stats *stats = &survey->job.renderer.stats;
+    uint64_t dropped = 0;
+    for (int site = 0; site < SITE_COUNT; site++)
+        dropped += stats->nonfinite.count[site];
+    if (dropped == 0)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "not-finite",
+            .level = FINDING_WRONG,
+            .place = "all of the scene",
+            .figure = arena_printf(survey->arena, "%llu contributions of %llu paths",
+                                   (unsigned long long)dropped, (unsigned long long)stats->paths),
+            .consequence = "They are left out: light is missing.",
+            .remedy = "Render with --explain, which says how to follow such a path, and look for "
+                      "numbers near the limits of single precision.",
+            .share = NAN,
+        },
+        err);
+}
+
+// --- outlook -------------------------------------------------------------------------------------
+
+#define OUTLOOK_SAMPLES 64u
+
+static bool find_small_lights(struct survey *survey, const struct unseen_light *unseen,
+                              struct err *err)
+{
+    float least = 1.0f;
+    double brightest = 0.0;
+    for (size_t i = 0; i < unseen->small_count; i++) {
+        least = fminf(least, unseen->small[i].part);
+        brightest = fmax(brightest, luminance(unseen->small[i].radiance));
+    }
+    // Of a small picture: a pixel of the whole one is smaller.
+    double pixels = (double)survey->settings.width * survey->settings.height / survey->line_count;
+    double part = (double)least * pixels;
+    if (unseen->small_count == 0 || part >= 1.0 / 16.0)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "tiny-lights",
+            .level = FINDING_SLOW,
+            .place = "lamps that the camera sees",
+            .figure = arena_printf(survey->arena,
+                                   "%zu, the smallest of which covers %.2g of a pixel, with a "
+                                   "radiance of up to %.3g",
+                                   unseen->small_count, part, brightest),
+            .consequence = "Samples meet them by chance: bright dots that come late.",
+            .remedy = "Make the lamps larger, or hide them from the camera and light by a point "
+                      "light.",
+            .share = (double)unseen->small_count / survey->line_count,
+        },
+        err);
+}
+
+static void look_ahead(struct survey *survey, const struct half_error *error, double seconds)
+{
+    struct scene_outlook *outlook = &survey->out->outlook;
+    double pixels = (double)survey->settings.width * survey->settings.height;
+    double value = error->known ? error->local_relmse : error->at_most;
+    outlook->samples = outlook->seconds = NAN;
+    outlook->reason = error->known ? NULL : error->reason;
+    if (!error->known && !error->bounded)
+        return;
+    outlook->samples = fmax(OUTLOOK_SAMPLES * value / outlook->error, 1.0);
+    outlook->seconds =
+        seconds * pixels / ((double)survey->line_count * OUTLOOK_SAMPLES) * outlook->samples;
+}
+
+static bool measure_outlook(struct survey *survey, struct err *err)
+{
+    struct job *job = &survey->job;
+    struct job_estimate estimate = {0};
+    const struct job_step step = {.samples = OUTLOOK_SAMPLES, .to = 1e-9};
+    if (!job_begin(job, survey->settings.seed, OUTLOOK_SAMPLES, err) ||
+        !job_advance(job, &step, err))
+        return false;
+    double seconds = job_elapsed(job);
+    bool ok = job_estimate_begin(job, &estimate, err) && job_estimate_end(&estimate, err) &&
+              find_small_lights(survey, &estimate.params.unseen, err);
+    if (ok)
+        look_ahead(survey, &estimate.error, seconds);
+    arena_finish(&estimate.arena);
+    return ok && job_fetch_film(job, err);
+}
+
+bool measure_noise(struct survey *survey, struct err *err)
+{
+    return measure_tail(survey, err) && measure_outlook(survey, err) && find_accidents(survey, err);
+}

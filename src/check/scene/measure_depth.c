@@ -1,0 +1,121 @@
+// What light the last bounce cuts off: the same paths with more bounces. All that they bring
+// beyond is what is missing, so that noise tells little against it.
+#include "check/scene/survey.h"
+
+#include "base/maths.h"
+#include <string.h>
+
+#define DEPTH_SAMPLES 16u
+#define DEPTH_STEPS 4u // each has four times the bounces of the one before
+#define DEPTH_MOST 4096u
+// Of the picture's light: what may be missing, and what may be missing afterwards.
+#define CUT_MAX 0.01
+#define CUT_GOAL 0.001
+
+// Mean luminances of the small picture's pixels at a depth.
+static bool render_at(struct survey *survey, uint32_t depth, double **out, struct err *err)
+{
+    struct job job;
+    struct arena arena = {0};
+    struct film_image film;
+    struct job_params params = survey->job.params;
+    params.goal = (struct job_goal){.samples = DEPTH_SAMPLES};
+    survey->scene->settings.max_bounces = depth;
+    *out = ARENA_NEW(&survey->scratch, double, survey->line_count);
+    if (!*out)
+        return err_memory(err, "a picture", survey->line_count * sizeof **out);
+    if (!job_start(&params, &job, err))
+        return false;
+    bool ok = job_run(&job, err) && job_copy_film(&job, &arena, &film, err);
+    for (uint32_t i = 0; ok && i < survey->line_count; i++)
+        (*out)[i] = luminance(film.mean[i]);
+    arena_finish(&arena);
+    job_finish(&job);
+    return ok;
+}
+
+struct cut {
+    double part;  // of all light, that is missing
+    double least; // the same less two standard errors
+    double share; // of the pixels that lack more than CUT_MAX of theirs
+};
+
+static struct cut compare(const double *shallow, const double *deep, uint32_t count)
+{
+    double all = 0.0, missing = 0.0, squares = 0.0;
+    uint32_t pixels = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        double lost = deep[i] - shallow[i];
+        all += deep[i];
+        missing += lost;
+        squares += lost * lost;
+        pixels += lost > CUT_MAX * deep[i];
+    }
+    double mean = missing / count, variance = fmax(squares / count - mean * mean, 0.0);
+    double error = sqrt(variance / count) * count;
+    if (!(all > 0.0))
+        return (struct cut){0};
+    return (struct cut){missing / all, (missing - 2.0 * error) / all, (double)pixels / count};
+}
+
+static bool add_cut(struct survey *survey, const struct cut *cut, uint32_t enough, struct err *err)
+{
+    struct arena *arena = survey->arena;
+    uint32_t depth = survey->settings.max_bounces;
+    // Direct light alone is asked for.
+    bool is_wanted = depth <= 1, is_known = enough > depth && !is_wanted;
+    if (survey->params->fixes && is_known)
+        survey->settings.max_bounces = enough;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "depth",
+            .level = is_wanted ? FINDING_REMARK : FINDING_WRONG,
+            .place = arena_printf(arena, "setting max_bounces, %u", depth),
+            .figure = arena_printf(arena, "paths with more bounces bring %.2g %% more light",
+                                   100.0 * cut->part / (1.0 - fmin(cut->part, 0.999))),
+            .consequence = "This light is missing in the picture.",
+            .remedy = is_wanted ? "Nothing, if direct light is all that is wanted."
+                      : is_known
+                          ? arena_printf(arena,
+                                         "--max-bounces %u, beyond which less than "
+                                         "0.1 %% is missing.",
+                                         enough)
+                          : "Close fewer surfaces that reflect all light: no depth is enough.",
+            .share = cut->share,
+            .change = is_known ? arena_printf(arena, "max_bounces is %u", enough) : NULL,
+        },
+        err);
+}
+
+bool measure_depth(struct survey *survey, struct err *err)
+{
+    const struct settings *settings = &survey->settings;
+    uint32_t depths[DEPTH_STEPS + 1] = {settings->max_bounces}, count = 1;
+    double *films[DEPTH_STEPS + 1];
+    if (settings->integrator != INTEGRATOR_PATH || settings->roulette == ROULETTE_FRAME ||
+        settings->max_bounces >= DEPTH_MOST)
+        return true;
+    if (!render_at(survey, depths[0], &films[0], err))
+        return false;
+    struct cut cut = {0};
+    for (uint32_t i = 1; i <= DEPTH_STEPS && depths[i - 1] < DEPTH_MOST; i++, count++) {
+        depths[i] = 4 * (depths[i - 1] > 1 ? depths[i - 1] : 1);
+        if (!render_at(survey, depths[i], &films[i], err))
+            return false;
+        cut = compare(films[0], films[i], survey->line_count);
+        // The next step finds less than this one.
+        if (compare(films[i - 1], films[i], survey->line_count).part < CUT_GOAL) {
+            count++;
+            break;
+        }
+    }
+    if (!(cut.least > CUT_MAX))
+        return true;
+    uint32_t enough = 0;
+    for (uint32_t i = count; i-- > 1;)
+        if (compare(films[i], films[count - 1], survey->line_count).part < CUT_GOAL &&
+            i < count - 1)
+            enough = depths[i];
+    return add_cut(survey, &cut, enough, err);
+}

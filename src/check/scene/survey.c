@@ -1,0 +1,41 @@
+#include "check/scene/survey.h"
+
+#include <string.h>
+
+const char *const finding_level_names[] = {"remark", "slow", "wrong", NULL};
+
+bool survey_add(struct survey *survey, const struct scene_finding *finding, struct err *err)
+{
+    struct scene_findings *out = survey->out;
+    struct scene_finding *added =
+        arena_append(survey->arena, &out->items, &out->count, &out->capacity, sizeof *added, NULL);
+    if (!added || !finding->place || !finding->figure || !finding->consequence || !finding->remedy)
+        return err_memory(err, "what is found in the scene", sizeof *added);
+    *added = *finding;
+    return true;
+}
+
+static const char *const kind_names[SHAPE_KIND_COUNT] = {
+    "a sphere", "a disc",     "a plane",          "a quad",
+    "a box",    "a cylinder", "an open cylinder", "a distance field",
+};
+
+const char *survey_object_name(const struct survey *survey, uint32_t object)
+{
+    const struct scene *scene = survey->scene;
+    uint32_t shape = object - scene->instance_count;
+    if (!survey_is_instance(survey, object))
+        return arena_printf(survey->arena, "shape %u, %s", shape,
+                            kind_names[scene->shapes[shape].kind]);
+    uint32_t mesh = scene->instances[object].mesh;
+    const char *name = scene->meshes[mesh].name;
+    return name && *name ? arena_printf(survey->arena, "instance %u of mesh \"%s\"", object, name)
+                         : arena_printf(survey->arena, "instance %u of mesh %u", object, mesh);
+}
+
+const char *survey_material_name(const struct survey *survey, uint32_t material)
+{
+    const char *name = survey->scene->materials[material].name;
+    return *name ? arena_printf(survey->arena, "material \"%s\"", name)
+                 : arena_printf(survey->arena, "material %u", material);
+}

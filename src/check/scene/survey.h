@@ -1,0 +1,108 @@
+// What the searches of a scene have in common: its geometry as it is rendered, what the camera sees
+// of it, and the list of findings. Internal to src/check/scene/.
+#ifndef LAMPYRIS_CHECK_SCENE_SURVEY_H
+#define LAMPYRIS_CHECK_SCENE_SURVEY_H
+
+#include "check/check_scene.h"
+#include "flatten/geometry.h"
+#include "job/job.h"
+#include "render/probe/ray_probe.h"
+
+// Surfaces behind one another that a sight line goes through.
+#define SIGHTING_STEPS 12
+
+// A surface that a ray meets. Places are in the flat scene's space.
+struct sighting {
+    struct probe_hit hit;
+    uint32_t object;   // instances of the scene, then shapes
+    uint32_t material; // of the scene
+    double point[3];
+    double normal[3]; // unit, to the outside: where the corners run counter-clockwise
+    bool is_front;    // the ray comes from the outside
+};
+
+// A straight way through the scene: through all surfaces that transmit, up to one that does not.
+struct sightline {
+    double origin[3], direction[3];
+    const struct sighting *from; // the surface that it leaves, in place of the origin; or NULL
+    double length;               // beyond it nothing counts; INFINITY: no end
+    uint32_t media;              // the stack in which it begins, as in lib/media.glsl
+    struct sighting steps[SIGHTING_STEPS];
+    uint32_t count;
+    bool is_open; // nothing is behind the last step
+};
+
+struct survey {
+    const struct check_scene_params *params;
+    struct scene *scene;
+    struct arena *arena; // of what is found
+    struct arena scratch;
+    struct geometry geometry;
+    const struct flat_scene *flat;
+    const struct camera *camera;
+    struct settings settings; // the scene's own, at its own size
+    struct memory_plan plan;  // at that size
+    struct job job;           // of a small picture
+    struct sightline *lines;  // one a pixel of it
+    uint32_t line_count;
+    struct scene_findings *out;
+};
+
+// --- survey.c ------------------------------------------------------------------------------------
+
+// Adds a finding whose strings are in survey->arena; where one of them is NULL, memory ran out.
+bool survey_add(struct survey *survey, const struct scene_finding *finding, struct err *err);
+// Names for people, in survey->arena: "instance 3 of mesh \"leaf\"", "shape 2, a sphere",
+// "material \"glass\"".
+const char *survey_object_name(const struct survey *survey, uint32_t object);
+const char *survey_material_name(const struct survey *survey, uint32_t material);
+static inline uint32_t survey_object_count(const struct survey *survey)
+{
+    return survey->scene->instance_count + survey->scene->shape_count;
+}
+
+static inline bool survey_is_instance(const struct survey *survey, uint32_t object)
+{
+    return object < survey->scene->instance_count;
+}
+
+// --- sightlines.c --------------------------------------------------------------------------------
+
+// Traces lines whose origin, direction, length and media are set.
+bool sightlines_trace(struct survey *survey, struct sightline *lines, uint32_t count,
+                      struct err *err);
+// Those of the camera, one a pixel of the small picture, into survey->lines.
+bool sightlines_take_view(struct survey *survey, struct err *err);
+// Fills in what a ray has met; hit->primitive is not NO_PRIMITIVE.
+void sighting_find(const struct survey *survey, const struct probe_hit *hit, const double origin[3],
+                   const double direction[3], struct sighting *out);
+// A ray that goes on from a surface to the side that the direction points to.
+struct probe_ray sighting_leave(const struct sighting *at, const double direction[3]);
+// Whether light goes through its surfaces, refracted or not.
+bool material_lets_through(const struct material *material);
+
+// The share of the camera's lines that meet a surface of which `meets` is true, in front or behind
+// what transmits.
+typedef bool (*sighting_fn)(const struct survey *survey, const struct sighting *at,
+                            const void *context);
+double survey_share(const struct survey *survey, sighting_fn meets, const void *context);
+double survey_share_of_object(const struct survey *survey, uint32_t object);
+double survey_share_of_objects(const struct survey *survey, const bool *marked); // a flag for each
+double survey_share_of_material(const struct survey *survey, uint32_t material);
+
+// --- searches: each adds what it finds -----------------------------------------------------------
+
+bool find_coarse(struct survey *survey, struct err *err);  // objects, meshes, cameras
+bool find_thin(struct survey *survey, struct err *err);    // slivers, zero areas, no volume
+bool find_twice(struct survey *survey, struct err *err);   // faces and objects at one place
+bool find_normals(struct survey *survey, struct err *err); // those that contradict the surface
+bool find_media(struct survey *survey, struct err *err);   // open, inside-out, overlapping
+bool find_albedos(struct survey *survey, struct err *err); // 1 and above
+bool find_texels(struct survey *survey, struct err *err);  // missing, unusable, one-texel suns
+bool find_hidden_lights(struct survey *survey, struct err *err); // behind glass, and by chance
+bool find_biases(struct survey *survey, struct err *err);        // that settings ask for
+// Those that measure: each renders into the job's film.
+bool measure_noise(struct survey *survey, struct err *err); // its tail, and the outlook
+bool measure_depth(struct survey *survey, struct err *err);
+
+#endif

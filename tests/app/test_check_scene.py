@@ -1,0 +1,338 @@
+#!/usr/bin/env python3
+"""`lampyris check SCENE`: each finding in a scene that has it, planted, and none of them in its clean
+counterpart; what --fix changes, and that a check of the fixed scene no longer names it.
+
+Usage: test_check_scene.py LAMPYRIS SOURCE_ROOT [unittest arguments]
+"""
+import json
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+try:
+    import jsonschema
+except ImportError:
+    jsonschema = None
+
+LAMPYRIS = os.path.abspath(sys.argv.pop(1))
+SOURCE = os.path.abspath(sys.argv.pop(1))
+
+FILM = {'width': 48, 'height': 48}
+FRONT = {'type': 'orthographic', 'position': [0, 0, 8], 'target': [0, 0, 0], 'height': 6}
+GREY = {'base_color': [0.5, 0.5, 0.5]}
+
+
+def write_exr(path, width, height, texels):
+    """Single precision, scan lines, not compressed; texels: rows of (r, g, b)."""
+    def attribute(name, kind, data):
+        return name + b'\0' + kind + b'\0' + struct.pack('<i', len(data)) + data
+    channels = b''.join(name + b'\0' + struct.pack('<iiii', 2, 0, 1, 1) for name in (b'B', b'G', b'R'))
+    window = struct.pack('<iiii', 0, 0, width - 1, height - 1)
+    header = struct.pack('<ii', 20000630, 2) + b''.join([
+        attribute(b'channels', b'chlist', channels + b'\0'),
+        attribute(b'compression', b'compression', b'\0'),
+        attribute(b'dataWindow', b'box2i', window), attribute(b'displayWindow', b'box2i', window),
+        attribute(b'lineOrder', b'lineOrder', b'\0'),
+        attribute(b'pixelAspectRatio', b'float', struct.pack('<f', 1)),
+        attribute(b'screenWindowCenter', b'v2f', struct.pack('<ff', 0, 0)),
+        attribute(b'screenWindowWidth', b'float', struct.pack('<f', 1))]) + b'\0'
+    size, first = 12 * width, len(header) + 8 * height
+    with open(path, 'wb') as file:
+        file.write(header + b''.join(struct.pack('<Q', first + y * (size + 8)) for y in range(height)))
+        for y, row in enumerate(texels):
+            file.write(struct.pack('<ii', y, size))
+            for channel in (2, 1, 0):
+                file.write(struct.pack(f'<{width}f', *(texel[channel] for texel in row)))
+
+
+def box(low, high, faces='abcdef', inside_out=False):
+    """An OBJ file of a box whose corners run counter-clockwise seen from outside; of some faces."""
+    corners = [(x, y, z) for z in (low[2], high[2]) for y in (low[1], high[1])
+               for x in (low[0], high[0])]
+    quads = {'a': (1, 3, 4, 2), 'b': (5, 6, 8, 7), 'c': (1, 2, 6, 5), 'd': (3, 7, 8, 4),
+             'e': (1, 5, 7, 3), 'f': (2, 4, 8, 6)}
+    lines = [f'v {x} {y} {z}' for x, y, z in corners]
+    for name in faces:
+        a, b, c, d = quads[name][::-1] if inside_out else quads[name]
+        lines += [f'f {a} {b} {c}', f'f {a} {c} {d}']
+    return '\n'.join(lines) + '\n'
+
+
+class Checks(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def write(self, name, content):
+        path = os.path.join(self.folder.name, name)
+        with open(path, 'w', encoding='utf-8') as file:
+            file.write(content if isinstance(content, str) else json.dumps(content))
+        return path
+
+    def check(self, scene, *arguments, name='scene.json'):
+        """What is found, by name."""
+        path = self.write(name, {'lampyris': 1, 'film': FILM, **scene})
+        return self.check_file(path, *arguments)
+
+    def check_file(self, path, *arguments):
+        result = subprocess.run([LAMPYRIS, 'check', path, '--json', *arguments], text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=600)
+        self.assertIn(result.returncode, (0, 1), result.stderr)
+        self.result = json.loads(result.stdout)
+        if jsonschema:
+            with open(os.path.join(SOURCE, 'docs', 'check-scene.schema.json'), encoding='utf-8') as file:
+                jsonschema.validate(self.result, json.load(file))
+        found = {}
+        for finding in self.result['findings']:
+            known = found.setdefault(finding['name'], finding)
+            if finding['level'] == 'wrong' and known['level'] != 'wrong':
+                found[finding['name']] = finding
+        remaining = [f for f in self.result['findings'] if f['level'] == 'wrong' and
+                     not (self.result['fixed'] and f['change'])]
+        self.assertEqual(result.returncode, 1 if remaining else 0)
+        shares = [-1 if f['share'] is None else f['share'] for f in self.result['findings']]
+        self.assertEqual(shares, sorted(shares, reverse=True))
+        return found
+
+    def assert_found(self, found, expected):
+        self.assertEqual({name: finding['level'] for name, finding in found.items()}, expected)
+
+
+class Geometry(Checks):
+    def scene(self, planted):
+        self.write('thin.obj', 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' + ('f 1 2 2\n' if planted else ''))
+        height = 1e-7 if planted else 1e-2
+        self.write('slivers.obj', ''.join(
+            f'v {i} 0 0\nv {i + 1} 0 0\nv {i + 0.5} {height} 0\nf -3 -2 -1\n' for i in range(8)))
+        turned = -1 if planted else 1
+        self.write('normals.obj', 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n'
+                   f'vn 0.1 0 {turned}\nf 1//1 2//1 3//2\nf 1//1 3//2 4//2\n')
+        self.write('box.obj', box((0, 0, 0), (1, 1, 1)))
+
+        def mesh(name, x, y, scale=1, **more):
+            return {'type': 'mesh', 'file': name, 'material': 'grey',
+                    'transform': [{'scale': scale}, {'translate': [x, y, 0]}], **more}
+        return {
+            'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+            'materials': {'grey': GREY, 'red': {'base_color': [0.6, 0.1, 0.1]}},
+            'shapes': [
+                mesh('thin.obj', -2.5, 1.5), mesh('slivers.obj', -2.5, 0, 0.5),
+                mesh('normals.obj', -2.5, -2.5), mesh('box.obj', 0, 1.5, [1, 0 if planted else 1, 1]),
+                {'type': 'sphere', 'material': 'grey', 'center': [0, -1, 0], 'radius': 0.6},
+                {'type': 'sphere', 'material': 'red', 'center': [0, -1 if planted else -2.3, 0],
+                 'radius': 0.6},
+                {'type': 'quad', 'material': 'grey', 'corner': [1.5, 0, 0], 'u': [1, 0, 0], 'v': [0, 1, 0]},
+                {'type': 'quad', 'material': 'red', 'corner': [1.9, 0.3, 0 if planted else -0.1],
+                 'u': [1, 0, 0], 'v': [0, 1, 0]},
+            ]}
+
+    def test_planted_and_clean(self):
+        found = self.check(self.scene(True))
+        self.assert_found(found, {
+            'zero-area': 'remark', 'sliver': 'wrong', 'normals': 'wrong',
+            'singular-transform': 'remark', 'object-twice': 'wrong', 'coincident-faces': 'wrong'})
+        self.assertIn('triangle 1', found['zero-area']['place'])
+        self.assertIn('thin', found['zero-area']['place'])
+        self.assertIn('1 of ', found['singular-transform']['figure'])
+        # What is touched of 36 square metres: a disc; where the two quads lie upon each other.
+        self.assertAlmostEqual(found['object-twice']['share'], 3.14159 * 0.36 / 36, delta=0.006)
+        self.assertAlmostEqual(found['coincident-faces']['share'], 0.6 * 0.7 / 36, delta=0.004)
+        self.assertAlmostEqual(found['normals']['share'], 1 / 36, delta=0.006)
+        self.assert_found(self.check(self.scene(False)), {})
+
+    def test_fixed(self):
+        fixed = os.path.join(self.folder.name, 'fixed.json')
+        found = self.check(self.scene(True), '--fix', fixed)
+        changed = {name for name, finding in found.items() if finding['change']}
+        self.assertEqual(changed, {'singular-transform', 'object-twice'})
+        self.assertEqual(set(self.check_file(fixed)), set(found) - changed)
+
+
+class Coarse(Checks):
+    def test_objects(self):
+        def scene(distance):
+            return {'camera': {**FRONT, 'position': [0, 0, 8]}, 'environment': {'radiance': [1, 1, 1]},
+                    'materials': {'grey': GREY},
+                    'shapes': [{'type': 'sphere', 'material': 'grey', 'center': [0, 0, 0], 'radius': 2},
+                               {'type': 'sphere', 'material': 'grey', 'center': [distance, 0, 0],
+                                'radius': 2}]}
+        found = self.check(scene(1e8))
+        self.assert_found(found, {'coarse-object': 'wrong'})
+        self.assertIn('shape 1', found['coarse-object']['place'])
+        self.assert_found(self.check(scene(1e3)), {})
+
+    def test_meshes_and_cameras(self):
+        def scene(offset, distance):
+            self.write('far.obj', box((offset, 0, 0), (offset + 2, 2, 2)))
+            return {'camera': {'position': [1, 1, distance], 'target': [1, 1, 0], 'fov_degrees': 40},
+                    'environment': {'radiance': [1, 1, 1]}, 'materials': {'grey': GREY},
+                    'shapes': [{'type': 'mesh', 'file': 'far.obj', 'material': 'grey',
+                                'transform': [{'translate': [-offset, 0, 0]}]}]}
+        found = self.check(scene(1e6, 8))
+        self.assert_found(found, {'coarse-mesh': 'wrong'})
+        self.assert_found(self.check(scene(0, 8)), {})
+        self.assert_found(self.check(scene(0, 1e6)), {'far-camera': 'slow'})
+
+
+class Media(Checks):
+    def scene(self, planted):
+        self.write('closed.obj', box((-2.8, 1.6, 0), (-1.8, 2.6, 1), inside_out=planted))
+        self.write('open.obj', box((-1.4, 1.6, 0), (-0.4, 2.6, 1), 'bcdef' if planted else 'abcdef'))
+        nested = [{'type': 'sphere', 'material': f'layer{i}', 'center': [2, 2, 0],
+                   'radius': 0.9 - 0.15 * i} for i in range(5 if planted else 4)]
+        materials = {f'layer{i}': {'type': 'dielectric', 'ior': 1.1 + 0.1 * i, 'priority': 2 + i}
+                     for i in range(5)}
+        return {
+            'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+            'materials': {'grey': GREY, 'bubble': {'type': 'dielectric', 'ior': 1.0,
+                                                   'priority': 1 if planted else 2},
+                          'glass': {'type': 'dielectric', 'ior': 1.5},
+                          'water': {'type': 'dielectric', 'ior': 1.33,
+                                    'priority': 1 if planted else 2}, **materials},
+            'shapes': [
+                {'type': 'mesh', 'file': 'closed.obj', 'material': 'glass'},
+                {'type': 'mesh', 'file': 'open.obj', 'material': 'glass'},
+                {'type': 'sphere', 'material': 'glass', 'center': [-2, 0, 0], 'radius': 0.9},
+                {'type': 'sphere', 'material': 'bubble', 'center': [-2, 0, 0], 'radius': 0.5},
+                {'type': 'sphere', 'material': 'glass', 'center': [0, 0, 0], 'radius': 0.7},
+                {'type': 'sphere', 'material': 'water', 'center': [0.6, 0, 0], 'radius': 0.7},
+                *nested]}
+
+    def test_planted_and_clean(self):
+        found = self.check(self.scene(True))
+        for follows in ('depth', 'heavy-tail'):  # of paths that are in a medium which is not there
+            found.pop(follows, None)
+        self.assert_found(found, {'medium-not-entered': 'wrong', 'medium-not-left': 'wrong',
+                                  'media-overlap': 'wrong', 'media-nested': 'wrong'})
+        overlaps = [f for f in self.result['findings'] if f['name'] == 'media-overlap']
+        self.assertEqual({(f['level'], 'bubble' in f['place'], 'water' in f['place'])
+                          for f in overlaps}, {('wrong', True, False), ('remark', False, True)})
+        self.assertIn('closed', found['medium-not-entered']['place'])
+        self.assertIn('open', found['medium-not-left']['place'])
+        self.assertAlmostEqual(found['medium-not-left']['share'], 1 / 36, delta=0.006)
+        self.assertIn('layer4', found['media-nested']['place'])
+        self.assert_found(self.check(self.scene(False)), {})
+
+    def test_fixed(self):
+        fixed = os.path.join(self.folder.name, 'fixed.json')
+        self.check(self.scene(True), '--fix', fixed)
+        overlaps = [f['change'] for f in self.result['findings'] if f['name'] == 'media-overlap']
+        self.assertEqual(sum(change is not None for change in overlaps), 1)
+        self.check_file(fixed)
+        overlaps = [f for f in self.result['findings'] if f['name'] == 'media-overlap']
+        self.assertEqual([f['level'] for f in overlaps], ['remark'])
+
+
+class Light(Checks):
+    def scene(self, planted):
+        white = [1, 1, 1] if planted else [0.8, 0.8, 0.8]
+        sdf = [{'type': 'plane', 'material': 'lamp', 'point': [0, -20, 0], 'normal': [0, 1, 0]}]
+        slab = {'type': 'box', 'material': 'glass', 'min': [-2.9, 1, -0.9], 'max': [-0.1, 1.1, 0.9]}
+        return {
+            'camera': {**FRONT, 'position': [0, 3, 8]},
+            'materials': {'white': {'base_color': white}, 'glass': {'type': 'dielectric'},
+                          'lamp': {'emission': [5, 5, 5]},
+                          'varnish': {'type': 'microfacet', 'base_color': [0.9] * 3, 'roughness': 0.1,
+                                      'specular_color': [0.04] * 3,
+                                      'diffuse': 'uncoupled' if planted else 'coupled'}},
+            'lights': [{'type': 'point', 'position': [-1, 2.5, 0], 'intensity': [5, 5, 5]}],
+            'shapes': [
+                {'type': 'quad', 'material': 'white', 'corner': [-3, 0, 1], 'u': [6, 0, 0],
+                 'v': [0, 0, -2]},
+                {'type': 'sphere', 'material': 'lamp', 'center': [-2, 2.5, 0], 'radius': 0.2},
+                {'type': 'sphere', 'material': 'varnish', 'center': [2, 0.5, 0], 'radius': 0.5},
+                *(sdf + [slab] if planted else [])]}
+
+    def test_planted_and_clean(self):
+        found = self.check(self.scene(True), '--max-bounces', '64')
+        self.assert_found(found, {'light-lost': 'wrong', 'light-by-chance': 'slow',
+                                  'albedo-1': 'remark', 'gains-light': 'wrong',
+                                  'lamp-unaimed': 'slow'})
+        self.assertIn('glass', found['light-lost']['place'])
+        self.assertIn('varnish', found['gains-light']['place'])
+        self.assertIsNone(found['lamp-unaimed']['share'])
+        self.assert_found(self.check(self.scene(False), '--max-bounces', '64'), {})
+
+
+class Texels(Checks):
+    def scene(self, planted):
+        texels = [[(1.0, 1.0, 1.0)] * 32 for _ in range(16)]
+        if planted:
+            texels[3][7] = (2e5, 2e5, 2e5)
+            texels[9][9] = (float('nan'), 1.0, 1.0)
+            texels[9][10] = (-1.0, 1.0, 1.0)
+        write_exr(os.path.join(self.folder.name, 'sky.exr'), 32, 16, texels)
+        image = {'textures': [{'file': 'gone.png', 'parameters': {'base_color': 'rgb'}}]} if planted else {}
+        return {'camera': FRONT, 'environment': {'file': 'sky.exr'},
+                'settings': {'clamp': 100} if planted else {},
+                'materials': {'grey': {**GREY, **image}},
+                'shapes': [{'type': 'sphere', 'material': 'grey', 'center': [0, 0, 0], 'radius': 2}]}
+
+    def test_planted_and_clean(self):
+        found = self.check(self.scene(True))
+        self.assert_found(found, {'missing-image': 'wrong', 'texels': 'wrong',
+                                  'one-texel-sun': 'slow', 'beyond-half': 'remark',
+                                  'biased-setting': 'wrong'})
+        self.assertIn('2 of 512', found['texels']['figure'])
+        self.assertIn('(7, 3)', found['one-texel-sun']['figure'])
+        self.assertAlmostEqual(found['missing-image']['share'], 3.14159 * 4 / 36, delta=0.02)
+        self.assert_found(self.check(self.scene(False)), {})
+
+
+class Settings(Checks):
+    def scene(self, bounces, **settings):
+        return {'camera': {'position': [0, 0, 4], 'target': [0, 0, 0], 'fov_degrees': 60},
+                'materials': {'pale': {'base_color': [0.85, 0.85, 0.85]}, 'lamp': {'emission': [9, 9, 9]}},
+                'settings': {'max_bounces': bounces, **settings},
+                'lights': [{'type': 'point', 'position': [1, 1, 1], 'intensity': [1, 1, 1]}],
+                'shapes': [{'type': 'sphere', 'material': 'pale', 'center': [0, 0, 0], 'radius': 5},
+                           {'type': 'sphere', 'material': 'lamp', 'center': [0, 0, -2], 'radius': 1}]}
+
+    def test_depth(self):
+        """In a closed sphere of albedo a, n bounces have all light but the part a^(n + 1)."""
+        fixed = os.path.join(self.folder.name, 'fixed.json')
+        found = self.check(self.scene(4, nee_depth=2), '--fix', fixed)
+        self.assert_found(found, {'depth': 'wrong', 'biased-setting': 'wrong'})
+        self.assertGreater(float(found['depth']['figure'].split('bring ')[1].split(' %')[0]), 20)
+        self.assertEqual(found['depth']['change'], 'max_bounces is 64')
+        self.assert_found(self.check_file(fixed), {})
+        self.assert_found(self.check(self.scene(100)), {})
+
+    def test_depth_asked_for(self):
+        self.assert_found(self.check(self.scene(1)), {'depth': 'remark'})
+
+
+class Noise(Checks):
+    def scene(self, radius):
+        """A lamp of 1 W/sr over a floor with a ball of rough metal."""
+        radiance = 1 / (3.14159 * radius ** 2)
+        return {'camera': {'position': [0, 3, 6], 'target': [0, 0.5, 0], 'fov_degrees': 40},
+                'materials': {'grey': GREY, 'metal': {'type': 'conductor', 'roughness': 0.3},
+                              'lamp': {'base_color': [0, 0, 0], 'emission': [radiance] * 3}},
+                'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-3, 0, 3], 'u': [6, 0, 0],
+                            'v': [0, 0, -6]},
+                           {'type': 'sphere', 'material': 'metal', 'center': [0, 1, 0], 'radius': 1},
+                           {'type': 'sphere', 'material': 'lamp', 'center': [1.6, 2, 0],
+                            'radius': radius}]}
+
+    def test_planted_and_clean(self):
+        found = self.check(self.scene(1e-3))
+        self.assert_found(found, {'heavy-tail': 'slow', 'tiny-lights': 'slow'})
+        self.assertIn('material "metal"', found['heavy-tail']['place'])
+        self.assert_found(self.check(self.scene(0.3)), {})
+
+
+class Words(Checks):
+    def test_a_clean_scene_is_one_line(self):
+        path = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        result = subprocess.run([LAMPYRIS, 'check', path, '--size', '48x48', '-q'], text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=600)
+        self.assertEqual((result.returncode, result.stdout.count('\n')), (0, 1), result.stdout)
+        self.assertRegex(result.stdout, r'nothing in it is stiff or extreme; local relMSE 0.001 '
+                         r'takes .* spp, .* s of rendering and .* MiB on the device')
+
+
+if __name__ == '__main__':
+    unittest.main()
