@@ -192,7 +192,7 @@ vec3 albedo_axes_turned(vec3 wo, float roughness, float anisotropic, vec2 alpha,
     bool tilted = azimuth.x + azimuth.y > 0.0;
     alpha_o = tilted ? length(alpha * wo.xy) / length(wo.xy) : alpha.x;
     return vec3((roughness - 0.01) / 0.99, log(1.0 - 0.9 * anisotropic) / log(0.1),
-                tilted ? atan(azimuth.y, azimuth.x) / (0.5 * PI) : 0.0);
+                4.0 * atan_turns(azimuth.y, azimuth.x));
 }
 
 // Between two tables, each for one azimuth.

@@ -4,7 +4,7 @@
 #ifndef ANGLE_GLSL
 #define ANGLE_GLSL
 
-#include "lib/constants.glsl"
+#include "lib/numbers.glsl"
 
 // The sine of at most a quarter of a turn, by Taylor's series: the next term is below 6e-8 there.
 float sin_small(float turns)
@@ -15,20 +15,16 @@ float sin_small(float turns)
     return t * (1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * rest));
 }
 
-// The cosine of at most an eighth of a turn; the next term is below 3e-8.
-float cos_small(float turns)
-{
-    float t = turns * (2.0 * PI);
-    float t2 = t * t;
-    return 1.0 - t2 / 2.0 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)));
-}
-
-// Cosine and sine of at most one turn.
+// Cosine and sine of less than 2^22 turns, for all azimuths. By Taylor's series up to an eighth of a
+// turn, where the next terms are below 3e-8 and 2e-9.
 vec2 cos_sin_turns(float turns)
 {
     float quarter = floor(4.0 * turns + 0.5);
-    float rest = turns - 0.25 * quarter; // exact
-    vec2 v = vec2(cos_small(rest), sin_small(rest));
+    float t = (turns - 0.25 * quarter) * (2.0 * PI); // the difference is exact
+    float t2 = t * t;
+    float c = 1.0 / 24.0 - t2 * (1.0 / 720.0 - t2 * (1.0 / 40320.0));
+    float s = 1.0 / 120.0 - t2 * (1.0 / 5040.0 - t2 * (1.0 / 362880.0));
+    vec2 v = vec2(1.0 - t2 * (0.5 - t2 * c), t - t * t2 * (1.0 / 6.0 - t2 * s));
     int quadrant = int(quarter) & 3;
     if ((quadrant & 1) != 0)
         v = vec2(-v.y, v.x);

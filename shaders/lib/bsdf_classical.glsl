@@ -74,8 +74,7 @@ vec4 sample_cosine_power(float n, vec2 u)
 {
     float below = one_minus_exp(max(0.0, -log(1.0 - u.x) / (n + 1.0)));
     float radius = sqrt(below * (2.0 - below));
-    float angle = 2.0 * PI * u.y;
-    return vec4(radius * cos(angle), radius * sin(angle), 1.0 - below, below);
+    return vec4(radius * cos_sin_turns(u.y), 1.0 - below, below);
 }
 
 // --- Phong --------------------------------------------------------------------------------------
@@ -279,7 +278,7 @@ vec3 sample_microfacet_normal(material m, vec3 wo, float alpha, vec2 u)
     uint distribution = microfacet_distribution(m);
     if (NORMALS == NORMALS_NDF && distribution == DISTRIBUTION_BECKMANN) {
         float radius = alpha * sqrt(max(0.0, -log_one_minus(u.x)));
-        return normalize(vec3(radius * cos(2.0 * PI * u.y), radius * sin(2.0 * PI * u.y), 1.0));
+        return normalize(vec3(radius * cos_sin_turns(u.y), 1.0));
     }
     if (NORMALS == NORMALS_NDF && distribution == DISTRIBUTION_PHONG)
         return sample_cosine_power(2.0 / (alpha * alpha) - 1.0, u).xyz;

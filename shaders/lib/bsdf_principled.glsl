@@ -33,8 +33,7 @@ vec3 sample_gtr1(float a, vec2 u)
     float power = pow(a2, 1.0 - u.x);
     float cos2 = (1.0 - power) / (1.0 - a2);
     float sin2 = (power - a2) / (1.0 - a2);
-    float phi = 2.0 * PI * u.y;
-    return vec3(sqrt(max(0.0, sin2)) * vec2(cos(phi), sin(phi)), sqrt(max(0.0, cos2)));
+    return vec3(sqrt(max(0.0, sin2)) * cos_sin_turns(u.y), sqrt(max(0.0, cos2)));
 }
 
 float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
@@ -322,9 +321,7 @@ bsdf_sample sample_principled(material m, vec3 wo, float eta, vec4 u)
         s.specular = p.coat_delta;
         s.valid = s.wi.z > 0.0;
     } else if (HAS_LOBE(LOBE_CHARLIE) && u.z >= bound_through) {
-        // Uniform over the hemisphere, by height.
-        float radius = sqrt(u.x * (2.0 - u.x));
-        s.wi = vec3(radius * cos(2.0 * PI * u.y), radius * sin(2.0 * PI * u.y), 1.0 - u.x);
+        s.wi = sample_hemisphere(u.xy);
         s.valid = true;
     } else {
         s.wi = sample_cosine_hemisphere(u.xy);

@@ -3,6 +3,7 @@
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
 
+#include "lib/angle.glsl"
 #include "lib/buffers.glsl"
 #include "lib/lens.glsl"
 
@@ -15,10 +16,10 @@ struct camera_ray {
 // convention of scene/core/environment.h with the camera's axes, forward for +X, up for +Y.
 vec3 panorama_direction(vec2 at)
 {
-    float longitude = at.x * PI;
-    float latitude = -at.y * (0.5 * PI);
-    vec3 level = cos(longitude) * frame.camera_forward + sin(longitude) * frame.camera_right;
-    return cos(latitude) * level + sin(latitude) * frame.camera_up;
+    vec2 longitude = cos_sin_turns(0.5 * at.x);
+    vec2 latitude = cos_sin_turns(-0.25 * at.y);
+    vec3 level = longitude.x * frame.camera_forward + longitude.y * frame.camera_right;
+    return latitude.x * level + latitude.y * frame.camera_up;
 }
 
 // Where the pinhole's ray begins: at the camera, or where it is precise.

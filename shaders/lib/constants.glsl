@@ -2,6 +2,7 @@
 #ifndef CONSTANTS_GLSL
 #define CONSTANTS_GLSL
 
+#include "lib/numbers.glsl"
 #include "shared/bindings.h"
 #include "shared/material.h"
 #include "shared/methods.h"
@@ -46,8 +47,6 @@ layout(constant_id = CONSTANT_ACCUMULATION) const uint ACCUMULATION = ACCUMULATI
 #define HAS_EMITTER(emitters) ((EMITTERS & (emitters)) != 0u)
 #define HAS_AOV(aovs) ((AOVS & (aovs)) != 0u)
 
-const float PI = 3.14159265358979323846;
-const float INV_PI = 0.31830988618379067154;
 // Half a unit in the last place of 1: the bound of one rounding, as in Higham 2002, section 2.2.
 const float ROUNDING = 5.9604644775390625e-8;
 // Bound of n roundings in a row (Higham 2002, lemma 3.1).

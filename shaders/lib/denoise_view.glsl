@@ -3,7 +3,7 @@
 #ifndef DENOISE_VIEW_GLSL
 #define DENOISE_VIEW_GLSL
 
-const float PI = 3.14159265358979323846;
+#include "lib/angle.glsl"
 
 // A place in the image from (-1, -1), the upper left corner, to (1, 1). `at`: in pixels.
 vec2 picture_place(gpu_denoise_view view, vec2 at)
@@ -13,10 +13,10 @@ vec2 picture_place(gpu_denoise_view view, vec2 at)
 
 vec3 panorama_ray(gpu_denoise_view view, vec2 place)
 {
-    float longitude = place.x * PI;
-    float latitude = -place.y * (0.5 * PI);
-    vec3 level = cos(longitude) * view.forward + sin(longitude) * view.right;
-    return cos(latitude) * level + sin(latitude) * view.up;
+    vec2 longitude = cos_sin_turns(0.5 * place.x);
+    vec2 latitude = cos_sin_turns(-0.25 * place.y);
+    vec3 level = longitude.x * view.forward + longitude.y * view.right;
+    return latitude.x * level + latitude.y * view.up;
 }
 
 struct view_ray {
@@ -72,8 +72,8 @@ bool project(gpu_denoise_view view, vec3 point, bool is_direction, out vec2 at, 
     vec2 place;
     if (view.kind == CAMERA_PANORAMIC) {
         float far = length(to);
-        place = vec2(atan(across.x, ahead) / PI,
-                     -asin(clamp(-across.y / far, -1.0, 1.0)) / (0.5 * PI));
+        float level = length(vec2(across.x, ahead));
+        place = vec2(2.0 * atan_turns(across.x, ahead), 4.0 * atan_turns(across.y, level));
         guide = 1.0 / far;
     } else if (view.kind == CAMERA_ORTHOGRAPHIC) {
         place = across;

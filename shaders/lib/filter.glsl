@@ -3,6 +3,7 @@
 #ifndef FILTER_GLSL
 #define FILTER_GLSL
 
+#include "lib/angle.glsl"
 #include "lib/buffers.glsl"
 
 // Density 1 - |x| in [-1, 1], by its inverse distribution function.
@@ -18,8 +19,7 @@ vec2 sample_tent(vec2 u)
 vec2 sample_gaussian(vec2 u)
 {
     float r = sqrt(-2.0 / 9.0 * log(1.0 - u.x * 0.98889100346175773));
-    float angle = 2.0 * PI * u.y;
-    return r * vec2(cos(angle), sin(angle));
+    return r * cos_sin_turns(u.y);
 }
 
 // Density w(x) = 1 + sum a_k cos(k pi x), k = 1 .. 3, in [-1, 1]: the four-term window with side
@@ -38,7 +38,8 @@ float sample_blackman_harris(float u)
     x = x * y - 6.52821688e-3;
     x = x * y + 2.07944843e-3;
     x = min((x * y + 0.358498156) * y, 1.0);
-    float s = sin(PI * x), c = cos(PI * x);
+    vec2 turned = cos_sin_turns(0.5 * x);
+    float c = turned.x, s = turned.y;
     float integral = x + s / PI * (a.y - a.w / 3.0 + c * (a.z + c * a.w * 4.0 / 3.0));
     float density = 1.0 + a.y * c + a.z * (2.0 * c * c - 1.0) + a.w * c * (4.0 * c * c - 3.0);
     x = clamp(x + (t - integral) / density, 0.0, 1.0);

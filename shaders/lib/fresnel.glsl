@@ -2,6 +2,8 @@
 #ifndef FRESNEL_GLSL
 #define FRESNEL_GLSL
 
+#include "lib/angle.glsl"
+
 // Reflectance of unpolarised light at a dielectric of relative index eta = n_t / n_i (Born and Wolf
 // 1999, section 1.5.2, eqs. 21), between a direction of cosine cos_i and the refracted one of
 // cos_t.
@@ -98,9 +100,10 @@ vec3 fresnel_film(float cos_1, float n2, vec3 n3, float thickness, bool highest)
     float s2 = (1.0 - cos_1) * (1.0 + cos_1);
     float a2 = sqrt((n2 - 1.0) * (n2 + 1.0) + cos_1 * cos_1); // n2 cos_2
     vec3 a3 = sqrt(max(vec3(0.0), n3 * n3 - s2));
-    vec3 phi = 4.0 * 3.14159265358979 * thickness * a2 / wavelength;
-    vec3 band = phi * sigma / wavelength;
-    vec3 fringe = exp(-0.5 * band * band) * cos(phi);
+    vec3 turns = 2.0 * thickness * a2 / wavelength;
+    vec3 band = 2.0 * PI * turns * sigma / wavelength;
+    vec3 cos_phi = vec3(cos_sin_turns(turns.r).x, cos_sin_turns(turns.g).x, cos_sin_turns(turns.b).x);
+    vec3 fringe = exp(-0.5 * band * band) * cos_phi;
 
     vec2 r12 = vec2((cos_1 - a2) / (cos_1 + a2),
                     (n2 * n2 * cos_1 - a2) / (n2 * n2 * cos_1 + a2));

@@ -13,10 +13,9 @@ vec2 sample_aperture(vec2 u, uint blades, float rotation)
     float scaled = u.x * float(blades);
     float blade = min(floor(scaled), float(blades) - 1.0);
     vec2 between = sample_triangle(vec2(scaled - blade, u.y));
-    float angle = 2.0 * PI / float(blades);
-    float first = rotation + angle * blade;
-    return between.x * vec2(cos(first), sin(first)) +
-           between.y * vec2(cos(first + angle), sin(first + angle));
+    float start = rotation * (0.5 * INV_PI);
+    return between.x * cos_sin_turns(start + blade / float(blades)) +
+           between.y * cos_sin_turns(start + (blade + 1.0) / float(blades));
 }
 
 #endif

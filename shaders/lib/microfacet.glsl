@@ -7,6 +7,7 @@
 #ifndef MICROFACET_GLSL
 #define MICROFACET_GLSL
 
+#include "lib/angle.glsl"
 #include "lib/constants.glsl"
 
 const float SMALLEST_ALPHA = 1e-4;
@@ -69,8 +70,7 @@ vec3 sample_ggx_vndf(vec3 wo, vec2 alpha, vec2 u)
     float below = dot(stretched.xy, stretched.xy) / (1.0 + k); // 1 - k
     float height = (1.0 - u.x) * (1.0 + k);                    // c.z + k
     float sin_theta = sqrt(u.x * (1.0 + k) * (height + below));
-    float phi = 2.0 * PI * u.y;
-    vec2 tangential = sin_theta * vec2(cos(phi), sin(phi)) + stretched.xy;
+    vec2 tangential = sin_theta * cos_sin_turns(u.y) + stretched.xy;
     return normalize(vec3(alpha * tangential, height));
 }
 
@@ -87,8 +87,7 @@ float pdf_ggx_vndf(vec3 wo, vec3 h, vec2 alpha)
 vec3 sample_ggx_ndf(vec2 alpha, vec2 u)
 {
     float radius = sqrt(u.x / (1.0 - u.x));
-    float phi = 2.0 * PI * u.y;
-    return normalize(vec3(alpha * radius * vec2(cos(phi), sin(phi)), 1.0));
+    return normalize(vec3(alpha * radius * cos_sin_turns(u.y), 1.0));
 }
 
 // The setting `normals` chooses between both: a normal, and its density per solid angle of h.

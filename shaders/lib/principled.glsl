@@ -530,9 +530,7 @@ principled principled_prepare(material m, vec3 wo, float eta)
     if (HAS_LOBE(LOBE_ANISOTROPIC) && anisotropic > 0.0) {
         float aspect = sqrt(1.0 - 0.9 * anisotropic);
         p.alpha = vec2(alpha / aspect, max(SMALLEST_ALPHA, alpha * aspect));
-        float rotation = 2.0 * PI * material_anisotropic_rotation(m);
-        if (rotation != 0.0)
-            p.turn = vec2(cos(rotation), sin(rotation));
+        p.turn = cos_sin_turns(material_anisotropic_rotation(m));
     }
 
     prepare_fibres(p, m, wo.z);

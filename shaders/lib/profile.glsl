@@ -4,6 +4,7 @@
 #ifndef PROFILE_GLSL
 #define PROFILE_GLSL
 
+#include "lib/angle.glsl"
 #include "lib/material.glsl"
 
 float load_profile_value(uint at, uint index)
@@ -38,16 +39,15 @@ float profile_row(uint at, uint first, uint v, uint next, float part)
 
 // Relative intensity into the unit direction `from_light`. `axis` is where the vertical angle is 0,
 // and the plane at 0 degrees contains x; horizontal angles grow counter-clockwise as seen against
-// the axis. The angles are as good as the device's atan (on lavapipe 1e-6 of a turn).
+// the axis.
 float profile_intensity(uint at, vec3 axis, vec3 x, vec3 from_light)
 {
-    const float degrees = 180.0 * INV_PI;
     uvec4 head = load_materials(at);
     uint vertical_count = head.x;
     uint horizontal_count = head.y;
     vec3 y = cross(x, axis);
     vec2 across = vec2(dot(from_light, x), dot(from_light, y));
-    float vertical = atan(length(across), dot(from_light, axis)) * degrees;
+    float vertical = 360.0 * atan_turns(length(across), dot(from_light, axis));
     // Rounding must not push what is at an end beyond it.
     float first = load_profile_value(at, 0u);
     float last = load_profile_value(at, vertical_count - 1u);
@@ -61,7 +61,7 @@ float profile_intensity(uint at, vec3 axis, vec3 x, vec3 from_light)
     uint rows = vertical_count + horizontal_count;
     if (horizontal_count == 1u)
         return profile_row(at, rows, v, next_v, part_v);
-    float horizontal = any(notEqual(across, vec2(0.0))) ? atan(across.y, across.x) * degrees : 0.0;
+    float horizontal = 360.0 * atan_turns(across.y, across.x);
     horizontal += horizontal < 0.0 ? 360.0 : 0.0;
     float part_h;
     uint h = find_interval(at, vertical_count, horizontal_count, horizontal, part_h);

@@ -2,6 +2,7 @@
 #ifndef SAMPLING_GLSL
 #define SAMPLING_GLSL
 
+#include "lib/angle.glsl"
 #include "lib/constants.glsl"
 
 // Two vectors that complete the unit vector n to an orthonormal basis (Duff et al. 2017,
@@ -18,9 +19,7 @@ mat3 basis_around(vec3 n)
 // Uniform on the unit disc, by polar coordinates.
 vec2 sample_disc(vec2 u)
 {
-    float radius = sqrt(u.x);
-    float angle = 2.0 * PI * u.y;
-    return radius * vec2(cos(angle), sin(angle));
+    return sqrt(u.x) * cos_sin_turns(u.y);
 }
 
 // About +z, density cos(theta) / pi per solid angle (Malley's method).
@@ -38,17 +37,14 @@ float pdf_cosine_hemisphere(float cos_theta)
 // Uniform about +z, by height.
 vec3 sample_hemisphere(vec2 u)
 {
-    float radius = sqrt(u.x * (2.0 - u.x));
-    float angle = 2.0 * PI * u.y;
-    return vec3(radius * cos(angle), radius * sin(angle), 1.0 - u.x);
+    return vec3(sqrt(u.x * (2.0 - u.x)) * cos_sin_turns(u.y), 1.0 - u.x);
 }
 
 vec3 sample_sphere(vec2 u)
 {
     float z = 1.0 - 2.0 * u.x;
     float radius = sqrt(max(0.0, 4.0 * u.x * (1.0 - u.x)));
-    float angle = 2.0 * PI * u.y;
-    return vec3(radius * cos(angle), radius * sin(angle), z);
+    return vec3(radius * cos_sin_turns(u.y), z);
 }
 
 // Uniform barycentric coordinates of corners 1 and 2 (Turk 1990, Graphics Gems, p. 24).

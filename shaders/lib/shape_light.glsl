@@ -91,7 +91,8 @@ struct shape_sight {
     vec3 areas;  // of a box's faces across each axis; of a cylinder's side and caps
     vec3 place;  // of the place, from the centre: along a box's axes; from a cylinder's axis, unit
     float along; // a cylinder's axis
-    float arc;   // half of the angle round the axis that is seen of a cylinder's side from outside
+    float arc;   // half of the angle round the axis that is seen of a cylinder's side from outside,
+                 // in turns
 };
 
 shape_sight box_sight(shape_record shape, vec3 origin)
@@ -122,9 +123,9 @@ shape_sight cylinder_sight(shape_record shape, vec3 origin)
     sight.is_outside = sees_side || sees_cap;
     sight.place = sees_side ? across / away : vec3(0.0);
     // acos(radius / away), which does not cancel near the side.
-    sight.arc = sees_side ? atan(sqrt((away - radius) * (away + radius)), radius) : 0.0;
+    sight.arc = sees_side ? atan_turns(sqrt((away - radius) * (away + radius)), radius) : 0.0;
     float cap = PI * radius * radius;
-    sight.areas = vec3(4.0 * half_height * radius * sight.arc, sees_cap ? cap : 0.0, 0.0);
+    sight.areas = vec3(8.0 * PI * half_height * radius * sight.arc, sees_cap ? cap : 0.0, 0.0);
     if (!sight.is_outside)
         sight.areas = vec3(4.0 * half_height * radius * PI, 2.0 * cap, 0.0);
     return sight;
@@ -201,9 +202,10 @@ shape_point sample_box(shape_record shape, vec3 origin, vec2 u)
     return shape_point(point, side * b.axis[k], vec2(side * float(k + 1), 0.0));
 }
 
-vec3 around(vec3 x, vec3 y, float angle)
+vec3 around(vec3 x, vec3 y, float turns)
 {
-    return cos(angle) * x + sin(angle) * y;
+    vec2 v = cos_sin_turns(turns);
+    return v.x * x + v.y * y;
 }
 
 // The point of a side where `pick` of all of it are below.
@@ -217,7 +219,7 @@ shape_point sample_tube(shape_record shape, vec2 u)
 {
     float side = 2.0 * length(shape.axis); // in units of 2 pi r
     mat3 basis = basis_around(2.0 * shape.axis / side);
-    return side_point(shape, around(basis[0], basis[1], 2.0 * PI * u.y), u.x * side, side);
+    return side_point(shape, around(basis[0], basis[1], u.y), u.x * side, side);
 }
 
 // The side, then its caps, by the first uniform.
@@ -232,7 +234,7 @@ shape_point sample_cylinder(shape_record shape, vec3 origin, vec2 u)
         vec3 outwards =
             sight.is_outside
                 ? around(sight.place, cross(n, sight.place), (2.0 * u.y - 1.0) * sight.arc)
-                : around(basis[0], basis[1], 2.0 * PI * u.y);
+                : around(basis[0], basis[1], u.y);
         return side_point(shape, outwards, pick, side);
     }
     float within = clamp((pick - side) / sight.areas.y, 0.0, 1.0);
@@ -241,7 +243,7 @@ shape_point sample_cylinder(shape_record shape, vec3 origin, vec2 u)
         within = 2.0 * within - 1.0;
         end = within < 0.0 ? -1.0 : 1.0;
     }
-    vec3 outwards = sqrt(abs(within)) * around(basis[0], basis[1], 2.0 * PI * u.y);
+    vec3 outwards = sqrt(abs(within)) * around(basis[0], basis[1], u.y);
     return shape_point(shape.radius * outwards + end * shape.axis, end * n, vec2(end, 0.0));
 }
 
@@ -282,8 +284,7 @@ void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, flo
         float one_minus_cos = u.x * sphere_cone(sin2_max);
         float cos_theta = 1.0 - one_minus_cos;
         float sin2_theta = one_minus_cos * (2.0 - one_minus_cos);
-        float angle = 2.0 * PI * u.y;
-        vec3 local = vec3(sqrt(sin2_theta) * vec2(cos(angle), sin(angle)), cos_theta);
+        vec3 local = vec3(sqrt(sin2_theta) * cos_sin_turns(u.y), cos_theta);
         float half_chord = sqrt(max(0.0, radius * radius - distance2 * sin2_theta));
         float reach = distance * cos_theta - half_chord;
         vec3 direction = basis_around(to_center / distance) * local;

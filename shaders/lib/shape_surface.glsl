@@ -14,8 +14,7 @@
 // and reads from outside; its middle faces +z of the world, its top +y.
 vec2 sphere_uv(vec3 n)
 {
-    float u = 0.5 + atan(n.x, n.z) * (0.5 * INV_PI);
-    return vec2(n.x == 0.0 && n.z == 0.0 ? 0.5 : u, atan(length(n.xz), n.y) * INV_PI);
+    return vec2(0.5 + atan_turns(n.x, n.z), 2.0 * atan_turns(length(n.xz), n.y));
 }
 
 // Towards growing u; any direction at the poles, where that is none.
@@ -92,7 +91,7 @@ void place_on_cylinder(shape_record shape, vec3 across, float face, float along,
     vec3 f = s.position - s.center;
     vec3 right = cross(across, n);
     if (face == 0.0) {
-        float turn = atan(-dot(f, right), dot(f, across)) * (0.5 * INV_PI);
+        float turn = atan_turns(-dot(f, right), dot(f, across));
         s.uv0 = vec2(turn < 0.0 ? turn + 1.0 : turn, 0.5 - 0.5 * along / half_height);
         s.tangent = vec4(cross(n, s.normal_geometric), 1.0);
     } else {

@@ -24,8 +24,7 @@ float sample_sun(vec3 axis, float versine, vec2 u, out vec3 direction)
 {
     float one_minus_cos = u.x * versine;
     float sin_theta = sqrt(one_minus_cos * (2.0 - one_minus_cos));
-    float angle = 2.0 * PI * u.y;
-    vec3 local = vec3(sin_theta * vec2(cos(angle), sin(angle)), 1.0 - one_minus_cos);
+    vec3 local = vec3(sin_theta * cos_sin_turns(u.y), 1.0 - one_minus_cos);
     direction = normalize(basis_around(axis) * local);
     return pdf_sun(versine);
 }

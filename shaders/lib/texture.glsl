@@ -2,6 +2,7 @@
 #ifndef TEXTURE_GLSL
 #define TEXTURE_GLSL
 
+#include "lib/angle.glsl"
 #include "lib/material.glsl"
 #include "lib/surface.glsl"
 
@@ -150,7 +151,7 @@ void turn_anisotropy(vec4 texel, inout material m)
     vec2 direction = texel.xy * 2.0 - 1.0;
     material_anisotropic(m) *= texel.z;
     if (any(notEqual(direction, vec2(0.0))))
-        material_anisotropic_rotation(m) += atan(direction.y, direction.x) * (0.5 * INV_PI);
+        material_anisotropic_rotation(m) += atan_turns(direction.y, direction.x);
 }
 
 // Vertex colours scale base colour and opacity; of unlit surfaces what they show.

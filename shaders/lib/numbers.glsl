@@ -1,0 +1,8 @@
+// Numbers of mathematics.
+#ifndef NUMBERS_GLSL
+#define NUMBERS_GLSL
+
+const float PI = 3.14159265358979323846;
+const float INV_PI = 0.31830988618379067154;
+
+#endif
