@@ -176,6 +176,6 @@ void main()
         samples = 1.0 / (share * share / before.samples + (1.0 - share) * (1.0 - share) / samples);
     }
     float kept = min(1.0, FREEDOM_MOST / max(freedom, 1.0));
-    blended_words[index] = vec4(light.rgb, samples);
-    records_words[index] = vec4(slope, kept * deviation, kept * freedom);
+    store_blended(index, vec4(light.rgb, samples));
+    store_records(index, vec4(slope, kept * deviation, kept * freedom));
 }

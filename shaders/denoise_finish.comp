@@ -44,7 +44,7 @@ void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
     bool inside;
     uint index = neighbour_index(pixel, offset, inside);
     float weight = inside ? spline(abs(offset.x)) * spline(abs(offset.y)) : 0.0;
-    vec2 judgement = unpack_judgement(floatBitsToUint(load_from(index).w));
+    vec2 judgement = unpack_judgement(from_bits(index).w);
     sum += weight * vec3(judgement, judgement.y * load_blended(index).w);
 }
 
@@ -73,15 +73,15 @@ void main()
     if (!find_pixel(pixel))
         return;
     uint index = pixel_index(pixel);
-    vec4 filtered = load_from(index);
+    vec3 filtered = load_from(index).rgb;
     vec4 before = load_blended(index);
     vec3 divisor = load_modulation(index).rgb;
     vec3 emission = load_emission(index).rgb;
-    vec4 film = picture_words[index];
-    vec2 own = unpack_judgement(floatBitsToUint(filtered.w));
+    vec4 film = uintBitsToFloat(picture_words[index]);
+    vec2 own = unpack_judgement(from_bits(index).w);
     float part = trust(ivec2(pixel), own, film.w, before.w);
-    vec3 light = before.rgb + part * (filtered.rgb - before.rgb);
+    vec3 light = before.rgb + part * (filtered - before.rgb);
     // Where nothing was moved these are the film's own bits, without the rounding of two divisions.
     bvec3 same = equal(light, (film.rgb - emission) / divisor);
-    picture_words[index].rgb = mix(light * divisor + emission, film.rgb, same);
+    store_picture(index, vec4(mix(light * divisor + emission, film.rgb, same), film.w));
 }

@@ -94,11 +94,11 @@ void main()
     uint at = item * AOV_FILM_WORDS(AOVS);
     uint samples = film_words[at].w;
     if (samples == 0u) {
-        guides_words[pixel] = vec4(0.0, 0.0, 0.0, DENOISE_EMPTY);
-        to_words[pixel] = vec4(0.0);
-        modulation_words[pixel] = vec4(1.0);
-        picture_words[pixel] = vec4(0.0);
-        emission_words[pixel] = vec4(0.0);
+        store_guides(pixel, vec4(0.0, 0.0, 0.0, DENOISE_EMPTY));
+        store_to(pixel, vec4(0.0));
+        store_modulation(pixel, vec4(1.0));
+        store_picture(pixel, vec4(0.0));
+        store_emission(pixel, vec4(0.0));
         return;
     }
     float n = float(samples);
@@ -112,10 +112,10 @@ void main()
     vec3 divisor = alpha > 0.0 ? max(albedo, vec3(LEAST_ALBEDO * alpha)) : vec3(1.0);
     float first = float(samples_of_first_half(samples));
     bool both = first > 0.0 && first < n;
-    guides_words[pixel] = make_guide(alpha, pixel);
+    store_guides(pixel, make_guide(alpha, pixel));
     float deviation = both ? halves_deviation(at, first, n - first, divisor) : 0.0;
-    to_words[pixel] = vec4((mean - emission) / divisor, deviation);
-    modulation_words[pixel] = vec4(divisor, both ? 1.0 : 0.0);
-    picture_words[pixel] = vec4(mean, n);
-    emission_words[pixel] = vec4(emission, 0.0);
+    store_to(pixel, vec4((mean - emission) / divisor, deviation));
+    store_modulation(pixel, vec4(divisor, both ? 1.0 : 0.0));
+    store_picture(pixel, vec4(mean, n));
+    store_emission(pixel, vec4(emission, 0.0));
 }

@@ -78,5 +78,5 @@ void main()
     float spatial = spatial_variance(plane, ivec2(pixel), luminance(light.rgb),
                                      enough || empty ? -1 : SPATIAL_RADIUS);
     float variance = enough ? pooled.x / (pooled.y * light.w) : spatial;
-    to_words[index] = vec4(light.rgb, empty ? 0.0 : variance);
+    store_to(index, vec4(light.rgb, empty ? 0.0 : variance));
 }

@@ -64,14 +64,13 @@ void add_tap(inout filtered sum, middle_pixel middle, ivec2 tap)
 // The numbers by which the last pass judges, 16 bits each: the square of how far the filter moved
 // the pixel, and its own variance, if that is known. Relative to the light, so that a bright pixel
 // does not speak for the dark ones around.
-float pack_judgement(uint index, vec4 record, float light)
+uint pack_judgement(uint index, vec4 record, float light)
 {
     vec4 before = load_blended(index);
     bool known = record.w > 0.0 && before.w > 0.0 && light > 0.0;
     float moved = known ? (light - luminance(before.rgb)) / light : 0.0;
     float variance = known ? record.z / (record.w * before.w) / (light * light) : 0.0;
-    return uintBitsToFloat((floatBitsToUint(moved * moved) & 0xffff0000u) |
-                           floatBitsToUint(variance) >> 16u);
+    return (floatBitsToUint(moved * moved) & 0xffff0000u) | floatBitsToUint(variance) >> 16u;
 }
 
 void main()
@@ -92,6 +91,7 @@ void main()
     DENOISE_SQUARE_5(ADD_TAP)
     vec3 light = is_empty(guide) ? before : before + sum.change / sum.weights;
     float variance = sum.variance / (sum.weights * sum.weights);
-    to_words[index] =
-        vec4(light, LAST != 0u ? pack_judgement(index, record, luminance(light)) : variance);
+    uint last = LAST != 0u ? pack_judgement(index, record, luminance(light))
+                           : floatBitsToUint(variance);
+    to_words[index] = uvec4(floatBitsToUint(light), last);
 }

@@ -42,7 +42,8 @@ vec3 false_color(float value, float share)
     float mean = value / share;
     if (SHOWS(SHOWN_LOGARITHMIC))
         mean = log2(max(mean, 1.17549435e-38)); // the least float that is not denormal
-    float level = clamp((mean - push.range_low) * push.range_scale, 0.0, 1.0);
+    float level = (mean - push.range_low) * push.range_scale;
+    level = level > 0.0 ? min(level, 1.0) : 0.0; // of NaN, too
     return share * srgb_from_linear(load_palette(uint(level * PALETTE_LAST + 0.5)).rgb);
 }
 

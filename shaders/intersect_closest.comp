@@ -26,11 +26,14 @@ void main()
     bool valid = item < item_count();
     uint slot = valid ? queue_slot(push.queue, item) : 0u;
 
-    uvec4 origin = load_path(slot, PATH_ORIGIN);
-    vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
+    trace_ray ray = no_ray();
+    if (valid) {
+        uvec4 origin = load_path(slot, PATH_ORIGIN);
+        vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
+        ray = trace_ray(uintBitsToFloat(origin.xyz), direction, origin.w, NO_PRIMITIVE,
+                        path_start_instance(slot), ray_alpha(slot, false));
+    }
     const float infinity = uintBitsToFloat(0x7f800000u);
-    trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), direction, origin.w, NO_PRIMITIVE,
-                              path_start_instance(slot), ray_alpha(slot, false));
     trace_hit hit = trace_hit(infinity, vec2(0.0), NO_PRIMITIVE, NO_PRIMITIVE, NO_INSTANCE);
     bool done = trace_or_suspend(slot, valid, ray, hit);
 

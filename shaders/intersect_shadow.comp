@@ -13,14 +13,19 @@ void main()
     bool valid = item < item_count();
     uint slot = valid ? queue_slot(push.queue, item) : 0u;
 
-    uvec4 origin = load_shadow_ray(slot, push.light_ray, 0u);
-    uvec4 direction = load_shadow_ray(slot, push.light_ray, 1u);
-    vec3 radiance = uintBitsToFloat(load_shadow_ray(slot, push.light_ray, 2u).rgb);
+    trace_ray ray = no_ray();
+    vec3 radiance = vec3(0.0);
+    if (valid)
+        radiance = uintBitsToFloat(load_shadow_ray(slot, push.light_ray, 2u).rgb);
     if (LIGHT_RAYS > 1u && all(equal(radiance, vec3(0.0))))
         valid = false;
-    trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz),
-                              origin.w, direction.w,
-                              shadow_start_instance(slot, push.light_ray), ray_alpha(slot, true));
+    if (valid) {
+        uvec4 origin = load_shadow_ray(slot, push.light_ray, 0u);
+        uvec4 direction = load_shadow_ray(slot, push.light_ray, 1u);
+        ray = trace_ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz), origin.w,
+                        direction.w, shadow_start_instance(slot, push.light_ray),
+                        ray_alpha(slot, true));
+    }
     trace_hit hit = trace_hit(1.0, vec2(0.0), NO_PRIMITIVE, 0u, NO_INSTANCE);
     bool done = trace_or_suspend(slot, valid, ray, hit);
 

@@ -16,7 +16,7 @@
 #include "lib/texture.glsl"
 
 // For those who asked for it: the only ones to look at materials.
-void store_surface(uint slot, surface s, vec4 hit, uint instance, float t)
+void store_surface(uint slot, surface s, uint primitive, uint instance, float t)
 {
     material m;
     if (HAS_AOV(AOV_ALBEDO)) {
@@ -24,7 +24,7 @@ void store_surface(uint slot, surface s, vec4 hit, uint instance, float t)
         if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
             apply_textures(m, s);
     }
-    store_first_hit(slot, s, m, floatBitsToUint(hit.w), instance, t);
+    store_first_hit(slot, s, m, primitive, instance, t);
 }
 
 void main()
@@ -37,14 +37,17 @@ void main()
     if (valid) {
         uvec4 words = load_path(slot, PATH_ORIGIN);
         vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
-        vec4 hit = uintBitsToFloat(load_path(slot, PATH_HIT));
+        uvec4 hit_words = load_path(slot, PATH_HIT);
+        vec3 hit = uintBitsToFloat(hit_words.xyz);
+        uint primitive = hit_words.w;
         uint instance = path_hit_instance(slot);
-        surface s = load_surface(uintBitsToFloat(words.xyz), direction, hit, instance);
+        surface s = load_surface(uintBitsToFloat(words.xyz), direction, hit.x, hit.yz, primitive,
+                                 instance);
         float t = hit.x;
         if (HAS(FEATURE_FAR_CAMERA))
             t = distance_from_camera(direction, t);
         if (HAS_AOV(AOVS_OF_SURFACES))
-            store_surface(slot, s, hit, instance, t);
+            store_surface(slot, s, primitive, instance, t);
 
         vec4 u = uniforms(slot, bounce_dimension(0u, DIMENSION_BSDF));
         vec3 local = sample_cosine_hemisphere(u.xy);
@@ -54,7 +57,7 @@ void main()
         if (shadow) {
             vec3 from = offset_origin(s.position, s.error, s.normal_geometric, wi);
             store_shadow_ray(slot, 0u, 0u,
-                             uvec4(floatBitsToUint(from), floatBitsToUint(hit.w)));
+                             uvec4(floatBitsToUint(from), primitive));
             store_shadow_ray(slot, 0u, 1u,
                              uvec4(floatBitsToUint(frame.ao_distance * wi), NO_PRIMITIVE));
             store_shadow_ray(slot, 0u, 2u,

@@ -34,10 +34,11 @@ void main()
         words = load_path(slot, PATH_THROUGHPUT);
         v.throughput = uintBitsToFloat(words.xyz);
         uint stack = words.w;
-        vec4 hit = uintBitsToFloat(load_path(slot, PATH_HIT));
-        v.primitive = floatBitsToUint(hit.w);
+        words = load_path(slot, PATH_HIT);
+        vec3 hit = uintBitsToFloat(words.xyz);
+        v.primitive = words.w;
         v.instance = path_hit_instance(slot);
-        v.s = load_surface(origin, ray.xyz, hit, v.instance);
+        v.s = load_surface(origin, ray.xyz, hit.x, hit.yz, v.primitive, v.instance);
         v.m = load_material(v.s.material);
         if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
             apply_textures(v.m, v.s);

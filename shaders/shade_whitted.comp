@@ -26,11 +26,11 @@ void add_surroundings(vertex v, vec3 direction, uint stack)
         add_radiance(v.slot, radiance, SITE_MISS);
 }
 
-void load_vertex(inout vertex v, vec3 origin, vec3 direction, vec4 hit)
+void load_vertex(inout vertex v, vec3 origin, vec3 direction, vec3 hit, uint primitive)
 {
-    v.primitive = floatBitsToUint(hit.w);
+    v.primitive = primitive;
     v.instance = path_hit_instance(v.slot);
-    v.s = load_surface(origin, direction, hit, v.instance);
+    v.s = load_surface(origin, direction, hit.x, hit.yz, primitive, v.instance);
     v.m = load_material(v.s.material);
     if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
         apply_textures(v.m, v.s);
@@ -106,8 +106,9 @@ bool scatter_rays(vertex v, whitted_surface w, uint stack, uint state)
 
 bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, out bool shadow)
 {
-    vec4 hit = uintBitsToFloat(load_path(v.slot, PATH_HIT));
-    load_vertex(v, origin, direction, hit);
+    uvec4 words = load_path(v.slot, PATH_HIT);
+    vec3 hit = uintBitsToFloat(words.xyz);
+    load_vertex(v, origin, direction, hit, words.w);
     float t = hit.x;
     if (HAS(FEATURE_FAR_CAMERA) && push.bounce == 0u)
         t = distance_from_camera(direction, t);

@@ -23,11 +23,28 @@ float albedo_axis_alpha(float alpha)
     return clamp((sqrt(sqrt(alpha)) - 0.1) / 0.9, 0.0, 1.0);
 }
 
+// A place of a table in [0, 1], from one that rounding put beside it; of NaN, which clamp() may
+// return, 0: what is read then is in the table.
+float albedo_place(float at)
+{
+    return at > 0.0 ? min(at, 1.0) : 0.0;
+}
+
+vec2 albedo_place(vec2 at)
+{
+    return vec2(albedo_place(at.x), albedo_place(at.y));
+}
+
+vec3 albedo_place(vec3 at)
+{
+    return vec3(albedo_place(at.xy), albedo_place(at.z));
+}
+
 // The cell of a table that contains a place in [0, 1] along each axis, and where in the cell it is.
 uvec2 albedo_cell(uvec2 size, vec2 at, out vec2 w)
 {
     vec2 cells = vec2(size);
-    vec2 position = clamp(at, 0.0, 1.0) * cells;
+    vec2 position = albedo_place(at) * cells;
     vec2 corner = min(floor(position), cells - 1.0);
     w = position - corner;
     return uvec2(corner);
@@ -36,7 +53,7 @@ uvec2 albedo_cell(uvec2 size, vec2 at, out vec2 w)
 uvec3 albedo_cell(uvec3 size, vec3 at, out vec3 w)
 {
     vec3 cells = vec3(size);
-    vec3 position = clamp(at, 0.0, 1.0) * cells;
+    vec3 position = albedo_place(at) * cells;
     vec3 corner = min(floor(position), cells - 1.0);
     w = position - corner;
     return uvec3(corner);
@@ -92,7 +109,7 @@ float albedo_coat_exact(uint tables, float mu, float gloss)
 // approximation; w: the albedo of his sheen.
 vec4 albedo_diffuse(uint tables, float mu)
 {
-    float position = clamp(albedo_axis_mu(mu, 0.2), 0.0, 1.0) * float(ALBEDO_DIFFUSE_MU);
+    float position = albedo_place(albedo_axis_mu(mu, 0.2)) * float(ALBEDO_DIFFUSE_MU);
     float corner = min(floor(position), float(ALBEDO_DIFFUSE_MU) - 1.0);
     uint first = tables + ALBEDO_DIFFUSE + uint(corner);
     return mix(load_materials_float(first), load_materials_float(first + 1u), position - corner);
@@ -198,7 +215,7 @@ vec3 albedo_axes_turned(vec3 wo, float roughness, float anisotropic, vec2 alpha,
 // Between two tables, each for one azimuth.
 float albedo_slices(uint first, uvec4 size, vec4 at)
 {
-    float position = clamp(at.w, 0.0, 1.0) * float(size.w);
+    float position = albedo_place(at.w) * float(size.w);
     float corner = min(floor(position), float(size.w) - 1.0);
     uint slice = size.x * size.y * size.z;
     first += uint(corner) * slice;

@@ -8,6 +8,13 @@
 #include "lib/constants.glsl"
 #include "lib/parts.glsl"
 
+#extension GL_EXT_spirv_intrinsics : require
+
+// SPIR-V's decoration Aliased (3.20, number 20): a buffer and its texel view are the same memory,
+// and without it a compiler may assume that no two variables are (2.18.2). Nothing is read through
+// the view after the same invocation has written it: only a later dispatch sees that for certain.
+#define ALIASED spirv_decorate(20)
+
 layout(push_constant) uniform push_block {
     gpu_push push;
 };
@@ -16,13 +23,13 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
     gpu_frame frame;
 };
 
-// READABLE(name, binding, texel feature, further parts, the first of them): uvec4 load_name(uint
-// index), index in units of four words.
-#define READABLE(name, number, feature, parts, first)                                              \
-    layout(std430, set = 0, binding = number) buffer name##_block {                                \
+// READABLE(name, binding, access, texel feature, further parts, the first of them): uvec4
+// load_name(uint index), index in units of four words.
+#define READABLE(name, number, access, feature, parts, first)                                      \
+    layout(std430, set = 0, binding = number) access buffer name##_block {                         \
         uvec4 name##_words[];                                                                      \
     };                                                                                             \
-    layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels;         \
+    ALIASED layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels; \
     uvec4 load_##name(uint index)                                                                  \
     {                                                                                              \
         if (HAS(feature))                                                                          \
@@ -40,8 +47,9 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
     }
 
 #define SCENE(name, number)                                                                        \
-    READABLE(name, number, FEATURE_TEXEL_SCENE, PARTS_OF(PARTS, number), PARTS_BEFORE(number))
-#define STATE(name, number) READABLE(name, number, FEATURE_TEXEL_STATE, 0u, 0u)
+    READABLE(name, number, ALIASED readonly, FEATURE_TEXEL_SCENE, PARTS_OF(PARTS, number),         \
+             PARTS_BEFORE(number))
+#define STATE(name, number) READABLE(name, number, ALIASED, FEATURE_TEXEL_STATE, 0u, 0u)
 
 SCENE(nodes, BINDING_NODES)
 SCENE(triangles, BINDING_TRIANGLES)
@@ -149,6 +157,11 @@ void store_aov_float(uint slot, uint place, float value)
     radiance_words[slot * SLOT_WORDS + 1u + (place >> 2u)][place & 3u] = floatBitsToUint(value);
 }
 
+float stored_aov_float(uint slot, uint place)
+{
+    return uintBitsToFloat(radiance_words[slot * SLOT_WORDS + 1u + (place >> 2u)][place & 3u]);
+}
+
 void store_aov_vector(uint slot, const uint aov, vec3 value)
 {
     for (uint c = 0u; c < 3u; c++)
@@ -163,16 +176,14 @@ void store_aov_scalar(uint slot, const uint aov, float value)
 void add_aov_scalar(uint slot, const uint aov, float value)
 {
     uint place = AOV_SCALAR_AT(AOVS, aov);
-    float sum = load_radiance_float(slot * SLOT_WORDS + 1u + (place >> 2u))[place & 3u];
-    store_aov_float(slot, place, sum + value);
+    store_aov_float(slot, place, stored_aov_float(slot, place) + value);
 }
 
 void add_aov_vector(uint slot, const uint aov, vec3 value)
 {
     for (uint c = 0u; c < 3u; c++) {
         uint place = AOV_VECTOR_AT(AOVS, aov) + c;
-        float sum = load_radiance_float(slot * SLOT_WORDS + 1u + (place >> 2u))[place & 3u];
-        store_aov_float(slot, place, sum + value[c]);
+        store_aov_float(slot, place, stored_aov_float(slot, place) + value[c]);
     }
 }
 
@@ -237,7 +248,7 @@ void add_radiance(uint slot, vec3 contribution, uint site)
 {
     if (HAS(FEATURE_CLAMP))
         contribution = clamp_contribution(contribution);
-    vec4 radiance = load_radiance_float(slot * SLOT_WORDS);
+    vec4 radiance = uintBitsToFloat(radiance_words[slot * SLOT_WORDS]); // maybe just written
     vec3 sum = radiance.rgb + contribution;
     if (!is_finite(sum)) {
         report_nonfinite(slot, site);

@@ -38,6 +38,7 @@ layout(constant_id = CONSTANT_LEAF_INDEX_BITS) const uint LEAF_INDEX_BITS = 29u;
 layout(constant_id = CONSTANT_NORMALS) const uint NORMALS = NORMALS_VISIBLE;
 layout(constant_id = CONSTANT_RADIANCE_SCALING) const uint RADIANCE_SCALING = 1u;
 layout(constant_id = CONSTANT_ACCUMULATION) const uint ACCUMULATION = ACCUMULATION_COMPENSATED;
+layout(constant_id = CONSTANT_ROUNDING) const uint ROUNDING_MODE = ROUNDING_NEAREST;
 
 // Constant-folded: an absent feature's code is gone.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)
@@ -47,9 +48,15 @@ layout(constant_id = CONSTANT_ACCUMULATION) const uint ACCUMULATION = ACCUMULATI
 #define HAS_EMITTER(emitters) ((EMITTERS & (emitters)) != 0u)
 #define HAS_AOV(aovs) ((AOVS & (aovs)) != 0u)
 
-// Half a unit in the last place of 1: the bound of one rounding, as in Higham 2002, section 2.2.
-const float ROUNDING = 5.9604644775390625e-8;
+// The bound of one rounding, as in Higham 2002, section 2.2: half a unit in the last place of 1, or
+// all of it where sums and products need not be rounded to the nearest.
+#define ROUNDING_OF_NEAREST 5.9604644775390625e-8
+#define ROUNDING_OF_ANY 1.1920928955078125e-7
+#define IS_NEAREST (ROUNDING_MODE == ROUNDING_NEAREST)
+#define ROUNDING (IS_NEAREST ? ROUNDING_OF_NEAREST : ROUNDING_OF_ANY)
 // Bound of n roundings in a row (Higham 2002, lemma 3.1).
-#define GAMMA(n) (float(n) * ROUNDING / (1.0 - float(n) * ROUNDING))
+#define GAMMA_OF(n, rounding) (float(n) * rounding / (1.0 - float(n) * rounding))
+#define GAMMA(n)                                                                                   \
+    (IS_NEAREST ? GAMMA_OF(n, ROUNDING_OF_NEAREST) : GAMMA_OF(n, ROUNDING_OF_ANY))
 
 #endif

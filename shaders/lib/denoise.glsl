@@ -15,23 +15,32 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform denoise_block {
     gpu_denoise denoise;
 };
 
-// vec4 load_NAME(uint pixel)
+// uvec4 NAME_bits(uint pixel) and vec4 load_NAME(uint pixel)
 #define DENOISE_READ(name, number)                                                                 \
-    layout(std430, set = 0, binding = number) buffer name##_block {                                \
-        vec4 name##_words[];                                                                       \
+    layout(std430, set = 0, binding = number) readonly buffer name##_block {                       \
+        uvec4 name##_words[];                                                                      \
     };                                                                                             \
     layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels;         \
-    vec4 load_##name(uint pixel)                                                                   \
+    uvec4 name##_bits(uint pixel)                                                                  \
     {                                                                                              \
         if (TEXEL != 0u)                                                                           \
-            return uintBitsToFloat(texelFetch(name##_texels, int(pixel)));                         \
+            return texelFetch(name##_texels, int(pixel));                                          \
         return name##_words[pixel];                                                                \
+    }                                                                                              \
+    vec4 load_##name(uint pixel)                                                                   \
+    {                                                                                              \
+        return uintBitsToFloat(name##_bits(pixel));                                                \
     }
 
+// void store_NAME(uint pixel, vec4 value)
 #define DENOISE_WRITE(name, number)                                                                \
     layout(std430, set = 0, binding = number) buffer name##_block {                                \
-        vec4 name##_words[];                                                                       \
-    };
+        uvec4 name##_words[];                                                                      \
+    };                                                                                             \
+    void store_##name(uint pixel, vec4 value)                                                      \
+    {                                                                                              \
+        name##_words[pixel] = floatBitsToUint(value);                                              \
+    }
 
 // Squares of pixels, in each row by row: neighbours in x are neighbours in a subgroup, neighbours
 // in y are in the cache. False for threads beyond the picture.

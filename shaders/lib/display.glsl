@@ -21,7 +21,7 @@ layout(push_constant) uniform push_block {
 
 // WORDS(name, binding): uvec4 name_word(uint index).
 #define WORDS(name, number)                                                                        \
-    layout(std430, set = 0, binding = number) buffer name##_block {                                \
+    layout(std430, set = 0, binding = number) readonly buffer name##_block {                       \
         uvec4 name##_words[];                                                                      \
     };                                                                                             \
     layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels;         \

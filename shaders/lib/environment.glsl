@@ -108,7 +108,8 @@ float cell_density(environment_cell c, vec4 luminances, float right, float down)
 {
     vec2 across = mix(luminances.xz, luminances.yw, right);
     float mean = 0.25 * (luminances.x + luminances.y + luminances.z + luminances.w);
-    return mean > 0.0 ? c.upper_left.a * mix(across.x, across.y, down) / mean : 0.0;
+    // In this order nothing underflows that a device may flush.
+    return mean > 0.0 ? c.upper_left.a * (mix(across.x, across.y, down) / mean) : 0.0;
 }
 
 // -------------------------------------------------------------------------------------------------

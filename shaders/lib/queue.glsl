@@ -47,8 +47,12 @@ uint queue_slot(uint queue, uint item)
     return queue_slots[queue_index(queue, item)];
 }
 
-// Appends `slot` where `wanted`. All threads of the workgroup must call it together. The order of a
-// queue is not deterministic; nothing may depend on it.
+// Appends `slot` where `wanted`. All threads of the workgroup must call it together: in uniform
+// control flow, to which SPIR-V's rules (2.11, "Uniform Control Flow") bring a workgroup back at the
+// merge block of an `if` or a loop that none of it leaves by a return. Hence functions from main()
+// down to here have no early returns, which tests/kernels/portable.py checks, and the number that
+// the elected thread of a subgroup got can be broadcast. The order of a queue is not deterministic;
+// nothing may depend on it.
 void queue_push(uint queue, uint slot, bool wanted)
 {
 #ifdef BALLOT

@@ -2,7 +2,6 @@
 #ifndef SAMPLER_GLSL
 #define SAMPLER_GLSL
 
-#include "lib/angle.glsl"
 #include "lib/halves.glsl"
 #include "lib/random.glsl"
 
@@ -224,15 +223,14 @@ vec4 random_lcg(uint pixel, uint sample_index, uint dimension)
 // For comparison: fract(43758.5453 sin(12.9898 x + 78.233 y + ...)), which tutorials on shaders
 // pass on from each other. A product of that size has steps of 2^-8 where the sine is near 1, and
 // what is near in the argument stays near: it is neither uniform nor independent (docs/sampling.md).
+// The sine is the device's, the only one that is: what devices make of such arguments, to which no
+// bound of theirs applies, belongs to the method.
 vec4 random_sine(uint pixel, uint sample_index, uint dimension)
 {
     vec4 place = vec4(pixel % frame.width, pixel / frame.width, sample_index, frame.seed);
     float phase = dot(place, vec4(12.9898, 78.233, 45.164, 94.673));
-    vec4 phases = phase + 37.719 * (4.0 * float(dimension) + vec4(0.0, 1.0, 2.0, 3.0));
-    vec4 turns = fract(phases * (0.5 * INV_PI));
-    vec4 u;
-    for (int i = 0; i < 4; i++)
-        u[i] = fract(cos_sin_turns(turns[i]).y * 43758.5453);
+    vec4 u = fract(sin(phase + 37.719 * (4.0 * float(dimension) + vec4(0.0, 1.0, 2.0, 3.0))) *
+                   43758.5453);
     return min(floor(u * 16777216.0), 16777215.0) * 5.9604644775390625e-8;
 }
 

@@ -37,14 +37,16 @@ void count_steps(const uint which)
 #ifdef BALLOT
     uint nodes = subgroupAdd(steps.nodes);
     uint primitives = subgroupAdd(steps.primitives);
-    if (!subgroupElect())
-        return;
+    bool adds = subgroupElect();
 #else
     uint nodes = steps.nodes;
     uint primitives = steps.primitives;
+    const bool adds = true;
 #endif
-    add_steps(which, nodes);
-    add_steps(which + 1u, primitives);
+    if (adds) {
+        add_steps(which, nodes);
+        add_steps(which + 1u, primitives);
+    }
 }
 
 // Adds this thread's steps to the picture of them, if it traced a camera ray. What a traversal that

@@ -180,16 +180,15 @@ surface load_triangle_surface(uint index, vec2 uv, uint instance)
     return s;
 }
 
-// `instance` is that of the primitive, or NO_INSTANCE.
-surface load_surface(vec3 origin, vec3 direction, vec4 hit, uint instance)
+// `t` and `uv` of the hit; `instance` is that of the primitive, or NO_INSTANCE.
+surface load_surface(vec3 origin, vec3 direction, float t, vec2 uv, uint primitive, uint instance)
 {
-    uint primitive = floatBitsToUint(hit.w);
     bool is_shape = IS_SHAPE(primitive);
     surface s;
     if (HAS(FEATURE_TRIANGLES) && !is_shape)
-        s = load_triangle_surface(primitive, hit.yz, instance);
+        s = load_triangle_surface(primitive, uv, instance);
     if (is_shape)
-        s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, origin + hit.x * direction, hit.yz);
+        s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, origin + t * direction, uv);
     // Both sides of a surface reflect and emit: face the viewer.
     s.front = dot(s.normal_geometric, direction) <= 0.0;
     if (!s.front)

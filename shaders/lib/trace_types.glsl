@@ -12,6 +12,13 @@ struct trace_ray {
     uvec4 alpha; // key of the random decisions at blended surfaces: see lib/alpha.glsl
 };
 
+// Of threads without a ray: the records of some slot may be another thread's, or nobody's.
+trace_ray no_ray()
+{
+    return trace_ray(vec3(0.0), vec3(0.0, 0.0, 1.0), NO_PRIMITIVE, NO_PRIMITIVE, NO_INSTANCE,
+                     uvec4(0u));
+}
+
 struct trace_hit {
     float t;        // distance so far, in units of the direction's length
     vec2 uv;

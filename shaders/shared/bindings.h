@@ -67,7 +67,13 @@
 #define CONSTANT_NORMALS 27
 #define CONSTANT_RADIANCE_SCALING 28 // whether refraction scales radiance
 #define CONSTANT_ACCUMULATION 29
-#define CONSTANT_COUNT 30
+#define CONSTANT_ROUNDING 30 // ROUNDING_*
+#define CONSTANT_COUNT 31
+
+// How the device rounds sums and products: to the nearest float where it was asked to, or else to
+// either neighbour, which is all that Vulkan promises.
+#define ROUNDING_ANY 0
+#define ROUNDING_NEAREST 1
 
 // Features that a (scene, settings, device) needs. Kernels test these bits of one specialization
 // constant, so that code that is not needed is left out.

@@ -9,12 +9,14 @@ static bool device_create(struct gpu *gpu, struct err *err)
 {
     // A device that offers the portability subset obliges us to enable it.
     const char *const portability = "VK_KHR_portability_subset";
-    const char *extensions[2];
+    const char *extensions[3];
     uint32_t extension_count = 0;
     if (device_has_extension(gpu->physical, portability))
         extensions[extension_count++] = portability;
     if (gpu->params.can_present)
         extensions[extension_count++] = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+    if (gpu->rounds_to_nearest)
+        extensions[extension_count++] = VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME;
     const float priority = 1.0f;
     const VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,

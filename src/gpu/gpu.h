@@ -66,7 +66,8 @@ struct gpu {
     uint32_t max_groups;        // workgroups in x a dispatch
     uint32_t max_invocations;   // threads a workgroup
     uint32_t subgroup_size;
-    bool has_ballot; // ballot and arithmetic subgroup operations in compute
+    bool has_ballot;        // ballot and arithmetic subgroup operations in compute
+    bool rounds_to_nearest; // kernels ask for it: VK_KHR_shader_float_controls
     bool has_timestamps;
     double timestamp_ns;          // nanoseconds a tick
     uint64_t timestamp_mask;      // the bits of a tick count that are valid

@@ -1,5 +1,6 @@
 // Compute pipelines, and the one layout that all of them share.
 #include "gpu/gpu_internal.h"
+#include "gpu/spirv_rounding.h"
 #include "gpu/spirv_trim.h"
 #include <stdlib.h>
 #include <string.h>
@@ -96,24 +97,43 @@ static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *par
               vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, out));
 }
 
-// From the part of the code that the constants leave.
+// The part of the code that the constants leave, as the device is to run it. In two buffers of the
+// code's size and SPIRV_ROUNDING_BYTES each.
+static void code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *params,
+                         uint32_t *trimmed, uint32_t *rounded, VkShaderModuleCreateInfo *info)
+{
+    size_t bytes = spirv_trim(params->spirv, params->spirv_bytes, params->constants,
+                              params->constant_count, trimmed);
+    if (bytes) {
+        info->codeSize = bytes;
+        info->pCode = trimmed;
+    }
+    bytes =
+        gpu->rounds_to_nearest ? spirv_round_to_nearest(info->pCode, info->codeSize, rounded) : 0;
+    if (bytes) {
+        info->codeSize = bytes;
+        info->pCode = rounded;
+    }
+}
+
 static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *params, VkPipeline *out,
                           struct err *err)
 {
-    uint32_t *trimmed = malloc(params->spirv_bytes);
-    size_t bytes = trimmed ? spirv_trim(params->spirv, params->spirv_bytes, params->constants,
-                                        params->constant_count, trimmed)
-                           : 0;
-    const VkShaderModuleCreateInfo info = {
+    VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-        .codeSize = bytes ? bytes : params->spirv_bytes,
-        .pCode = bytes ? trimmed : params->spirv,
+        .codeSize = params->spirv_bytes,
+        .pCode = params->spirv,
     };
+    size_t size = params->spirv_bytes + SPIRV_ROUNDING_BYTES;
+    uint32_t *buffers = malloc(2 * size);
+    if (!buffers)
+        return err_set(err, ERR_SYSTEM, "out of memory for %zu bytes of code", 2 * size);
+    code_prepare(gpu, params, buffers, buffers + size / sizeof *buffers, &info);
     VkShaderModule module = VK_NULL_HANDLE;
     bool ok = VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
               pipeline_create(gpu, params, module, out, err);
     vkDestroyShaderModule(gpu->device, module, NULL);
-    free(trimmed);
+    free(buffers);
     return ok;
 }
 

@@ -17,6 +17,7 @@ static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size
         {"api-1.1", &limits->api_1_1},
         {"no-texel", &limits->no_texel},
         {"no-ballot", &limits->no_ballot},
+        {"no-rounding-mode", &limits->no_rounding_mode},
         {"no-mapped-device", &limits->no_mapped_device},
         {"no-timestamps", &limits->no_timestamps},
     };
@@ -68,12 +69,13 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
     while (word && *word) {
         size_t length = strcspn(word, ",");
         if (!take_flag(limits, word, length) && !take_number(limits, word, length))
-            return err_set(err, ERR_USAGE,
-                           VARIABLE ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
-                                    "no-mapped-device, no-timestamps, storage-range=BYTES, "
-                                    "storage-count=N, texel-elements=N, allocation=BYTES, "
-                                    "memory=BYTES or memory-budget=BYTES",
-                           (int)length, word);
+            return err_set(
+                err, ERR_USAGE,
+                VARIABLE ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
+                         "no-rounding-mode, no-mapped-device, no-timestamps, storage-range=BYTES, "
+                         "storage-count=N, texel-elements=N, allocation=BYTES, "
+                         "memory=BYTES or memory-budget=BYTES",
+                (int)length, word);
         word += length + (word[length] == ',');
     }
     return true;

@@ -11,8 +11,8 @@ struct VkPhysicalDevice_T;
 // Lower limits than the device's, to test fallbacks; 0 means the device's own. What is 0 or false
 // here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
 // be run on the fallbacks: words separated by commas out of api-1.1, no-texel, no-ballot,
-// no-mapped-device, no-timestamps, storage-range=BYTES, storage-count=N, texel-elements=N,
-// allocation=BYTES, memory=BYTES, memory-budget=BYTES. Other words are ERR_USAGE.
+// no-rounding-mode, no-mapped-device, no-timestamps, storage-range=BYTES, storage-count=N,
+// texel-elements=N, allocation=BYTES, memory=BYTES, memory-budget=BYTES. Other words are ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
     uint64_t storage_count;  // storage-buffer bindings, never fewer than GPU_MIN_STORAGE
@@ -23,6 +23,7 @@ struct gpu_limit_overrides {
     bool api_1_1;            // a device of Vulkan 1.1 that does not tell its driver's name
     bool no_texel;           // SSBO reads only
     bool no_ballot;          // without subgroup ballot
+    bool no_rounding_mode;   // without a choice of how sums are rounded
     bool no_mapped_device;   // device memory is never mapped: uploads and downloads are staged
     bool no_timestamps;      // what kernels take is not known
 };

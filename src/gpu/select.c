@@ -10,7 +10,8 @@ struct device_properties {
     VkPhysicalDeviceProperties core;
     VkPhysicalDeviceSubgroupProperties subgroup;
     VkPhysicalDeviceMaintenance3Properties maintenance;
-    VkPhysicalDeviceDriverProperties driver; // empty where the driver does not tell
+    VkPhysicalDeviceFloatControlsProperties floats; // empty where there is no choice
+    VkPhysicalDeviceDriverProperties driver;        // empty where the driver does not tell
 };
 
 bool device_has_extension(VkPhysicalDevice device, const char *name)
@@ -36,6 +37,7 @@ static void properties_read(const struct gpu *gpu, VkPhysicalDevice device,
     *out = (struct device_properties){
         .subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
         .maintenance.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+        .floats.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES,
         .driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
     };
     vkGetPhysicalDeviceProperties(device, &out->core);
@@ -50,6 +52,10 @@ static void properties_read(const struct gpu *gpu, VkPhysicalDevice device,
     out->subgroup.pNext = &out->maintenance;
     if (!is_1_1 && device_has_extension(device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME))
         out->maintenance.pNext = &out->driver;
+    if (device_has_extension(device, VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME)) {
+        out->floats.pNext = out->maintenance.pNext;
+        out->maintenance.pNext = &out->floats;
+    }
     vkGetPhysicalDeviceProperties2(device, &all);
 }
 
@@ -360,6 +366,13 @@ static uint32_t storage_count(const VkPhysicalDeviceLimits *limits, uint64_t ove
     return count > GPU_MIN_STORAGE ? (uint32_t)count : GPU_MIN_STORAGE;
 }
 
+// Whether kernels may ask for the mode of 32 bits alone.
+static bool can_round_to_nearest(const VkPhysicalDeviceFloatControlsProperties *p)
+{
+    return p->shaderRoundingModeRTEFloat32 &&
+           p->roundingModeIndependence != VK_SHADER_FLOAT_CONTROLS_INDEPENDENCE_NONE;
+}
+
 void device_read_limits(struct gpu *gpu)
 {
     struct device_properties p;
@@ -384,6 +397,7 @@ void device_read_limits(struct gpu *gpu)
     gpu->has_ballot = !lower->no_ballot &&
                       (p.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                       (p.subgroup.supportedOperations & ballot) == ballot;
+    gpu->rounds_to_nearest = !lower->no_rounding_mode && can_round_to_nearest(&p.floats);
 
     uint32_t timestamp_bits;
     gpu->queue_family = queue_family_find(gpu, gpu->physical, &timestamp_bits);

@@ -13,6 +13,8 @@ struct id {
     bool visited; // of a label
     bool dropped; // its instruction is left out
     bool needed;  // something that stays names it
+    bool is_bool; // a type
+    bool is_int;
 };
 
 struct module {
@@ -124,7 +126,10 @@ static void know(struct module *m, uint32_t id, uint32_t value)
 static void read_global(struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at), words = spirv_length(at), value;
-    if (op == OP_DECORATE && words == 4 && at[2] == SPIRV_DECORATION_SPEC_ID) {
+    if (op == OP_TYPE_BOOL || op == OP_TYPE_INT) {
+        m->ids[at[1]].is_bool = op == OP_TYPE_BOOL;
+        m->ids[at[1]].is_int = op == OP_TYPE_INT && at[2] == 32;
+    } else if (op == OP_DECORATE && words == 4 && at[2] == SPIRV_DECORATION_SPEC_ID) {
         if (at[3] < m->constant_count)
             know(m, at[1], m->constants[at[3]]);
     } else if (op == OP_CONSTANT_TRUE || op == OP_CONSTANT_FALSE) {
@@ -280,7 +285,31 @@ static void drop_function(struct module *m, const uint32_t *at)
 static bool is_about_dropped(const struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at);
-    return (op == OP_NAME || op == OP_DECORATE) && m->ids[at[1]].dropped;
+    bool is_spec_id = op == OP_DECORATE && at[2] == SPIRV_DECORATION_SPEC_ID;
+    return (op == OP_NAME || op == OP_DECORATE) &&
+           (m->ids[at[1]].dropped || (is_spec_id && m->ids[at[1]].known));
+}
+
+// Specialization constants, and what follows from them, become constants with their values: some
+// drivers give an array the length that its default has (MoltenVK before mid-2025).
+static uint32_t write_global(const struct module *m, const uint32_t *at, uint32_t *out)
+{
+    uint32_t op = spirv_opcode(at), words = spirv_length(at);
+    bool is_constant = op == OP_SPEC_CONSTANT_TRUE || op == OP_SPEC_CONSTANT_FALSE ||
+                       (op == OP_SPEC_CONSTANT && words == 4) || op == OP_SPEC_CONSTANT_OP;
+    if (is_constant && m->ids[at[2]].known && m->ids[at[1]].is_bool) {
+        out[0] = spirv_head(m->ids[at[2]].value ? OP_CONSTANT_TRUE : OP_CONSTANT_FALSE, 3);
+        memcpy(out + 1, at + 1, 2 * sizeof *out);
+        return 3;
+    }
+    if (is_constant && m->ids[at[2]].known && m->ids[at[1]].is_int) {
+        out[0] = spirv_head(OP_CONSTANT, 4);
+        memcpy(out + 1, at + 1, 2 * sizeof *out);
+        out[3] = m->ids[at[2]].value;
+        return 4;
+    }
+    memcpy(out, at, words * sizeof *at);
+    return words;
 }
 
 // What is left of an instruction of a function that stays: words written.
@@ -317,7 +346,9 @@ static uint32_t write_module(const struct module *m, uint32_t *out)
             live = true;
         if (in_function ? !live_function : is_about_dropped(m, at))
             continue;
-        written += write_instruction(m, at, live || spirv_opcode(at) == OP_LABEL, out + written);
+        written += in_function ? write_instruction(m, at, live || spirv_opcode(at) == OP_LABEL,
+                                                   out + written)
+                               : write_global(m, at, out + written);
     }
     return written;
 }

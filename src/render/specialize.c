@@ -384,6 +384,7 @@ struct specialization specialize(const struct specialize_params *p)
         .halves = settings->halves,
         .filter = settings->filter,
         .accumulation = settings->accumulation,
+        .rounding = gpu->rounds_to_nearest ? ROUNDING_NEAREST : ROUNDING_ANY,
         .camera = p->camera->kind,
         .mis = find_weights(settings),
         .directions = settings->directions,

@@ -36,6 +36,7 @@ struct specialization {
     uint32_t normals;            // NORMALS_*
     uint32_t radiance_scaling;
     uint32_t accumulation; // ACCUMULATION_*
+    uint32_t rounding;     // ROUNDING_*
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];

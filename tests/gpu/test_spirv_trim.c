@@ -1,6 +1,9 @@
 // What specialization constants rule out is left out, and what is left does the same.
+#include "gpu/spirv.h"
+#include "gpu/spirv_rounding.h"
 #include "gpu/spirv_trim.h"
 #include "gpu_fixture.h"
+#include <string.h>
 
 #include "choices_test.spv.h"
 
@@ -119,6 +122,56 @@ TEST(less_is_left_of_fewer_choices)
         CHECK(bit == 4 || trimmed_bytes(16 | bit) > none, "choice %u adds nothing", bit);
 }
 
+static uint32_t count_instructions(const uint32_t *code, size_t bytes, uint32_t first,
+                                   uint32_t last)
+{
+    uint32_t count = 0;
+    for (size_t i = SPIRV_HEADER_WORDS; i < bytes / 4; i += spirv_length(code + i))
+        count += spirv_opcode(code + i) >= first && spirv_opcode(code + i) <= last;
+    return count;
+}
+
+static uint32_t count_spec_ids(const uint32_t *code, size_t bytes)
+{
+    uint32_t count = 0;
+    for (size_t i = SPIRV_HEADER_WORDS; i < bytes / 4; i += spirv_length(code + i))
+        count += spirv_opcode(code + i) == OP_DECORATE && code[i + 2] == SPIRV_DECORATION_SPEC_ID;
+    return count;
+}
+
+// Arrays, too, whose length some drivers take from a constant's default.
+TEST(constants_have_their_values)
+{
+    static uint32_t out[sizeof choices_spirv / sizeof *choices_spirv];
+    const uint32_t constants[] = {GROUP, 5};
+    size_t bytes = spirv_trim(choices_spirv, sizeof choices_spirv, constants, 2, out);
+    CHECK(count_instructions(choices_spirv, sizeof choices_spirv, OP_SPEC_CONSTANT_TRUE,
+                             OP_SPEC_CONSTANT) == 2);
+    CHECK(count_spec_ids(choices_spirv, sizeof choices_spirv) == 2);
+    CHECK(bytes > 0 && count_spec_ids(out, bytes) == 0);
+    CHECK(count_instructions(out, bytes, OP_SPEC_CONSTANT_TRUE, OP_SPEC_CONSTANT) == 0 &&
+          count_instructions(out, bytes, OP_SPEC_CONSTANT_OP, OP_SPEC_CONSTANT_OP) == 0);
+}
+
+// Drivers with the mode take the module, too: the_rest_does_the_same.
+TEST(rounding_is_asked_for)
+{
+    static uint32_t out[(sizeof choices_spirv + SPIRV_ROUNDING_BYTES) / 4];
+    size_t bytes = spirv_round_to_nearest(choices_spirv, sizeof choices_spirv, out);
+    CHECK(bytes == sizeof choices_spirv + SPIRV_ROUNDING_BYTES, "%zu", bytes);
+    CHECK(spirv_is_module(out, bytes) && spirv_opcode(out + SPIRV_HEADER_WORDS) == OP_CAPABILITY &&
+          out[SPIRV_HEADER_WORDS + 1] == 4467);
+    uint32_t modes = 0, extensions = 0;
+    for (size_t i = SPIRV_HEADER_WORDS; i < bytes / 4; i += spirv_length(out + i)) {
+        extensions += spirv_opcode(out + i) == OP_EXTENSION &&
+                      strcmp((const char *)(out + i + 1), "SPV_KHR_float_controls") == 0;
+        modes +=
+            spirv_opcode(out + i) == OP_EXECUTION_MODE && out[i + 2] == 4462 && out[i + 3] == 32;
+    }
+    CHECK(modes == 1 && extensions == 1, "%u modes, %u extensions", modes, extensions);
+    CHECK(spirv_round_to_nearest(choices_spirv, 16, out) == 0);
+}
+
 TEST(what_is_no_module_is_left_alone)
 {
     static uint32_t broken[sizeof choices_spirv / 4], out[sizeof choices_spirv / 4];
@@ -169,5 +222,6 @@ TEST(instructions_of_functions_are_counted)
 }
 
 TEST_MAIN(TEST_CASE(the_rest_does_the_same), TEST_CASE(less_is_left_of_fewer_choices),
+          TEST_CASE(constants_have_their_values), TEST_CASE(rounding_is_asked_for),
           TEST_CASE(what_is_no_module_is_left_alone),
           TEST_CASE(instructions_of_functions_are_counted))

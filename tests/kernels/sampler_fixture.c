@@ -24,11 +24,21 @@ static bool create_kernel(const struct sampler_setup *s, uint32_t routine,
     return gpu_kernel_create(s->setup.r.gpu, &params, kernel, err);
 }
 
+// Draws that fit into the buffer of paths at once.
+static bool run_part(struct renderer *r, const struct gpu_kernel *kernel, union draw *draws,
+                     uint32_t count, struct err *err)
+{
+    struct gpu_buffer *buffer = &r->buffers[BINDING_PATHS];
+    uint64_t bytes = (uint64_t)count * sizeof *draws;
+    r->push.part_items = count;
+    return gpu_upload(r->gpu, buffer, 0, draws, bytes, err) && run_kernel(r, kernel, count, err) &&
+           gpu_download(r->gpu, buffer, 0, draws, bytes, err);
+}
+
 static bool run(struct sampler_setup *s, uint32_t routine, union draw *draws, uint32_t count)
 {
     struct renderer *r = &s->setup.r;
-    struct gpu_buffer *buffer = &r->buffers[BINDING_PATHS];
-    uint64_t bytes = (uint64_t)count * sizeof *draws;
+    uint32_t most = (uint32_t)(r->buffers[BINDING_PATHS].bytes / sizeof *draws);
     struct gpu_kernel kernel = {0};
     struct err err = {0};
     r->frame.seed = s->seed;
@@ -36,12 +46,11 @@ static bool run(struct sampler_setup *s, uint32_t routine, union draw *draws, ui
     r->frame.filter_radius = s->filter_radius;
     r->frame.pixel_strata = s->pixel_strata;
     r->push.first_item = 0;
-    r->push.part_items = count;
-    CHECK(bytes <= buffer->bytes, "%u draws do not fit", count);
-    bool ok = bytes <= buffer->bytes && create_kernel(s, routine, &kernel, &err) &&
-              frame_upload(r, &err) && gpu_upload(r->gpu, buffer, 0, draws, bytes, &err) &&
-              run_kernel(r, &kernel, count, &err) &&
-              gpu_download(r->gpu, buffer, 0, draws, bytes, &err);
+    bool ok = create_kernel(s, routine, &kernel, &err) && frame_upload(r, &err);
+    for (uint32_t first = 0, part; ok && first < count; first += part) {
+        part = count - first < most ? count - first : most;
+        ok = run_part(r, &kernel, draws + first, part, &err);
+    }
     CHECK(ok, "%s", err.msg);
     gpu_kernel_finish(r->gpu, &kernel);
     return ok;

@@ -95,31 +95,52 @@ static void random_barycentrics(struct random *random, float uv[2])
     uv[1] = kind <= 1 ? 0.0f : kind == 2 ? 1.0f - uv[0] : (float)v;
 }
 
+static struct gpu_triangle triangles[COUNT];
+
+// A scene of as many triangles, which are those of the test when it runs; and `inputs`.
+static void start_to_leave(struct scene *scene)
+{
+    struct random random = {42};
+    static float dummies[COUNT][3][3];
+    scene_start(scene, 8, 8);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        dummies[i][1][0] = dummies[i][2][1] = 1;
+        random_triangle(&random, &triangles[i]);
+    }
+    add_triangles(scene, (const float(*)[3][3])dummies, COUNT, 0);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        random_barycentrics(&random, inputs[i].f[0]);
+        random_direction(&random, inputs[i].f[1]);
+    }
+}
+
+// From `inputs` to `items`. A triangle's number is that of its thread, so that there are as many at
+// a time as slots.
+static bool leave_triangles(struct setup *setup)
+{
+    struct err err = {0};
+    struct gpu_buffer *buffer = &setup->r.buffers[BINDING_TRIANGLES];
+    uint32_t most = setup->r.plan.wave_slots;
+    bool ok = true;
+    memcpy(items, inputs, sizeof items);
+    for (uint32_t first = 0, part; ok && first < COUNT; first += part) {
+        part = COUNT - first < most ? COUNT - first : most;
+        ok =
+            gpu_upload(&setup->gpu, buffer, 0, triangles + first, part * sizeof *triangles, &err) &&
+            library_run(setup, ROUTINE_LEAVE_TRIANGLE, items + first, part);
+    }
+    CHECK(ok, "%s", err.msg);
+    return ok;
+}
+
 // The origin of a ray that leaves a triangle is on that side of the exact plane that the normal of
 // single precision points to; the reported error bounds the distance to the plane.
 TEST(leave_triangle)
 {
     struct setup setup;
-    struct random random = {42};
-    static float dummies[COUNT][3][3];
-    static struct gpu_triangle triangles[COUNT];
-    scene_start(&setup.scene, 8, 8);
-    for (uint32_t i = 0; i < COUNT; i++) {
-        dummies[i][1][0] = dummies[i][2][1] = 1;
-        random_triangle(&random, &triangles[i]);
-    }
-    add_triangles(&setup.scene, (const float(*)[3][3])dummies, COUNT, 0);
+    start_to_leave(&setup.scene);
     OPEN_SETUP(&setup, LIBRARY_SLOTS);
-    struct err err = {0};
-    bool ok = gpu_upload(&setup.gpu, &setup.r.buffers[BINDING_TRIANGLES], 0, triangles,
-                         sizeof triangles, &err);
-    REQUIRE(ok && setup.r.plan.wave_slots >= COUNT, "%s", err.msg);
-    for (uint32_t i = 0; i < COUNT; i++) {
-        random_barycentrics(&random, items[i].f[0]);
-        random_direction(&random, items[i].f[1]);
-    }
-    memcpy(inputs, items, sizeof inputs);
-    REQUIRE(library_run(&setup, ROUTINE_LEAVE_TRIANGLE, items, COUNT), "not run");
+    REQUIRE(leave_triangles(&setup), "not run");
 
     uint32_t wrong = 0, unbounded = 0, tested = 0;
     for (uint32_t i = 0; i < COUNT; i++) {
@@ -222,5 +243,29 @@ TEST(is_finite)
     setup_close(&setup);
 }
 
-TEST_MAIN(TEST_CASE(offset_origin), TEST_CASE(leave_triangle), TEST_CASE(octahedral_normals),
-          TEST_CASE(is_finite))
+// Where a device may round to either neighbour, bounds are twice as wide.
+TEST(bounds_of_any_rounding)
+{
+    static union words nearest[COUNT];
+    struct setup setup;
+    start_to_leave(&setup.scene);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
+    struct specialization *s = &setup.r.specialization;
+    CHECK(s->rounding == (setup.gpu.rounds_to_nearest ? ROUNDING_NEAREST : ROUNDING_ANY));
+    s->rounding = ROUNDING_NEAREST;
+    REQUIRE(leave_triangles(&setup), "not run");
+    memcpy(nearest, items, sizeof nearest);
+    s->rounding = ROUNDING_ANY;
+    REQUIRE(leave_triangles(&setup), "not run");
+    uint32_t wrong = 0;
+    for (uint32_t i = 0; i < COUNT; i++)
+        for (int c = 0; c < 3; c++) {
+            double error = (double)nearest[i].f[1][c];
+            wrong += !(fabs((double)items[i].f[1][c] - 2 * error) <= 1e-5 * error);
+        }
+    CHECK(wrong == 0, "%u of %u bounds are not doubled", wrong, 3 * COUNT);
+    setup_close(&setup);
+}
+
+TEST_MAIN(TEST_CASE(offset_origin), TEST_CASE(leave_triangle), TEST_CASE(bounds_of_any_rounding),
+          TEST_CASE(octahedral_normals), TEST_CASE(is_finite))

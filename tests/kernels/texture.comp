@@ -77,7 +77,8 @@ void load_one_surface(uint item)
     vec4 from = load_input_float(item, 0u);
     vec4 towards = load_input_float(item, 1u);
     vec2 b = load_input_float(item, 2u).xy;
-    surface s = load_surface(from.xyz, towards.xyz, vec4(towards.w, b, from.w), NO_INSTANCE);
+    surface s = load_surface(from.xyz, towards.xyz, towards.w, b, floatBitsToUint(from.w),
+                             NO_INSTANCE);
     store_output(item, 0u, vec4(s.uv0, s.uv1));
     store_output(item, 1u, s.tangent);
     store_output(item, 2u, s.color);
