@@ -253,6 +253,30 @@ TEST(hash_covers_the_choice)
     CHECK(hashes[0] == hash_of(NULL, NULL, NULL));
 }
 
+// A viewer knows how long it can play before it does; what is played is the first animation.
+TEST(length_of_what_can_be_played)
+{
+    struct gltf_builder builder = with_triangle();
+    static const char channel[] = "'channels':[{'sampler':0,'target':{'node':0,'path':'%s'}}]";
+    char lists[512], path[256];
+    BUILDER_FLOATS(&builder, "SCALAR", 2, 0, 2.5);
+    BUILDER_FLOATS(&builder, "VEC3", 2, 1, 0, 0, 2, 0, 0);
+    for (int is_good = 0; is_good < 2; is_good++) {
+        struct scene scene;
+        struct err err;
+        snprintf(path, sizeof path, channel, is_good ? "translation" : "weights");
+        snprintf(lists, sizeof lists,
+                 TRIANGLE_LISTS ",'nodes':[{'mesh':0}],'animations':[{'samplers':[{'input':1,"
+                                "'output':2}],%s}]",
+                 path);
+        CHECK(builder_load(&builder, lists, &(struct gltf_load_params){0}, &scene, &err), "%s",
+              err.msg);
+        CHECK(scene.animation_seconds == (is_good ? 2.5 : 0), "%g", scene.animation_seconds);
+        CHECK(scene.instances[0].transform[0][3] == 0, "posed though nobody asked for it");
+        scene_finish(&scene);
+    }
+}
+
 TEST(no_animation)
 {
     struct gltf_builder builder = with_triangle();
@@ -409,5 +433,5 @@ TEST_MAIN(TEST_CASE(linear_and_step), TEST_CASE(one_key), TEST_CASE(cubic_spline
           TEST_CASE(spherical_interpolation), TEST_CASE(equal_rotations),
           TEST_CASE(quantized_rotations), TEST_CASE(spline_of_rotations),
           TEST_CASE(choice_of_the_animation), TEST_CASE(hash_covers_the_choice),
-          TEST_CASE(no_animation), TEST_CASE(choice_of_the_scene), TEST_CASE(children_follow),
-          TEST_CASE(bad_animations))
+          TEST_CASE(length_of_what_can_be_played), TEST_CASE(no_animation),
+          TEST_CASE(choice_of_the_scene), TEST_CASE(children_follow), TEST_CASE(bad_animations))

@@ -174,6 +174,45 @@ class Bits(Case):
         self.expect_same(result.hashes()[-1], self.render(
             self.path('edited.json'), '--allow-outside-paths', size='48x32'))
 
+    def test_playing_is_no_edit(self):
+        """While it plays, what was edited is undone and redone; time that passes is no step of it."""
+        path = self.write('moving.gltf', json.dumps(moving_triangles()))
+        self.view('set object.1 on\nset object.position 0.5,0.5,0.5\nset object.scale 2,2,2\n'
+                  'set animation.plays on\nwait 10 frames\nexpect counts.undo == 2\nkey Ctrl+z\n'
+                  'wait 3 frames\nexpect counts.undo == 1\nexpect counts.redo == 1\nkey Ctrl+z\n'
+                  'wait 3 frames\nexpect counts.undo == 0\nexpect item.object.position != 0.5,0.5,0.5\n'
+                  'press history.redo\nwait 3 frames\nexpect counts.undo == 1\n'
+                  'expect counts.redo == 1\nexpect item.object.position == 0.5,0.5,0.5\n'
+                  'set animation.plays off\nexpect item.animation.time > 0\n'
+                  'key Ctrl+z\nexpect counts.undo == 0\n', scene=path, size='48x32')
+
+    def test_the_played_time_begins_anew_from_the_first_frame_on(self):
+        """Its range is the animation's, which the viewer knows before it is played."""
+        path = self.write('moving.gltf', json.dumps(moving_triangles()))
+        for speed in (-3, 100):
+            with self.subTest(speed):
+                check = 'wait 1 frames\nexpect item.animation.time < 2\nexpect item.animation.time >= 0\n'
+                self.view(f'set animation.speed {speed}\nset animation.plays on\n' + 8 * check +
+                          'set animation.plays off\n', scene=path, size='48x32')
+        self.view('set animation.time 2.5\n', scene=path, size='48x32', code=1)
+
+    def test_a_scene_saved_right_after_playing_is_what_is_shown_then(self):
+        """Its time, and its camera, which moves along, are those that the viewer settles on."""
+        moving = moving_triangles()
+        moving['animations'][0]['channels'].append(
+            {'sampler': 0, 'target': {'node': 2, 'path': 'translation'}})
+        path = self.write('moving.gltf', json.dumps(moving))
+        for speed in (1, -3, 100):
+            with self.subTest(speed):
+                result = self.view(f'set animation.speed {speed}\nset animation.plays on\nwait 8 frames\n'
+                                   'set animation.plays off\nscene saved.json\nwait 2 samples\n'
+                                   'hash hash.jsonl\nscene again.json\n', '--spp', '2', scene=path,
+                                   size='48x32')
+                with open(self.path('saved.json')) as file, open(self.path('again.json')) as again:
+                    self.assertEqual(file.read(), again.read())
+                self.expect_same(result.hashes()[-1], self.render(
+                    self.path('saved.json'), '--allow-outside-paths', size='48x32'))
+
     def test_what_stands_still_goes_on(self):
         path = self.write('moving.gltf', json.dumps(moving_triangles()))
         self.view('set animation.time 1.25\nwait 40 samples\nset animation.time 1.75\n'

@@ -178,7 +178,7 @@ struct scene {
     struct camera *cameras;   // as in the file; the first is used unless chosen otherwise
     uint32_t camera_count;    // after scene_load at least 1: a model without one is framed
     uint32_t animation_count; // of a glTF file
-    double animation_seconds; // of the one that poses it: its last key; 0 where none does
+    double animation_seconds; // the last key of the one that poses it, or else of the first
     bool camera_is_framed; // cameras[0] was made up: scene_frame_camera fits it to another picture
     bool is_model;         // not of our own format, or its base is not
     bool is_empty;   // neither a triangle with an area nor a shape nor an environment of its own

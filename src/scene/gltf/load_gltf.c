@@ -242,14 +242,28 @@ static bool allocate_tables(struct gltf_load *load, struct err *err)
                           err);
 }
 
+// Finds how long the first animation is where none is posed, so that it can be played. One that has
+// faults is no reason to refuse a file that shows nothing of it: its length stays 0.
+static void find_length(struct gltf_load *load)
+{
+    const struct gltf_tally tally = load->tally;
+    struct gltf_node_pose *unused;
+    struct err err = {0};
+    if (!gltf_animation_pose(load, NULL, 0, &unused, &err))
+        load->scene->animation_seconds = 0;
+    load->tally = tally;
+}
+
 // Without a wish for an animation or a time, the nodes stand as they are: viewers that do not play
 // show the same.
 static bool pose_nodes(struct gltf_load *load, const struct gltf_load_params *params,
                        struct err *err)
 {
     load->scene->animation_count += load->document.counts[GLTF_ANIMATIONS];
-    if (!params->at_seconds && !params->animation)
+    if (!params->at_seconds && !params->animation) {
+        find_length(load);
         return true;
+    }
     double seconds = params->at_seconds ? *params->at_seconds : 0;
     if (!gltf_animation_pose(load, params->animation, seconds, &load->poses, err))
         return false;

@@ -6,6 +6,7 @@
 #include "viewer/core/messages.h"
 #include "viewer/core/pick.h"
 #include "viewer/core/rebuild.h"
+#include "viewer/core/save.h"
 #include "viewer/core/viewer.h"
 #include <math.h>
 #include <string.h>
@@ -364,6 +365,7 @@ bool viewer_apply_changes(struct viewer *viewer, struct err *err)
     if (!viewer->document.has_scene)
         return true;
     pose_update(viewer);
+    save_waiting_scene(viewer, false);
     if (!apply(viewer, err) && !apply_reverted(viewer, err))
         return false;
     if (viewer->view.wants_target && !aim_rig(viewer, err))

@@ -26,6 +26,8 @@ struct document {
     char wanted_path[SURROUNDINGS_PATH_MAX]; // to be opened when no frame is being drawn; or ""
     bool wanted_keeps_view;
     bool has_scene;
+    bool waits_to_save; // as scene, at save_path, when the pose that is wanted is there
+    char save_path[SURROUNDINGS_PATH_MAX]; // "": one that is free
     double load_seconds;
     struct scene scene;    // as edited
     struct scene pristine; // as loaded: copies of the arrays that are edited, for scene_write

@@ -11,6 +11,7 @@
 #include "viewer/core/exposure.h"
 #include "viewer/core/frame.h"
 #include "viewer/core/messages.h"
+#include "viewer/core/save.h"
 #include "viewer/core/viewer.h"
 #include <math.h>
 #include <stdio.h>
@@ -241,6 +242,7 @@ bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view)
 
 void viewer_close_scene(struct viewer *viewer)
 {
+    save_waiting_scene(viewer, true);
     if (viewer->shell.worker) {
         rebuild_cancel(viewer);
         pose_finish(viewer);

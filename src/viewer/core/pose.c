@@ -337,18 +337,26 @@ void pose_update(struct viewer *viewer)
         start(viewer);
 }
 
+bool pose_is_played(const struct viewer *viewer)
+{
+    return viewer->document.pose.plays && pose_has_animation(viewer) && !viewer->stage.is_paused;
+}
+
+// Returns the time at which an animation that begins anew at its end is, in [0, length).
+static double wrapped(double seconds, double length)
+{
+    return length > 0 ? fmod(fmod(seconds, length) + length, length) : 0;
+}
+
+// Time that passes is no edit: there is nothing of it to undo, and what was undone can be redone.
 void pose_play(struct viewer *viewer, double seconds)
 {
-    struct pose *pose = &viewer->document.pose;
-    double length = viewer->document.scene.animation_seconds;
-    if (!pose->plays || !pose_has_animation(viewer) || viewer->stage.is_paused)
+    struct scene_pose *wanted = &viewer->document.pose.wanted;
+    if (!pose_is_played(viewer))
         return;
-    struct scene_pose to = pose->wanted;
-    to.is_posed = 1;
-    to.seconds += pose->speed * seconds;
-    if (length > 0)
-        to.seconds = fmod(fmod(to.seconds, length) + length, length);
-    edit_pose(viewer, &to, "animation.play");
+    wanted->is_posed = 1;
+    wanted->seconds = wrapped(wanted->seconds + viewer->document.pose.speed * seconds,
+                              viewer->document.scene.animation_seconds);
     viewer->stage.is_resting = false;
 }
 

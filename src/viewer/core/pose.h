@@ -20,7 +20,8 @@ struct pose {
 void pose_init(struct viewer *viewer);
 // Returns whether the scene's file, or its base, has an animation.
 bool pose_has_animation(const struct viewer *viewer);
-bool pose_is_pending(const struct viewer *viewer);     // another one is wanted than is shown
+bool pose_is_pending(const struct viewer *viewer); // another one is wanted than is shown
+bool pose_is_played(const struct viewer *viewer);
 void pose_play(struct viewer *viewer, double seconds); // so much time has passed
 // Takes over what was loaded, and has the next one loaded. Nothing begins anew where nothing moved.
 void pose_update(struct viewer *viewer);

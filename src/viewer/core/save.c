@@ -298,8 +298,8 @@ bool save_exr(struct viewer *viewer, uint32_t side, const char *path, bool denoi
     return hand_over(viewer, saving, ok, &err);
 }
 
-// Scenes are small, and go on being edited: they are written at once.
-bool save_scene(struct viewer *viewer, const char *path)
+// Scenes are small, and go on being edited: they are written by the viewer's own thread.
+static bool write_scene(struct viewer *viewer, const char *path)
 {
     struct arena arena = {0};
     struct err err = {0};
@@ -338,4 +338,36 @@ bool save_scene(struct viewer *viewer, const char *path)
         viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
     arena_finish(&arena);
     return ok;
+}
+
+// Until the pose that is wanted is there, the camera and the lights are those of another time.
+// While an animation is played it never is: what is shown is saved.
+static bool has_to_wait(const struct viewer *viewer)
+{
+    return pose_is_pending(viewer) && !pose_is_played(viewer);
+}
+
+bool save_scene(struct viewer *viewer, const char *path)
+{
+    struct document *document = &viewer->document;
+    if (!has_to_wait(viewer))
+        return write_scene(viewer, path);
+    if (document->waits_to_save || strlen(path ? path : "") >= sizeof document->save_path) {
+        viewer_message(viewer, MESSAGE_ERROR, "%s: not saved: %s", path ? path : "the scene",
+                       document->waits_to_save ? "another file waits for the animation's pose"
+                                               : "its path is too long");
+        return false;
+    }
+    snprintf(document->save_path, sizeof document->save_path, "%s", path ? path : "");
+    document->waits_to_save = true;
+    return true;
+}
+
+void save_waiting_scene(struct viewer *viewer, bool at_once)
+{
+    struct document *document = &viewer->document;
+    if (!document->waits_to_save || (!at_once && has_to_wait(viewer)))
+        return;
+    document->waits_to_save = false;
+    write_scene(viewer, document->save_path[0] ? document->save_path : NULL);
 }

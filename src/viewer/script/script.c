@@ -59,7 +59,7 @@ enum step rest_frames(struct script *script, uint64_t frames)
 // command's start.
 static enum step wait_for_file(struct script *script, struct viewer *viewer, struct err *err)
 {
-    if (!worker_is_idle(viewer->shell.worker))
+    if (!worker_is_idle(viewer->shell.worker) || viewer->document.waits_to_save)
         return STEP_AGAIN;
     bool failed = viewer->shell.message_kind == MESSAGE_ERROR &&
                   viewer->shell.message_seconds >= script->started;
