@@ -348,6 +348,49 @@ TEST(lamps_are_as_bright_as_what_they_become)
     tear_down();
 }
 
+// A texture scales what the lamp emits by its mean, and opacity what of it is there.
+TEST(lamps_with_textures_are_as_bright_as_their_means)
+{
+    static struct texture_image image = {.width = 1, .height = 1, .mean = {0.25f, 0.5f, 1, 0.125f}};
+    static struct texture texture = {.flags = (uint32_t)TEXTURE_USE_SCALE << TEXTURE_USE_SHIFT |
+                                              (PARAMETER_EMISSION / 4u) << TEXTURE_GROUP_SHIFT |
+                                              7u << (TEXTURE_MASK_SHIFT + PARAMETER_EMISSION % 4) |
+                                              (0u | 1u << 2 | 2u << 4) << TEXTURE_CHANNELS_SHIFT};
+    REQUIRE(set_up());
+    struct scene *scene = &viewer.document.scene;
+    for (int c = 0; c < 3; c++) {
+        viewer.document.bounds_min[c] = -3;
+        viewer.document.bounds_max[c] = 3;
+    }
+    REQUIRE(lamp_add(&viewer, "a"));
+    struct material *lamp = &scene->materials[2];
+    uint32_t object = scene->instance_count + 1;
+    REQUIRE(lamp_exchange(&viewer, object, "b"));
+    const struct light plain = scene->lights[1];
+    edit_visible(&viewer, object, true, "c");
+    scene->textures = &texture;
+    scene->images = &image;
+    scene->texture_count = scene->image_count = lamp->texture_count = 1;
+    lamp->opacity = 0.5f;
+    lamp->flags |= MATERIAL_ALPHA_BLEND;
+    REQUIRE(lamp_exchange(&viewer, object, "d"));
+    for (int c = 0; c < 3; c++) {
+        float ratio = scene->lights[2].radiant[c] / plain.radiant[c];
+        CHECK(fabsf(ratio - 0.5f * image.mean[c]) < 1e-6f, "%d: %g", c, (double)ratio);
+    }
+    // What cannot light a scene is no lamp.
+    lamp->opacity = 0;
+    CHECK(!lamp_is(scene, object));
+    lamp->opacity = 1;
+    CHECK(lamp_is(scene, object));
+    memset(image.mean, 0, sizeof image.mean);
+    CHECK(!lamp_is(scene, object) && !lamp_exchange(&viewer, object, "e"));
+    scene->textures = NULL;
+    scene->images = NULL;
+    scene->texture_count = scene->image_count = 0;
+    tear_down();
+}
+
 TEST(lights_are_added_beside_a_sun)
 {
     REQUIRE(set_up());
@@ -397,4 +440,5 @@ TEST_MAIN(TEST_CASE(no_difference_is_no_step), TEST_CASE(undo_restores_every_bit
           TEST_CASE(a_file_that_is_not_there_changes_nothing), TEST_CASE(reverting_leaves_no_trace),
           TEST_CASE(what_is_placed_comes_back), TEST_CASE(lamps_come_and_go_as_one_step),
           TEST_CASE(lamps_are_as_bright_as_what_they_become),
+          TEST_CASE(lamps_with_textures_are_as_bright_as_their_means),
           TEST_CASE(lights_are_added_beside_a_sun), TEST_CASE(histories_end))

@@ -6,20 +6,44 @@
 #include <math.h>
 #include <string.h>
 
-double mean_radiance(const struct scene *scene, const struct material *material)
+// Scales `count` parameters from `first` on by the means of their textures.
+static void scale_by_textures(const struct scene *scene, const struct material *material,
+                              uint32_t first, uint32_t count, float *values)
 {
-    if (!material_emits(material) || (material->flags & MATERIAL_UNLIT))
-        return 0.0;
-    float mean[3];
-    memcpy(mean, material->emission, sizeof mean);
     for (uint32_t i = 0; i < material->texture_count; i++) {
         const struct texture *texture = &scene->textures[material->first_texture + i];
         const float *channels = scene->images[texture->image].mean;
-        for (uint32_t c = 0; c < 3; c++)
-            if (texture_scales_parameter(texture, PARAMETER_EMISSION + c))
-                mean[c] *= channels[texture_channel(texture, PARAMETER_EMISSION + c)];
+        for (uint32_t c = 0; c < count; c++)
+            if (texture_scales_parameter(texture, first + c))
+                values[c] *= channels[texture_channel(texture, first + c)];
     }
+}
+
+void mean_emission(const struct scene *scene, const struct material *material, float out[3])
+{
+    memset(out, 0, 3 * sizeof *out);
+    if (!material_emits(material) || (material->flags & MATERIAL_UNLIT))
+        return;
+    memcpy(out, material->emission, 3 * sizeof *out);
+    scale_by_textures(scene, material, PARAMETER_EMISSION, 3, out);
+}
+
+double mean_radiance(const struct scene *scene, const struct material *material)
+{
+    float mean[3];
+    mean_emission(scene, material, mean);
     return luminance(mean);
+}
+
+double mean_opacity(const struct scene *scene, const struct material *material)
+{
+    float mean = material->opacity;
+    if (!(material->flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)))
+        return 1;
+    scale_by_textures(scene, material, PARAMETER_OPACITY, 1, &mean);
+    if (material->flags & MATERIAL_ALPHA_MASK)
+        return mean >= material->alpha_cutoff;
+    return fmin((double)mean, 1);
 }
 
 void greatest_radiance(const struct scene *scene, const struct material *material, float out[3])

@@ -5,9 +5,14 @@
 #include "base/maths.h"
 #include "scene/core/scene.h"
 
-// Of a material's surfaces, the mean over its textures, which scale what the parameters say. Of
-// unlit materials 0: they are to be seen, not to light a scene.
+// The radiance of a material's surfaces, the mean over its textures, which scale what the
+// parameters say. Of unlit materials 0: they are to be seen, not to light a scene.
+void mean_emission(const struct scene *scene, const struct material *material, float out[3]);
+// The luminance of that.
 double mean_radiance(const struct scene *scene, const struct material *material);
+// The share of a material's surfaces that is there: the mean opacity over its textures. A mask is
+// taken to be as its mean is, there or not.
+double mean_opacity(const struct scene *scene, const struct material *material);
 // The greatest radiance of each channel that a material may emit: textures count with the greatest
 // component of their texels. Of materials that do not emit 0.
 void greatest_radiance(const struct scene *scene, const struct material *material, float out[3]);

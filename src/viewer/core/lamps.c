@@ -2,6 +2,7 @@
 
 #include "scene/core/affine.h"
 #include "scene/core/bounds.h"
+#include "scene/core/emission.h"
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
 #include "viewer/core/messages.h"
@@ -31,7 +32,7 @@ static const struct material *material_of(const struct scene *scene, uint32_t ob
 bool lamp_is(const struct scene *scene, uint32_t object)
 {
     const struct material *material = material_of(scene, object);
-    return material && material_emits(material);
+    return material && mean_radiance(scene, material) * mean_opacity(scene, material) > 0;
 }
 
 // --- how much it sends there ---------------------------------------------------------------------
@@ -205,6 +206,7 @@ bool lamp_exchange(struct viewer *viewer, uint32_t object, const char *control)
     const struct scene *scene = &viewer->document.scene;
     const struct material *material = material_of(scene, object);
     double middle[3], center[3], way[3], irradiance[3];
+    float radiance[3];
     middle_of_scene(&viewer->document, middle);
     scene_object_middle(scene, object, center);
     vec3_subtract(middle, center, way);
@@ -214,9 +216,10 @@ bool lamp_exchange(struct viewer *viewer, uint32_t object, const char *control)
                        "object %u sends no light to the scene's middle: it stays", object);
         return false;
     }
+    double solid_angle = projected_area(scene, object, way) / (distance * distance);
+    mean_emission(scene, material, radiance);
     for (int c = 0; c < 3; c++)
-        irradiance[c] = (double)material->emission[c] * projected_area(scene, object, way) /
-                        (distance * distance);
+        irradiance[c] = (double)radiance[c] * mean_opacity(scene, material) * solid_angle;
     edit_begin_group(viewer);
     bool ok = edit_visible(viewer, object, false, control) &&
               add_directional(viewer, way, irradiance, control);
