@@ -77,6 +77,8 @@ void main()
             if (CAN_SPLIT) {
                 if (splits_lobes(v.m) && !passes) {
                     branch = branch_slot(slot);
+                    if (HAS(FEATURE_MIN_DENSITY))
+                        atomicAdd(counters.branches, 1u);
                     branched = go_on_specular(v, branch, ray.xyz, stack);
                     v.m = part_of(v.m, MATERIAL_DIFFUSE_PART);
                 }

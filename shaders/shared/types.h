@@ -354,7 +354,8 @@ struct gpu_counters {
     uint suspended;  // continuations in all
     uint nonfinite[SITE_COUNT];
     uint nonfinite_records; // how many of the following were claimed (may exceed their number)
-    uint sparse;            // paths that FEATURE_MIN_DENSITY has ended
+    uint sparse;            // paths, or branches of them, that FEATURE_MIN_DENSITY has ended
+    uint branches;          // that paths got where they split, with FEATURE_MIN_DENSITY
     RECORD(gpu_dispatch) dispatch[QUEUE_COUNT * DISPATCH_PARTS];
     uint nonfinite_record[NONFINITE_RECORDS * 4]; // pixel, sample, site, bounce
 };

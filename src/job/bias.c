@@ -85,9 +85,10 @@ static void find_sparse(const struct job *job, struct biases *biases)
         return;
     struct job_bias *bias = next_bias(biases, "min-density");
     snprintf(bias->text, sizeof bias->text,
-             "%" PRIu64 " of %" PRIu64 " paths ended where the density of their next direction was "
+             "%" PRIu64 " of %" PRIu64 " %s ended where the density of their next direction was "
              "below %g per steradian",
-             stats->sparse, stats->paths, (double)least);
+             stats->sparse, stats->paths + stats->branches,
+             stats->branches > 0 ? "branches of paths" : "paths", (double)least);
 }
 
 static void find_capped(const struct job *job, struct biases *biases)

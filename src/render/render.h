@@ -88,8 +88,9 @@ struct render_stats {
     uint64_t steps[STEPS_COUNT];        // of them through the BVH; see wave_count_steps
     uint64_t surface_hits[CLASS_COUNT]; // by class; all in the first without FEATURE_CLASSES
     uint64_t paths;                     // that reached the film
-    uint64_t sparse;                    // paths that --min-density has ended
-    uint64_t clamped;                   // contributions, and the luminance that all of them lost
+    uint64_t sparse;                    // paths, or branches of them, that --min-density has ended
+    uint64_t branches; // that paths got beside themselves where they split, with --min-density
+    uint64_t clamped;  // contributions, and the luminance that all of them lost
     double clamped_light;
     uint64_t media_lost;          // times that a stack of media overflowed, or missed one to leave
     uint64_t waves, voided_waves; // voided: traced again because a ray ran out of its budget

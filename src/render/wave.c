@@ -309,6 +309,7 @@ static void add_counts(struct renderer *r, const struct gpu_counters *before)
     r->stats.suspended += r->counters->suspended - before->suspended;
     r->stats.media_lost += r->counters->media_lost - before->media_lost;
     r->stats.sparse += r->counters->sparse - before->sparse;
+    r->stats.branches += r->counters->branches - before->branches;
     r->stats.clamped += r->counters->clamped - before->clamped;
     r->stats.clamped_light +=
         (double)count_since(r->counters->clamped_light, before->clamped_light) /

@@ -110,6 +110,16 @@ class Summary(Base):
         self.assertGreaterEqual(min(times[name] for name in named) + 1,
                                 max(ms for name, ms in times.items() if name not in named))
 
+    def test_no_more_paths_end_by_their_density_than_there_are(self):
+        # Where paths split, each branch may end: of a density that nothing has, nearly all do.
+        for splits, what in (('0', 'paths'), ('4', 'branches of paths')):
+            bias, = json.loads(self.render(scene('classical'), '--size', '24x18', '--spp', '4', '--split-lobes',
+                                           splits, '--min-density', '1e6', '--json'))['bias']
+            ended, there = re.match(rf'(\d+) of (\d+) {what} ended ', bias['text']).groups()
+            self.assertLessEqual(int(ended), int(there))
+            self.assertGreater(int(ended), 0.5 * int(there))
+            self.assertEqual(int(there) > 24 * 18 * 4, splits == '4')
+
     def test_what_no_sample_mends_is_listed(self):
         def kinds(*settings, name='edges'):
             return [bias['kind'] for bias in json.loads(self.render(scene(name), *settings, '--json'))['bias']]

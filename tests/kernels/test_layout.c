@@ -50,7 +50,7 @@
     M(shadow_rays)                                                                                 \
     M(steps)                                                                                       \
     M(unfinished)                                                                                  \
-    M(suspended) M(nonfinite) M(nonfinite_records) M(sparse) M(dispatch) M(nonfinite_record)
+    M(suspended) M(nonfinite) M(nonfinite_records) M(sparse) M(branches) M(dispatch) M(nonfinite_record)
 #define FRAME(M)                                                                                   \
     M(camera_position)                                                                             \
     M(width)                                                                                       \
