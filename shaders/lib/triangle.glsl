@@ -13,7 +13,7 @@ struct triangle_record {
     uint emitter; // or IS_SMALL: its place among the small triangles
 };
 
-// Whether edges are what is known of a triangle with this material word, and corners are rounded. A
+// True where a triangle with this material word has exact edges, and its corners are rounded. A
 // macro, so that what is constant remains one where it is asked.
 #define IS_SMALL(word)                                                                             \
     (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && ((word)&MATERIAL_WORD_EDGES) != 0u)

@@ -17,12 +17,12 @@ struct bvh_cache {
     uint32_t loaded, saved; // so far
 };
 
-// As bvh_build(). A folder that cannot be read or written is a warning. Several processes may use
-// one folder at a time: files come into being whole.
+// Builds as bvh_build() does. A folder that cannot be read or written is a warning. Several
+// processes may use one folder at a time: files come into being whole.
 bool bvh_build_cached(struct bvh_cache *cache, const struct bvh_params *params, struct arena *arena,
                       struct bvh *out, struct err *err);
 
-// What bvh_build_cached() is made of. Loading fails with ERR_INPUT where a file is refused, with
+// The parts of bvh_build_cached(). Loading fails with ERR_INPUT where a file is refused, with
 // ERR_NONE where there is none.
 bool bvh_cache_save(const char *path, const struct bvh_params *params, const struct bvh *bvh,
                     struct err *err);

@@ -100,8 +100,8 @@ struct polygon {
     int count;
 };
 
-// What of the polygon is below a plane, or above it (Sutherland and Hodgman 1974, "Reentrant
-// polygon clipping").
+// Keeps the part of the polygon that is below a plane, or above it (Sutherland and Hodgman 1974,
+// "Reentrant polygon clipping").
 static void halve(struct polygon *polygon, int axis, double plane, bool below)
 {
     struct polygon in = *polygon;

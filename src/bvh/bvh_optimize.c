@@ -44,7 +44,7 @@ struct place {
     double gain;   // by how much the sum of areas becomes less
 };
 
-// What a search has found, and how many nodes it has looked at.
+// A search's findings, and how many nodes it has looked at.
 struct search {
     struct place place;
     uint32_t looked_at;

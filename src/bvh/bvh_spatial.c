@@ -86,7 +86,7 @@ static void bins_of(const struct grid *grid, int axis, float min, float max, int
     bins[1] = last > first ? last : first;
 }
 
-// What is not a triangle is never cut: it is where its middle is.
+// Primitives that are not triangles are never cut: they are where their middle is.
 static void bins_of_primitive(const struct grid *grid, int axis,
                               const struct bvh_primitive *primitive, int bins[2])
 {
@@ -198,7 +198,7 @@ static void best_plane(const struct bin bins[BINS_MAX], uint32_t bin_count, uint
     }
 }
 
-// Of chunks, which are many enough to have all bins.
+// Merges bins of chunks, which are many enough to have all bins.
 static void bins_merge(struct bin into[3][BINS_MAX], const struct bin from[3][BINS_MAX])
 {
     for (int axis = 0; axis < 3; axis++) {

@@ -1,4 +1,4 @@
-// What the programs share: from a command line to an exit code.
+// Runs a program from its command line to its exit code.
 #ifndef LAMPYRIS_CLI_PROGRAM_H
 #define LAMPYRIS_CLI_PROGRAM_H
 

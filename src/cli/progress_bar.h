@@ -33,13 +33,14 @@ void progress_bar_init(struct progress_bar *bar, FILE *stream);
 // Ends the phase, and the bar's line, before something else is printed. Accepts repeated calls.
 void progress_bar_finish(struct progress_bar *bar);
 
-// What long-running work reports to. It is asked to stop when a signal has asked us to.
+// Returns the listener that long-running work reports to. Work is asked to stop when a signal has
+// asked us to.
 struct progress progress_bar_listener(struct progress_bar *bar);
 
 // A sink for log_configure, whose context is the bar. An error ends the phase.
 void progress_bar_log(void *context, enum log_level level, const char *message);
 
-// What the listener calls, with the time as an argument (clock_ns) for tests.
+// The listener calls this; the time is an argument (clock_ns) for tests.
 void progress_bar_update(struct progress_bar *bar, const char *phase, double fraction,
                          uint64_t now_ns);
 

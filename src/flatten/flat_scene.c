@@ -1,4 +1,4 @@
-// What a flattened scene is asked afterwards.
+// Answers questions about a flattened scene.
 #include "flatten/flatten.h"
 
 #include <stdlib.h>

@@ -131,7 +131,7 @@ const struct flat_small_triangle *flat_find_small(const struct flat_scene *flat,
 // triangles it is.
 void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
                           uint32_t *triangle);
-// The same of the k-th of those that were dropped.
+// Finds the source of the k-th of those that were dropped.
 void flat_dropped_source(const struct flat_scene *flat, uint32_t k, uint32_t *instance,
                          uint32_t *triangle);
 

@@ -16,7 +16,8 @@ static uint32_t uv_set(const struct texture *texture)
     return texture->flags & TEXTURE_UV1 ? 1 : 0;
 }
 
-// What a material reads, and the UV set that its tangents follow where a mesh has none.
+// The attributes that a material reads, and the UV set that its tangents follow where a mesh has
+// none.
 struct material_needs {
     bool uvs[2], tangents;
     uint32_t tangent_set;

@@ -1,10 +1,10 @@
-// What the corners of flattened triangles carry. Part of flatten.c.
+// Flattens what the corners of triangles carry. Part of flatten.c.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_ATTRIBUTES_H
 #define LAMPYRIS_FLATTEN_FLATTEN_ATTRIBUTES_H
 
 #include "flatten/flatten_placement.h"
 
-// What some triangle needs and some mesh has, of the optional arrays of struct flat_scene.
+// The optional arrays of struct flat_scene that some triangle needs and some mesh has.
 struct attribute_needs {
     bool normals, tangents, uvs[2], colors;
 };
@@ -12,7 +12,7 @@ struct attribute_needs {
 // Adds what an instance needs, by the materials of its triangles.
 void attributes_census(const struct scene *scene, const struct instance *instance,
                        struct attribute_needs *needs);
-// What one triangle takes of them.
+// Returns the bytes that one triangle takes of them.
 uint64_t attributes_bytes(const struct attribute_needs *needs);
 bool attributes_reserve(const struct attribute_needs *needs, size_t triangle_count,
                         struct arena *arena, struct flat_scene *flat, struct err *err);

@@ -108,7 +108,7 @@ bool flatten_emits(const struct scene *scene, uint32_t material)
     return material_emits(m) && !(m->flags & MATERIAL_UNLIT);
 }
 
-// What its materials say about sharing it.
+// Finds what a mesh's materials say about sharing it.
 static void survey_materials(const struct scene *scene, const struct mesh *mesh,
                              struct mesh_use *use)
 {
@@ -336,7 +336,7 @@ static bool measure_vertices(const struct flatten_params *params, const struct i
     return true;
 }
 
-// The same for one of very many: by its mesh's box, unless that leaves the range.
+// Measures one of very many: by its mesh's box, unless that leaves the range.
 static bool measure_box(const struct flatten_params *params, const struct instance *instance,
                         const struct bounds *box, struct bounds *bounds, struct err *err)
 {

@@ -1,4 +1,4 @@
-// What there is to flatten, and which meshes are shared. Part of flatten.c.
+// Counts what there is to flatten, and finds which meshes are shared. Part of flatten.c.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_CENSUS_H
 #define LAMPYRIS_FLATTEN_FLATTEN_CENSUS_H
 
@@ -40,7 +40,7 @@ bool flatten_emits(const struct scene *scene, uint32_t material);
 bool flatten_goes_on(const struct flatten_params *params, double fraction, struct err *err);
 // Triangles between two looks.
 #define FLATTEN_POLL 65536
-// What is reported when the census is taken.
+// The progress that is reported when the census is taken.
 #define FLATTEN_CENSUS_PART 0.4
 
 // Arrays come from `scratch`. ERR_BUDGET where the flat scene has no room. Warns of singular

@@ -1,4 +1,4 @@
-// Whether flattening again would make anything else.
+// Hashes all that decides what flattening makes.
 #include "base/hash.h"
 #include "flatten/flatten_census.h"
 

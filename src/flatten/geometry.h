@@ -14,7 +14,7 @@ struct geometry_params {
     const struct camera *camera; // see struct flatten_params
 };
 
-// As several renderers share it.
+// Geometry that several renderers may share.
 struct geometry {
     struct arena flat_arena, bvh_arena;
     struct flat_scene flat;

@@ -70,7 +70,8 @@ static void corrupt_if_due(struct byte_buffer *file)
         file->data[n - 1] ^= 0x10;
 }
 
-// What does not decode to what was encoded is no picture: a library's fault, or the memory's.
+// A file that does not decode to what was encoded is no picture: by a library's fault, or the
+// memory's.
 static bool fail_verification(struct err *err)
 {
     return err->code == ERR_OUTPUT

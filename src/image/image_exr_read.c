@@ -108,7 +108,7 @@ static bool find_colors(const exr_attr_chlist_t *list, const char *layer, int ch
     return single >= 0;
 }
 
-// Of the colours, and A where there is one.
+// Chooses the channels of the colours, and A where there is one.
 static bool choose_channels(struct exr_reader *reader, struct err *err)
 {
     const exr_attr_chlist_t *list;

@@ -88,7 +88,8 @@ static bool check_attributes(const struct exr_verifier *verifier, struct err *er
     return true;
 }
 
-// Of a line of one channel, the first pixel whose bits differ; its width when none does.
+// Returns the first pixel of a line of one channel whose bits differ; the line's width when none
+// does.
 static uint32_t first_difference(const struct exr_channel *channel, const uint8_t *bytes,
                                  size_t first, uint32_t width, uint32_t *found)
 {

@@ -1,6 +1,6 @@
-// What the files of this module share. One reader and one writer a format, all of them from and to
-// memory: so a decoder never touches a file, and a file is only replaced by a finished picture that
-// has been decoded again and compared with what was to be written.
+// Declarations that the files of this module share. One reader and one writer a format, all of them
+// from and to memory: so a decoder never touches a file, and a file is only replaced by a finished
+// picture that has been decoded again and compared with what was to be written.
 #ifndef LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 #define LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 
@@ -54,7 +54,7 @@ bool pixels_allocate(const struct image_source *source, const struct pixels_size
 // To be asked once a row: ERR_STOPPED where the work is to end. Looks only now and then.
 bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err);
 
-// What codes of 8 bits stand for: [0] in colours, [1] in alpha.
+// The values that codes of 8 bits stand for: [0] in colours, [1] in alpha.
 struct code_table {
     float values[2][256];
     uint16_t halves[2][256];

@@ -1,4 +1,4 @@
-// What reading and writing PNG by libpng have in common: errors that come by longjmp.
+// Errors that come by longjmp, for reading and writing PNG by libpng.
 #ifndef LAMPYRIS_IMAGE_IMAGE_PNG_H
 #define LAMPYRIS_IMAGE_IMAGE_PNG_H
 

@@ -16,13 +16,14 @@ struct film_error_params {
     struct unseen_light unseen;
 };
 
-// Of what the renderer has in its film now; what it points to is in `arena`.
+// Prepares the estimate for what the renderer has in its film now; what it points to is in `arena`.
 bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct arena *arena,
                         struct film_error_params *out, struct err *err);
 
-// As metrics_half_error(). What cannot be relied upon is taken back: local_relmse and mse are NAN
-// where there is no interval, but where pixels share their paths' depths; then there is neither
-// interval nor bound, and the estimate is to be told as one. Contiguous halves tell a bound alone.
+// Estimates as metrics_half_error() does. What cannot be relied upon is taken back: local_relmse
+// and mse are NAN where there is no interval, but where pixels share their paths' depths; then
+// there is neither interval nor bound, and the estimate is to be told as one. Contiguous halves
+// tell a bound alone.
 bool film_error(const struct film_image *film, const struct film_error_params *params,
                 struct half_error *out, struct err *err);
 

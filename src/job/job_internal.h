@@ -1,4 +1,4 @@
-// What the files of src/job share.
+// Declarations that the files of src/job share.
 #ifndef LAMPYRIS_JOB_JOB_INTERNAL_H
 #define LAMPYRIS_JOB_JOB_INTERNAL_H
 

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What a sum over finite pixels makes of the noise.
+// The noise of a sum over finite pixels.
 struct noise_sum {
     uint64_t finite;
     double squares, relative, local;
 };
 
-// Of a pixel's channel.
+// Adds the variance of a pixel's channel.
 static void add_variance(struct noise_sum *sum, double variance, const struct reference *reference,
                          uint64_t pixel, int channel)
 {

@@ -12,8 +12,8 @@ struct reference {
     // against it. 0 where not known.
     double mse, relmse, local_relmse;
     bool noise_known;
-    // What its noise is told from, with the same pixels as `image`; NULL where that is something
-    // else or nothing.
+    // The halves that its noise is told from, with the same pixels as `image`; NULL where there are
+    // none.
     const float (*halves[2])[3];
     const char *reason; // why not; NULL where known
 };
@@ -36,7 +36,7 @@ void reference_set_noise(struct reference *out, const float (*half_a)[3], const 
 // the variances.
 bool reference_set_variance(struct reference *out, const char *path, const float (*variance)[3],
                             struct err *err);
-// The same with one variance for all.
+// Sets one variance for all pixels.
 void reference_set_even_variance(struct reference *out, double variance);
 
 // Errors of an image against a reference, whose own noise is subtracted from the first three. NAN:

@@ -41,7 +41,7 @@ static bool advance(struct job *job, uint64_t steps, double expected, struct err
     return job_is_stopped(job) || job_advance(job, &step, err);
 }
 
-// The same with the rows of the trace that lie between, but not the one of the end.
+// Advances, with the rows of the trace that lie between, but not the one of the end.
 static bool advance_with_rows(struct job *job, uint64_t steps, double expected, struct err *err)
 {
     uint64_t next;
@@ -197,7 +197,7 @@ static bool render_frames(struct job *job, struct err *err)
 
 // --- all of it -----------------------------------------------------------------------------------
 
-// What the judge needs is found now, while the device is well: a film that is rescued from it is
+// Finds what the judge needs now, while the device is well: a film that is rescued from it is
 // judged, too.
 static bool prepare(struct job *job, struct err *err)
 {

@@ -74,7 +74,7 @@ static bool is_lit(const struct bias_params *p, size_t picture, size_t pixel)
     return rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0;
 }
 
-// What all pictures and the reference's halves have of a pixel.
+// A pixel's values in all pictures and in the reference's halves.
 struct pixel {
     double sum[3], scale[3], half[2][3];
     size_t lit; // pictures in which it is not black

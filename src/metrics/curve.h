@@ -20,7 +20,7 @@ struct interval curve_mean(const double *values, size_t count);
 // Student's t interval of the logarithms. Not known where one of them is not positive.
 struct interval curve_geometric_mean(const double *values, size_t count);
 
-// What an error falls off with: the exponent of x in errors[r][i] ~ x[r][i]^slope. One
+// Estimates how an error falls off: the exponent of x in errors[r][i] ~ x[r][i]^slope. One
 // least-squares line through the logarithms for each replicate, whose points share their samples
 // and are no independent ones; then Student's t interval over the replicates. `x`, `errors`:
 // `replicates` rows of `points`. Not known with fewer than two points, or with an error that is not
@@ -39,7 +39,7 @@ double curve_reach(const double *x, const double *errors, size_t points, double 
                    double target);
 
 enum curve_verdict { CURVE_NOT_TOLD_APART, CURVE_BETTER, CURVE_WORSE };
-// Of a ratio of efficiencies: better where all of the interval is above 1.
+// Judges a ratio of efficiencies: better where all of the interval is above 1.
 enum curve_verdict curve_judge(struct interval ratio);
 
 #endif

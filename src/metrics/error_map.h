@@ -20,7 +20,7 @@ extern const char *const error_map_names[ERROR_MAP_TOTAL];
 void error_map_values(enum error_map map, const float (*image)[3], const float (*reference)[3],
                       uint64_t count, float (*out)[3]);
 
-// What is black and what has the last colour; more and less look the same.
+// The errors that are black and that have the last colour; more and less look the same.
 struct error_scale {
     double low, high;
     bool is_logarithmic;

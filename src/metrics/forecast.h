@@ -1,5 +1,6 @@
-// What a single render can expect of more samples: how its error will go on falling, and, where
-// there is a reference, what of it will stay. Plain arrays in, numbers out; any thread may call.
+// Forecasts what a single render can expect of more samples: how its error will go on falling, and,
+// where there is a reference, what of it will stay. Plain arrays in, numbers out; any thread may
+// call.
 #ifndef LAMPYRIS_METRICS_FORECAST_H
 #define LAMPYRIS_METRICS_FORECAST_H
 
@@ -64,9 +65,9 @@ struct forecast_bias_params {
 };
 
 struct forecast_bias {
-    // What of the local relMSE stays, with its 95 % interval, from tiles. It may be negative: it is
-    // an unbiased estimate. The interval allows for unseen samples as in bias.h. NAN where no pixel
-    // is finite, or where there are fewer than four tiles.
+    // The part of the local relMSE that stays, with its 95 % interval, from tiles. It may be
+    // negative: it is an unbiased estimate. The interval allows for unseen samples as in bias.h.
+    // NAN where no pixel is finite, or where there are fewer than four tiles.
     struct interval stays;
     // That there is any: the 99.9 % interval is above 0, and stays' interval is.
     bool is_certain;

@@ -95,7 +95,7 @@ struct small_light {
     float radiance[3]; // of a sample that meets it
 };
 
-// What is known of light that may still be missing in a picture; all 0: nothing is.
+// Knowledge of light that may still be missing in a picture; all 0: nothing is known.
 struct unseen_light {
     // The greatest radiance of a channel that a path may meet by chance alone; 0: none, shadow rays
     // find all light. The bounds hold it as long as no sample has found such light.
@@ -124,8 +124,9 @@ struct half_error_params {
 // out. Uses several threads; the result does not depend on how many. False only when out of memory.
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out);
 
-// What each tile adds to the local relMSE, a pixel, as above. Tiles of side x side pixels in rows
-// from the top, those at the right and lower edge are smaller; 0 where no pixel can be judged.
+// Computes what each tile adds to the local relMSE, a pixel, as above. Tiles of side x side pixels
+// in rows from the top, those at the right and lower edge are smaller; 0 where no pixel can be
+// judged.
 bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, double *out);
 
 // --- when to stop -------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-// What repeated timings tell: they are positive, skewed, and now and then far too long. Plain
+// Statistics of repeated timings, which are positive, skewed, and now and then far too long. Plain
 // arrays in, numbers out; any thread may call.
 #ifndef LAMPYRIS_METRICS_SPREAD_H
 #define LAMPYRIS_METRICS_SPREAD_H

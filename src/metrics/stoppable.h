@@ -6,8 +6,8 @@
 #include "base/progress.h"
 #include <stdbool.h>
 
-// As parallel_for on all processors, but asks `progress`, which may be NULL, before every chunk,
-// and begins no more of them once it wants to stop. False then.
+// Runs as parallel_for on all processors, but asks `progress`, which may be NULL, before every
+// chunk, and begins no more of them once it wants to stop. False then.
 bool stoppable_for(size_t count, size_t grain, const struct progress *progress, parallel_fn fn,
                    void *context);
 

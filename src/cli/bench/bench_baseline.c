@@ -1,4 +1,4 @@
-// What has become slower since an earlier run.
+// Finds what has become slower since an earlier run.
 #include "cli/bench/bench.h"
 
 #include "base/file.h"

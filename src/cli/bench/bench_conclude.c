@@ -1,4 +1,4 @@
-// What follows from the times.
+// Concludes what follows from the times.
 #include "cli/bench/bench.h"
 
 #include "metrics/spread.h"

@@ -1,4 +1,4 @@
-// What `lampyris bench` says to machines.
+// Writes what `lampyris bench` says to machines.
 #include "cli/bench/bench.h"
 
 #include "report/json_out.h"

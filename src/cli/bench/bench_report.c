@@ -1,4 +1,4 @@
-// What `lampyris bench` says to people, and its files.
+// Prints what `lampyris bench` says to people, and writes its files.
 #include "cli/bench/bench.h"
 
 #include "base/file.h"

@@ -1,4 +1,4 @@
-// What the samples of `lampyris converge` say.
+// Concludes what the samples of `lampyris converge` say.
 #include "cli/converge/converge.h"
 
 #include "base/hash.h"

@@ -1,4 +1,4 @@
-// What `lampyris converge` measures of a picture.
+// Measures a picture for `lampyris converge`.
 #include "cli/converge/converge.h"
 
 #include "metrics/perceptual.h"

@@ -32,7 +32,7 @@ static void put_data(FILE *out, const struct converge *c, const struct converge_
     fputs("EOD\n", out);
 }
 
-// What is drawn of a scene.
+// The part of a scene's curves that is drawn.
 struct extent {
     uint32_t curves;
     double x_min, x_max, y_min, y_max;

@@ -1,4 +1,4 @@
-// What `lampyris converge` says on the terminal.
+// Prints what `lampyris converge` says on the terminal.
 #include "cli/converge/converge.h"
 
 #include "report/text_out.h"

@@ -1,4 +1,4 @@
-// What `lampyris converge` says to machines, and its files.
+// Writes what `lampyris converge` says to machines, and its files.
 #include "cli/converge/converge.h"
 
 #include "base/file.h"

@@ -1,5 +1,4 @@
-// What a signal does to a render: it ends after the wave in flight, but not before every pixel has
-// a sample.
+// Ends a render on a signal: after the wave in flight, but not before every pixel has a sample.
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/signals.h"

@@ -1,11 +1,11 @@
-// What the parts of the glTF loader share while a file is loaded. Internal to scene/.
+// State that the parts of the glTF loader share while a file is loaded. Internal to scene/.
 #ifndef LAMPYRIS_SCENE_GLTF_GLTF_LOAD_H
 #define LAMPYRIS_SCENE_GLTF_GLTF_LOAD_H
 
 #include "scene/core/scene.h"
 #include "scene/gltf/gltf_document.h"
 
-// What was left out or approximated, for the scene's notes.
+// Counts of what was left out or approximated, for the scene's notes.
 struct gltf_tally {
     uint32_t specular_glossy, coat_normals, anisotropic; // materials
     uint32_t translucent, translucent_volumes;
@@ -18,7 +18,7 @@ struct gltf_tally {
     uint32_t orthographic_cameras, singular_cameras;
 };
 
-// Of a mesh's morph targets.
+// The weights of a mesh's morph targets.
 struct gltf_weights {
     const double *values;
     uint32_t count; // 0: none has any weight
@@ -34,7 +34,7 @@ struct gltf_mesh_range {
     struct gltf_weights weights; // that they were converted with
 };
 
-// What vertices carry.
+// The attributes that vertices carry.
 enum gltf_attribute {
     GLTF_POSITION,
     GLTF_NORMAL,
@@ -94,7 +94,7 @@ bool gltf_light_load(struct gltf_load *load, const struct json_node *holder,
 bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_weights *weights,
                     const struct gltf_skin *skin, struct gltf_mesh_range *out, struct err *err);
 
-// What a glTF mesh will take at least.
+// The least memory that a glTF mesh will take.
 struct gltf_mesh_needs {
     uint64_t vertex_bytes;    // once, whatever primitives share the accessors
     uint64_t primitive_bytes; // whenever it is converted

@@ -1,4 +1,4 @@
-// What the readers of a glTF document's materials share. Internal to scene/.
+// Declarations that the readers of a glTF document's materials share. Internal to scene/.
 #ifndef LAMPYRIS_SCENE_GLTF_GLTF_MATERIAL_H
 #define LAMPYRIS_SCENE_GLTF_GLTF_MATERIAL_H
 
@@ -13,7 +13,7 @@ struct gltf_texture {
     struct texture texture; // but for its image
 };
 
-// What is known of one of the document's materials beside what the scene has of it.
+// Knowledge of one of the document's materials beside what the scene has of it.
 struct gltf_material {
     bool is_used; // by a primitive that was loaded
     struct gltf_texture *first_texture, *last_texture;

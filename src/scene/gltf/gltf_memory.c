@@ -1,5 +1,5 @@
-// What the nodes of a glTF file will take at least, known from the accessors' counts before any of
-// them is loaded.
+// Counts the memory that the nodes of a glTF file will take at least, from the accessors' counts,
+// before any of them is loaded.
 #include "scene/gltf/gltf_load.h"
 
 #include "base/memory.h"

@@ -8,7 +8,7 @@
 
 // --- gltf_animation.c ----------------------------------------------------------------------------
 
-// What an animation sets of a node; what it leaves is the node's own.
+// The parts of a node that an animation sets; the others are the node's own.
 struct gltf_node_pose {
     bool has_translation, has_rotation, has_scale;
     double translation[3], rotation[4], scale[3];

@@ -1,4 +1,4 @@
-// What changes the document before it is read: overrides (-D KEY=VALUE) and references ("${NAME}").
+// Changes the document before it is read: by overrides (-D KEY=VALUE) and references ("${NAME}").
 #include "scene/json/load_json.h"
 
 #include "json/json_parse.h"

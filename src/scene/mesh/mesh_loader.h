@@ -1,4 +1,4 @@
-// What the mesh loaders share. Internal to scene/.
+// Declarations that the mesh loaders share. Internal to scene/.
 #ifndef LAMPYRIS_SCENE_MESH_MESH_LOADER_H
 #define LAMPYRIS_SCENE_MESH_MESH_LOADER_H
 
@@ -95,7 +95,7 @@ struct mtl_library {
 bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library, uint64_t *hash,
               bool *missing, struct err *err);
 
-// What the statements of one material say; those not given are negative.
+// The statements of one material; those not given are negative.
 struct mtl_statements {
     const char *name; // NULL before the first newmtl
     float diffuse[3], specular[3], ambient[3], emission[3], filter[3]; // Kd Ks Ka Ke Tf

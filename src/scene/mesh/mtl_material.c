@@ -151,7 +151,7 @@ static bool holds_normals(const struct texture_image *image)
            image->mean[2] > 0.75f;
 }
 
-// What a map does to the material; false where it does nothing.
+// Applies a map to the material; false where it does nothing.
 static bool use_map(enum mtl_map_kind kind, const struct mtl_map *map,
                     const struct texture_image *image, struct material *material,
                     struct texture *texture)

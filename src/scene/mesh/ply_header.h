@@ -11,7 +11,7 @@ enum ply_type { PLY_I8, PLY_U8, PLY_I16, PLY_U16, PLY_I32, PLY_U32, PLY_F32, PLY
 uint32_t ply_type_size(enum ply_type type); // bytes in a binary file
 bool ply_type_is_float(enum ply_type type);
 
-// What a property is to us. Those before USE_POLYGON are also slots of a vertex's values.
+// Our use of a property. Those before USE_POLYGON are also slots of a vertex's values.
 enum ply_use {
     USE_X,
     USE_Y,

@@ -31,7 +31,7 @@ void sky_place_sun(struct sky *sky, double elevation_degrees, double azimuth_deg
 // said keeps its default. ERR_USAGE.
 bool sky_parse(const char *text, struct sky *out, struct err *err);
 
-// What the formulas make of a turbidity and a sun.
+// The sky that the formulas make of a turbidity and a sun.
 struct sky_model {
     double sun_direction[3];
     double zenith[3];   // Y, x, y there
@@ -39,7 +39,8 @@ struct sky_model {
     double scale[3];    // what makes of the product of their factors Y, x and y
 };
 void sky_model_init(const struct sky *sky, struct sky_model *out);
-// Of a unit direction with y > 0. Components may be negative: colours that Rec. 709 lacks.
+// Computes the radiance of a unit direction with y > 0. Components may be negative: colours that
+// Rec. 709 lacks.
 void sky_radiance(const struct sky_model *model, const double direction[3], double rgb[3]);
 // On a surface that faces the sun, W/m^2.
 void sky_sun_irradiance(const struct sky *sky, double rgb[3]);

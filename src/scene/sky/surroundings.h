@@ -1,4 +1,4 @@
-// What is around a loaded scene, replaced and turned while a program runs.
+// Replaces and turns what is around a loaded scene while a program runs.
 #ifndef LAMPYRIS_SCENE_SKY_SURROUNDINGS_H
 #define LAMPYRIS_SCENE_SKY_SURROUNDINGS_H
 

@@ -1,4 +1,4 @@
-// What has to be done anew after a change.
+// Tells what has to be done anew after a change.
 #ifndef LAMPYRIS_VIEWER_CORE_CHANGES_H
 #define LAMPYRIS_VIEWER_CORE_CHANGES_H
 
@@ -7,7 +7,7 @@
 struct shown;
 struct viewer;
 
-// What has to be done anew before the next samples; both sides, or one.
+// Notes what has to be done anew before the next samples, for both sides, or for one.
 void viewer_changed(struct viewer *viewer, enum change change);
 void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change change);
 // Does what `changes` asks for. False: the device failed.

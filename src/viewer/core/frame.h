@@ -1,4 +1,4 @@
-// What a frame renders, and where in the window it is shown.
+// Renders a frame, and finds where in the window it is shown.
 #ifndef LAMPYRIS_VIEWER_CORE_FRAME_H
 #define LAMPYRIS_VIEWER_CORE_FRAME_H
 
@@ -21,9 +21,11 @@ bool viewer_frame_is_over(void *viewer); // as a progress asks: whether to stop 
 uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view);
 // Samples for as long as the frame may take.
 bool viewer_render(struct viewer *viewer, struct err *err);
-// What there is, denoised where asked for, with the panel over it, on the screen and in the window.
+// Shows what there is, denoised where asked for, with the panel over it, on the screen and in the
+// window.
 bool viewer_show(struct viewer *viewer, struct err *err);
-// What display_draw shows now, for those who want the same in another way.
+// Makes the call by which display_draw shows the picture now, for those who want the same in
+// another way.
 void viewer_display_call(const struct viewer *viewer, struct display_call *out);
 
 #endif

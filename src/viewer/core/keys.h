@@ -21,7 +21,7 @@ enum held_key {
 
 enum drag { DRAG_NONE, DRAG_PENDING, DRAG_LOOK, DRAG_PAN, DRAG_SPLIT };
 
-// What is held and how the mouse moved since the last frame.
+// The keys that are held, and how the mouse moved since the last frame.
 struct keys {
     bool held[HELD_COUNT];
     bool buttons[3];

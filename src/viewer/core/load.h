@@ -11,7 +11,7 @@ struct viewer;
 // scene is opened afterwards, in the same frame, and the answer is true.
 bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view);
 void viewer_close_scene(struct viewer *viewer);
-// The same without a message. ERR_STOPPED where the window was closed meanwhile.
+// Loads a scene without a message. ERR_STOPPED where the window was closed meanwhile.
 bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err);
 struct geometry_params viewer_geometry_params(const struct viewer *viewer,
                                               const struct scene *scene,

@@ -1,4 +1,4 @@
-// What takes longer than a frame: how far it is, and whether it is to stop.
+// Shows how far work is that takes longer than a frame, and asks whether it is to stop.
 #include "viewer/core/long_work.h"
 
 #include "base/clock.h"
@@ -6,7 +6,7 @@
 #include "viewer/core/messages.h"
 #include "viewer/core/viewer.h"
 
-// What takes longer shows how far it is, so often.
+// Work that takes longer shows how far it is, so often.
 #define LONG_WORK_SECONDS 0.3
 #define PROGRESS_SECONDS 0.1
 

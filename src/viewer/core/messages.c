@@ -1,4 +1,4 @@
-// What the viewer and the log say: on stderr, and in the window.
+// Prints what the viewer and the log say: on stderr, and in the window.
 #include "viewer/core/messages.h"
 
 #include "base/clock.h"

@@ -1,4 +1,4 @@
-// What is told to people: on stderr, and in the window.
+// Messages to people: on stderr, and in the window.
 #ifndef LAMPYRIS_VIEWER_CORE_MESSAGES_H
 #define LAMPYRIS_VIEWER_CORE_MESSAGES_H
 

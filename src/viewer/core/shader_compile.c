@@ -34,7 +34,7 @@ const char *shader_why_not(const char *folder)
 
 // --- what a kernel is made from ------------------------------------------------------------------
 
-// Of the paths and contents of all files. False where one cannot be read.
+// Hashes the paths and contents of all files. False where one cannot be read.
 static bool hash_files(const char *files, struct arena *arena, uint64_t *hash)
 {
     *hash = HASH_INIT;

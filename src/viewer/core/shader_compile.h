@@ -17,7 +17,7 @@ struct shader_code {
     uint32_t words[];
 };
 
-// What is known of one kernel from the last time that it was compiled.
+// Knowledge of one kernel from the last time that it was compiled.
 struct shader_unit {
     const char *name; // of its file, without ".comp"
     char *files;      // what was read, each path ended by NUL, all by an empty one; NULL: not known

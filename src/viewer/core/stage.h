@@ -25,7 +25,7 @@ struct shown {
     uint32_t exposure_is_auto; // 1: found from the picture
 };
 
-// Of the last frames: what the panel tells.
+// Figures of the last frames for the panel.
 struct frame_stats {
     double fps;      // over the last half second
     double frame_ms; // the last frame, all of it
@@ -35,7 +35,7 @@ struct frame_stats {
     double rays_per_second, samples_per_second; // of one pixel each; over the last half second
 };
 
-// Of all frames of a kind, for the report at the end.
+// Times of all frames of a kind, for the report at the end.
 struct frame_times {
     float *ms;
     uint32_t count, capacity; // the first ones

@@ -8,7 +8,7 @@
 #include "render/show/denoise.h"
 #include "viewer/core/worker.h"
 
-// What a side renders with besides the scene: what undo knows as TARGET_METHOD.
+// The choices that a side renders with besides the scene; undone as TARGET_METHOD.
 struct method {
     struct settings settings; // width and height are the picture's
     uint32_t wave, workgroup; // 0: the device's
@@ -52,7 +52,7 @@ struct viewer;
 bool view_wants_look(const struct viewer *viewer, const struct view *view);
 // Of the film as it is, where the time for it has come: on the worker's thread, into `looks`.
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
-// The same at once, whatever the time, of two samples and more.
+// Looks at the error at once, whatever the time, of two samples and more.
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
 // A picture begins: what is known of the last one is void.
 void view_begin(struct view *view);

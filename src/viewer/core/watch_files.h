@@ -21,7 +21,8 @@ void watch_files_add_scene(struct watch_files *files, const char *path);
 void watch_files_add_shaders(struct watch_files *files, const char *folder);
 void watch_files_finish(struct watch_files *files); // {0} afterwards
 
-// Of all their times, sizes and places on the disk: another one when any was written or replaced.
+// Returns a stamp of all their times, sizes and places on the disk: another one when any was
+// written or replaced.
 uint64_t watch_files_stamp(const struct watch_files *files);
 
 #endif

@@ -1,4 +1,4 @@
-// What stands over the picture: messages, the sides of the split view, keys.
+// Shows what stands over the picture: messages, the sides of the split view, keys.
 #include "viewer/panel/panel_internal.h"
 
 #include "base/false_color.h"
@@ -27,8 +27,8 @@ static float free_x(struct panel *panel)
     return panel->gui->width + MARGIN * panel->window->scale;
 }
 
-// What the second side's settings have different from the first's: ", sampler pcg, mis none". As
-// much of it as there is room for.
+// Writes what the second side's settings have different from the first's: ", sampler pcg, mis
+// none". As much of it as there is room for.
 static void write_difference(const struct stage *stage, char *out, size_t size)
 {
     const struct settings *a = &stage->sides[0].method.settings;

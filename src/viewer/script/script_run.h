@@ -1,4 +1,4 @@
-// What the files of the script share: one that runs.
+// The script that runs, for the files of this room.
 #ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_RUN_H
 #define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_RUN_H
 

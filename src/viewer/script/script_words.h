@@ -1,4 +1,4 @@
-// What scripts are made of: commands and their arguments, checked before anything runs.
+// Reads the commands of scripts and their arguments, which are checked before anything runs.
 #ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_WORDS_H
 #define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_WORDS_H
 
@@ -50,7 +50,7 @@ enum comparison {
     COMPARE_CONTAINS,
     COMPARE_LACKS
 };
-// What has to be different after a control was changed: see script_check.c.
+// The effect that a changed control has to have: see script_check.c.
 enum effect { EFFECT_RESULT, EFFECT_PICTURE, EFFECT_STATE };
 
 #define COMMAND_TEXTS 3

@@ -7,7 +7,7 @@
 
 #define SWAPCHAIN_IMAGES_MAX 16
 
-// Of the extensions VK_KHR_surface and VK_KHR_swapchain: see gpu_function.
+// Functions of the extensions VK_KHR_surface and VK_KHR_swapchain: see gpu_function.
 struct swapchain_calls {
     PFN_vkDestroySurfaceKHR destroy_surface;
     PFN_vkGetPhysicalDeviceSurfaceSupportKHR support;

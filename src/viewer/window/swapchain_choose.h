@@ -1,4 +1,4 @@
-// What a swapchain is made with, from what its surface offers. No Vulkan calls.
+// Chooses what a swapchain is made with, from what its surface offers. No Vulkan calls.
 #ifndef LAMPYRIS_VIEWER_WINDOW_SWAPCHAIN_CHOOSE_H
 #define LAMPYRIS_VIEWER_WINDOW_SWAPCHAIN_CHOOSE_H
 

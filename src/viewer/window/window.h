@@ -41,7 +41,8 @@ struct event {
 
 #define WINDOW_EVENTS_MAX 512
 
-// What happened, in order. Movements of the mouse that follow on one another are one event.
+// Events in the order in which they happened. Movements of the mouse that follow on one another are
+// one event.
 struct window_events {
     struct event list[WINDOW_EVENTS_MAX];
     uint32_t count;
@@ -79,7 +80,7 @@ void window_close(struct window *window); // accepts NULL and {0}; after swapcha
 const char *const *window_extensions(uint32_t *count);
 bool window_can_present(void *window, VkInstance instance, VkPhysicalDevice device,
                         uint32_t queue_family);
-// What swapchains show pictures on; the caller's to destroy.
+// Creates the surface that swapchains show pictures on; the caller's to destroy.
 bool window_create_surface(struct window *window, VkInstance instance, VkSurfaceKHR *out,
                            struct err *err);
 
