@@ -104,11 +104,13 @@ const struct command commands[COMMAND_TOTAL] = {
             .description =
                 "Without a scene, runs the renderer on cases whose results are known, and says of "
                 "each what is done, expected and seen. With one, says what in it is stiff or "
-                "extreme, where, what follows and what can be done. Exits with 1 if anything fails "
-                "or is found.",
+                "extreme, where, what follows and what can be done, and what a render to a given "
+                "error would take; docs/checking-scenes.md lists the findings. Exits with 1 if a "
+                "case fails, or if something makes the scene's picture wrong.",
             .examples = "lampyris check\n"
                         "lampyris check --list\n"
-                        "lampyris check scenes/cornell.json",
+                        "lampyris check scenes/cornell.json\n"
+                        "lampyris check scenes/glass.json --error 1e-4 --fix fixed.json",
             .max_arguments = 1,
         },
     [COMMAND_INFO] =

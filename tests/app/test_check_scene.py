@@ -131,7 +131,7 @@ class Geometry(Checks):
     def test_planted_and_clean(self):
         found = self.check(self.scene(True))
         self.assert_found(found, {
-            'zero-area': 'remark', 'sliver': 'wrong', 'normals': 'wrong',
+            'zero-area': 'remark', 'sliver': 'remark', 'normals': 'wrong',
             'singular-transform': 'remark', 'object-twice': 'wrong', 'coincident-faces': 'wrong'})
         self.assertIn('triangle 1', found['zero-area']['place'])
         self.assertIn('thin', found['zero-area']['place'])

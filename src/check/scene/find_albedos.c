@@ -28,6 +28,9 @@ static bool meets_white(const struct survey *survey, const struct sighting *at, 
     return ((const bool *)context)[at->material];
 }
 
+// Small things that are white light little.
+#define WHITE_SHARE_MIN 0.01
+
 static bool find_white(struct survey *survey, struct err *err)
 {
     uint32_t materials = survey->scene->material_count, count = 0, first = 0;
@@ -39,7 +42,7 @@ static bool find_white(struct survey *survey, struct err *err)
         first = white[i] && count++ == 0 ? i : first;
     }
     double share = count > 0 ? survey_share(survey, meets_white, white) : 0.0;
-    if (share == 0.0)
+    if (share < WHITE_SHARE_MIN)
         return true;
     return survey_add(
         survey,

@@ -162,8 +162,8 @@ static bool find_behind_glass(struct survey *survey, bool delta, struct err *err
                          ? arena_printf(survey->arena, "behind %s, %s", object, material)
                          : NULL,
             .figure = arena_printf(
-                survey->arena, delta ? "%u lights without extent" : "%u lamps, or parts of them",
-                targets.count),
+                survey->arena, delta ? "%u light%s without extent" : "%u lamp%s, or parts of such",
+                targets.count, targets.count == 1 ? "" : "s"),
             .consequence = delta ? "Nothing but shadow rays finds these lights, and glass stops "
                                    "shadow rays: their light is missing there."
                                  : "Glass stops shadow rays: only paths that meet these lamps by "

@@ -110,7 +110,7 @@ static bool find_slivers(struct survey *survey, struct err *err)
         survey,
         &(struct scene_finding){
             .name = "sliver",
-            .level = FINDING_WRONG,
+            .level = share > 0.0 ? FINDING_WRONG : FINDING_REMARK,
             .place = name ? arena_printf(arena, "%s, triangle %u worst", name, triangle) : NULL,
             .figure = arena_printf(arena,
                                    "%u triangles so thin that the rounding of their corners turns "
