@@ -325,6 +325,13 @@ class Noise(Checks):
 
 
 class Words(Checks):
+    def test_extreme_pictures(self):
+        """Nothing to see but light; a row of pixels; a single one."""
+        for film in ({'width': 16384, 'height': 1}, {'width': 1, 'height': 1}):
+            self.assert_found(self.check({
+                'camera': {'position': [0, 0, 8], 'target': [0, 0, 0], 'fov_degrees': 40},
+                'environment': {'radiance': [1, 1, 1]}, 'film': film, 'shapes': []}), {})
+
     def test_a_clean_scene_is_one_line(self):
         path = os.path.join(SOURCE, 'scenes', 'cornell.json')
         result = subprocess.run([LAMPYRIS, 'check', path, '--size', '48x48', '-q'], text=True,

@@ -97,9 +97,9 @@ static bool add_objects(struct survey *survey, const struct coarse *coarse, stru
 {
     struct arena *arena = survey->arena;
     double step = coarse->farthest * (double)FLT_EPSILON;
-    const char *place = survey_object_name(survey, coarse->first);
     if (coarse->count == 0)
         return true;
+    const char *place = survey_object_name(survey, coarse->first);
     return survey_add(
         survey,
         &(struct scene_finding){

@@ -247,6 +247,12 @@ static bool advance(struct survey *survey, struct front *fronts, uint32_t *count
 bool sightlines_trace(struct survey *survey, struct sightline *lines, uint32_t count,
                       struct err *err)
 {
+    // Scenes without surfaces have no kernel that looks for them.
+    bool is_empty = survey->flat->triangle_count + survey->flat->shape_count == 0;
+    for (uint32_t i = 0; i < count && is_empty; i++)
+        lines[i].is_open = true;
+    if (is_empty)
+        return true;
     struct arena scratch = {0};
     struct front *fronts = ARENA_NEW(&scratch, struct front, count);
     struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, count);
