@@ -20,6 +20,8 @@ const struct check_group *const check_groups[] = {
     &check_scales,
     &check_distances,
     &check_small_lamps,
+    &check_stiff,
+    &check_bounded,
 };
 const size_t check_group_count = sizeof check_groups / sizeof check_groups[0];
 

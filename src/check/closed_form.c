@@ -119,6 +119,10 @@ bool closed_form_try(const struct check *check, const struct closed_form_trial *
     struct scene scene;
     if (!embedded_scene_load(form->scene, form->overrides, &scene, err))
         return false;
+    if (form->prepare && !form->prepare(&scene, err)) {
+        scene_finish(&scene);
+        return false;
+    }
     if (form->scale > 0.0)
         scale_scene(&scene, form->scale);
     set_estimator(&scene.settings, trial->estimator);

@@ -28,6 +28,8 @@ struct closed_form {
     unsigned alone;
     struct scene_override overrides[6]; // to the first without a key
     double scale;                       // of all lengths, see scaled_scene.h; 0: 1
+    // What the scene's text cannot say, such as meshes; NULL: nothing.
+    bool (*prepare)(struct scene *scene, struct err *err);
 };
 
 // A case of the table: the words that stand for a function's formula are called FUNCTION_is.

@@ -19,6 +19,8 @@ CASES = {
     'grounds': 'B6 sun on a plane', 'bodies': 'B19 box of fog', 'fields': 'B19 field ball of fog',
     'integrators': 'ambient, whitted', 'scales': 'C1 all lengths times 1e12',
     'distances': 'C45 white sphere from 1e8 m', 'small-lamps': 'C14 lamp of 1e-8 m',
+    'bounded': 'C18 reflectance 1 under a rough coat',
+    'stiff': 'C5 floor of slivers, 1e6 : 1',
 }
 
 
