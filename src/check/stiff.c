@@ -199,5 +199,5 @@ static const struct check_case cases[] = {
 };
 // clang-format on
 
-CHECK_GROUP(check_bounded, "bounded", "stiff cases: what is told, bounded, and ends in time",
-            cases);
+CHECK_GROUP(check_bounded, "bounded",
+            "extreme cases: what is told, what is bounded, what ends in time", cases);
