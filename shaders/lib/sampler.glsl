@@ -2,6 +2,8 @@
 #ifndef SAMPLER_GLSL
 #define SAMPLER_GLSL
 
+#include "lib/angle.glsl"
+#include "lib/double_float.glsl"
 #include "lib/halves.glsl"
 #include "lib/random.glsl"
 
@@ -220,17 +222,25 @@ vec4 random_lcg(uint pixel, uint sample_index, uint dimension)
 
 // --- fractions of sines --------------------------------------------------------------------------
 
+// The sine of any float, in radians. Its turns are a sum of two floats, 1 / (2 pi) being one, too.
+float sine_of(float radians)
+{
+    const vec2 inverse = vec2(0.159154937, 6.42063832e-09);
+    vec2 turns = exact_product(radians, inverse.x);
+    float rest = turns.y + radians * inverse.y;
+    return cos_sin_turns(fract(turns.x) + fract(rest)).y;
+}
+
 // For comparison: fract(43758.5453 sin(12.9898 x + 78.233 y + ...)), which tutorials on shaders
 // pass on from each other. A product of that size has steps of 2^-8 where the sine is near 1, and
 // what is near in the argument stays near: it is neither uniform nor independent (docs/sampling.md).
-// The sine is the device's, the only one that is: what devices make of such arguments, to which no
-// bound of theirs applies, belongs to the method.
 vec4 random_sine(uint pixel, uint sample_index, uint dimension)
 {
     vec4 place = vec4(pixel % frame.width, pixel / frame.width, sample_index, frame.seed);
     float phase = dot(place, vec4(12.9898, 78.233, 45.164, 94.673));
-    vec4 u = fract(sin(phase + 37.719 * (4.0 * float(dimension) + vec4(0.0, 1.0, 2.0, 3.0))) *
-                   43758.5453);
+    vec4 phases = phase + 37.719 * (4.0 * float(dimension) + vec4(0.0, 1.0, 2.0, 3.0));
+    vec4 sines = vec4(sine_of(phases.x), sine_of(phases.y), sine_of(phases.z), sine_of(phases.w));
+    vec4 u = fract(sines * 43758.5453);
     return min(floor(u * 16777216.0), 16777215.0) * 5.9604644775390625e-8;
 }
 

@@ -5,7 +5,7 @@
 Reads SPIR-V, as files of words or as the arrays that glslangValidator writes of them.
 
 - Trigonometric functions of the device are not called: Vulkan grants sines 2^-11 and arctangents
-  4096 units in the last place. But for one sampler, which is its sine's fractions.
+  4096 units in the last place.
 - Functions that the threads of a workgroup enter together, with a barrier or an operation of
   subgroups in them or in what they call, have one return, at their end: only then have the threads
   come together again after each `if` (SPIR-V 2.11, "Uniform Control Flow").
@@ -21,7 +21,6 @@ import re
 import struct
 import sys
 
-OP_NAME = 5
 OP_EXT_INST = 12
 OP_CAPABILITY = 17
 OP_TYPE_IMAGE = 25
@@ -118,15 +117,8 @@ def unaliased(words):
 
 def complaints(words):
     """What a module asks for that a device need not have."""
-    names, function = {}, None
     for op, operands in instructions(words):
-        if op == OP_NAME:
-            text = struct.pack('<%dI' % len(operands[1:]), *operands[1:])
-            names[operands[0]] = text.split(b'\0')[0].decode()
-        if op == OP_FUNCTION:
-            function = names.get(operands[1], '')
-        if op == OP_EXT_INST and operands[3] in TRIGONOMETRY and \
-                not function.startswith('random_sine('):
+        if op == OP_EXT_INST and operands[3] in TRIGONOMETRY:
             yield 'calls %s(): expected cos_sin_turns() and atan_turns() of lib/angle.glsl' % \
                 TRIGONOMETRY[operands[3]]
         if op == OP_CAPABILITY and operands[0] not in CAPABILITIES:
