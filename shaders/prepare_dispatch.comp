@@ -28,7 +28,9 @@ void main()
         counters.queue[queue] = 0u;
 
     bool rays = queue == QUEUE_RAYS || queue == QUEUE_RAYS + 1u;
-    uint parts = (frame.wave_slots + push.part_items - 1u) / push.part_items;
+    // A wave that fills few slots may have its dispatches in smaller parts than one that fills all.
+    uint parts = min((frame.wave_slots + push.part_items - 1u) / push.part_items,
+                     uint(DISPATCH_PARTS));
     for (uint part = 0u; part < parts; part++) {
         uint first = part * push.part_items;
         uint items = min(count - min(count, first), push.part_items);

@@ -1,6 +1,8 @@
 // Recording, submitting and timing.
 #include "gpu/gpu_internal.h"
+#include "gpu/slow.h"
 #include <assert.h>
+#include <stdlib.h>
 
 static bool query_pool_create(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
 {
@@ -10,6 +12,17 @@ static bool query_pool_create(struct gpu *gpu, struct gpu_commands *commands, st
         .queryCount = GPU_MAX_TIMESTAMPS,
     };
     return VK(gpu, err, vkCreateQueryPool(gpu->device, &info, NULL, &commands->queries));
+}
+
+static bool simulation_create(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
+{
+    if (gpu->params.limits.group_ns == 0)
+        return true;
+    commands->slow = slow_create();
+    if (!commands->slow)
+        return err_memory(err, "a slow device", SLOW_DISPATCHES);
+    return buffer_allocate(gpu, "slow device", SLOW_DISPATCHES * UINT64_C(16), GPU_READBACK, false,
+                           &commands->slow_log, err);
 }
 
 bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *err)
@@ -31,7 +44,8 @@ bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *
     buffer.commandPool = out->pool;
     if (!VK(gpu, err, vkAllocateCommandBuffers(gpu->device, &buffer, &out->handle)) ||
         !VK(gpu, err, vkCreateFence(gpu->device, &fence, NULL, &out->fence)) ||
-        (gpu->has_timestamps && !query_pool_create(gpu, out, err)))
+        (gpu->has_timestamps && !query_pool_create(gpu, out, err)) ||
+        !simulation_create(gpu, out, err))
         goto fail;
     return true;
 fail:
@@ -49,6 +63,8 @@ void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands)
         vkDestroyFence(gpu->device, commands->fence, NULL);
         vkDestroyCommandPool(gpu->device, commands->pool, NULL); // frees the command buffer
     }
+    gpu_buffer_finish(gpu, &commands->slow_log);
+    free(commands->slow);
     *commands = (struct gpu_commands){0};
 }
 
@@ -65,6 +81,7 @@ bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         !VK(gpu, err, vkBeginCommandBuffer(commands->handle, &info)))
         return false;
     commands->timestamp_count = 0;
+    slow_begin(commands->slow);
     commands->awaited = commands->signalled = VK_NULL_HANDLE;
     if (commands->queries)
         vkCmdResetQueryPool(commands->handle, commands->queries, 0, GPU_MAX_TIMESTAMPS);
@@ -89,6 +106,7 @@ void gpu_dispatch(struct gpu *gpu, struct gpu_commands *commands, const struct g
 {
     assert(groups_x <= gpu->max_groups);
     (void)gpu;
+    slow_dispatch(commands->slow, groups_x);
     vkCmdBindPipeline(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
     vkCmdDispatch(commands->handle, groups_x, 1, 1);
 }
@@ -97,7 +115,11 @@ void gpu_dispatch_indirect(struct gpu *gpu, struct gpu_commands *commands,
                            const struct gpu_kernel *kernel, const struct gpu_buffer *arguments,
                            uint64_t offset)
 {
-    (void)gpu;
+    uint64_t at = slow_dispatch_indirect(commands->slow);
+    if (at != UINT64_MAX) {
+        gpu_copy(gpu, commands, arguments, offset, &commands->slow_log, at, 12);
+        gpu_barrier(gpu, commands);
+    }
     vkCmdBindPipeline(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
     vkCmdDispatchIndirect(commands->handle, arguments->handle, offset);
 }
@@ -152,6 +174,7 @@ uint32_t gpu_timestamp(struct gpu *gpu, struct gpu_commands *commands)
     vkCmdWriteTimestamp(commands->handle, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, commands->queries,
                         commands->timestamp_count);
     settle_timestamp(gpu, commands);
+    slow_timestamp(commands->slow, commands->timestamp_count);
     return commands->timestamp_count++;
 }
 
@@ -199,6 +222,8 @@ bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
     while (result == VK_TIMEOUT);
     commands->pending = false;
     if (result == VK_SUCCESS)
+        result = slow_wait(gpu, commands->slow, commands->slow_log.mapped);
+    if (result == VK_SUCCESS)
         return true;
     gpu_settle(gpu);
     return gpu_fail(gpu, "vkWaitForFences", result, err);
@@ -219,5 +244,6 @@ bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *o
     // The counter wraps at its valid bits; a difference modulo them is right all the same.
     for (uint32_t i = 0; i < count; i++)
         out[i] = (double)((ticks[i] - ticks[0]) & gpu->timestamp_mask) * gpu->timestamp_ns;
+    slow_timestamps(gpu, commands->slow, commands->slow_log.mapped, count, out);
     return true;
 }

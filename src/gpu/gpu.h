@@ -186,6 +186,8 @@ struct gpu_commands {
     VkCommandPool pool;
     VkCommandBuffer handle;
     VkFence fence;
+    struct gpu_slow *slow; // see slow.h; NULL: nothing is simulated
+    struct gpu_buffer slow_log;
     VkQueryPool queries; // VK_NULL_HANDLE without timestamps
     uint32_t timestamp_count;
     bool pending;

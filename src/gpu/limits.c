@@ -44,6 +44,8 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         {"allocation=", &limits->allocation},
         {"memory=", &limits->memory},
         {"memory-budget=", &limits->memory_budget},
+        {"group-ns=", &limits->group_ns},
+        {"watchdog-ms=", &limits->watchdog_ms},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         size_t name_length = strlen(numbers[i].name);
@@ -74,7 +76,7 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
                 VARIABLE ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
                          "no-rounding-mode, no-mapped-device, no-timestamps, storage-range=BYTES, "
                          "storage-count=N, texel-elements=N, allocation=BYTES, "
-                         "memory=BYTES or memory-budget=BYTES",
+                         "memory=BYTES, memory-budget=BYTES, group-ns=N or watchdog-ms=N",
                 (int)length, word);
         word += length + (word[length] == ',');
     }

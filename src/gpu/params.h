@@ -12,7 +12,8 @@ struct VkPhysicalDevice_T;
 // here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
 // be run on the fallbacks: words separated by commas out of api-1.1, no-texel, no-ballot,
 // no-rounding-mode, no-mapped-device, no-timestamps, storage-range=BYTES, storage-count=N,
-// texel-elements=N, allocation=BYTES, memory=BYTES, memory-budget=BYTES. Other words are ERR_USAGE.
+// texel-elements=N, allocation=BYTES, memory=BYTES, memory-budget=BYTES, group-ns=N,
+// watchdog-ms=N. Other words are ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
     uint64_t storage_count;  // storage-buffer bindings, never fewer than GPU_MIN_STORAGE
@@ -21,11 +22,14 @@ struct gpu_limit_overrides {
     uint64_t memory;         // of all allocations: what exceeds it fails
     uint64_t memory_budget;  // of them, as the driver tells before anything is allocated
     bool api_1_1;            // a device of Vulkan 1.1 that does not tell its driver's name
-    bool no_texel;           // SSBO reads only
-    bool no_ballot;          // without subgroup ballot
-    bool no_rounding_mode;   // without a choice of how sums are rounded
-    bool no_mapped_device;   // device memory is never mapped: uploads and downloads are staged
-    bool no_timestamps;      // what kernels take is not known
+    // A slow device, simulated: what a workgroup takes, and a submission at most before the device
+    // is lost.
+    uint64_t group_ns, watchdog_ms;
+    bool no_texel;         // SSBO reads only
+    bool no_ballot;        // without subgroup ballot
+    bool no_rounding_mode; // without a choice of how sums are rounded
+    bool no_mapped_device; // device memory is never mapped: uploads and downloads are staged
+    bool no_timestamps;    // what kernels take is not known
 };
 
 struct gpu_params {

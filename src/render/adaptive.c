@@ -300,7 +300,7 @@ bool tile_wave_fill(struct renderer *r, struct wave *wave, struct err *err)
     if (!allocate_lists(r, err))
         return false;
     struct tiles *tiles = &r->tiles;
-    uint32_t tile, inside, count = 0, fits = r->plan.wave_samples >> r->pass.shift;
+    uint32_t tile, inside, count = 0, fits = pace_samples(&r->pace, &r->plan) >> r->pass.shift;
     for (find_place(r, &tile, &inside); count < fits && tile < tiles->count; tile++, inside = 0) {
         if (!takes_part(r, tile, r->pass.shift))
             continue;

@@ -40,8 +40,8 @@ bool checkpoint_read(FILE *file, const char *path, struct arena *arena, struct c
                      struct err *err);
 void checkpoint_close(struct checkpoint *checkpoint); // accepts NULL and {0}
 
-// ERR_INPUT, naming the first thing that differs, unless the identities are the same. Identities are
-// lines "name=value".
+// ERR_INPUT, naming the first thing that differs, unless the identities are the same. Identities
+// are lines "name=value".
 bool checkpoint_check(const struct checkpoint *checkpoint, const char *identity, struct err *err);
 
 // Puts a new renderer, of the same identity, into the state that was saved.

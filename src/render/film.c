@@ -1,5 +1,6 @@
 #include "render/film.h"
 
+#include "base/clock.h"
 #include "render/frame.h"
 #include "render/sampling_plan.h"
 #include "shared/aov.h"
@@ -94,10 +95,13 @@ static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t
     gpu_barrier(r->gpu, &r->commands);
     gpu_timestamp(r->gpu, &r->commands);
     double ns[GPU_MAX_TIMESTAMPS];
+    uint64_t start = clock_ns();
     if (!gpu_submit(r->gpu, &r->commands, err) || !gpu_wait(r->gpu, &r->commands, err))
         return false;
+    double waited_ns = (double)(clock_ns() - start);
     if (r->gpu->has_timestamps && !gpu_timestamps_ns(r->gpu, &r->commands, ns, err))
         return false;
+    pace_learn(&r->pace, KERNEL_resolve, count, r->gpu->has_timestamps ? ns[1] - ns[0] : waited_ns);
     struct kernel_stats *stats = &r->stats.kernels[KERNEL_resolve];
     double ms = r->gpu->has_timestamps ? (ns[1] - ns[0]) * 1e-6 : 0.0;
     stats->launches++;
@@ -175,9 +179,11 @@ bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *o
 
     const struct gpu_buffer *resolved = &r->buffers[BINDING_RESOLVED];
     for (uint32_t chunk = 0; chunk < chunks_in_use(r); chunk++) {
-        for (uint64_t first = 0; first < chunk_pixels(r, chunk); first += r->plan.resolve_pixels) {
+        uint64_t step;
+        for (uint64_t first = 0; first < chunk_pixels(r, chunk); first += step) {
             uint64_t left = chunk_pixels(r, chunk) - first;
-            uint64_t count = left < r->plan.resolve_pixels ? left : r->plan.resolve_pixels;
+            step = pace_items(&r->pace, KERNEL_resolve, (uint32_t)r->plan.resolve_pixels);
+            uint64_t count = left < step ? left : step;
             if (!resolve(r, chunk, first, (uint32_t)count, err))
                 return false;
             for (uint64_t i = 0; i < count; i++)

@@ -341,6 +341,14 @@ static bool has_tiles(const struct renderer *r)
     return r->specialization.features & FEATURE_TILES;
 }
 
+// Samples that a wave of the pass has room for. A pass of more than the usual ones of a pixel is
+// one wave.
+static uint32_t pass_samples(const struct renderer *r)
+{
+    return r->pass.shift > USUAL_SAMPLE_SHIFT ? r->plan.wave_samples
+                                              : pace_samples(&r->pace, &r->plan);
+}
+
 // The next pixels of the pass, in a wave that does not cross the film's buffers.
 static bool fill_wave(struct renderer *r, struct wave *wave, struct err *err)
 {
@@ -351,7 +359,7 @@ static bool fill_wave(struct renderer *r, struct wave *wave, struct err *err)
     wave->film_chunk = (uint32_t)(pixel / r->plan.film_chunk_pixels);
     uint64_t chunk_end = (wave->film_chunk + 1) * r->plan.film_chunk_pixels;
     uint64_t count = (chunk_end < pixels ? chunk_end : pixels) - pixel;
-    uint64_t fits = r->plan.wave_samples >> r->pass.shift;
+    uint64_t fits = pass_samples(r) >> r->pass.shift;
     wave->first_pixel = pixel;
     wave->pixel_count = (uint32_t)(count < fits ? count : fits);
     return true;
@@ -424,7 +432,7 @@ static uint64_t picture_pixels(const struct renderer *r)
 // where not even that fits.
 static uint32_t fitting_shift(const struct renderer *r)
 {
-    uint64_t samples = r->plan.wave_samples / picture_pixels(r);
+    uint64_t samples = pace_samples(&r->pace, &r->plan) / picture_pixels(r);
     uint32_t shift = samples ? 63u - (uint32_t)__builtin_clzll(samples) : 0;
     return shift < MAX_SAMPLE_SHIFT ? shift : MAX_SAMPLE_SHIFT;
 }
@@ -441,7 +449,7 @@ static uint32_t largest_shift(const struct renderer *r)
 static uint32_t choose_shift(const struct renderer *r, uint64_t samples_left)
 {
     uint32_t shift = renderer_has_all_pixels(r) ? largest_shift(r) : fitting_shift(r);
-    while (UINT64_C(1) << shift > samples_left || 1u << shift > r->plan.wave_samples)
+    while (UINT64_C(1) << shift > samples_left || 1u << shift > pace_samples(&r->pace, &r->plan))
         shift--;
     return shift;
 }

@@ -20,6 +20,7 @@
 #include "gpu/gpu.h"
 #include "render/film_aovs.h"
 #include "render/memory_plan.h"
+#include "render/pace.h"
 #include "render/specialize.h"
 #include "scene/core/scene.h"
 #include "shared/types.h"
@@ -130,6 +131,7 @@ struct in_view {
 // The kernel and the bounce that a timestamp ends.
 struct mark {
     uint8_t kernel, bounce;
+    uint32_t first, items; // of the dispatch; 0 items: of little work
 };
 
 struct renderer {
@@ -159,8 +161,9 @@ struct renderer {
     struct gpu_counters *counters; // as last read back
     struct mark *marks;            // one a timestamp of the commands being recorded
     uint32_t mark_count;
-    uint64_t recording_ns;   // when recording them began
-    bool dispatch_too_long;  // some dispatch since the last wave began: split further
+    uint64_t recording_ns; // when recording them began
+    struct pace pace;
+    uint32_t wave_items;     // slots that the wave in flight has
     bool warned_beyond_plan; // see sampling_plan.h
     uint64_t next_sample;    // of every pixel; with tiles: rounds that are over
     uint64_t round_target;   // with tiles: rounds that the passes lead up to

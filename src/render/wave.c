@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "gpu/spirv_trim.h"
 #include "render/sdf_inline.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,24 +11,27 @@
 // for the wait not to matter.
 #define BOUNCES_A_SUBMIT 16u
 #define QUEUES_OF_HITS ((1u << (QUEUE_MISS + 1)) - (1u << QUEUE_SURFACE))
-// The longest one dispatch may take before its work is split further.
-#define LONGEST_DISPATCH_MS 100.0
 
 // --- recording -----------------------------------------------------------------------------------
 
-static void mark(struct renderer *r, enum kernel_id kernel)
+// Marks follow each other as timestamps do, if there are any. items: 0 where a kernel has little to
+// do.
+static void mark(struct renderer *r, enum kernel_id kernel, uint32_t items)
 {
     uint32_t index = gpu_timestamp(r->gpu, &r->commands);
     uint32_t bounce = r->push.bounce;
+    if (!r->gpu->has_timestamps && r->mark_count < GPU_MAX_TIMESTAMPS)
+        index = r->mark_count;
     if (kernel == KERNEL_accumulate)
         bounce = 0;
     else if (kernel == KERNEL_intersect_shadow && bounce > 0)
         bounce--;
     if (bounce >= STATS_BOUNCES)
         bounce = STATS_BOUNCES - 1;
-    if (index != UINT32_MAX)
-        r->marks[index] = (struct mark){(uint8_t)kernel, (uint8_t)bounce};
-    r->mark_count = r->commands.timestamp_count;
+    if (index == UINT32_MAX)
+        return;
+    r->marks[index] = (struct mark){(uint8_t)kernel, (uint8_t)bounce, r->push.first_item, items};
+    r->mark_count = index + 1;
 }
 
 bool wave_begin(struct renderer *r, const struct wave *wave, struct err *err)
@@ -36,57 +40,106 @@ bool wave_begin(struct renderer *r, const struct wave *wave, struct err *err)
     if (!gpu_begin(r->gpu, &r->commands, err))
         return false;
     gpu_bind(r->gpu, &r->commands, &r->bindings[wave->film_chunk]);
-    mark(r, KERNEL_COUNT);
+    r->mark_count = 0;
+    r->pace.recorded_ns = 0.0;
+    mark(r, KERNEL_COUNT, 0);
     return true;
 }
 
-static void dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups)
+static void dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups, uint32_t items)
 {
     gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
     gpu_dispatch(r->gpu, &r->commands, &r->kernels[kernel], groups);
     gpu_barrier(r->gpu, &r->commands);
-    mark(r, kernel);
+    mark(r, kernel, items);
     r->stats.kernels[kernel].launches++;
 }
 
-// A kernel over `items` known to the host, in parts.
-static void record_items(struct renderer *r, enum kernel_id kernel, uint32_t items)
+// --- recording in submissions that are not too long
+// -----------------------------------------------
+
+struct loop {
+    struct renderer *r;
+    const struct wave *wave;
+    const struct wave_observer *observer; // NULL: record as much as possible before running it
+    bool is_paced;
+    uint32_t part_items; // of a queue or a list, in one dispatch
+};
+
+static bool run(struct renderer *r, struct err *err);
+
+// Submits what was recorded so far where the next part of a kernel would make that too long, and
+// where the times of all parts cannot be told any more.
+static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, struct err *err)
 {
+    struct renderer *r = l->r;
+    if (!l->is_paced)
+        return true;
+    bool is_full = r->mark_count == GPU_MAX_TIMESTAMPS;
+    if (!is_full && pace_takes(&r->pace, kernel, items))
+        return true;
+    return run(r, err) && wave_begin(r, l->wave, err) &&
+           (pace_takes(&r->pace, kernel, items) ||
+            err_set(err, ERR_BUG, "an empty submission that takes nothing"));
+}
+
+// A kernel over `items` known to the host, in parts. work: as much as so many items of others.
+static bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
+                         struct err *err)
+{
+    struct renderer *r = l->r;
     uint32_t workgroup = r->specialization.workgroup;
-    r->push.part_items = r->plan.part_items;
-    for (uint32_t first = 0; first < items; first += r->plan.part_items) {
+    uint32_t most = l->is_paced && l->part_items / work > workgroup
+                        ? l->part_items / work / workgroup * workgroup
+                    : l->is_paced ? workgroup
+                                  : l->part_items;
+    for (uint32_t first = 0; first < items; first += most) {
         uint32_t left = items - first;
-        uint32_t part = left < r->plan.part_items ? left : r->plan.part_items;
+        uint32_t part = left < most ? left : most;
+        if (!make_room(l, kernel, part * work, err))
+            return false;
+        r->push.part_items = most;
         r->push.first_item = first;
-        dispatch(r, kernel, (part + workgroup - 1) / workgroup);
+        dispatch(r, kernel, (part + workgroup - 1) / workgroup, part * work);
     }
+    return true;
 }
 
 // A kernel over a queue whose length only the device knows, in as many parts as it may need.
-static void record_queue(struct renderer *r, enum kernel_id kernel, uint32_t queue)
+static bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
-    r->push.queue = queue;
-    r->push.part_items = r->plan.part_items;
-    for (uint32_t part = 0; part * (uint64_t)r->plan.part_items < r->plan.wave_slots; part++) {
+    struct renderer *r = l->r;
+    for (uint32_t part = 0; part * (uint64_t)l->part_items < r->wave_items; part++) {
         size_t at = offsetof(struct gpu_counters, dispatch) +
                     (queue * DISPATCH_PARTS + part) * sizeof(struct gpu_dispatch);
-        r->push.first_item = part * r->plan.part_items;
+        uint32_t first = part * l->part_items, left = r->wave_items - first;
+        uint32_t items = left < l->part_items ? left : l->part_items;
+        if (!make_room(l, kernel, items, err))
+            return false;
+        r->push.queue = queue;
+        r->push.part_items = l->part_items;
+        r->push.first_item = first;
         gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
         gpu_dispatch_indirect(r->gpu, &r->commands, &r->kernels[kernel],
                               &r->buffers[BINDING_COUNTERS], at);
         r->stats.kernels[kernel].launches++;
-        mark(r, kernel);
+        mark(r, kernel, items);
     }
     gpu_barrier(r->gpu, &r->commands);
+    return true;
 }
 
-static void record_prepare(struct renderer *r, uint32_t queue_mask)
+static bool record_prepare(struct loop *l, uint32_t queue_mask, struct err *err)
 {
+    struct renderer *r = l->r;
+    if (!make_room(l, KERNEL_prepare_dispatch, 0, err))
+        return false;
     r->push.queue = queue_mask;
-    r->push.part_items = r->plan.part_items;
+    r->push.part_items = l->part_items;
     // The smallest workgroups have fewer threads than there are queues.
     uint32_t workgroup = r->specialization.workgroup;
-    dispatch(r, KERNEL_prepare_dispatch, (QUEUE_COUNT + workgroup - 1) / workgroup);
+    dispatch(r, KERNEL_prepare_dispatch, (QUEUE_COUNT + workgroup - 1) / workgroup, 0);
+    return true;
 }
 
 // --- running -------------------------------------------------------------------------------------
@@ -100,7 +153,41 @@ static void add_times(struct renderer *r, const double *ns)
         r->stats.bounce_ms[r->marks[i].bounce][r->marks[i].kernel] += ms;
         if (ms > kernel->longest_ms)
             kernel->longest_ms = ms;
-        r->dispatch_too_long |= ms > LONGEST_DISPATCH_MS && !r->gpu->info.is_cpu;
+    }
+}
+
+// Items of a dispatch that there were, of a queue that was prepared last for this dispatch.
+static uint32_t items_found(const struct renderer *r, const struct mark *m)
+{
+    uint32_t queue = r->push.queue;
+    if (m->kernel == KERNEL_generate_rays || m->kernel == KERNEL_accumulate)
+        return m->items;
+    bool is_hits = queue >= QUEUE_SURFACE && queue <= QUEUE_MISS;
+    uint32_t count =
+        is_hits ? r->counters->queue[queue] : r->counters->dispatch[queue * DISPATCH_PARTS].items;
+    uint32_t left = count > m->first ? count - m->first : 0;
+    return left < m->items ? left : m->items;
+}
+
+// A kernel whose time is not known yet was submitted last and alone: then it counts how many items
+// there really were. Later, a wave's fullest bounces tell what items take, empty ones included.
+static void learn(struct renderer *r, const struct mark *m, double ns)
+{
+    bool is_known = r->pace.ns[m->kernel] > 0.0;
+    pace_learn(&r->pace, m->kernel, is_known ? m->items : items_found(r, m), ns);
+}
+
+// ns: when marks were passed; NULL: only the time of all is known, and shared out as was expected.
+static void learn_all(struct renderer *r, const double *ns, double total_ns)
+{
+    double expected = r->pace.recorded_ns;
+    for (uint32_t i = 1; i < r->mark_count; i++) {
+        const struct mark *m = &r->marks[i];
+        if (m->items == 0)
+            continue;
+        double known = r->pace.ns[m->kernel] * m->items;
+        double share = known > 0.0 && expected > 0.0 ? fmin(known / expected, 1.0) : 1.0;
+        learn(r, m, ns ? ns[i] - ns[i - 1] : total_ns * share);
     }
 }
 
@@ -123,17 +210,13 @@ static bool run(struct renderer *r, struct err *err)
     }
     bool ok = gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters,
                            sizeof *r->counters, err);
+    if (ok && r->pace.is_on)
+        learn_all(r, r->gpu->has_timestamps ? ns : NULL, (double)(waited - recorded));
     host->reading_back += (double)(clock_ns() - waited) * 1e-6;
     return ok;
 }
 
 // --- the loop ------------------------------------------------------------------------------------
-
-struct loop {
-    struct renderer *r;
-    const struct wave *wave;
-    const struct wave_observer *observer; // NULL: record as much as possible before running it
-};
 
 static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint32_t queue,
                     struct err *err)
@@ -163,16 +246,18 @@ static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, s
     struct renderer *r = l->r;
     if (!before(l, kernel, queue, err))
         return false;
-    record_queue(r, kernel, queue);
+    if (!record_queue(l, kernel, queue, err))
+        return false;
     if (r->specialization.features & FEATURE_SUSPEND) {
         for (uint32_t suspended = QUEUE_SUSPENDED;;
              suspended = 2 * QUEUE_SUSPENDED + 1 - suspended) {
-            record_prepare(r, 1u << suspended);
-            if (!run(r, err) || !wave_begin(r, l->wave, err))
+            if (!record_prepare(l, 1u << suspended, err) || !run(r, err) ||
+                !wave_begin(r, l->wave, err))
                 return false;
             if (r->counters->dispatch[suspended * DISPATCH_PARTS].items == 0)
                 break;
-            record_queue(r, kernel, suspended);
+            if (!record_queue(l, kernel, suspended, err))
+                return false;
         }
     }
     return after(l, kernel, queue, err);
@@ -198,8 +283,7 @@ static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
         return true;
     if (!before(l, kernel, queue, err))
         return false;
-    record_queue(l->r, kernel, queue);
-    return after(l, kernel, queue, err);
+    return record_queue(l, kernel, queue, err) && after(l, kernel, queue, err);
 }
 
 static bool shade_misses(struct loop *l, struct err *err)
@@ -220,6 +304,14 @@ static bool shade_surfaces(struct loop *l, struct err *err)
            shade(l, KERNEL_shade_whitted, QUEUE_SURFACE, err);
 }
 
+// Dispatches are prepared for parts of one size: it may change where none is prepared.
+static void choose_part(struct loop *l)
+{
+    struct renderer *r = l->r;
+    pace_choose_part(&r->pace, &r->plan, r->specialization.workgroup, r->wave_items);
+    l->part_items = l->is_paced ? r->pace.part_items : r->plan.part_items;
+}
+
 // The shadow rays of the bounce before join the radiance first: contributions are added in the
 // order of bounces.
 static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
@@ -228,15 +320,16 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
     uint32_t rays = QUEUE_RAYS + (bounce & 1u);
     uint32_t mask = 1u << rays | 1u << QUEUE_SHADOW;
     r->push.bounce = bounce;
-    if (!before(l, KERNEL_prepare_dispatch, mask, err))
+    choose_part(l);
+    if (!before(l, KERNEL_prepare_dispatch, mask, err) || !record_prepare(l, mask, err))
         return false;
-    record_prepare(r, mask);
     if (bounce > 0 && !trace_shadow_rays(l, err))
         return false;
     if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
         return false;
-    if (r->specialization.features & (FEATURE_CLASSES | FEATURE_ENVIRONMENT))
-        record_prepare(r, r->specialization.queues & QUEUES_OF_HITS);
+    bool has_queues = r->specialization.features & (FEATURE_CLASSES | FEATURE_ENVIRONMENT);
+    if (has_queues && !record_prepare(l, r->specialization.queues & QUEUES_OF_HITS, err))
+        return false;
     return shade_misses(l, err) && shade_surfaces(l, err);
 }
 
@@ -249,8 +342,10 @@ static bool trace_paths(struct loop *l, struct err *err)
     r->push.bounce = 0;
     if (!before(l, KERNEL_generate_rays, 0, err))
         return false;
-    record_items(r, KERNEL_generate_rays, l->wave->pixel_count << l->wave->sample_shift);
-    if (!after(l, KERNEL_generate_rays, 0, err))
+    choose_part(l);
+    if (!record_items(l, KERNEL_generate_rays, l->wave->pixel_count << l->wave->sample_shift, 1,
+                      err) ||
+        !after(l, KERNEL_generate_rays, 0, err))
         return false;
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
         return true;
@@ -270,16 +365,6 @@ static bool trace_paths(struct loop *l, struct err *err)
     return true;
 }
 
-// Between waves, since dispatches are prepared for parts of one size: halves what a dispatch takes
-// when one took too long. On a GPU a watchdog may be waiting.
-static void adapt_parts(struct renderer *r)
-{
-    uint32_t half = r->plan.part_items / 2;
-    if (r->dispatch_too_long && (uint64_t)half * DISPATCH_PARTS >= r->plan.wave_slots)
-        r->plan.part_items = half;
-    r->dispatch_too_long = false;
-}
-
 static void push_wave(struct renderer *r, const struct wave *wave)
 {
     r->push.first_pixel = (uint32_t)wave->first_pixel;
@@ -287,12 +372,21 @@ static void push_wave(struct renderer *r, const struct wave *wave)
     r->push.sample_shift = wave->sample_shift;
     r->push.first_sample = (uint32_t)wave->first_sample;
     r->push.film_first_pixel = (uint32_t)(wave->film_chunk * r->plan.film_chunk_pixels);
+    r->wave_items = wave->pixel_count << wave->sample_shift << r->specialization.split_lobes;
 }
 
-static void set_wave(struct renderer *r, const struct wave *wave)
+// Kernel by kernel, as somebody watches them, they are not split.
+static struct loop make_loop(struct renderer *r, const struct wave *wave,
+                             const struct wave_observer *observer)
 {
-    adapt_parts(r);
     push_wave(r, wave);
+    return (struct loop){
+        .r = r,
+        .wave = wave,
+        .observer = observer,
+        .is_paced = r->pace.is_on && !observer,
+        .part_items = r->plan.part_items,
+    };
 }
 
 static uint64_t count_since(const uint32_t now[2], const uint32_t before[2])
@@ -344,14 +438,14 @@ static void add_nonfinite(struct renderer *r, const struct gpu_counters *before)
 bool wave_render(struct renderer *r, const struct wave *wave, const struct wave_observer *observer,
                  bool *voided, struct err *err)
 {
-    set_wave(r, wave);
-    struct loop loop = {.r = r, .wave = wave, .observer = observer};
+    struct loop loop = make_loop(r, wave, observer);
     struct gpu_counters before = *r->counters;
     if (!trace_paths(&loop, err))
         return false;
-    record_items(r, KERNEL_accumulate, wave->pixel_count);
-    if (!run(r, err))
+    if (!record_items(&loop, KERNEL_accumulate, wave->pixel_count, 1u << wave->sample_shift, err) ||
+        !run(r, err))
         return false;
+    pace_end_wave(&r->pace, &r->plan);
     *voided = r->counters->unfinished != 0; // accumulate() has left the film alone then
     if (*voided) {
         r->stats.voided_waves++;
@@ -367,24 +461,24 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave_
 bool wave_trace_steps(struct renderer *r, const struct wave *wave,
                       const struct wave_observer *observer, struct err *err)
 {
-    set_wave(r, wave);
-    struct loop loop = {.r = r, .wave = wave, .observer = observer};
+    struct loop loop = make_loop(r, wave, observer);
     return trace_paths(&loop, err) && run(r, err);
 }
 
 void wave_record_step(struct renderer *r, const struct wave *wave, const struct wave_step *step)
 {
-    push_wave(r, wave);
+    struct loop loop = make_loop(r, wave, NULL);
+    loop.is_paced = false; // nothing is run, and nothing fails then
     r->push.bounce = step->bounce;
     r->push.light_ray = step->light_ray;
     if (step->kernel == KERNEL_generate_rays)
-        record_items(r, step->kernel, wave->pixel_count << wave->sample_shift);
+        record_items(&loop, step->kernel, wave->pixel_count << wave->sample_shift, 1, NULL);
     else if (step->kernel == KERNEL_accumulate || step->kernel == KERNEL_resolve)
-        record_items(r, step->kernel, wave->pixel_count);
+        record_items(&loop, step->kernel, wave->pixel_count, 1, NULL);
     else if (step->kernel == KERNEL_prepare_dispatch)
-        record_prepare(r, step->queue);
+        record_prepare(&loop, step->queue, NULL);
     else
-        record_queue(r, step->kernel, step->queue);
+        record_queue(&loop, step->kernel, step->queue, NULL);
 }
 
 // --- kernels -------------------------------------------------------------------------------------
@@ -478,7 +572,8 @@ bool wave_clear_counters(struct renderer *r, struct err *err)
 static bool run_on_nothing(struct renderer *r, struct err *err)
 {
     struct wave none = {0};
-    set_wave(r, &none);
+    push_wave(r, &none);
+    pace_begin(&r->pace, r->gpu, &r->plan);
     r->push.queue = 0;
     r->push.part_items = 0;
     struct render_stats kept = r->stats; // compilation is no run time
@@ -486,7 +581,7 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
         return false;
     for (int id = 0; id < KERNEL_COUNT; id++)
         if (r->kernels[id].pipeline)
-            dispatch(r, (enum kernel_id)id, 1);
+            dispatch(r, (enum kernel_id)id, 1, 0);
     bool ok = run(r, err);
     r->stats = kept;
     return ok;

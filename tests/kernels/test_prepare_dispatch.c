@@ -22,7 +22,7 @@ static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgr
         uint32_t count = counters->queue[queue];
         bool rays = queue <= QUEUE_RAYS + 1;
         counters->queue[queue] = 0;
-        for (uint32_t part = 0; part * part_items < slots; part++) {
+        for (uint32_t part = 0; part < DISPATCH_PARTS && part * part_items < slots; part++) {
             uint32_t first = part * part_items, items = count > first ? count - first : 0;
             if (items > part_items)
                 items = part_items;
@@ -84,7 +84,8 @@ TEST(prepare_dispatch)
     const uint32_t counts[] = {
         0,         1,    workgroup - 1, workgroup, workgroup + 1, 3 * workgroup, slots / 2 + 1,
         slots - 1, slots};
-    const uint32_t parts[] = {slots, slots / 2, slots / 3, slots / DISPATCH_PARTS, 2 * slots};
+    const uint32_t parts[] = {
+        slots, slots / 2, slots / 3, slots / DISPATCH_PARTS, slots / DISPATCH_PARTS / 2, 2 * slots};
     const uint32_t masks[] = {1u << QUEUE_RAYS | 1u << QUEUE_SHADOW,
                               1u << (QUEUE_RAYS + 1) | 1u << QUEUE_SHADOW, 1u << QUEUE_SUSPENDED,
                               1u << (QUEUE_SUSPENDED + 1), 0};

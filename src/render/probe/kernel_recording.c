@@ -312,7 +312,6 @@ static bool record(struct recording *c, struct err *err)
     bool at_end = rec->step.kernel == KERNEL_accumulate || rec->step.kernel == KERNEL_resolve;
     const struct wave_observer observer = {.before = before, .after = after, .context = c};
     bool ok = wave_trace_steps(r, &rec->wave, at_end ? NULL : &observer, err) || c->done;
-    r->dispatch_too_long = false; // the dispatches that were kept are of parts of this size
     if (!ok || !(at_end ? keep_end(r, rec, err) : true))
         return false;
     double ms;

@@ -1,0 +1,104 @@
+#include "render/pace.h"
+
+#include "shared/types.h"
+#include <math.h>
+
+// A first wave, the dispatches of which have 1,024 items: with a microsecond for each, which is
+// long, a hundredth of what is dangerous.
+#define FIRST_SAMPLES 65536u
+#define LEAST_SAMPLES 4096u
+// Waves and dispatches grow no faster: what was measured of few items is inexact.
+#define GROWTH 4u
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+void pace_begin(struct pace *pace, const struct gpu *gpu, const struct memory_plan *plan)
+{
+    *pace = (struct pace){
+        .is_on = !gpu->info.is_cpu || gpu->params.limits.group_ns > 0,
+        .part_items = plan->part_items,
+        .samples = least(FIRST_SAMPLES, plan->wave_samples),
+    };
+}
+
+uint32_t pace_samples(const struct pace *pace, const struct memory_plan *plan)
+{
+    return pace->is_on ? least(pace->samples, plan->wave_samples) : plan->wave_samples;
+}
+
+// The time of an item of the slowest kernel; 0 where none is known.
+static double worst_ns(const struct pace *pace)
+{
+    double worst = 0.0;
+    for (int i = 0; i < KERNEL_COUNT; i++)
+        worst = fmax(worst, pace->ns[i]);
+    return worst;
+}
+
+static uint32_t items_within(double ns, double item_ns, uint32_t most)
+{
+    return item_ns > 0.0 && ns / item_ns < most ? (uint32_t)(ns / item_ns) : most;
+}
+
+// As few items as the number of prepared dispatches allows, where nothing is known.
+void pace_choose_part(struct pace *pace, const struct memory_plan *plan, uint32_t workgroup,
+                      uint32_t slots)
+{
+    if (!pace->is_on)
+        return;
+    uint32_t smallest = (slots + DISPATCH_PARTS - 1) / DISPATCH_PARTS;
+    smallest = (smallest + workgroup - 1) / workgroup * workgroup;
+    double worst = worst_ns(pace);
+    uint32_t part = worst > 0.0 ? items_within(PACE_DISPATCH_NS, worst, plan->part_items) : 0;
+    part = part / workgroup * workgroup;
+    pace->part_items = least(part > smallest ? part : smallest, plan->part_items);
+}
+
+bool pace_takes(struct pace *pace, enum kernel_id kernel, uint32_t items)
+{
+    double ns = pace->ns[kernel] * items;
+    bool is_first = pace->recorded_ns == 0.0;
+    bool is_known = pace->ns[kernel] > 0.0 || items == 0;
+    if (!is_first && (!is_known || pace->recorded_ns + ns > PACE_SUBMISSION_NS))
+        return false;
+    pace->recorded_ns += is_known ? ns : INFINITY; // nothing follows in this submission
+    return true;
+}
+
+uint32_t pace_items(const struct pace *pace, enum kernel_id kernel, uint32_t most)
+{
+    if (!pace->is_on)
+        return most;
+    if (pace->ns[kernel] == 0.0)
+        return least(LEAST_SAMPLES, most);
+    uint32_t items = items_within(PACE_DISPATCH_NS, pace->ns[kernel], most);
+    return items > 0 ? items : 1;
+}
+
+void pace_learn(struct pace *pace, enum kernel_id kernel, uint32_t items, double ns)
+{
+    if (!pace->is_on || items == 0)
+        return;
+    double item_ns = fmax(ns / items, 1e-6); // clocks stand still at times
+    pace->ns[kernel] = fmax(pace->ns[kernel], item_ns);
+    pace->wave_ns[kernel] = fmax(pace->wave_ns[kernel], item_ns);
+}
+
+void pace_end_wave(struct pace *pace, const struct memory_plan *plan)
+{
+    if (!pace->is_on)
+        return;
+    for (int i = 0; i < KERNEL_COUNT; i++) {
+        if (pace->wave_ns[i] > 0.0)
+            pace->ns[i] = fmax(pace->wave_ns[i], 0.5 * pace->ns[i]);
+        pace->wave_ns[i] = 0.0;
+    }
+    // As many as dispatches of the longest time make up, with as many slots a sample as there are.
+    double worst = worst_ns(pace) * (plan->wave_slots / plan->wave_samples);
+    uint32_t most = least(GROWTH * least(pace->samples, UINT32_MAX / GROWTH), plan->wave_samples);
+    uint32_t fits = items_within(DISPATCH_PARTS * PACE_DISPATCH_NS, worst, most);
+    pace->samples = least(fits > LEAST_SAMPLES ? fits : LEAST_SAMPLES, plan->wave_samples);
+}

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""A device that somebody watches is given no more work at a time than it may take: on simulated slow
+devices (LAMPYRIS_LIMITS=group-ns=N,watchdog-ms=N) no submission is longer than the watchdog allows.
+
+Usage: test_slow_device.py LAMPYRIS SCENE_FOLDER [unittest arguments]
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from program import need_device
+
+LAMPYRIS = os.path.abspath(sys.argv.pop(1))
+SCENES = os.path.abspath(sys.argv.pop(1))
+
+
+class SlowDevice(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def render(self, limits, *arguments, scene='cornell'):
+        env = dict(os.environ, LAMPYRIS_LIMITS=limits) if limits else None
+        # Of large waves, as GPUs have; a lost device is the end.
+        return subprocess.run([LAMPYRIS, 'render', os.path.join(SCENES, scene + '.json'), '--size',
+                               '128x128', '--spp', '2', '--wave', '1M', '--reopen', '0', '-q',
+                               '--json', '-o', os.path.join(self.folder.name, 'a.exr'),
+                               *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              text=True, timeout=100, check=False, env=env)
+
+    def launches(self, limits, *arguments, **options):
+        """How often the kernel is launched that traces; the picture is that of a fast device."""
+        fast = json.loads(self.render(None, *arguments, **options).stdout)
+        result = self.render(limits, *arguments, **options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        slow = json.loads(result.stdout)
+        for key in 'image_hash', 'rays', 'wave':
+            self.assertEqual(slow[key], fast[key])
+        for name, kernel in slow['kernels'].items():
+            # PACE_DISPATCH_NS; what is new may take twice as long.
+            self.assertLessEqual(kernel['longest_ms'], 100.0, name)
+        return slow['kernels']['intersect_closest']['launches']
+
+    def test_no_submission_is_too_long(self):
+        # 16384 pixels are 128 workgroups: a kernel over all of them takes from 1 to 400 ms, and a
+        # bounce several. PACE_SUBMISSION_NS is 200 ms.
+        launches = [self.launches('group-ns=%d,watchdog-ms=250' % ns)
+                    for ns in (10000, 100000, 1000000, 3000000)]
+        self.assertEqual(launches, sorted(launches))
+        self.assertGreater(launches[3], 10 * launches[0])
+
+    def test_other_kernels(self):
+        self.launches('group-ns=1000000,watchdog-ms=250', scene='all_classes')
+        self.launches('group-ns=1000000,watchdog-ms=250', '--adaptive', 'on', '--spp', '16')
+        self.launches('group-ns=1000000,watchdog-ms=250', scene='whitted')
+
+    def test_the_clock_tells_where_there_are_no_timestamps(self):
+        # Of the simulated time alone: this machine may be busy with something else.
+        self.launches('group-ns=20000,no-timestamps,watchdog-ms=250')
+
+    def test_the_watchdog_bites(self):
+        result = self.render('group-ns=100000,watchdog-ms=1')
+        self.assertEqual(result.returncode, 3)
+        self.assertIn('device lost', result.stderr)
+
+
+if __name__ == '__main__':
+    need_device(LAMPYRIS)
+    unittest.main()
