@@ -21,6 +21,7 @@ struct scene_check {
     struct scene scene;
     struct arena arena;
     struct scene_findings findings;
+    bool is_outside; // what --fix has written names files outside of its folder
 };
 
 // What is wrong, and stays so in the file that --fix writes.
@@ -89,6 +90,8 @@ static void print_changes(const struct scene_check *check)
         print_line(": ", finding->change);
     }
     print_line(count > 0 ? "wrote     " : "Nothing was changed in ", check->options->check.fix);
+    if (check->is_outside)
+        puts("note      it names files outside of its folder, and so needs --allow-outside-paths");
 }
 
 static void print_text(const struct scene_check *check)
@@ -153,6 +156,7 @@ static bool write_fixed(struct scene_check *check, const struct scene *before, u
         .before = before,
         .scene = &check->scene,
         .camera = &check->scene.cameras[camera],
+        .is_outside = &check->is_outside,
     };
     return scene_write(&params, err);
 }
