@@ -100,8 +100,9 @@ SETTING(MIS, uint32_t, mis, "mis", "mis", "Method",
     "the balance heuristic, or shadow rays only where they can.",
     (CHOICE(mis_names)), .fallback = MIS_POWER, .label = "  weights", NEEDS(NEE, 1u << true))
 SETTING(MIS_EXPONENT, float, mis_exponent, "mis_exponent", "mis-exponent", "Method",
-    "The exponent of the power heuristic. 1 is the balance heuristic, and the greatest exponents "
-    "count the likelier way alone.",
+    "The exponent of the power heuristic. 1 is the balance heuristic. 0 would give half of the "
+    "weight to a way that cannot find the light; at 1000 the lesser of two densities 2 % apart "
+    "counts for nothing in single precision, as by the maximum heuristic.",
     (REAL(0.01, 1000)), .fallback = 2, .argument = "B", .label = "  exponent", .drag = 8,
     NEEDS(MIS, 1u << MIS_POWER))
 SETTING(DIRECTIONS, uint32_t, directions, "directions", "directions", "Method",
