@@ -4,6 +4,8 @@ An answer is made of the results of its report. What is said to be better, worse
 the intervals say; a reason is given only where what it explains was found. Each returns sentences.
 """
 
+import math
+
 # --- figures --------------------------------------------------------------------------------------
 
 
@@ -112,6 +114,18 @@ def bias_of(curves, labels, name=name_of):
         f"{name(label)} by {number(curves[label]['bias']['value'], 2)}" for label in found) + "."
 
 
+def compared(curves, first, others):
+    """Errors at the same samples."""
+    order = {label: apart(curves.error(label), curves.error(first)) for label in others}
+    said = []
+    for sign, words in ((-1, "less error than"), (1, "more error than"), (0, "an error not told apart from that of")):
+        found = [name_of(label) for label in others if order[label] == sign]
+        if found:
+            said.append(f"{listed(found)} {'has' if len(found) == 1 else 'have'} {words} {name_of(first)} "
+                        "at the same samples.")
+    return said
+
+
 # --- converge -------------------------------------------------------------------------------------
 
 
@@ -185,6 +199,31 @@ def nee(results):
     return said + [bias_of(curves, list(curves.index), lambda label: names[label])]
 
 
+def price(curves, label, first):
+    """Error times processor time, over that of the first: below 1 it gains. The intervals of the errors and of the time
+    are taken to be independent."""
+    parts = [curves.error(label), curves.error(first), curves[label]["processor_ratio"]]
+    value = parts[0]["value"] / parts[1]["value"] * parts[2]["value"]
+    half = math.hypot(*(math.log(part["ci_high"] / part["ci_low"]) / 2 for part in parts))
+    return {"value": value, "ci_low": value * math.exp(-half), "ci_high": value * math.exp(half)}
+
+
+def splits(results):
+    curves = Curves(results)
+    first, *others = list(curves.index)
+    said = compared(curves, first, others)
+    said.append("A sample takes " + listed(f"{span(curves[label]['processor_ratio'])} times the processor time with "
+                                           f"{name_of(label)}" for label in others) + ".")
+    prices = {label: price(curves, label, first) for label in others}
+    for sign, words in ((-1, "a gain"), (1, "a loss"), (0, "not told apart")):
+        found = [name_of(label) for label in others
+                 if (prices[label]["ci_low"] > 1) - (prices[label]["ci_high"] < 1) == sign]
+        if found:
+            said.append(f"For the same processor time, {listed(found)} {'is' if len(found) == 1 else 'are'} {words} "
+                        f"against {name_of(first)}.")
+    return said + [bias_of(curves, [first, *others])]
+
+
 def samplers(results):
     curves = Curves(results)
     first, *others = list(curves.index)
@@ -227,12 +266,7 @@ def pixels(results):
     curves = Curves(results)
     first, *others = list(curves.index)
     name = name_of(first)
-    order = {label: apart(curves.error(label), curves.error(first)) for label in others}
-    said = []
-    for sign, words in ((-1, "less error than"), (1, "more error than"), (0, "an error not told apart from that of")):
-        found = [name_of(label) for label in others if order[label] == sign]
-        if found:
-            said.append(f"{listed(found)} {'has' if len(found) == 1 else 'have'} {words} {name} at the same samples.")
+    said = compared(curves, first, others)
     least = min(curves.index, key=lambda label: curves.error(label)["value"])
     said.append(f"The least error is that of {name_of(least)}: {span(curves.error(least))}, that of {name} "
                 f"{span(curves.error(first))}.")

@@ -6,6 +6,7 @@ test_reports.py PROGRAM
 import copy
 import importlib.machinery
 import importlib.util
+import math
 import os
 import pathlib
 import re
@@ -69,6 +70,7 @@ class Figures:
     def __init__(self, results):
         self.curves = {curve["label"]: curve for curve in results["curves"]}
         self.labels = list(self.curves)
+        self.processor = {x: c["processor_ratio"] for x, c in self.curves.items() if c.get("processor_ratio")}
         self.ratios = {}
         for pair in results["pairs"]:
             a, b, r = self.labels[pair["curve"]], self.labels[pair["than"]], pair["efficiency_ratio"]
@@ -140,6 +142,27 @@ def are_slow(f, names, *_):
     return set(f.listed(names)) == {x for x in f.labels if f.slope(x)["ci_low"] > -1}
 
 
+def times_are(f, text):
+    found = dict(re.findall(rf"{NUMBER} \[[^]]*\] times the processor time with `([^`]+)`", text))
+    said = {f"split-lobes={name}": n for n, name in found.items()}
+    return set(said) == set(f.processor) and all(same(n, f.processor[x]["value"]) for x, n in said.items())
+
+
+def prices_are(f, names, words, first, *_):
+    """Error times processor time against the first: each in units of the standard deviations of both logarithms."""
+    first, sign = f.label(first), {"a gain": -1, "a loss": 1, "not told apart": 0}[words]
+
+    def spread(interval):
+        return math.log(interval["ci_high"] / interval["ci_low"]) ** 2
+
+    def told(label):
+        error, other, time = f.error(label), f.error(first), f.processor[label]
+        price = math.log(error["value"] / other["value"] * time["value"])
+        return 0 if 4 * price ** 2 <= spread(error) + spread(other) + spread(time) else math.copysign(1, price)
+
+    return set(f.listed(names)) == {x for x in f.others(first) if told(x) == sign}
+
+
 # Pattern, and whether it is so; the pattern's groups are the arguments.
 CLAIMS = [
     (rf"{NAME} is the most efficient, {NUMBER} \[.*\] times {NAME}, the next\.", is_winner),
@@ -181,6 +204,8 @@ CLAIMS = [
      same(n, f.curves["sampler=grid"]["bias"]["ci_high"])),
     (rf"{LIST} (?:has|have) (less error than|more error than|an error not told apart from that of) {NAME} "
      r"at the same samples\.", errors_are),
+    (r"A sample takes (.*)\.", times_are),
+    (rf"For the same processor time, {LIST} (?:is|are) (a gain|a loss|not told apart) against {NAME}\.", prices_are),
     (rf"The least error is that of {NAME}: {NUMBER} \[.*\], that of {NAME} {NUMBER} \[.*\]\.",
      lambda f, a, n, b, m: f.error(f.label(a))["value"] == min(f.error(x)["value"] for x in f.labels) and
      same(n, f.error(f.label(a))["value"]) and same(m, f.error(f.label(b))["value"])),
@@ -224,6 +249,11 @@ def planted(results):
             curve.update(biased=value, bias={"value": 0.5, "ci_low": 0.4 if value else -0.4, "ci_high": 0.6})
 
     yield "as measured", results
+    if "processor_ratio" in results["curves"][0]:
+        for factor in (0.2, 0.85, 5):
+            yield f"processor time by {factor}", changed(lambda c, p: [
+                curve["processor_ratio"].update({key: factor * value for key, value in curve["processor_ratio"].items()})
+                for curve in c[1:]])
     yield "reversed", changed(lambda c, p: relabel(c, p, lambda x: x[::-1]))
     yield "rotated", changed(lambda c, p: relabel(c, p, lambda x: x[1:] + x[:1]))
     yield "alike", changed(alike)
