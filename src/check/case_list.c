@@ -8,6 +8,8 @@ const struct check_group *const check_groups[] = {
     &check_threads,
     // What must not change one bit of a picture.
     &check_bits,
+    // The BSDFs by themselves: docs/verification.md, A.
+    &check_bsdf,
     // Scenes whose radiance is known: docs/verification.md, B, and those of C that are such.
     &check_light,
     &check_media,

@@ -8,8 +8,8 @@
 #define CHECK_GROUP(symbol, word, words, array)                                                    \
     const struct check_group symbol = {word, words, array, sizeof(array) / sizeof(array)[0]}
 
-extern const struct check_group check_arithmetic, check_threads, check_bits, check_light,
-    check_media, check_rooms, check_lamps, check_grounds, check_bodies, check_fields,
+extern const struct check_group check_arithmetic, check_threads, check_bits, check_bsdf,
+    check_light, check_media, check_rooms, check_lamps, check_grounds, check_bodies, check_fields,
     check_integrators, check_scales, check_distances, check_small_lamps, check_stiff, check_bounded;
 
 extern const struct check_group *const check_groups[];

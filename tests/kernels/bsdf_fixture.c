@@ -1,6 +1,6 @@
 #include "bsdf_fixture.h"
 
-#include "bsdf_test.spv.h"
+#include "check_bsdf.spv.h"
 
 // Paths in flight: how many items run at a time.
 #define SLOTS (1u << 17)
@@ -10,17 +10,17 @@ _Static_assert(sizeof(union bsdf_item) == sizeof(struct gpu_path), "they share a
 static bool create_kernel(struct renderer *r, uint32_t routine, uint32_t lobes,
                           struct gpu_kernel *kernel, struct err *err)
 {
-    uint32_t constants[CONSTANT_ROUTINE + 1];
+    uint32_t constants[CONSTANT_CHECK_ROUTINE + 1];
     memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
     constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes what it reads
     constants[CONSTANT_LOBES] = lobes;
-    constants[CONSTANT_ROUTINE] = routine;
+    constants[CONSTANT_CHECK_ROUTINE] = routine;
     const struct gpu_kernel_params params = {
         .name = "bsdf",
-        .spirv = bsdf_spirv,
-        .spirv_bytes = sizeof bsdf_spirv,
+        .spirv = check_bsdf_spirv,
+        .spirv_bytes = sizeof check_bsdf_spirv,
         .constants = constants,
-        .constant_count = CONSTANT_ROUTINE + 1,
+        .constant_count = CONSTANT_CHECK_ROUTINE + 1,
     };
     return gpu_kernel_create(r->gpu, &params, kernel, err);
 }

@@ -2,36 +2,9 @@
 #ifndef LAMPYRIS_TESTS_BSDF_FIXTURE_H
 #define LAMPYRIS_TESTS_BSDF_FIXTURE_H
 
-#include "bsdf_item.h"
 #include "bsdf_reference.h"
+#include "check/bsdf.h"
 #include "kernel_fixture.h"
-
-// Inputs and outputs of an item; see bsdf.comp.
-union bsdf_item {
-    struct {
-        float wo[3];
-        uint32_t material;
-        float wi[3];
-        float eta;
-        float u[4];
-        float unused[4];
-    } in;
-    struct {
-        float wi[3];
-        float pdf;
-        float weight[3];
-        uint32_t flags;
-        float eval[3]; // f cos
-        float eval_pdf;
-        float unused[4];
-    } sample;
-    struct {
-        float f[3]; // times cos
-        float pdf;
-        float unused[12];
-    } eval;
-    float out[16]; // of the parts
-};
 
 enum { BSDF_LOBES_CLASS, BSDF_LOBES_ALL, BSDF_LOBES_CHOICES };
 

@@ -15,6 +15,7 @@ del sys.argv[1:3]
 # What is planted is in tests/planted/meson.build. A case of each group that is quick.
 CASES = {
     'arithmetic': 'products', 'threads': 'atomics', 'bits': 'G1 waves of 352 paths',
+    'bsdf': 'A4 reciprocity',
     'light': 'B5 lamp at 1', 'media': 'B17 fog', 'rooms': 'B3 box', 'lamps': 'B12 tube',
     'grounds': 'B6 sun on a plane', 'bodies': 'B19 box of fog', 'fields': 'B19 field ball of fog',
     'integrators': 'ambient, whitted', 'scales': 'C1 all lengths times 1e12',

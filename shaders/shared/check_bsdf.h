@@ -1,8 +1,9 @@
-// What bsdf.comp can run, and what it says of a sample: read by C and by GLSL.
-#ifndef LAMPYRIS_TESTS_BSDF_ITEM_H
-#define LAMPYRIS_TESTS_BSDF_ITEM_H
+// What check_bsdf.comp can run, and what it says of a sample: read by C and by GLSL.
+#ifndef SHARED_CHECK_BSDF_H
+#define SHARED_CHECK_BSDF_H
 
-#include "routines.h" // CONSTANT_ROUTINE
+#include "shared/bindings.h"
+#include "shared/check.h"
 
 #define BSDF_ROUTINE_SAMPLE 0u
 #define BSDF_ROUTINE_EVAL 1u

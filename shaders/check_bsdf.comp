@@ -1,4 +1,4 @@
-// Runs the shipped BSDFs on inputs that the test wrote into the paths' buffer, four words of four
+// Runs the shipped BSDFs on inputs that the host wrote into the paths' buffer, four words of four
 // for each thread, which are overwritten by what comes out:
 //   in:         wo, material index; wi, eta; u; unused
 //   sample out: wi, pdf; weight, BSDF_* flags; what eval_bsdf() says of that wi: f cos, pdf
@@ -11,9 +11,9 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/bsdf.glsl"
-#include "bsdf_item.h"
+#include "shared/check_bsdf.h"
 
-layout(constant_id = CONSTANT_ROUTINE) const uint ROUTINE = 0u;
+layout(constant_id = CONSTANT_CHECK_ROUTINE) const uint ROUTINE = 0u;
 
 void store_output(uint item, uint word, uvec4 value)
 {
@@ -29,6 +29,9 @@ void sample_item(uint item, material m, vec3 wo, float eta, vec4 u)
     vec3 f = vec3(0.0);
     if (s.valid && !s.specular)
         f = eval_bsdf(m, wo, s.wi, eta, pdf);
+#ifdef PLANTED_LOBE
+    s.weight *= 1.05;
+#endif
     store_output(item, 0u, floatBitsToUint(vec4(s.wi, s.pdf)));
     store_output(item, 1u, uvec4(floatBitsToUint(s.weight), flags));
     store_output(item, 2u, floatBitsToUint(vec4(f, pdf)));
@@ -49,6 +52,10 @@ void main()
     if (ROUTINE == BSDF_ROUTINE_EVAL) {
         float pdf;
         vec3 f = eval_bsdf(m, wo, w1.xyz, w1.w, pdf);
+#ifdef PLANTED_LOBE // tests of tests only: is a lobe that is not reciprocal found?
+        f *= 1.0 + 0.05 * wo.z;
+        pdf *= 1.05;
+#endif
         store_output(item, 0u, floatBitsToUint(vec4(f, pdf)));
     }
     if (ROUTINE == BSDF_ROUTINE_MICROFACET)

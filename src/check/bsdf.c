@@ -1,0 +1,272 @@
+// The BSDFs by themselves (docs/verification.md, A): the shipped routines on wide, reciprocal
+// lobes.
+#include "check/bsdf.h"
+
+#include "check/case_list.h"
+#include "check/driver.h"
+#include "check/embedded_scene.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "check_bsdf.spv.h"
+
+#define ITEMS (1u << 16) // of a material
+#define ETA 1.5f         // of what surrounds opaque bodies nothing depends on it
+
+_Static_assert(sizeof(union bsdf_item) == sizeof(struct gpu_path), "they share a buffer");
+
+// --- running them
+// -----------------------------------------------------------------------------------
+
+static bool create_kernel(struct renderer *r, uint32_t material, uint32_t routine,
+                          struct gpu_kernel *kernel, struct err *err)
+{
+    uint32_t constants[CONSTANT_CHECK_ROUTINE + 1];
+    memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
+    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // what is read is written, too
+    constants[CONSTANT_LOBES] =
+        r->specialization.class_lobes[material_class(&r->scene->materials[material])];
+    constants[CONSTANT_CHECK_ROUTINE] = routine;
+    const struct gpu_kernel_params params = {.name = "check_bsdf",
+                                             .spirv = check_bsdf_spirv,
+                                             .spirv_bytes = sizeof check_bsdf_spirv,
+                                             .constants = constants,
+                                             .constant_count = CONSTANT_CHECK_ROUTINE + 1};
+    return gpu_kernel_create(r->gpu, &params, kernel, err);
+}
+
+static bool run_part(struct renderer *r, const struct gpu_kernel *kernel, union bsdf_item *items,
+                     uint32_t count, struct err *err)
+{
+    struct gpu_buffer *buffer = &r->buffers[BINDING_PATHS];
+    uint32_t workgroup = r->specialization.workgroup;
+    r->push.first_item = 0;
+    r->push.part_items = count;
+    if (!gpu_upload(r->gpu, buffer, 0, items, count * sizeof *items, err) ||
+        !gpu_begin(r->gpu, &r->commands, err))
+        return false;
+    gpu_bind(r->gpu, &r->commands, &r->bindings[0]);
+    gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
+    gpu_dispatch(r->gpu, &r->commands, kernel, (count + workgroup - 1) / workgroup);
+    gpu_barrier(r->gpu, &r->commands);
+    return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err) &&
+           gpu_download(r->gpu, buffer, 0, items, count * sizeof *items, err);
+}
+
+// Replaces ITEMS items of one material by what the routine makes of them.
+static bool run_items(struct renderer *r, uint32_t material, uint32_t routine,
+                      union bsdf_item *items, struct err *err)
+{
+    struct gpu_kernel kernel = {0};
+    bool ok = create_kernel(r, material, routine, &kernel, err);
+    for (uint32_t first = 0; ok && first < ITEMS; first += r->plan.wave_slots) {
+        uint32_t left = ITEMS - first;
+        ok = run_part(r, &kernel, items + first,
+                      left < r->plan.wave_slots ? left : r->plan.wave_slots, err);
+    }
+    gpu_kernel_finish(r->gpu, &kernel);
+    return ok;
+}
+
+// --- directions
+// -------------------------------------------------------------------------------------
+
+static double unit(uint64_t *state)
+{
+    return driver_random(state) * 0x1p-32;
+}
+
+static void set_direction(double z, double turns, float out[3])
+{
+    double radius = sqrt(1.0 - z * z);
+    out[0] = (float)(radius * cos(2.0 * M_PI * turns));
+    out[1] = (float)(radius * sin(2.0 * M_PI * turns));
+    out[2] = (float)z;
+}
+
+// Up to 84 degrees from the normal, where rounding of directions does not matter.
+static void random_direction(uint64_t *state, float out[3])
+{
+    double z = 0.1 + 0.9 * unit(state);
+    set_direction(z, unit(state), out);
+}
+
+static void fill_samples(uint64_t *state, uint32_t material, const float wo[3],
+                         union bsdf_item *items)
+{
+    for (uint32_t i = 0; i < ITEMS; i++) {
+        items[i] = (union bsdf_item){.in = {.material = material, .eta = ETA}};
+        if (wo)
+            memcpy(items[i].in.wo, wo, sizeof items[i].in.wo);
+        else
+            random_direction(state, items[i].in.wo);
+        for (int k = 0; k < 4; k++)
+            items[i].in.u[k] = (float)(driver_random(state) >> 8) * 0x1p-24f;
+    }
+}
+
+// --- what is looked at
+// ------------------------------------------------------------------------------
+
+// A measure of one material: how far off it is.
+typedef bool (*measure_fn)(struct renderer *r, uint32_t material, union bsdf_item *items,
+                           double *off, struct err *err);
+
+// f(wo, wi) beside f(wi, wo), of items that stand in pairs.
+static bool measure_reciprocity(struct renderer *r, uint32_t material, union bsdf_item *items,
+                                double *off, struct err *err)
+{
+    static float cosines[ITEMS];
+    uint64_t state = material;
+    for (uint32_t i = 0; i < ITEMS; i += 2) {
+        float a[3], b[3];
+        random_direction(&state, a);
+        random_direction(&state, b);
+        for (uint32_t k = 0; k < 2; k++) {
+            items[i + k] = (union bsdf_item){.in = {.material = material, .eta = ETA}};
+            memcpy(items[i + k].in.wo, k ? b : a, sizeof a);
+            memcpy(items[i + k].in.wi, k ? a : b, sizeof a);
+            cosines[i + k] = items[i + k].in.wi[2];
+        }
+    }
+    if (!run_items(r, material, BSDF_ROUTINE_EVAL, items, err))
+        return false;
+    for (uint32_t i = 0; i < ITEMS; i += 2)
+        for (int c = 0; c < 3; c++) {
+            double f = (double)items[i].eval.f[c] / (double)cosines[i];
+            double g = (double)items[i + 1].eval.f[c] / (double)cosines[i + 1];
+            *off = fmax(*off, (fabs(f - g) - 1e-7) / fmax(fabs(f), 1e-7));
+        }
+    return true;
+}
+
+// The weight of a sample beside f cos / pdf, as evaluated for its direction, and the densities.
+static bool measure_samples(struct renderer *r, uint32_t material, union bsdf_item *items,
+                            double *off, struct err *err)
+{
+    uint64_t state = material;
+    fill_samples(&state, material, NULL, items);
+    if (!run_items(r, material, BSDF_ROUTINE_SAMPLE, items, err))
+        return false;
+    *off = INFINITY; // unless there is a sample
+    for (uint32_t i = 0; i < ITEMS; i++) {
+        if (!(items[i].sample.flags & BSDF_VALID))
+            continue;
+        *off = isinf(*off) ? 0.0 : *off;
+        double pdf = (double)items[i].sample.pdf;
+        *off = fmax(*off, fabs((double)items[i].sample.eval_pdf / pdf - 1.0));
+        for (int c = 0; c < 3; c++) {
+            double weight = (double)items[i].sample.weight[c];
+            *off = fmax(*off, (fabs((double)items[i].sample.eval[c] / pdf - weight) - 1e-7) /
+                                  fmax(weight, 1e-7));
+        }
+    }
+    return true;
+}
+
+static const float looking[3] = {0.6f, 0.0f, 0.8f};
+
+// The density over all directions, by the midpoint rule over 256 x 256 cells of equal solid angle,
+// and the part of the samples that is absorbed, less 1.
+static bool measure_density(struct renderer *r, uint32_t material, union bsdf_item *items,
+                            double *off, struct err *err)
+{
+    enum { SIDE = 256 };
+    uint64_t state = material;
+    double sum = 0.0;
+    for (uint32_t i = 0; i < ITEMS; i++) {
+        items[i] = (union bsdf_item){.in = {.material = material, .eta = ETA}};
+        memcpy(items[i].in.wo, looking, sizeof looking);
+        set_direction(2.0 * (i / SIDE + 0.5) / SIDE - 1.0, (i % SIDE + 0.5) / SIDE, items[i].in.wi);
+    }
+    if (!run_items(r, material, BSDF_ROUTINE_EVAL, items, err))
+        return false;
+    for (uint32_t i = 0; i < ITEMS; i++)
+        sum += (double)items[i].eval.pdf * 4.0 * M_PI / ITEMS;
+    fill_samples(&state, material, looking, items);
+    if (!run_items(r, material, BSDF_ROUTINE_SAMPLE, items, err))
+        return false;
+    for (uint32_t i = 0; i < ITEMS; i++)
+        sum += items[i].sample.flags & BSDF_VALID ? 0.0 : 1.0 / ITEMS;
+    *off = fabs(sum - 1.0);
+    return true;
+}
+
+// What is sent back of even light 1 beyond all of it; something must be.
+static bool measure_energy(struct renderer *r, uint32_t material, union bsdf_item *items,
+                           double *off, struct err *err)
+{
+    uint64_t state = material;
+    double sums[3] = {0};
+    fill_samples(&state, material, looking, items);
+    if (!run_items(r, material, BSDF_ROUTINE_SAMPLE, items, err))
+        return false;
+    for (uint32_t i = 0; i < ITEMS; i++)
+        for (int c = 0; c < 3 && items[i].sample.flags & BSDF_VALID; c++)
+            sums[c] += (double)items[i].sample.weight[c] / ITEMS;
+    double most = fmax(sums[0], fmax(sums[1], sums[2]));
+    *off = most > 0.0 ? fmax(0.0, most - 1.0) : INFINITY;
+    return true;
+}
+
+// --- the cases
+// --------------------------------------------------------------------------------------
+
+struct bsdf_check {
+    measure_fn measure;
+    double most;
+};
+
+static bool measure_all(const struct bsdf_check *b, struct renderer *r, union bsdf_item *items,
+                        struct check_result *result, struct err *err)
+{
+    double worst = -1.0;
+    const char *name = "";
+    for (uint32_t m = 0; m < r->scene->material_count; m++) {
+        double off = 0.0;
+        if (!b->measure(r, m, items, &off, err))
+            return false;
+        if (!(off <= worst)) {
+            worst = off;
+            name = r->scene->materials[m].name;
+        }
+    }
+    return check_seen(result, worst <= b->most, "at most %.1e, of %s", worst, name);
+}
+
+static bool run_bsdf(const struct check *check, const struct check_case *this_case,
+                     struct check_result *result, struct err *err)
+{
+    struct arena arena = {0};
+    struct scene scene;
+    struct renderer renderer = {0};
+    union bsdf_item *items = ARENA_NEW(&arena, union bsdf_item, ITEMS);
+    if (!items)
+        return err_memory(err, "directions", ITEMS * sizeof *items);
+    bool ok = embedded_scene_load("bsdf.json", NULL, &scene, err);
+    if (ok) {
+        const struct renderer_params params = {.gpu = check->gpu, .scene = &scene, .wave = ITEMS};
+        ok = renderer_create(&params, &renderer, err) &&
+             measure_all(this_case->data, &renderer, items, result, err);
+        renderer_finish(&renderer);
+        scene_finish(&scene);
+    }
+    arena_finish(&arena);
+    return ok;
+}
+
+#define BSDF(...)                                                                                  \
+    .run = run_bsdf, .data = &(const struct bsdf_check)                                            \
+    {                                                                                              \
+        __VA_ARGS__                                                                                \
+    }
+
+static const struct check_case cases[] = {
+    {"A2 densities", "they and what is absorbed make 1, within 4e-3", BSDF(measure_density, 4e-3)},
+    {"A3 samples beside values", "weight = f cos / pdf, within 1e-4", BSDF(measure_samples, 1e-4)},
+    {"A4 reciprocity", "f(wo, wi) = f(wi, wo), within 1e-4", BSDF(measure_reciprocity, 1e-4)},
+    {"A9 white furnace", "at most all of the light, within 4e-3", BSDF(measure_energy, 4e-3)},
+};
+
+CHECK_GROUP(check_bsdf, "bsdf", "the BSDFs by themselves, of five materials", cases);
