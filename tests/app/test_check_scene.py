@@ -198,6 +198,8 @@ class Media(Checks):
                 {'type': 'sphere', 'material': 'bubble', 'center': [-2, 0, 0], 'radius': 0.5},
                 {'type': 'sphere', 'material': 'glass', 'center': [0, 0, 0], 'radius': 0.7},
                 {'type': 'sphere', 'material': 'water', 'center': [0.6, 0, 0], 'radius': 0.7},
+                {'type': 'sdf', 'material': 'glass', 'transform': {'translate': [-0.5, -2, 0]},
+                 'field': {'type': 'sphere', 'radius': 0.6}},
                 *nested]}
 
     def test_planted_and_clean(self):

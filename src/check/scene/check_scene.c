@@ -62,9 +62,10 @@ static bool prepare(struct survey *survey, struct err *err)
 
 static bool search(struct survey *survey, struct err *err)
 {
+    // The media's takes what the renders of measure_noise() have counted, the biases' their film.
     static bool (*const searches[])(struct survey * survey, struct err * err) = {
-        find_coarse, find_thin,          find_twice,    find_normals, find_media,    find_albedos,
-        find_texels, find_hidden_lights, measure_noise, find_biases,  measure_depth,
+        find_coarse,  find_thin,     find_twice, find_normals, find_texels,   find_hidden_lights,
+        find_albedos, measure_noise, find_media, find_biases,  measure_depth,
     };
     for (size_t i = 0; i < sizeof searches / sizeof *searches; i++) {
         if (!searches[i](survey, err))

@@ -120,10 +120,24 @@ static void begin(const struct sightline *line, struct stack *stack)
                 (struct entered){line->media >> 8u * i & 255u, SCENE_NONE, SCENE_NONE};
 }
 
+// Rays leave a distance field by bounds that only the kernels know.
+static bool meets_field(const struct survey *survey, const struct sightline *line)
+{
+    uint32_t instances = survey->scene->instance_count;
+    for (uint32_t i = 0; i < line->count; i++) {
+        uint32_t object = line->steps[i].object;
+        if (object >= instances && survey->scene->shapes[object - instances].kind == SHAPE_SDF)
+            return true;
+    }
+    return false;
+}
+
 // Goes along a line with what was entered before; *lost notes what goes wrong, a bit a kind.
 static void look_at_line(struct media_search *search, const struct sightline *line,
                          struct stack *stack, uint32_t *lost)
 {
+    if (meets_field(search->survey, line))
+        return;
     for (uint32_t i = 0; i < line->count; i++) {
         const struct sighting *at = &line->steps[i];
         const struct entered body = {search->materials[at->material].medium, at->object,
@@ -219,9 +233,11 @@ static bool add_unclosed(struct media_search *search, enum loss_kind kind, struc
 {
     struct survey *survey = search->survey;
     const struct losses *losses = &search->losses[kind];
-    if (losses->count == 0)
-        return true;
     bool is_left = kind == LOSS_LEFT;
+    // The renders so far have counted what paths have left without having entered.
+    bool is_confirmed = !is_left || survey->job.renderer.stats.media_lost > 0;
+    if (losses->count == 0 || !is_confirmed)
+        return true;
     double share = (double)losses->count / survey->line_count;
     return survey_add(
         survey,
