@@ -597,7 +597,7 @@ class Render(unittest.TestCase):
         for fault, calls in (('--fail-allocation', '135'), ('--lose-device', '123')):
             for nth in calls:
                 result = self.render('--spp', '64', '--wave', '1024', '-o', self.path('a.exr'),
-                                     fault, nth)
+                                     fault, nth, '-q')
                 self.assertEqual((result.returncode, result.stdout), (3, ''), (fault, nth))
                 # A lost device is opened again, and lost again.
                 self.assertRegex(result.stderr, r'^(lampyris: warning: .+: opening the device '
