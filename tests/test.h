@@ -20,8 +20,13 @@ struct test_case {
 
 // Of the whole program: fixtures in files of their own count too. Weak, so that each of them may
 // define these.
+#ifdef _WIN32
+#define TEST_SHARED __attribute__((selectany))
+#else
+#define TEST_SHARED __attribute__((weak))
+#endif
 extern int test_failures, test_skips;
-__attribute__((weak)) int test_failures, test_skips;
+TEST_SHARED int test_failures = 0, test_skips = 0;
 
 #define TEST(name) static void test_##name(void)
 

@@ -16,8 +16,8 @@ struct choice {
     float cost[WIDTH - 1];   // [i - 1]: by at most i children
     uint8_t left[WIDTH - 1]; // [i - 2]: of i children, so many go to the left subtree; 0: use
                              // fewer. i = WIDTH is for a wide node at this subtree's root
-    unsigned is_leaf : 1;    // as one child, it is a leaf and not a wide node
-    unsigned triangles : 7;  // in the subtree, where a leaf has room for all that it has; else 0
+    uint8_t is_leaf : 1;     // as one child, it is a leaf and not a wide node
+    uint8_t triangles : 7;   // in the subtree, where a leaf has room for all that it has; else 0
 };
 
 _Static_assert(sizeof(struct choice) == 16, "there are twice as many as triangles");

@@ -104,7 +104,8 @@ static bool run(struct jpeg_reader *reader, const struct code_table *table)
         return false;
     jpeg_create_decompress(decompress);
     decompress->progress = &reader->progress;
-    jpeg_mem_src(decompress, reader->source->data, reader->source->size);
+    // Where the library's type is shorter than a size, a longer file counts as cut short.
+    jpeg_mem_src(decompress, reader->source->data, (unsigned long)reader->source->size);
     jpeg_read_header(decompress, TRUE);
     decompress->out_color_space = JCS_RGB; // also from grey; from CMYK it is an error
     if (!allocate(reader)) {
