@@ -1,7 +1,7 @@
 #include "gpu/slow.h"
 
+#include "base/clock.h"
 #include <stdlib.h>
-#include <time.h>
 
 struct gpu_slow {
     uint32_t count;
@@ -59,9 +59,8 @@ VkResult slow_wait(const struct gpu *gpu, const struct gpu_slow *slow, const voi
     double ns = total_ns(gpu, slow, log, slow->count);
     if (limits->watchdog_ms && ns > 1e6 * (double)limits->watchdog_ms)
         return VK_ERROR_DEVICE_LOST;
-    const struct timespec pause = {(time_t)(ns * 1e-9), (long)((uint64_t)ns % 1000000000u)};
     if (!gpu->has_timestamps)
-        nanosleep(&pause, NULL);
+        clock_sleep(ns * 1e-9);
     return VK_SUCCESS;
 }
 
