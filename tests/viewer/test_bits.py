@@ -213,6 +213,17 @@ class Bits(Case):
                 self.expect_same(result.hashes()[-1], self.render(
                     self.path('saved.json'), '--allow-outside-paths', size='48x32'))
 
+    def test_scenes_that_are_saved_in_a_row_are_all_written(self):
+        path = self.write('moving.gltf', json.dumps(moving_triangles()))
+        self.view('wait 1 samples\nset animation.time 0.5\nkey Ctrl+s\nscene saved.json\n', scene=path,
+                  size='32x24')
+        with open(self.path('saved.json')) as file, open(self.path('moving-0001.json')) as other:
+            text = file.read()
+            self.assertEqual(text, other.read())
+        self.assertEqual(json.loads(text)['base']['at_seconds'], 0.5)
+        self.view('wait 1 samples\nset animation.time 0.5\nkey Ctrl+s\nscene nowhere/b.json\n', scene=path,
+                  size='32x24', code=1)
+
     def test_what_stands_still_goes_on(self):
         path = self.write('moving.gltf', json.dumps(moving_triangles()))
         self.view('set animation.time 1.25\nwait 40 samples\nset animation.time 1.75\n'

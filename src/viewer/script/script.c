@@ -75,6 +75,8 @@ static enum step step_save(struct script *script, struct viewer *viewer,
     const char *path = command->texts[0];
     if (script->now.phase > 0)
         return wait_for_file(script, viewer, err);
+    if (viewer->document.waits_to_save)
+        return STEP_AGAIN;
     if (command->verb == VERB_SCREENSHOT)
         save_png(viewer, path, command->with_panel);
     else if (command->verb == VERB_EXR)
