@@ -102,8 +102,11 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "check a device, or a scene before it is rendered",
             .arguments = "[SCENE]",
             .description =
-                "Without a scene, runs the renderer on cases whose results are known, and says of "
-                "each what is done, expected and seen. With one, says what in it is stiff or "
+                "Without a scene, runs the driver and the renderer on cases whose results are "
+                "known, "
+                "and says of each what is done, expected and seen; --list has them all, and "
+                "docs/verification.md says more. A case that a device cannot run says so. With "
+                "one, says what in it is stiff or "
                 "extreme, where, what follows and what can be done, and what a render to a given "
                 "error would take; docs/checking-scenes.md lists the findings. Exits with 1 if a "
                 "case fails, or if something makes the scene's picture wrong.",
