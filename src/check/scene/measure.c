@@ -43,8 +43,10 @@ static int descending(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-static bool list_outliers(struct survey *survey, const float *samples, struct outlier **out,
-                          struct err *err)
+// Where the camera may see an emitter, samples of its edge are bright without being rare: `in_view`
+// is a flag a pixel, or NULL.
+static bool list_outliers(struct survey *survey, const float *samples, const uint8_t *in_view,
+                          struct outlier **out, struct err *err)
 {
     uint32_t pixels = survey->line_count;
     size_t count = (size_t)pixels * TAIL_SAMPLES;
@@ -64,7 +66,7 @@ static bool list_outliers(struct survey *survey, const float *samples, struct ou
             mean += (double)own[k] / TAIL_SAMPLES;
         for (uint32_t k = 0; k < TAIL_SAMPLES; k++)
             (*out)[(size_t)i * TAIL_SAMPLES + k] =
-                (struct outlier){((double)own[k] - mean) / all, i, k};
+                (struct outlier){in_view && in_view[i] ? 0.0 : ((double)own[k] - mean) / all, i, k};
     }
     qsort(*out, count, sizeof **out, descending);
     return true;
@@ -175,14 +177,15 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
 
 #define TAIL_PART_MIN 0.25
 
-static bool measure_tail(struct survey *survey, struct err *err)
+static bool measure_tail(struct survey *survey, const uint8_t *in_view, struct err *err)
 {
     size_t count = (size_t)survey->line_count * TAIL_SAMPLES;
     float *samples = ARENA_NEW(&survey->scratch, float, count);
     struct outlier *outliers;
     if (!samples)
         return err_memory(err, "samples", count * sizeof *samples);
-    if (!take_samples(survey, samples, err) || !list_outliers(survey, samples, &outliers, err))
+    if (!take_samples(survey, samples, err) ||
+        !list_outliers(survey, samples, in_view, &outliers, err))
         return false;
     if (count <= 10 * TAIL_LENGTH || !(outliers[TAIL_LENGTH].excess > 0.0))
         return true;
@@ -267,7 +270,8 @@ static void look_ahead(struct survey *survey, const struct half_error *error, do
         seconds * pixels / ((double)survey->line_count * OUTLOOK_SAMPLES) * outlook->samples;
 }
 
-static bool measure_outlook(struct survey *survey, struct err *err)
+// *in_view: a flag a pixel, whether an emitter may be seen there; NULL: nowhere.
+static bool measure_outlook(struct survey *survey, const uint8_t **in_view, struct err *err)
 {
     struct job *job = &survey->job;
     struct job_estimate estimate = {0};
@@ -278,13 +282,17 @@ static bool measure_outlook(struct survey *survey, struct err *err)
     double seconds = job_elapsed(job);
     bool ok = job_estimate_begin(job, &estimate, err) && job_estimate_end(&estimate, err) &&
               find_small_lights(survey, &estimate.params.unseen, err);
+    const uint8_t *mask = estimate.params.unseen.emitter_in_view;
     if (ok)
         look_ahead(survey, &estimate.error, seconds);
+    *in_view = ok && mask ? arena_copy(&survey->scratch, mask, survey->line_count, 1) : NULL;
     arena_finish(&estimate.arena);
     return ok && job_fetch_film(job, err);
 }
 
 bool measure_noise(struct survey *survey, struct err *err)
 {
-    return measure_tail(survey, err) && measure_outlook(survey, err) && find_accidents(survey, err);
+    const uint8_t *in_view;
+    return measure_outlook(survey, &in_view, err) && measure_tail(survey, in_view, err) &&
+           find_accidents(survey, err);
 }
