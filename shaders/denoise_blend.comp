@@ -1,5 +1,6 @@
 // One thread mixes one pixel's light with what the history has of the same place: temporal
-// reprojection (Schied et al. 2017, section 4.1). Also finds how the guide's depth changes.
+// reprojection (Schied et al. 2017, section 4.1), along with objects that moved. Also finds how the
+// guide's depth changes. DENOISE_HISTORY_* say in which of two runs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -7,7 +8,7 @@
 #include "lib/denoise_view.glsl"
 #include "lib/denoise_weights.glsl"
 
-layout(constant_id = DENOISE_CONSTANT_HISTORY) const uint HISTORY = 0u;
+layout(constant_id = DENOISE_CONSTANT_HISTORY) const uint HISTORY = DENOISE_HISTORY_NONE;
 
 DENOISE_READ(guides, DENOISE_GUIDES)
 DENOISE_READ(guides_history, DENOISE_GUIDES_HISTORY)
@@ -17,6 +18,8 @@ DENOISE_READ(from, DENOISE_FROM)
 DENOISE_READ(modulation, DENOISE_MODULATION)
 DENOISE_READ(picture, DENOISE_PICTURE)
 DENOISE_READ(emission, DENOISE_EMISSION)
+DENOISE_READ(difference, DENOISE_TO)
+DENOISE_WRITE(compared, DENOISE_TO) // which is the same buffer, in the run before
 DENOISE_WRITE(blended, DENOISE_BLENDED)
 DENOISE_WRITE(records, DENOISE_RECORDS)
 
@@ -63,11 +66,14 @@ bool is_told_by_halves(ivec2 pixel, float variance)
 
 struct past {
     vec3 light;
-    float samples, deviation, freedom;
-    float part; // of the taps that fit
+    float samples; // of each of the taps that fit
+    float part;    // of these
+    float same;    // of these, that of the very pixel, if its random numbers are the film's
+    float squares; // sum of the taps' squared parts
+    float deviation, freedom;
 };
 
-const past NO_PAST = past(vec3(0.0), 0.0, 0.0, 0.0, 0.0);
+const past NO_PAST = past(vec3(0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
 
 // A pixel of the history, where it may speak for the place `at` of its picture: the surface there
 // has the same normal, and the depth that its own slope leads to. Returns its weight.
@@ -87,11 +93,13 @@ float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float to
     return !is_empty(then) && same_place ? bilinear * alike : 0.0;
 }
 
-// Bilinear, of those taps that fit; what is missing of them takes its share of the samples along.
-past read_past(vec2 at, vec4 guide, float expected_depth, float tolerance)
+// Bilinear, of those taps that fit.
+past read_past(vec2 at, ivec2 pixel, vec4 guide, float expected_depth, float tolerance)
 {
     past sum = NO_PAST;
     ivec2 size = ivec2(denoise.history.width, denoise.history.height);
+    bool repeats =
+        denoise.repeats != 0u && size == ivec2(denoise.now.width, denoise.now.height);
     ivec2 corner = ivec2(floor(at - 0.5));
     for (int i = 0; i < 4; i++) {
         ivec2 tap = corner + ivec2(i & 1, i >> 1);
@@ -109,6 +117,8 @@ past read_past(vec2 at, vec4 guide, float expected_depth, float tolerance)
         vec4 record = load_records_history(index);
         weight = inside && light.w > 0.0 ? weight : 0.0;
         sum.part += weight;
+        sum.same += repeats && tap == pixel ? weight : 0.0;
+        sum.squares += weight * weight;
         sum.light += weight * light.rgb;
         sum.samples += weight * light.w;
         sum.deviation += weight * record.z;
@@ -117,17 +127,35 @@ past read_past(vec2 at, vec4 guide, float expected_depth, float tolerance)
     if (!(sum.part > 0.0))
         return NO_PAST;
     sum.light /= sum.part;
+    sum.samples /= sum.part;
+    sum.same /= sum.part;
+    sum.squares /= sum.part * sum.part;
     return sum;
 }
 
-past find_past(vec2 middle, vec4 guide, vec2 slope)
+// Takes a point and a normal to where they were. Normals go by the cofactors of a map, which are its
+// inverse's transpose but for a factor.
+void move_back(gpu_denoise_motion motion, inout vec3 point, inout vec3 normal)
 {
-    if (HISTORY == 0u)
+    vec3 at = vec3(motion.past_x_at, motion.past_y_at, motion.past_z_at);
+    point = at + vec3(dot(motion.past_x, point), dot(motion.past_y, point),
+                      dot(motion.past_z, point));
+    normal = normalize(vec3(dot(cross(motion.past_y, motion.past_z), normal),
+                            dot(cross(motion.past_z, motion.past_x), normal),
+                            dot(cross(motion.past_x, motion.past_y), normal)));
+}
+
+past find_past(ivec2 pixel, vec4 guide, vec2 slope, uint motion)
+{
+    vec2 middle = vec2(pixel) + 0.5;
+    if (HISTORY == DENOISE_HISTORY_NONE || is_empty(guide))
         return NO_PAST;
     view_ray ray = ray_through(denoise.now, middle);
     bool far = is_sky(guide);
     vec3 point = far ? ray.direction
                      : ray.origin + ray.direction * ray_depth(denoise.now, guide.w, ray.cosine);
+    if (HISTORY != DENOISE_HISTORY_MIXED && motion > 0u && !far)
+        move_back(denoise.motions[motion - 1u], point, guide.xyz);
     vec2 at;
     float expected_depth;
     bool seen = project(denoise.history, point, far, at, expected_depth);
@@ -136,10 +164,50 @@ past find_past(vec2 middle, vec4 guide, vec2 slope)
     // The change of this pixel's depth, scaled to that of the history.
     float own = (abs(slope.x) + abs(slope.y)) / guide.w + ray_length_change(denoise.now, middle) +
                 ray_length_change(denoise.history, at) + 2.0 * DEPTH_ROUNDING;
-    if (!inside || is_empty(guide))
+    if (!inside)
         return NO_PAST;
-    return read_past(at, guide, expected_depth, far ? 0.0 : own * expected_depth);
+    return read_past(at, pixel, guide, expected_depth, far ? 0.0 : own * expected_depth);
 }
+
+// Relative error of light: as that of depths.
+const float LIGHT_ROUNDING = DEPTH_ROUNDING;
+
+// Two levels of the wavelet average as 65.6 pixels of even weight do. By their sums of squares they
+// are 178.9: each level takes what it reads for independent.
+const float PIXELS_TOLD = 178.9 / 65.6;
+// So many pixels are asked at least.
+const float PIXELS_LEAST = 4.0;
+
+// Schied et al. 2017 do without the moments of less than so many frames (section 4.2): neither would
+// they tell here whether a difference is noise.
+const float SAMPLES_LEAST = 4.0;
+
+// How much of the history still holds: light and shadow may have moved on. The mean difference of
+// film and history over the pixels around is the history's bias, but for noise, whose variance the
+// squares of the differences tell. A pixel that hardly any of those around agree with in having a
+// history has none either: it is one of an edge.
+float history_trust(uint index)
+{
+    vec4 means = load_difference(index); // difference, its square, and how many are known
+    float count = means.z * means.z / (PIXELS_TOLD * means.w);
+    if (!(count >= PIXELS_LEAST))
+        return 0.0;
+    float bias = means.x / means.z;
+    float variance = means.y / (means.z * count);
+    return best_part(variance, bias * bias - variance);
+}
+
+// The variance of what lies between the two means, in that of one sample. With the same random
+// numbers the fewer samples are among the more, so far as the history is of the same pixel:
+// `overlap` is what the means have in common.
+float new_part(past before, float samples, float overlap)
+{
+    return 1.0 / samples + before.squares / before.samples - 2.0 * overlap;
+}
+
+// The square of a thousandth of a pixel, to which places in the history are found: a smaller part
+// of new samples is rounding.
+const float PLACE_ROUNDING = 1e-6;
 
 void main()
 {
@@ -159,21 +227,44 @@ void main()
     if (!is_told_by_halves(ivec2(pixel), deviation))
         deviation = freedom = 0.0;
 
-    past before = find_past(vec2(pixel) + 0.5, guide, slope);
+    vec4 emission = load_emission(index);
+    past before = find_past(ivec2(pixel), guide, slope, uint(emission.w));
+    float difference = luminance(before.light) - luminance(light.rgb);
+    if (HISTORY == DENOISE_HISTORY_COMPARED) {
+        float rounding = LIGHT_ROUNDING * luminance(light.rgb);
+        bool known = before.part > 0.0 && samples > 0.0;
+        float squared = difference * difference + rounding * rounding;
+        store_compared(index, known ? vec4(difference, squared, 1.0, 1.0) : vec4(0.0));
+        store_records(index, vec4(slope, 0.0, 0.0));
+        return;
+    }
+    float trust = 1.0;
+    if (HISTORY == DENOISE_HISTORY_CHECKED)
+        trust = before.samples >= SAMPLES_LEAST ? history_trust(index) : 0.0;
     float fading = max(0.0, 1.0 - samples / DENOISE_FADE_SAMPLES);
-    float worth = fading * min(before.samples, DENOISE_HISTORY_SAMPLES);
+    float held = before.part * before.samples;
+    float worth = fading * min(held, DENOISE_HISTORY_SAMPLES);
+    // In another scene the samples that the film takes again are better than they were.
+    if (HISTORY == DENOISE_HISTORY_CHECKED)
+        worth = fading * clamp(held - before.same * samples, 0.0, DENOISE_HISTORY_SAMPLES);
     if (worth > 0.0 && samples > 0.0) {
-        float share = worth / (worth + samples);
-        float difference = luminance(before.light) - luminance(light.rgb);
+        float share = trust * worth / (worth + samples);
         light.rgb += share * (before.light - light.rgb);
         // Two means and what lies between them (Chan, Golub and LeVeque 1979). The history's is that
         // of all samples of the taps that fit, however few these are; what it tells counts as they
         // do. Otherwise an edge's pixel would take the fewness of its taps for a small variance.
-        float whole = before.samples / before.part;
-        deviation += before.deviation + before.part * difference * difference *
-                                            (whole * samples / (whole + samples));
-        freedom += before.freedom + before.part;
-        samples = 1.0 / (share * share / before.samples + (1.0 - share) * (1.0 - share) / samples);
+        float told = trust * before.part;
+        float both = before.samples * samples / (before.samples + samples);
+        float overlap = before.same / max(before.samples, samples);
+        float new_freedom = new_part(before, samples, overlap) * both;
+        if (new_freedom > PLACE_ROUNDING) {
+            deviation += told * both * difference * difference;
+            freedom += told * new_freedom;
+        }
+        deviation += trust * before.deviation;
+        freedom += trust * before.freedom;
+        samples = 1.0 / (share * share / held + 2.0 * share * (1.0 - share) * overlap +
+                         (1.0 - share) * (1.0 - share) / samples);
     }
     float kept = min(1.0, FREEDOM_MOST / max(freedom, 1.0));
     store_blended(index, vec4(light.rgb, samples));

@@ -25,14 +25,6 @@ const float SAMPLES_FEW = 16.0;
 // pixel is what its own samples say.
 const float RARE_SHARE = 1.0 / 500.0;
 
-// The mix lambda f + (1 - lambda) p of the filtered light f and the pixel p has the error
-// lambda^2 b^2 + (1 - lambda)^2 V, by the bias b of f and the variance V of p: least with lambda =
-// V / (V + b^2), and there below both. `bias` is b^2, or less than 0 where chance explains it.
-float best_part(float variance, float bias)
-{
-    return bias > 0.0 ? variance / (variance + bias) : 1.0;
-}
-
 vec2 unpack_judgement(uint packed)
 {
     return vec2(uintBitsToFloat(packed & 0xffff0000u), uintBitsToFloat(packed << 16u));
@@ -48,8 +40,8 @@ void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
     sum += weight * vec3(judgement, judgement.y * load_blended(index).w);
 }
 
-// By the pixels around together, and by the pixel alone. The mean of (f - p)^2 is V + b^2: the
-// pixels around tell the bias b. The variance is that which they would have with as many samples,
+// By the pixels around together, and by the pixel alone. The mean of (f - p)^2 is V + b^2, by which
+// the pixels around tell the bias b. The variance is that which they would have with as many samples,
 // `worth` with the history's, as the pixel has: one that has just come into view has fewer.
 float trust(ivec2 pixel, vec2 own, float samples, float worth)
 {

@@ -85,6 +85,20 @@ float halves_deviation(uint at, float a, float b, vec3 divisor)
     return difference * difference * (a * b / (a + b));
 }
 
+// 1 + the number of the motion of the object that the pixel's first sample met; 0: it is where it
+// was.
+float find_motion(uint at)
+{
+    uvec4 ids = film_words[at + AOV_FILM_WORDS(AOVS) - 1u];
+    for (uint i = 0u; i < denoise.motion_count; i++) {
+        gpu_denoise_motion motion = denoise.motions[i];
+        if (ids.y == motion.instance &&
+            ids.x - 1u - motion.first_primitive < motion.primitive_count)
+            return float(i + 1u);
+    }
+    return 0.0;
+}
+
 void main()
 {
     uint item = (push.first_group + gl_WorkGroupID.x) * DENOISE_WORKGROUP + gl_LocalInvocationIndex;
@@ -117,5 +131,5 @@ void main()
     store_to(pixel, vec4((mean - emission) / divisor, deviation));
     store_modulation(pixel, vec4(divisor, both ? 1.0 : 0.0));
     store_picture(pixel, vec4(mean, n));
-    store_emission(pixel, vec4(emission, 0.0));
+    store_emission(pixel, vec4(emission, find_motion(at)));
 }

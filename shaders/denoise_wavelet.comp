@@ -7,7 +7,7 @@
 #include "lib/denoise_view.glsl"
 #include "lib/denoise_weights.glsl"
 
-layout(constant_id = DENOISE_CONSTANT_LAST) const uint LAST = 0u;
+layout(constant_id = DENOISE_CONSTANT_WAVELET) const uint WAVELET = DENOISE_WAVELET_LEVEL;
 
 DENOISE_READ(guides, DENOISE_GUIDES)
 DENOISE_READ(blended, DENOISE_BLENDED)
@@ -84,14 +84,16 @@ void main()
     vec4 record = load_records(index);
     depth_plane plane =
         make_plane(guide, record.xy, ray_length_change(denoise.now, vec2(pixel) + 0.5));
-    middle_pixel middle = middle_pixel(ivec2(pixel), before, luminance(before),
-                                       luminance_scale(smooth_variance(ivec2(pixel))), plane);
+    float scale = WAVELET == DENOISE_WAVELET_LINEAR
+                      ? 0.0
+                      : luminance_scale(smooth_variance(ivec2(pixel)));
+    middle_pixel middle = middle_pixel(ivec2(pixel), before, luminance(before), scale, plane);
     filtered sum = filtered(vec3(0.0), 0.0, 0.0);
 #define ADD_TAP(x, y) add_tap(sum, middle, ivec2(x, y));
     DENOISE_SQUARE_5(ADD_TAP)
     vec3 light = is_empty(guide) ? before : before + sum.change / sum.weights;
     float variance = sum.variance / (sum.weights * sum.weights);
-    uint last = LAST != 0u ? pack_judgement(index, record, luminance(light))
+    uint last = WAVELET == DENOISE_WAVELET_LAST ? pack_judgement(index, record, luminance(light))
                            : floatBitsToUint(variance);
     to_words[index] = uvec4(floatBitsToUint(light), last);
 }

@@ -86,4 +86,12 @@ float luminance_scale(float variance)
     return variance > 0.0 ? 1.0 / (SIGMA_LUMINANCE * sqrt(variance)) : 3.0e38;
 }
 
+// The mix lambda f + (1 - lambda) p of an estimate f that is biased by b, and of one without bias, of
+// variance V, has the error lambda^2 b^2 + (1 - lambda)^2 V: least with lambda = V / (V + b^2), and
+// there below both. `bias` is b^2, or less than 0 where chance explains it.
+float best_part(float variance, float bias)
+{
+    return bias > 0.0 ? variance / (variance + bias) : 1.0;
+}
+
 #endif

@@ -25,8 +25,10 @@
 // The factor by which light is divided and later multiplied again; w is 1 where the film's halves
 // give a variance, else 0.
 #define DENOISE_MODULATION 9
-#define DENOISE_PICTURE 10  // radiance, samples of the film
-#define DENOISE_EMISSION 11 // what reaches the camera from emitters, without reflection
+#define DENOISE_PICTURE 10 // radiance, samples of the film
+// What reaches the camera from emitters, without reflection; w is 1 + the number of the motion that
+// the pixel's object made since the history, 0 of one that is where it was.
+#define DENOISE_EMISSION 11
 #define DENOISE_BINDINGS 12
 
 #define DENOISE_WORKGROUP 64u // threads, for a square of pixels
@@ -36,9 +38,25 @@
 // Specialization constants.
 #define DENOISE_CONSTANT_TEXEL 0   // 1: buffers are read as texel buffers
 #define DENOISE_CONSTANT_AOVS 1    // AOV_* that the film has
-#define DENOISE_CONSTANT_LAST 2    // 1: of the wavelet's level, the last one
-#define DENOISE_CONSTANT_HISTORY 3 // 1: of the blend, there is a history
+#define DENOISE_CONSTANT_WAVELET 2 // DENOISE_WAVELET_*
+#define DENOISE_CONSTANT_HISTORY 3 // DENOISE_HISTORY_*
 #define DENOISE_CONSTANT_COUNT 4
+
+// Levels of the wavelet. The last one leaves what is judged by; a linear one has no regard for
+// luminances, so that its mean is biased by none.
+#define DENOISE_WAVELET_LEVEL 0u
+#define DENOISE_WAVELET_LAST 1u
+#define DENOISE_WAVELET_LINEAR 2u
+
+// What the blend does. In a scene that is another one than the history's it runs twice: first it
+// writes by how much film and history differ, and when the wavelet's linear levels have averaged
+// that, it mixes in as much of the history as still holds.
+#define DENOISE_HISTORY_NONE 0u
+#define DENOISE_HISTORY_MIXED 1u
+#define DENOISE_HISTORY_COMPARED 2u
+#define DENOISE_HISTORY_CHECKED 3u
+// Levels in between: an even number, so that they end in the buffer in which they began.
+#define DENOISE_COMPARED_LEVELS 2u
 
 #define DENOISE_EMPTY (-1.0f)
 
@@ -65,12 +83,31 @@ struct gpu_denoise_view {
     uint align_to_up;
 };
 
+// An object that moved since the history: the primitives that it is made of (AOV_IDS), and the rows
+// of the affine map that takes its points, relative to the film's camera, to where they were.
+struct gpu_denoise_motion {
+    VEC3(past_x);
+    float past_x_at;
+    VEC3(past_y);
+    float past_y_at;
+    VEC3(past_z);
+    float past_z_at;
+    uint first_primitive;
+    uint primitive_count;
+    uint instance; // plus 1; 0: these primitives are in the world itself
+    uint align_motion;
+};
+#define DENOISE_MOTIONS_MAX 32u
+
 // The uniform block.
 struct gpu_denoise {
     RECORD(gpu_denoise_view) now;
     RECORD(gpu_denoise_view) history;
     uint halves;     // HALVES_*
     uint first_half; // with HALVES_CONTIGUOUS: samples of the first one
+    uint motion_count;
+    uint repeats; // 1: the film's samples have the random numbers of the history's
+    RECORD(gpu_denoise_motion) motions[DENOISE_MOTIONS_MAX];
 };
 
 struct gpu_denoise_push {
@@ -81,7 +118,8 @@ struct gpu_denoise_push {
 };
 
 SHARED_STATIC_ASSERT_SIZE(gpu_denoise_view, 96);
-SHARED_STATIC_ASSERT_SIZE(gpu_denoise, 200);
+SHARED_STATIC_ASSERT_SIZE(gpu_denoise_motion, 64);
+SHARED_STATIC_ASSERT_SIZE(gpu_denoise, 2256);
 SHARED_STATIC_ASSERT_SIZE(gpu_denoise_push, 16);
 
 #endif

@@ -40,6 +40,31 @@ void flat_dropped_source(const struct flat_scene *flat, uint32_t k, uint32_t *in
     find_source(flat, flat->dropped_before[k] + k, instance, triangle);
 }
 
+// The first flat triangle that is none of the first `source` ones, dropped ones included: of those
+// dropped, number i was in place dropped_before[i] + i.
+static uint32_t first_from(const struct flat_scene *flat, uint32_t source)
+{
+    uint32_t dropped = 0, end = flat->dropped_degenerate;
+    while (dropped < end) {
+        uint32_t middle = dropped + (end - dropped) / 2;
+        if (flat->dropped_before[middle] + middle < source)
+            dropped = middle + 1;
+        else
+            end = middle;
+    }
+    return source - dropped;
+}
+
+void flat_instance_triangles(const struct flat_scene *flat, uint32_t instance, uint32_t *first,
+                             uint32_t *count)
+{
+    uint32_t runs = flat->instance_count + flat->mesh_count;
+    uint32_t all = flat->triangle_count + flat->dropped_degenerate;
+    *first = first_from(flat, flat->instance_first[instance]);
+    *count =
+        first_from(flat, instance + 1 < runs ? flat->instance_first[instance + 1] : all) - *first;
+}
+
 void flat_from_world(const struct flat_scene *flat, const double point[3], double out[3])
 {
     for (int i = 0; i < 3; i++)

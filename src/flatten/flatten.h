@@ -135,6 +135,10 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
 void flat_dropped_source(const struct flat_scene *flat, uint32_t k, uint32_t *instance,
                          uint32_t *triangle);
 
+// The flat triangles of an instance that is not kept apart in `instances`: so many from the first.
+void flat_instance_triangles(const struct flat_scene *flat, uint32_t instance, uint32_t *first,
+                             uint32_t *count);
+
 // Equal where scene_flatten() would make the same of the scene as before, or fail again: a hash of
 // all that it reads, of meshes' vertices and indices where they are instead of what they say. So
 // for one scene, whose meshes stay as they were loaded; some GB/s of instances, shapes and

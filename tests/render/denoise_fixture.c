@@ -53,6 +53,7 @@ static void put_pixel(float *words, const struct made_pixel *p)
     float depth = p->depth * p->alpha;
     put_sums(words, behind + AOV_SCALAR_AT(aovs, AOV_DEPTH), &depth, 1, n);
     put_sums(words, behind + AOV_SCALAR_AT(aovs, AOV_ALPHA), &p->alpha, 1, n);
+    memcpy(&words[4 * (AOV_FILM_WORDS(aovs) - 1)], &p->primitive, sizeof p->primitive);
 }
 
 bool film_make(struct made_film *film, make_pixel *make, const void *context, struct err *err)

@@ -12,6 +12,7 @@ struct made_pixel {
     float apart[3];   // half of what lies between the two halves' light
     float albedo[3], emission[3], normal[3];
     float depth, alpha; // alpha 0: nothing is there
+    uint32_t primitive; // that is met, plus 1
 };
 
 typedef struct made_pixel make_pixel(const void *context, uint32_t x, uint32_t y);

@@ -231,6 +231,13 @@ TEST(sources_of_triangles)
         CHECK(instance == expected[id][0] && triangle == expected[id][1], "%u: %u, %u", id,
               instance, triangle);
     }
+    static const uint32_t runs[4][2] = {{0, 2}, {2, 0}, {2, 2}, {4, 2}};
+    for (uint32_t i = 0; i < 4; i++) {
+        uint32_t first, count;
+        flat_instance_triangles(&f.flat, i, &first, &count);
+        CHECK(first == runs[i][0] && count == runs[i][1], "instance %u: %u from %u", i, count,
+              first);
+    }
     end(&f);
 }
 

@@ -8,7 +8,7 @@ import subprocess
 
 import png_pixels
 import viewer_run
-from viewer_run import CORNELL, LAMPYRIS, SCENES, SIZE, Case
+from viewer_run import CORNELL, LAMPYRIS, ROOT, SCENES, SIZE, Case
 
 WIDTH = int(SIZE.split('x')[0])
 
@@ -84,6 +84,24 @@ class Pictures(Case):
         self.assertLess(error('smooth.png'), 0.5 * error('noisy.png'))
         with open(self.path('h.jsonl'), encoding='utf-8') as file:
             self.assertEqual(len(set(file)), 1)
+
+    def test_the_denoiser_follows_what_moves(self):
+        """One sample after a box moved is nearer to the truth with the history of 64; the film is
+        the same."""
+        scene = os.path.join(ROOT, 'tests', 'render', 'scenes', 'moved_box.json')
+        errors, hashes = [], []
+        self.render(scene, '-D', 'left=-0.1', '-D', 'right=0.9', '--spp', '256', size='128x86')
+        for temporal in ('off', 'on'):
+            self.view(f'set view.denoise on\nset view.denoise_temporal {temporal}\n'
+                      'wait 64 samples\nset view.pause on\nset object.2 on\n'
+                      'set object.position 0.4,0.5,0\nwait 1 frames\nwait 1 samples\n'
+                      'wait 3 frames\nexpect sides.0.samples == 1\nhash hash.jsonl\n'
+                      'exr seen.exr a denoised\n', scene=scene, size='128x86')
+            errors.append(self.compare(self.path('seen.exr'), self.path('render.exr'))['relmse'])
+            with open(self.path('hash.jsonl'), encoding='utf-8') as file:
+                hashes += list(file)
+        self.assertLess(errors[1], 0.95 * errors[0])
+        self.assertEqual(hashes[0], hashes[-1])
 
 
 if __name__ == '__main__':

@@ -1,5 +1,6 @@
 #include "render/show/denoise.h"
 
+#include "base/maths.h"
 #include "render/show/denoise_view.h"
 #include "shared/aov.h"
 #include <stdlib.h>
@@ -12,18 +13,30 @@
 #include "denoise_wavelet.spv.h"
 
 #define WORD_BYTES 16u // of a pixel in each buffer
-#define TIMESTAMPS (3u + DENOISE_LEVELS + 2u)
 
 // What a view leaves to the next one.
 struct layers {
     struct gpu_buffer guides, blended, records;
 };
 
-enum kernel { GATHER, BLEND, BLEND_HISTORY, VARIANCE, WAVELET, WAVELET_LAST, FINISH, KERNELS };
+enum kernel {
+    GATHER,
+    BLEND,
+    BLEND_HISTORY,
+    BLEND_COMPARED,
+    BLEND_CHECKED,
+    VARIANCE,
+    WAVELET,
+    WAVELET_LAST,
+    WAVELET_LINEAR,
+    FINISH,
+    KERNELS
+};
 
 struct denoiser_state {
     struct gpu_commands commands;
-    struct gpu_buffer frame; // struct gpu_denoise
+    enum denoise_pass passes[GPU_MAX_TIMESTAMPS]; // that end with the commands' timestamps
+    struct gpu_buffer frame;                      // struct gpu_denoise
     // Kernels, and what they are specialized for.
     struct gpu_kernel kernels[KERNELS];
     bool has_kernels, texel;
@@ -37,21 +50,27 @@ struct denoiser_state {
     struct gpu_bindings bindings[2][2]; // by `now`, and by which light is read
     // Of the history.
     struct camera camera;
-    uint32_t width, height;
+    uint32_t width, height, seed;
 };
 
+#define CODE(name) "denoise_" #name, denoise_##name##_spirv, sizeof denoise_##name##_spirv
 static const struct code {
     const char *name;
     const uint32_t *spirv;
     size_t bytes;
+    enum denoise_pass pass; // to which its time counts
+    uint32_t history, wavelet;
 } codes[KERNELS] = {
-    [GATHER] = {"denoise_gather", denoise_gather_spirv, sizeof denoise_gather_spirv},
-    [BLEND] = {"denoise_blend", denoise_blend_spirv, sizeof denoise_blend_spirv},
-    [BLEND_HISTORY] = {"denoise_blend", denoise_blend_spirv, sizeof denoise_blend_spirv},
-    [VARIANCE] = {"denoise_variance", denoise_variance_spirv, sizeof denoise_variance_spirv},
-    [WAVELET] = {"denoise_wavelet", denoise_wavelet_spirv, sizeof denoise_wavelet_spirv},
-    [WAVELET_LAST] = {"denoise_wavelet", denoise_wavelet_spirv, sizeof denoise_wavelet_spirv},
-    [FINISH] = {"denoise_finish", denoise_finish_spirv, sizeof denoise_finish_spirv},
+    [GATHER] = {CODE(gather), DENOISE_PASS_gather},
+    [BLEND] = {CODE(blend), DENOISE_PASS_blend},
+    [BLEND_HISTORY] = {CODE(blend), DENOISE_PASS_blend, DENOISE_HISTORY_MIXED},
+    [BLEND_COMPARED] = {CODE(blend), DENOISE_PASS_blend, DENOISE_HISTORY_COMPARED},
+    [BLEND_CHECKED] = {CODE(blend), DENOISE_PASS_blend, DENOISE_HISTORY_CHECKED},
+    [VARIANCE] = {CODE(variance), DENOISE_PASS_variance},
+    [WAVELET] = {CODE(wavelet), DENOISE_PASS_wavelet},
+    [WAVELET_LAST] = {CODE(wavelet), DENOISE_PASS_wavelet, .wavelet = DENOISE_WAVELET_LAST},
+    [WAVELET_LINEAR] = {CODE(wavelet), DENOISE_PASS_blend, .wavelet = DENOISE_WAVELET_LINEAR},
+    [FINISH] = {CODE(finish), DENOISE_PASS_finish},
 };
 
 // --- what is made once ---------------------------------------------------------------------------
@@ -88,8 +107,8 @@ static bool prepare_kernels(struct denoiser *d, const struct renderer *r, struct
         const uint32_t constants[DENOISE_CONSTANT_COUNT] = {
             [DENOISE_CONSTANT_TEXEL] = texel,
             [DENOISE_CONSTANT_AOVS] = r->specialization.aovs,
-            [DENOISE_CONSTANT_LAST] = i == WAVELET_LAST,
-            [DENOISE_CONSTANT_HISTORY] = i == BLEND_HISTORY,
+            [DENOISE_CONSTANT_WAVELET] = codes[i].wavelet,
+            [DENOISE_CONSTANT_HISTORY] = codes[i].history,
         };
         const struct gpu_kernel_params params = {
             .name = codes[i].name,
@@ -254,6 +273,9 @@ static bool prepare_buffers(struct denoiser *d, uint32_t width, uint32_t height,
 
 static bool check(const struct denoise_call *call, struct err *err)
 {
+    if (call->motion_count > DENOISE_MOTIONS_MAX)
+        return err_set(err, ERR_BUG, "%u objects moved, expected at most %u", call->motion_count,
+                       DENOISE_MOTIONS_MAX);
     if (call->iterations > DENOISE_LEVELS)
         return err_set(err, ERR_USAGE, "%u levels of the denoiser's wavelet, expected 1 to %u",
                        call->iterations, DENOISE_LEVELS);
@@ -270,6 +292,26 @@ static bool uses_history(const struct denoiser *d, const struct denoise_call *ca
     return d->has_history && call->temporal;
 }
 
+// A row of a map of the world, of points relative to `origin`.
+static void set_row(const double map[3][4], int row, const double origin[3], float out[3],
+                    float *at)
+{
+    *at = (float)(vec3_dot(map[row], origin) + map[row][3] - origin[row]);
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)map[row][c];
+}
+
+static void set_motion(const struct denoise_motion *motion, const double origin[3],
+                       struct gpu_denoise_motion *out)
+{
+    set_row(motion->to_past, 0, origin, out->past_x, &out->past_x_at);
+    set_row(motion->to_past, 1, origin, out->past_y, &out->past_y_at);
+    set_row(motion->to_past, 2, origin, out->past_z, &out->past_z_at);
+    out->first_primitive = motion->first_primitive;
+    out->primitive_count = motion->primitive_count;
+    out->instance = motion->instance == NO_INSTANCE ? 0 : motion->instance + 1;
+}
+
 static bool upload_frame(struct denoiser *d, const struct denoise_call *call, struct err *err)
 {
     const struct gpu_frame *film = &call->renderer->frame;
@@ -279,9 +321,22 @@ static bool upload_frame(struct denoiser *d, const struct denoise_call *call, st
     };
     const double *origin = call->camera->position;
     denoise_view_fill(call->camera, film->width, film->height, origin, &frame.now);
+    while (frame.motion_count < call->motion_count) {
+        uint32_t i = frame.motion_count++;
+        set_motion(&call->motions[i], origin, &frame.motions[i]);
+    }
+    frame.repeats = film->seed == d->own->seed;
     if (uses_history(d, call))
         denoise_view_fill(&d->own->camera, d->own->width, d->own->height, origin, &frame.history);
     return gpu_upload(d->gpu, &d->own->frame, 0, &frame, sizeof frame, err);
+}
+
+static void end_pass(struct denoiser *d, enum denoise_pass pass)
+{
+    uint32_t at = d->own->commands.timestamp_count;
+    if (at < GPU_MAX_TIMESTAMPS)
+        d->own->passes[at] = pass;
+    gpu_timestamp(d->gpu, &d->own->commands);
 }
 
 static void dispatch(struct denoiser *d, enum kernel kernel, struct gpu_denoise_push push,
@@ -297,7 +352,7 @@ static void dispatch(struct denoiser *d, enum kernel kernel, struct gpu_denoise_
                      left < gpu->max_groups ? (uint32_t)left : gpu->max_groups);
     }
     gpu_barrier(gpu, commands);
-    gpu_timestamp(gpu, commands);
+    end_pass(d, codes[kernel].pass);
 }
 
 // Over the whole picture, with light[from] to be read.
@@ -320,7 +375,6 @@ static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
 // Leaves the film's light in light[0].
 static void gather(struct denoiser *d, const struct renderer *r, const struct gpu_bindings *films)
 {
-    gpu_timestamp(d->gpu, &d->own->commands);
     for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
         uint64_t pixels = chunk_pixels(r, chunk);
         const struct gpu_denoise_push push = {
@@ -334,6 +388,27 @@ static void gather(struct denoiser *d, const struct renderer *r, const struct gp
     }
 }
 
+// Leaves by how much the history differs from the film in light[1], and the film's light in
+// light[0] again, through which the wavelet went.
+static void compare(struct denoiser *d, const struct renderer *r, const struct gpu_bindings *films)
+{
+    dispatch_picture(d, BLEND_COMPARED, 0, 0);
+    for (uint32_t level = 0; level < DENOISE_COMPARED_LEVELS; level++)
+        dispatch_picture(d, WAVELET_LINEAR, 1 - level % 2, 1u << level);
+    gather(d, r, films);
+}
+
+static void blend(struct denoiser *d, const struct denoise_call *call,
+                  const struct gpu_bindings *films)
+{
+    enum kernel kernel = BLEND;
+    if (uses_history(d, call))
+        kernel = call->has_changed ? BLEND_CHECKED : BLEND_HISTORY;
+    if (kernel == BLEND_CHECKED)
+        compare(d, call->renderer, films);
+    dispatch_picture(d, kernel, 0, 0);
+}
+
 // From light[1], where the variance's pass left it; the picture is complete then.
 static void filter(struct denoiser *d, uint32_t levels)
 {
@@ -344,7 +419,7 @@ static void filter(struct denoiser *d, uint32_t levels)
     dispatch_picture(d, FINISH, from, 0);
 }
 
-static bool submit(struct denoiser *d, uint32_t gathers, uint32_t levels, struct err *err)
+static bool submit(struct denoiser *d, struct err *err)
 {
     struct gpu_commands *commands = &d->own->commands;
     double ns[GPU_MAX_TIMESTAMPS] = {0};
@@ -355,11 +430,7 @@ static bool submit(struct denoiser *d, uint32_t gathers, uint32_t levels, struct
     memset(d->pass_ms, 0, sizeof d->pass_ms);
     d->ms = 0.0;
     for (uint32_t i = 1; d->gpu->has_timestamps && i < commands->timestamp_count; i++) {
-        uint32_t after = i > gathers ? i - gathers : 0; // 1: blend, 2: variance, …
-        enum denoise_pass pass = after <= 2            ? (enum denoise_pass)after
-                                 : after <= 2 + levels ? DENOISE_PASS_wavelet
-                                                       : DENOISE_PASS_finish;
-        d->pass_ms[pass] += (ns[i] - ns[i - 1]) * 1e-6;
+        d->pass_ms[d->own->passes[i]] += (ns[i] - ns[i - 1]) * 1e-6;
         d->ms += (ns[i] - ns[i - 1]) * 1e-6;
     }
     return true;
@@ -368,16 +439,14 @@ static bool submit(struct denoiser *d, uint32_t gathers, uint32_t levels, struct
 static bool record(struct denoiser *d, const struct denoise_call *call, bool filtered,
                    const struct gpu_bindings *films, struct err *err)
 {
-    uint32_t levels = call->iterations ? call->iterations : DENOISE_LEVELS, gathers = 0;
     if (!gpu_begin(d->gpu, &d->own->commands, err))
         return false;
-    for (uint32_t chunk = 0; chunk < call->renderer->plan.film_chunks; chunk++)
-        gathers += chunk_pixels(call->renderer, chunk) > 0;
+    gpu_timestamp(d->gpu, &d->own->commands);
     gather(d, call->renderer, films);
-    dispatch_picture(d, uses_history(d, call) ? BLEND_HISTORY : BLEND, 0, 0);
+    blend(d, call, films);
     if (filtered)
-        filter(d, levels);
-    return submit(d, gathers, levels, err);
+        filter(d, call->iterations ? call->iterations : DENOISE_LEVELS);
+    return submit(d, err);
 }
 
 // The film's buffers belong to the renderer, which may have made them anew since the last call: the
@@ -423,6 +492,7 @@ bool denoiser_keep(struct denoiser *denoiser, const struct denoise_call *call, s
     own->camera = *call->camera;
     own->width = denoiser->width;
     own->height = denoiser->height;
+    own->seed = call->renderer->frame.seed;
     denoiser->has_history = true;
     return true;
 }

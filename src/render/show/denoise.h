@@ -7,7 +7,7 @@
 #include "render/render.h"
 
 // What a renderer has to have been created with.
-#define DENOISE_AOVS (AOV_ALBEDO | AOV_NORMAL | AOV_DEPTH | AOV_ALPHA | AOV_EMISSION)
+#define DENOISE_AOVS (AOV_ALBEDO | AOV_NORMAL | AOV_DEPTH | AOV_ALPHA | AOV_EMISSION | AOV_IDS)
 
 enum denoise_pass {
     DENOISE_PASS_gather,
@@ -29,11 +29,24 @@ struct denoiser {
     struct denoiser_state *own;
 };
 
+// An object that is elsewhere than in the history, by the numbers that the flat scene of now has
+// for what it is made of.
+struct denoise_motion {
+    uint32_t first_primitive, primitive_count; // shapes with PRIMITIVE_SHAPE
+    uint32_t instance;                         // NO_INSTANCE: they are in the world itself
+    double to_past[3][4]; // from where a point of it is to where that was, in the world
+};
+
 struct denoise_call {
     const struct renderer *renderer; // between two calls of renderer_render
     const struct camera *camera;     // of its film
     uint32_t iterations;             // of the wavelet, 1 to 5; 0: 5
     bool temporal; // take the history along where the camera moved; else the film alone
+    // The scene is another than the history's: that counts only where its light is still what the
+    // film has. Objects that moved since take it along; at most DENOISE_MOTIONS_MAX.
+    bool has_changed;
+    const struct denoise_motion *motions;
+    uint32_t motion_count;
 };
 
 bool denoiser_create(struct gpu *gpu, struct denoiser *out, struct err *err);

@@ -43,6 +43,7 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
 {
     struct view *view = &viewer->stage.sides[side];
     denoiser_finish(&view->denoiser);
+    motion_finish(&view->motion);
     job_finish(&view->job);
     view->denoiser = (struct denoiser){0};
     view->is_ready = view->is_preview = false;
@@ -50,13 +51,34 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
     view_begin(view);
 }
 
+// What is seen becomes what the denoiser remembers.
+static bool keep_history(const struct viewer *viewer, struct view *view, struct err *err)
+{
+    const struct denoise_call call = view_denoise_call(viewer, view);
+    // While another picture is shown the renderer has not what denoising needs.
+    bool has_layers = (DENOISE_AOVS & ~view->job.renderer.specialization.aovs) == 0;
+    if (!view->denoiser.gpu || !has_layers || view_samples(view) == 0)
+        return true;
+    // A small picture of what moves knows less than is remembered of the large one before.
+    if (view->is_preview && view->motion.has_changed && view->denoiser.has_history)
+        return true;
+    if (!denoiser_keep(&view->denoiser, &call, err))
+        return false;
+    motion_keep(&view->motion);
+    return true;
+}
+
 // Sides use what is to be replaced.
-static void end_jobs(struct stage *stage)
+static bool end_jobs(struct viewer *viewer, struct err *err)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
-        job_finish(&stage->sides[side].job);
-        stage->sides[side].is_ready = false;
+        struct view *view = &viewer->stage.sides[side];
+        if (view->is_ready && !keep_history(viewer, view, err))
+            return false;
+        job_finish(&view->job);
+        view->is_ready = false;
     }
+    return true;
 }
 
 static bool refresh_geometry(struct viewer *viewer, struct err *err)
@@ -64,8 +86,7 @@ static bool refresh_geometry(struct viewer *viewer, struct err *err)
     struct geometry_params params =
         viewer_geometry_params(viewer, &viewer->document.scene, &viewer->view.camera);
     rebuild_cancel(viewer);
-    end_jobs(&viewer->stage);
-    if (!geometry_refresh(&params, &viewer->document.geometry, err))
+    if (!end_jobs(viewer, err) || !geometry_refresh(&params, &viewer->document.geometry, err))
         return false;
     viewer_find_bounds(viewer);
     return true;
@@ -115,21 +136,11 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
     view->usual_wave = view->job.renderer.plan.wave_slots;
     view->is_ready = true;
     view->is_preview = false;
+    if (!motion_begin(&view->motion, &view->scene, &view->job.renderer.flat,
+                      viewer->document.pose.deformations) &&
+        view->denoiser.gpu)
+        denoiser_forget(&view->denoiser);
     return true;
-}
-
-static bool keep_history(struct viewer *viewer, struct view *view, struct err *err)
-{
-    const struct denoise_call call = {
-        .renderer = &view->job.renderer,
-        .camera = &view->job.renderer.camera,
-        .iterations = viewer->stage.shown.denoise_iterations,
-        .temporal = viewer->stage.shown.denoise_temporal,
-    };
-    // While another picture is shown the renderer has not what denoising needs.
-    bool has_layers = (DENOISE_AOVS & ~view->job.renderer.specialization.aovs) == 0;
-    bool has_something = view->denoiser.gpu && has_layers && view_samples(view) > 0;
-    return !has_something || denoiser_keep(&view->denoiser, &call, err);
 }
 
 // The film is emptied, for the camera as it is now and a picture of that size.
@@ -175,7 +186,8 @@ static bool update_denoiser(struct viewer *viewer, struct view *view, enum chang
     }
     if (!view->denoiser.gpu)
         return denoiser_create(&viewer->stage.gpu, &view->denoiser, err);
-    if (change >= CHANGE_METHOD)
+    // Objects that moved are followed; what else changed is not.
+    if (change >= CHANGE_METHOD && change != CHANGE_GEOMETRY)
         denoiser_forget(&view->denoiser);
     return true;
 }
@@ -264,7 +276,8 @@ static bool change_geometry(struct viewer *viewer, struct err *err)
     struct rebuild *rebuild = &viewer->document.rebuild;
     bool is_adopted = rebuild_is_done(viewer);
     if (is_adopted) {
-        end_jobs(&viewer->stage);
+        if (!end_jobs(viewer, err))
+            return false;
         rebuild_adopt(viewer);
     }
     enum change most = greatest_change(&viewer->stage);

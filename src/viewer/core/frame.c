@@ -272,12 +272,7 @@ static bool is_denoising_due(const struct viewer *viewer, const struct view *vie
 
 static bool denoise_side(struct viewer *viewer, struct view *view, struct err *err)
 {
-    const struct denoise_call call = {
-        .renderer = &view->job.renderer,
-        .camera = &view->job.renderer.camera,
-        .iterations = viewer->stage.shown.denoise_iterations,
-        .temporal = viewer->stage.shown.denoise_temporal,
-    };
+    const struct denoise_call call = view_denoise_call(viewer, view);
     const struct gpu_frame *frame = &view->job.renderer.frame;
     uint64_t start = clock_ns();
     if (!denoiser_run(&view->denoiser, &call, err))

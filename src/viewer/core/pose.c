@@ -232,6 +232,7 @@ static void take_cameras(struct viewer *viewer, const struct scene *posed)
 // Meshes of another time have their vertices in its scene; materials stay those that there are.
 static bool take_meshes(struct document *document, const struct scene *posed, struct err *err)
 {
+    bool same = true;
     struct scene *scene = &document->scene;
     struct mesh *meshes = arena_copy(&document->pose.loaded.arena, scene->meshes, scene->mesh_count,
                                      sizeof *scene->meshes);
@@ -239,12 +240,14 @@ static bool take_meshes(struct document *document, const struct scene *posed, st
         return err_memory(err, "meshes", scene->mesh_count * sizeof *meshes);
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
         const struct mesh *from = &posed->meshes[i];
+        same = same && same_vertices(from, &meshes[i]);
         meshes[i].positions = from->positions;
         meshes[i].exact_positions = from->exact_positions;
         meshes[i].normals = from->normals;
         meshes[i].tangents = from->tangents;
     }
     scene->meshes = document->pristine.meshes = meshes;
+    document->pose.deformations += !same;
     // The ground of a studio fades out about where the objects are.
     if (posed->has_ground && posed->image_count == scene->image_count &&
         posed->texture_count == scene->texture_count) {

@@ -13,6 +13,7 @@ struct pose {
     bool plays;
     double speed;               // seconds of the animation a second
     struct pose_job *job;       // NULL: nothing is being loaded
+    uint32_t deformations;      // how often a pose had meshes of another form than the last one
     struct scene loaded, older; // what holds the vertices of the shown pose, and of the last one
 };
 

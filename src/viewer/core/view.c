@@ -35,6 +35,19 @@ bool view_is_denoised(const struct viewer *viewer, const struct view *view)
            view->denoised_by[1] == viewer->stage.shown.denoise_temporal;
 }
 
+struct denoise_call view_denoise_call(const struct viewer *viewer, const struct view *view)
+{
+    return (struct denoise_call){
+        .renderer = &view->job.renderer,
+        .camera = &view->job.renderer.camera,
+        .iterations = viewer->stage.shown.denoise_iterations,
+        .temporal = viewer->stage.shown.denoise_temporal,
+        .has_changed = view->motion.has_changed,
+        .motions = view->motion.list,
+        .motion_count = view->motion.count,
+    };
+}
+
 // --- the error -----------------------------------------------------------------------------------
 
 struct look_job {

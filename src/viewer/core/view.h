@@ -6,6 +6,7 @@
 #include "bvh/bvh.h"
 #include "job/job.h"
 #include "render/show/denoise.h"
+#include "viewer/core/motion.h"
 #include "viewer/core/worker.h"
 
 // The choices that a side renders with besides the scene; undone as TARGET_METHOD.
@@ -25,6 +26,7 @@ struct view {
     struct scene scene; // the viewer's, but with the method's settings: arrays are shared
     struct job job;
     struct denoiser denoiser;
+    struct motion motion;      // since the denoiser's history
     bool is_ready;             // renderer holds a picture's state
     bool is_preview;           // its film has fewer pixels, because the camera moves
     uint64_t epoch;            // counts pictures begun: what a job says of an older one is void
@@ -61,6 +63,8 @@ struct job_look view_newest_look(const struct view *view);
 // Returns whether the denoiser's picture, if one is to be seen, is of all samples and by the
 // settings of now.
 bool view_is_denoised(const struct viewer *viewer, const struct view *view);
+// By which the denoiser is called, as things are.
+struct denoise_call view_denoise_call(const struct viewer *viewer, const struct view *view);
 // The lowest number of samples that a pixel of the film has.
 uint64_t view_samples(const struct view *view);
 

@@ -190,7 +190,8 @@ static void denoising(struct gui *gui, struct shown *to)
              &to->denoise);
     gui_enabled(gui, to->what == SHOWN_RADIANCE && to->denoise);
     gui_flag(gui, "view.denoise_temporal", "  temporal",
-             "Takes earlier pictures along where the camera moved.", &to->denoise_temporal);
+             "Takes earlier pictures along where the camera or objects moved.",
+             &to->denoise_temporal);
     gui_count(gui, "view.denoise_iterations", "  passes", "Of the wavelet.", &iterations,
               &to->denoise_iterations);
     gui_enabled(gui, true);
