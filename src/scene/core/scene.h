@@ -225,9 +225,9 @@ struct scene_override {
 
 struct scene_load_params {
     const char *path; // .json (our format), .gltf, .glb, .obj, .ply; by extension, case-insensitive
-    const char *text; // what the file would hold, of our format only: `path` is but its name then
     const struct scene_override *overrides; // -D key=value; our JSON format only
     uint32_t override_count;
+    const char *text; // what the file would hold, of our format only: `path` is but its name then
     bool allow_outside_paths; // let files name files outside their own folder
     // The overrides come from a file in this folder: paths in them are relative to it, and confined
     // to it. NULL: they are the user's own.
