@@ -25,7 +25,9 @@ static bool take_samples(struct survey *survey, float *samples, struct err *err)
     for (uint32_t k = 0; k < TAIL_SAMPLES && !job_is_stopped(job); k++) {
         struct arena arena = {0};
         struct film_image film;
-        const struct job_step step = {.samples = k + 1u, .to = 1e-9};
+        const struct job_step step = {.samples = k + 1u,
+                                      .from = (double)k / TAIL_SAMPLES,
+                                      .to = (double)(k + 1) / TAIL_SAMPLES};
         bool ok = (k == 0 || job_clear(job, err)) && job_advance(job, &step, err) &&
                   job_copy_film(job, &arena, &film, err);
         for (uint32_t i = 0; ok && i < survey->line_count; i++)
@@ -275,7 +277,7 @@ static bool measure_outlook(struct survey *survey, const uint8_t **in_view, stru
 {
     struct job *job = &survey->job;
     struct job_estimate estimate = {0};
-    const struct job_step step = {.samples = OUTLOOK_SAMPLES, .to = 1e-9};
+    const struct job_step step = {.samples = OUTLOOK_SAMPLES, .to = 1};
     if (!job_begin(job, survey->settings.seed, OUTLOOK_SAMPLES, err) ||
         !job_advance(job, &step, err))
         return false;

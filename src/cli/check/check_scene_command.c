@@ -60,6 +60,12 @@ static void print_finding(const struct scene_finding *finding)
     print_line("  remedy  ", finding->remedy);
 }
 
+// How many digits behind the point make three in all: "410", "41.0", "1180".
+static int decimals(double x)
+{
+    return x >= 100.0 ? 0 : x >= 10.0 ? 1 : 2;
+}
+
 // "local relMSE 0.001 takes about 410 spp, 130 s of rendering and 35.2 MiB on the device".
 static void print_outlook(const struct scene_outlook *outlook)
 {
@@ -68,10 +74,10 @@ static void print_outlook(const struct scene_outlook *outlook)
         printf("what local relMSE %g takes is not known (%s); %.1f MiB on the device\n",
                outlook->error, outlook->reason, memory);
     else
-        printf("local relMSE %g takes %s %.3g spp, %.3g s of rendering and %.1f MiB on the "
+        printf("local relMSE %g takes %s %.0f spp, %.*f s of rendering and %.1f MiB on the "
                "device\n",
                outlook->error, outlook->reason ? "at most" : "about", ceil(outlook->samples),
-               outlook->seconds, memory);
+               decimals(outlook->seconds), outlook->seconds, memory);
 }
 
 static void print_changes(const struct scene_check *check)
