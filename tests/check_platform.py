@@ -43,7 +43,7 @@ ISO_FUNCTIONS = {name + suffix for name in MATHS for suffix in ('', 'f')} | set(
     vsnprintf
     strdup'''.split())  # of C23, and on every system
 # What compilers and C libraries make of these.
-HIDDEN = re.compile(r'__\w+|_GLOBAL_OFFSET_TABLE_|_setjmp|sincosf?|_Z\w+|_Unwind_\w+')
+HIDDEN = re.compile(r'__\w+|bcmp|_GLOBAL_OFFSET_TABLE_|_setjmp|sincosf?|_Z\w+|_Unwind_\w+')
 LIBRARY_FUNCTIONS = re.compile(r'(json|png|exr|jpeg|meshopt|glfw|vk|volk|ImGui)\w*')
 LOADER = {'gpu/volk.c': {'dlopen', 'dlsym', 'dlclose'}}  # volk's own code, compiled by this file
 

@@ -3,6 +3,7 @@
 #define DENOISE_GLSL
 
 #include "shared/denoise.h"
+#include "lib/aliased.glsl"
 
 layout(local_size_x = DENOISE_WORKGROUP) in;
 layout(constant_id = DENOISE_CONSTANT_TEXEL) const uint TEXEL = 0u;
@@ -17,10 +18,10 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform denoise_block {
 
 // uvec4 NAME_bits(uint pixel) and vec4 load_NAME(uint pixel)
 #define DENOISE_READ(name, number)                                                                 \
-    layout(std430, set = 0, binding = number) readonly buffer name##_block {                       \
+    layout(std430, set = 0, binding = number) ALIASED readonly buffer name##_block {               \
         uvec4 name##_words[];                                                                      \
     };                                                                                             \
-    layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels;         \
+    ALIASED layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels; \
     uvec4 name##_bits(uint pixel)                                                                  \
     {                                                                                              \
         if (TEXEL != 0u)                                                                           \
@@ -34,7 +35,7 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform denoise_block {
 
 // void store_NAME(uint pixel, vec4 value)
 #define DENOISE_WRITE(name, number)                                                                \
-    layout(std430, set = 0, binding = number) buffer name##_block {                                \
+    layout(std430, set = 0, binding = number) ALIASED buffer name##_block {                        \
         uvec4 name##_words[];                                                                      \
     };                                                                                             \
     void store_##name(uint pixel, vec4 value)                                                      \

@@ -151,7 +151,7 @@ static double triangle_above(double rho, double le, double unused)
         const double *a = triangle[i], *b = triangle[(i + 1) % 3];
         double normal[3];
         vec3_cross(a, b, normal);
-        double sine = vec3_norm(normal), cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        double sine = vec3_norm(normal), cosine = vec3_dot(a, b);
         sum += atan2(sine, cosine) * normal[1] / sine;
     }
     return rho / M_PI * 0.5 * le * fabs(sum);

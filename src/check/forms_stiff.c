@@ -1,4 +1,5 @@
 // Stiff and extreme cases (docs/verification.md, C) whose radiance is known.
+#include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
@@ -65,7 +66,7 @@ static double lamps(double rho, double le, double side)
         lamp_corner(n, i, at);
         at[0] += LAMP_SIZE / 3;
         at[2] += LAMP_SIZE / 3;
-        double square = at[0] * at[0] + at[1] * at[1] + at[2] * at[2];
+        double square = vec3_dot(at, at);
         sum += (i == bright_lamp(n) ? (double)n * n : 1.0) / (square * square);
     }
     return rho / M_PI * le * 0.5 * LAMP_SIZE * LAMP_SIZE * sum;

@@ -498,10 +498,6 @@ class Render(unittest.TestCase):
         self.assertIn('expected --directions bsdf, or --split-lobes 0', result.stderr)
         result = self.render('--split-lobes', '5', '-o', self.path('a.exr'))
         self.assertEqual(result.returncode, 2)
-        result = run('render', os.path.join(os.path.dirname(self.SCENE), 'phong_lobes.json'), '--size', '8x8', '--pixel', '4,4',
-                     '--sample', '0', '--split-lobes', '1')
-        self.assertEqual(result.returncode, 2)
-        self.assertIn('expected --split-lobes 0', result.stderr)
 
     def test_outputs_that_cannot_be_written(self):
         # A sample count that would take hours: the failure must come before.

@@ -3,8 +3,10 @@
 // device.
 #include "check/bits.h"
 #include "check/scaled_scene.h"
+#include "render/probe/replay.h"
 #include "render_fixture.h"
 #include <math.h>
+#include <string.h>
 
 // Pixels that are not black: equal pictures of nothing would prove nothing.
 static size_t lit_pixels(const struct film_image *film)
@@ -139,6 +141,29 @@ TEST(split_lobes)
     scene.settings.split_lobes = 0;
     REQUIRE_OK(bits_render(&gpu, &scene, &plain, &arena, &film, &err));
     CHECK(!bits_are_same(&film, &expected), "nothing is split");
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+// A path is told by its vertices one after the other: one that splits has none of these.
+TEST(split_paths_are_not_replayed)
+{
+    const struct scene_override split[] = {
+        {"film.width", "8"}, {"film.height", "8"}, {"settings.split_lobes", "1"}, {0}};
+    struct renderer r = {0};
+    struct arena arena = {0};
+    struct replay replay;
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_scene("scenes/phong_lobes.json", split, &scene, &err));
+    const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    CHECK(!renderer_replay(&r, 4, 4, 0, &arena, &replay, &err), "it is replayed");
+    CHECK(err.code == ERR_INPUT && strstr(err.msg, "expected --split-lobes 0"), "%s", err.msg);
+    renderer_finish(&r);
     arena_finish(&arena);
     scene_finish(&scene);
     gpu_close(&gpu);
@@ -417,8 +442,9 @@ TEST(validation_is_silent)
 }
 
 TEST_MAIN(TEST_CASE(cornell), TEST_CASE(further_scenes), TEST_CASE(clearcoat),
-          TEST_CASE(split_lobes), TEST_CASE(normals_and_environment_image),
-          TEST_CASE(waves_of_a_large_picture), TEST_CASE(scales), TEST_CASE(classes),
-          TEST_CASE(workgroups), TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized),
-          TEST_CASE(validation_is_silent), TEST_CASE(further_scenes_long),
-          TEST_CASE(normals_and_environment_image_long), TEST_CASE(split_lobes_long))
+          TEST_CASE(split_lobes), TEST_CASE(split_paths_are_not_replayed),
+          TEST_CASE(normals_and_environment_image), TEST_CASE(waves_of_a_large_picture),
+          TEST_CASE(scales), TEST_CASE(classes), TEST_CASE(workgroups),
+          TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized), TEST_CASE(validation_is_silent),
+          TEST_CASE(further_scenes_long), TEST_CASE(normals_and_environment_image_long),
+          TEST_CASE(split_lobes_long))
