@@ -1,6 +1,7 @@
 // Writes down all that decides a render's samples, which must be the same for it to go on.
 #include "job/job_internal.h"
 
+#include "render/kernels.h"
 #include "render/sampling_plan.h"
 #include <inttypes.h>
 #include <stdarg.h>
@@ -74,6 +75,7 @@ static const char *make_identity(struct job *job)
     const struct job_goal *goal = &job->params.goal;
     struct text text = {.arena = &job->arena, .so_far = ""};
     add(&text, "version=%s", LAMPYRIS_VERSION);
+    add(&text, "kernels=%016" PRIx64, kernels_hash());
     add(&text, "device=%s", job->gpu->info.name);
     add(&text, "driver=%s", job->gpu->info.driver);
     add(&text, "scene of hash=%016" PRIx64, job->scene->hash);

@@ -1,5 +1,7 @@
 #include "render/kernels.h"
 
+#include "base/hash.h"
+
 #include "accumulate.spv.h"
 #include "accumulate_plain.spv.h"
 #include "generate_rays.spv.h"
@@ -40,4 +42,16 @@ struct kernel_code kernel_code(enum kernel_id id, bool ballot)
 #undef X
     };
     return codes[id][ballot];
+}
+
+uint64_t kernels_hash(void)
+{
+    uint64_t hash = HASH_INIT;
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        for (int ballot = 0; ballot < 2; ballot++) {
+            struct kernel_code code = kernel_code((enum kernel_id)id, ballot);
+            struct hash128 own = hash128_bytes(code.spirv, code.bytes);
+            hash = hash_bytes(hash, &own, sizeof own);
+        }
+    return hash;
 }

@@ -41,6 +41,9 @@ struct kernel_code {
 // The embedded SPIR-V, with or without subgroup ballot.
 struct kernel_code kernel_code(enum kernel_id id, bool ballot);
 
+// Tells builds with other embedded kernels apart.
+uint64_t kernels_hash(void);
+
 // Other code for the same kernels, of one variant: as it was compiled while the program runs.
 struct kernel_set {
     struct kernel_code codes[KERNEL_COUNT]; // spirv NULL: the embedded one

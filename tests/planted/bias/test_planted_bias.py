@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-from program import checked
+from program import checked, run
 
 HONEST, BIASED = sys.argv[1:3]
 del sys.argv[1:3]
@@ -77,6 +77,17 @@ class Planted(unittest.TestCase):
         self.assertIsNone(biased['time_to'][2]['seconds']['value'])
         # The heuristic shares what is found by both techniques out: less of it is wrong.
         self.check(self.floor, reference, *points)
+
+    # Its kernels are others, though all else of the build is the same.
+    def test_it_does_not_go_on_with_an_honest_render(self):
+        checkpoint = os.path.join(self.folder.name, 'a.checkpoint')
+        output = os.path.join(self.folder.name, 'a.exr')
+        checked(HONEST, 'render', self.floor, '--spp', '4', '--checkpoint', checkpoint, '-o', output, '-q')
+        arguments = ('render', self.floor, '--spp', '8', '--checkpoint', checkpoint, '--resume', '-o', output, '-q')
+        refused = run(BIASED, *arguments)
+        self.assertEqual(refused.returncode, 2)
+        self.assertRegex(refused.stderr, 'was made with kernels=[0-9a-f]{16}, but this run has')
+        checked(HONEST, *arguments)
 
     def test_in_a_scene_of_many_bounces(self):
         scene = os.path.join(SCENES, 'cornell.json')
