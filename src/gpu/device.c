@@ -9,7 +9,7 @@ static bool device_create(struct gpu *gpu, struct err *err)
 {
     // A device that offers the portability subset obliges us to enable it.
     const char *const portability = "VK_KHR_portability_subset";
-    const char *extensions[3];
+    const char *extensions[4];
     uint32_t extension_count = 0;
     if (device_has_extension(gpu->physical, portability))
         extensions[extension_count++] = portability;
@@ -17,6 +17,12 @@ static bool device_create(struct gpu *gpu, struct err *err)
         extensions[extension_count++] = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     if (gpu->rounds_to_nearest)
         extensions[extension_count++] = VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME;
+    const VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR statistics = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR,
+        .pipelineExecutableInfo = VK_TRUE,
+    };
+    if (gpu->params.statistics)
+        extensions[extension_count++] = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
     const float priority = 1.0f;
     const VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -26,6 +32,7 @@ static bool device_create(struct gpu *gpu, struct err *err)
     };
     const VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+        .pNext = gpu->params.statistics ? &statistics : NULL,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
         .enabledExtensionCount = extension_count,

@@ -151,6 +151,20 @@ void gpu_kernels_forget(struct gpu *gpu, const uint32_t *spirv);
 // and {0}.
 void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel);
 
+#define GPU_MAX_STATISTICS 32
+
+// A figure of a compiled kernel, under the driver's name for it: registers, instructions, ...
+struct gpu_statistic {
+    char name[VK_MAX_DESCRIPTION_SIZE];
+    double value; // 0 or 1 of what is false or true
+};
+
+// Reads the first GPU_MAX_STATISTICS of them; needs a device that was opened with
+// params.statistics.
+bool gpu_kernel_statistics(struct gpu *gpu, const struct gpu_kernel *kernel,
+                           struct gpu_statistic out[GPU_MAX_STATISTICS], uint32_t *count,
+                           struct err *err);
+
 // --- bindings -----------------------------------------------------------------------------------
 // A descriptor set. Every binding is always valid: those left {0} are bound to a small dummy buffer
 // that the set owns. Storage buffers from gpu->storage_count on must be left.

@@ -92,6 +92,7 @@ static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *par
                 .pSpecializationInfo = &specialization,
             },
         .layout = gpu->pipeline_layout,
+        .flags = gpu->params.statistics ? VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR : 0,
     };
     return VK(gpu, err,
               vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, out));

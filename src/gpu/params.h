@@ -35,6 +35,7 @@ struct gpu_limit_overrides {
 struct gpu_params {
     const char *device; // index or part of a name, case-insensitive; NULL: the fastest kind
     bool validation;    // VK_LAYER_KHRONOS_validation with synchronization validation
+    bool statistics;    // of compiled kernels are kept: see gpu_kernel_statistics
     struct gpu_limit_overrides limits;
     // Of a program with a window; all zero: computing alone.
     bool graphics;                          // the queue draws, too: see screen.h

@@ -526,7 +526,7 @@ static void find_source(const struct renderer *r, const struct specialization *s
     out->params.variant = sdf_inline_key(r->scene);
 }
 
-static bool create_kernels(struct renderer *r, struct err *err)
+bool wave_create_kernels(struct renderer *r, struct err *err)
 {
     for (int id = 0; id < KERNEL_COUNT; id++) {
         progress_report(r->progress, "Compiling", (double)id / KERNEL_COUNT);
@@ -589,7 +589,7 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
 
 bool wave_compile(struct renderer *r, struct err *err)
 {
-    return create_kernels(r, err) && run_on_nothing(r, err);
+    return wave_create_kernels(r, err) && run_on_nothing(r, err);
 }
 
 bool wave_count_steps(struct renderer *r, bool on, struct err *err)

@@ -20,8 +20,10 @@ struct wave {
 bool wave_render(struct renderer *renderer, const struct wave *wave,
                  const struct wave_observer *observer, bool *voided, struct err *err);
 
-// Creates the kernels that the renderer needs at present; compiles them by running each once on
-// nothing, since drivers put that off until then.
+// Creates the kernels that the renderer needs at present.
+bool wave_create_kernels(struct renderer *renderer, struct err *err);
+// The same, and compiles them by running each once on nothing, since drivers put that off until
+// then.
 bool wave_compile(struct renderer *renderer, struct err *err);
 // SPIR-V instructions of a kernel as this specialization leaves them; 0 without memory to find out.
 uint32_t wave_kernel_instructions(const struct renderer *renderer,
