@@ -25,7 +25,7 @@ static bool simulation_create(struct gpu *gpu, struct gpu_commands *commands, st
                            &commands->slow_log, err);
 }
 
-bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *err)
+bool commands_create_for_copies(struct gpu *gpu, struct gpu_commands *out, struct err *err)
 {
     *out = (struct gpu_commands){0};
     const VkCommandPoolCreateInfo pool = {
@@ -43,12 +43,21 @@ bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *
         goto fail;
     buffer.commandPool = out->pool;
     if (!VK(gpu, err, vkAllocateCommandBuffers(gpu->device, &buffer, &out->handle)) ||
-        !VK(gpu, err, vkCreateFence(gpu->device, &fence, NULL, &out->fence)) ||
-        (gpu->has_timestamps && !query_pool_create(gpu, out, err)) ||
-        !simulation_create(gpu, out, err))
+        !VK(gpu, err, vkCreateFence(gpu->device, &fence, NULL, &out->fence)))
         goto fail;
     return true;
 fail:
+    gpu_commands_finish(gpu, out);
+    return false;
+}
+
+bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *err)
+{
+    if (!commands_create_for_copies(gpu, out, err))
+        return false;
+    if ((!gpu->has_timestamps || query_pool_create(gpu, out, err)) &&
+        simulation_create(gpu, out, err))
+        return true;
     gpu_commands_finish(gpu, out);
     return false;
 }

@@ -115,6 +115,7 @@ void gpu_close(struct gpu *gpu)
         return;
     if (gpu->device)
         gpu_settle(gpu);
+    transfers_destroy(gpu);
     if (gpu->abandoned) {
         *gpu = (struct gpu){.validation_messages = gpu->validation_messages};
         return;

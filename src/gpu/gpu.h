@@ -86,6 +86,7 @@ struct gpu {
     struct gpu_kernel kept[GPU_KEPT_KERNELS];
     uint32_t kept_next;
     VkDebugUtilsMessengerEXT messenger;
+    struct gpu_commands *copying; // that synchronous copies use; NULL before the first one
     struct gpu_params params;
     uint32_t allocation_count, submit_count;
 };

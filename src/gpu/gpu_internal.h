@@ -38,6 +38,13 @@ bool memory_allocate(struct gpu *gpu, const VkMemoryRequirements *needs, enum gp
                      VkMemoryPropertyFlags *flags, VkDeviceMemory *out, struct err *err);
 void memory_count(struct gpu *gpu, uint64_t bytes); // more bytes are in use
 
+// --- command.c ----------------------------------------------------------------------------------
+// For copies alone: without timestamps, and never simulated as slow.
+bool commands_create_for_copies(struct gpu *gpu, struct gpu_commands *out, struct err *err);
+
+// --- transfer.c ---------------------------------------------------------------------------------
+void transfers_destroy(struct gpu *gpu); // what copies between the host and buffers have kept
+
 // --- image.c ------------------------------------------------------------------------------------
 // Before a transfer writes all of an image: what it held is gone. Waits for transfers from it and
 // for fragments that sample it.

@@ -1,5 +1,6 @@
 // Synchronous copies between the host and buffers.
 #include "gpu/gpu_internal.h"
+#include <stdlib.h>
 #include <string.h>
 
 // Large enough for full speed over a bus, small enough to be had on any device.
@@ -21,6 +22,31 @@ static uint64_t piece_bytes(uint64_t bytes)
     return bytes < STAGING_BYTES ? bytes : STAGING_BYTES;
 }
 
+// The commands of all copies, which follow each other: a command pool and a fence are made once.
+static struct gpu_commands *begin_copying(struct gpu *gpu, struct err *err)
+{
+    if (!gpu->copying) {
+        struct gpu_commands *commands = calloc(1, sizeof *commands);
+        if (!commands) {
+            err_memory(err, "commands", sizeof *commands);
+            return NULL;
+        }
+        if (!commands_create_for_copies(gpu, commands, err)) {
+            free(commands);
+            return NULL;
+        }
+        gpu->copying = commands;
+    }
+    return gpu_begin(gpu, gpu->copying, err) ? gpu->copying : NULL;
+}
+
+void transfers_destroy(struct gpu *gpu)
+{
+    gpu_commands_finish(gpu, gpu->copying);
+    free(gpu->copying);
+    gpu->copying = NULL;
+}
+
 static bool submit_and_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
 {
     return gpu_submit(gpu, commands, err) && gpu_wait(gpu, commands, err);
@@ -32,14 +58,11 @@ bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err)
         memset(buffer->mapped, 0, buffer->bytes);
         return true;
     }
-    struct gpu_commands commands = {0};
-    bool ok = gpu_commands_create(gpu, &commands, err) && gpu_begin(gpu, &commands, err);
-    if (ok) {
-        gpu_fill(gpu, &commands, buffer, 0, VK_WHOLE_SIZE, 0);
-        ok = submit_and_wait(gpu, &commands, err);
-    }
-    gpu_commands_finish(gpu, &commands);
-    return ok || err_prepend(err, "buffer %s", buffer->name);
+    struct gpu_commands *commands = begin_copying(gpu, err);
+    if (commands)
+        gpu_fill(gpu, commands, buffer, 0, VK_WHOLE_SIZE, 0);
+    return (commands && submit_and_wait(gpu, commands, err)) ||
+           err_prepend(err, "buffer %s", buffer->name);
 }
 
 // A copy between the host and a buffer.
@@ -50,12 +73,12 @@ struct transfer {
     char *to;         // download, else NULL
 };
 
-static bool copy_piece(struct gpu *gpu, struct gpu_commands *commands,
-                       const struct gpu_buffer *staging, const struct transfer *transfer,
-                       uint64_t done, struct err *err)
+static bool copy_piece(struct gpu *gpu, const struct gpu_buffer *staging,
+                       const struct transfer *transfer, uint64_t done, struct err *err)
 {
     uint64_t bytes = piece_bytes(transfer->bytes - done), at = transfer->offset + done;
-    if (!gpu_begin(gpu, commands, err))
+    struct gpu_commands *commands = begin_copying(gpu, err);
+    if (!commands)
         return false;
     if (transfer->from) {
         memcpy(staging->mapped, transfer->from + done, bytes);
@@ -75,13 +98,10 @@ static bool transfer_staged(struct gpu *gpu, const struct transfer *transfer, st
 {
     const char *name = transfer->from ? "upload staging" : "download staging";
     struct gpu_buffer staging = {0};
-    struct gpu_commands commands = {0};
     bool ok = buffer_allocate(gpu, name, piece_bytes(transfer->bytes), GPU_READBACK, false,
-                              &staging, err) &&
-              gpu_commands_create(gpu, &commands, err);
+                              &staging, err);
     for (uint64_t done = 0; ok && done < transfer->bytes; done += STAGING_BYTES)
-        ok = copy_piece(gpu, &commands, &staging, transfer, done, err);
-    gpu_commands_finish(gpu, &commands);
+        ok = copy_piece(gpu, &staging, transfer, done, err);
     gpu_buffer_finish(gpu, &staging);
     return ok || err_prepend(err, "buffer %s: %s", transfer->buffer->name,
                              transfer->from ? "upload" : "download");

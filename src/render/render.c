@@ -6,6 +6,7 @@
 #include "flatten/large_spheres.h"
 #include "render/adaptive.h"
 #include "render/chance.h"
+#include "render/counters.h"
 #include "render/far_camera.h"
 #include "render/film.h"
 #include "render/frame.h"
@@ -140,8 +141,7 @@ static bool upload(struct renderer *r, struct err *err)
     r->bindings = ARENA_NEW(&r->arena, struct gpu_bindings, r->plan.film_chunks);
     if (!r->counters || !r->marks || !r->bindings)
         return err_memory(err, "renderer", sizeof *r->counters);
-    return upload_scene(r->gpu, &params, r->buffers, err) &&
-           create_buffer(r, BINDING_COUNTERS, GPU_DEVICE, false, err) &&
+    return upload_scene(r->gpu, &params, r->buffers, err) && counters_create(r, err) &&
            create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err) && film_create(r, err) &&
            frame_create(r, err) && create_fitting_wave_state(r, err) &&
            gpu_commands_create(r->gpu, &r->commands, err);
@@ -288,6 +288,7 @@ static void finish_device_objects(struct renderer *r)
         gpu_bindings_finish(r->gpu, &r->bindings[i]);
     film_finish(r);
     gpu_buffer_finish(r->gpu, &r->frame_buffer);
+    counters_finish(r);
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
         gpu_buffer_finish(r->gpu, &r->buffers[b]);
 }

@@ -158,8 +158,9 @@ struct renderer {
     struct gpu_push push;
     struct gpu_frame frame; // as last uploaded: see frame.h
     struct gpu_buffer frame_buffer;
-    struct gpu_counters *counters; // as last read back
-    struct mark *marks;            // one a timestamp of the commands being recorded
+    struct gpu_counters *counters;   // as last read back
+    struct gpu_buffer counters_copy; // see counters.h
+    struct mark *marks;              // one a timestamp of the commands being recorded
     uint32_t mark_count;
     uint64_t recording_ns; // when recording them began
     struct pace pace;

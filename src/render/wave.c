@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "gpu/spirv_trim.h"
+#include "render/counters.h"
 #include "render/sdf_inline.h"
 #include <math.h>
 #include <stdlib.h>
@@ -197,6 +198,7 @@ static bool run(struct renderer *r, struct err *err)
     struct host_stats *host = &r->stats.host;
     uint64_t recorded = clock_ns();
     host->recording += (double)(recorded - r->recording_ns) * 1e-6;
+    counters_record_copy(r);
     if (!gpu_submit(r->gpu, &r->commands, err) || !gpu_wait(r->gpu, &r->commands, err))
         return false;
     uint64_t waited = clock_ns();
@@ -208,12 +210,11 @@ static bool run(struct renderer *r, struct err *err)
         add_times(r, ns);
         host->submitting -= ns[r->mark_count - 1] * 1e-6;
     }
-    bool ok = gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters,
-                           sizeof *r->counters, err);
-    if (ok && r->pace.is_on)
+    counters_read(r);
+    if (r->pace.is_on)
         learn_all(r, r->gpu->has_timestamps ? ns : NULL, (double)(waited - recorded));
     host->reading_back += (double)(clock_ns() - waited) * 1e-6;
-    return ok;
+    return true;
 }
 
 // --- the loop ------------------------------------------------------------------------------------
@@ -565,8 +566,7 @@ uint32_t wave_kernel_instructions(const struct renderer *r, const struct special
 bool wave_clear_counters(struct renderer *r, struct err *err)
 {
     memset(r->counters, 0, sizeof *r->counters);
-    return gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
-                      err);
+    return counters_write(r, err);
 }
 
 static bool run_on_nothing(struct renderer *r, struct err *err)

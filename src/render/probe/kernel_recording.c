@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/hash.h"
+#include "render/counters.h"
 #include <inttypes.h>
 #include <string.h>
 
@@ -193,6 +194,7 @@ static bool run(struct renderer *r, const struct kernel_recording *rec, double *
         return false;
     uint32_t first = gpu_timestamp(r->gpu, &r->commands);
     record_launches(r, rec);
+    counters_record_copy(r);
     uint64_t start = clock_ns();
     if (!submit(r, err))
         return false;
@@ -202,8 +204,8 @@ static bool run(struct renderer *r, const struct kernel_recording *rec, double *
             return false;
         *ms = (ns[r->commands.timestamp_count - 1] - ns[first]) * 1e-6;
     }
-    return gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
-                        err);
+    counters_read(r);
+    return true;
 }
 
 // --- recording -----------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 #include "render/probe/ray_probe.h"
 
+#include "render/counters.h"
 #include <string.h>
 
 // What marks a slot whose ray hit nothing: the kernels write hits only.
@@ -113,8 +114,7 @@ static bool upload_queue(struct renderer *r, uint32_t queue, uint32_t count, str
     return gpu_upload(r->gpu, &r->buffers[BINDING_QUEUES],
                       (uint64_t)row * r->plan.wave_slots * sizeof *slots, slots,
                       count * sizeof *slots, err) &&
-           gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
-                      err);
+           counters_write(r, err);
 }
 
 static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, uint32_t count,
@@ -134,12 +134,13 @@ static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, 
     gpu_dispatch(r->gpu, commands, &r->kernels[kernel], (count + workgroup - 1) / workgroup);
     gpu_barrier(r->gpu, commands);
     gpu_timestamp(r->gpu, commands);
+    counters_record_copy(r);
     if (!gpu_submit(r->gpu, commands, err) || !gpu_wait(r->gpu, commands, err) ||
         (r->gpu->has_timestamps && !gpu_timestamps_ns(r->gpu, commands, ns, err)))
         return false;
     *ms = (ns[1] - ns[0]) * 1e-6;
-    return gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
-                        err);
+    counters_read(r);
+    return true;
 }
 
 static bool download_closest(struct renderer *r, struct probe_hit *hits, uint32_t count,

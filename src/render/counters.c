@@ -1,0 +1,38 @@
+#include "render/counters.h"
+
+#include <string.h>
+
+bool counters_create(struct renderer *r, struct err *err)
+{
+    struct gpu_buffer *live = &r->buffers[BINDING_COUNTERS];
+    counters_finish(r);
+    return gpu_buffer_create(r->gpu, r->plan.buffers[BINDING_COUNTERS].name, sizeof *r->counters,
+                             GPU_DEVICE, false, live, err) &&
+           (live->mapped || gpu_buffer_create(r->gpu, "counters read back", sizeof *r->counters,
+                                              GPU_READBACK, false, &r->counters_copy, err));
+}
+
+void counters_finish(struct renderer *r)
+{
+    gpu_buffer_finish(r->gpu, &r->buffers[BINDING_COUNTERS]);
+    gpu_buffer_finish(r->gpu, &r->counters_copy);
+}
+
+void counters_record_copy(struct renderer *r)
+{
+    if (r->counters_copy.handle)
+        gpu_copy(r->gpu, &r->commands, &r->buffers[BINDING_COUNTERS], 0, &r->counters_copy, 0,
+                 sizeof *r->counters);
+}
+
+void counters_read(struct renderer *r)
+{
+    const struct gpu_buffer *live = &r->buffers[BINDING_COUNTERS];
+    memcpy(r->counters, live->mapped ? live->mapped : r->counters_copy.mapped, sizeof *r->counters);
+}
+
+bool counters_write(struct renderer *r, struct err *err)
+{
+    return gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+                      err);
+}
