@@ -218,6 +218,11 @@ bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
     return true;
 }
 
+void gpu_settle(struct gpu *gpu)
+{
+    gpu->abandoned = gpu->abandoned || vkDeviceWaitIdle(gpu->device) != VK_SUCCESS;
+}
+
 bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
 {
     if (!commands->pending)

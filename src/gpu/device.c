@@ -104,11 +104,6 @@ bool gpu_reopen(struct gpu *gpu, struct err *err)
     return ok;
 }
 
-void gpu_settle(struct gpu *gpu)
-{
-    gpu->abandoned = gpu->abandoned || vkDeviceWaitIdle(gpu->device) != VK_SUCCESS;
-}
-
 void gpu_close(struct gpu *gpu)
 {
     if (!gpu)
