@@ -64,9 +64,10 @@ bool trace_or_suspend(uint slot, bool valid, trace_ray ray, inout trace_hit hit)
 {
     trace_state state;
     trace_begin(state);
-    bool resuming = HAS(FEATURE_SUSPEND) && push.queue >= QUEUE_SUSPENDED;
-    if (resuming && valid)
-        resume(slot, state, hit);
+    if (HAS(FEATURE_SUSPEND)) {
+        if (valid && push.queue >= QUEUE_SUSPENDED)
+            resume(slot, state, hit);
+    }
     if (!valid)
         state.current = BVH_EMPTY;
 

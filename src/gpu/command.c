@@ -90,6 +90,9 @@ bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         !VK(gpu, err, vkBeginCommandBuffer(commands->handle, &info)))
         return false;
     commands->timestamp_count = 0;
+    commands->bindings = NULL;
+    commands->set = VK_NULL_HANDLE;
+    commands->failure = (struct err){0};
     slow_begin(commands->slow);
     commands->awaited = commands->signalled = VK_NULL_HANDLE;
     if (commands->queries)
@@ -97,27 +100,45 @@ bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
     return true;
 }
 
-void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_bindings *bindings)
+void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, struct gpu_bindings *bindings)
 {
-    vkCmdBindDescriptorSets(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, gpu->pipeline_layout,
-                            0, 1, &bindings->set, 0, NULL);
+    (void)gpu;
+    commands->bindings = bindings;
 }
 
 void gpu_push(struct gpu *gpu, struct gpu_commands *commands, const void *data, uint32_t bytes)
 {
     assert(bytes <= GPU_PUSH_BYTES && bytes % 4 == 0);
-    vkCmdPushConstants(commands->handle, gpu->pipeline_layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+    // All layouts have the same push constants, so that those set through one are for all kernels.
+    vkCmdPushConstants(commands->handle, gpu->layouts->pipeline, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        bytes, data);
+}
+
+// Binds the kernel and the buffers that it names; false, with commands->failure, where there is no
+// memory for their descriptors.
+static bool bind_kernel(struct gpu *gpu, struct gpu_commands *commands,
+                        const struct gpu_kernel *kernel)
+{
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    if (kernel->layout->bindings &&
+        !sets_find(gpu, commands->bindings, kernel->layout, &set, &commands->failure))
+        return err_prepend(&commands->failure, "kernel %s", kernel->name);
+    if (set && set != commands->set) {
+        vkCmdBindDescriptorSets(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE,
+                                kernel->layout->pipeline, 0, 1, &set, 0, NULL);
+        commands->set = set;
+    }
+    vkCmdBindPipeline(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
+    return true;
 }
 
 void gpu_dispatch(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_kernel *kernel,
                   uint32_t groups_x)
 {
     assert(groups_x <= gpu->max_groups);
-    (void)gpu;
     slow_dispatch(commands->slow, groups_x);
-    vkCmdBindPipeline(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
-    vkCmdDispatch(commands->handle, groups_x, 1, 1);
+    if (bind_kernel(gpu, commands, kernel))
+        vkCmdDispatch(commands->handle, groups_x, 1, 1);
 }
 
 void gpu_dispatch_indirect(struct gpu *gpu, struct gpu_commands *commands,
@@ -129,8 +150,8 @@ void gpu_dispatch_indirect(struct gpu *gpu, struct gpu_commands *commands,
         gpu_copy(gpu, commands, arguments, offset, &commands->slow_log, at, 12);
         gpu_barrier(gpu, commands);
     }
-    vkCmdBindPipeline(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
-    vkCmdDispatchIndirect(commands->handle, arguments->handle, offset);
+    if (bind_kernel(gpu, commands, kernel))
+        vkCmdDispatchIndirect(commands->handle, arguments->handle, offset);
 }
 
 // The source stages include the reading of indirect arguments, because they may be overwritten
@@ -207,6 +228,11 @@ static VkResult submit_call(struct gpu *gpu, const struct gpu_commands *commands
 
 bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
 {
+    if (commands->failure.code != ERR_NONE) {
+        if (err)
+            *err = commands->failure;
+        return false;
+    }
     gpu_barrier(gpu, commands);
     if (!VK(gpu, err, vkEndCommandBuffer(commands->handle)) ||
         !VK(gpu, err, vkResetFences(gpu->device, 1, &commands->fence)))

@@ -66,7 +66,7 @@ bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
         !instance_create(out, err) || !device_select(out, err))
         goto fail;
     device_read_limits(out);
-    if (!device_create(out, err) || !layouts_create(out, err)) {
+    if (!device_create(out, err) || !layouts_create(out, err) || !pipeline_cache_create(out, err)) {
         err_prepend(err, "%s", out->info.name);
         goto fail;
     }
@@ -112,6 +112,7 @@ void gpu_close(struct gpu *gpu)
         gpu_settle(gpu);
     transfers_destroy(gpu);
     if (gpu->abandoned) {
+        layouts_destroy(gpu);
         *gpu = (struct gpu){.validation_messages = gpu->validation_messages};
         return;
     }

@@ -1,6 +1,6 @@
 // A thin layer over Vulkan: every vk* call of the renderer is in this folder. Raw handles stay
-// visible. One queue; for all kernels one descriptor-set layout, one pipeline layout, one
-// push-constant block.
+// visible. One queue; for all kernels one numbering of bindings, of which each kernel's layout has
+// those that its code names, and one push-constant block.
 //
 // Threads: one thread at a time uses a struct gpu and what belongs to it. Opening, closing and
 // listing set the process-wide function pointers of volk: not on two threads at once.
@@ -14,10 +14,11 @@
 #include <stdint.h>
 #include <volk.h>
 
-#define GPU_MIN_STORAGE 16 // storage-buffer bindings that every device has: 0 .. 15
-#define GPU_MAX_STORAGE 32 // with those after GPU_UNIFORM_BINDING, as many as the device takes
-#define GPU_MAX_TEXEL 12   // uniform-texel-buffer bindings, GPU_MIN_STORAGE + 0 .. 11
-#define GPU_UNIFORM_BINDING (GPU_MIN_STORAGE + GPU_MAX_TEXEL) // the one uniform buffer
+#define GPU_FIRST_STORAGE 16 // storage-buffer bindings 0 .. 15
+#define GPU_MAX_STORAGE 32   // with those after GPU_UNIFORM_BINDING
+#define GPU_MAX_TEXEL 12     // uniform-texel-buffer bindings, GPU_FIRST_STORAGE + 0 .. 11
+#define GPU_UNIFORM_BINDING (GPU_FIRST_STORAGE + GPU_MAX_TEXEL) // the one uniform buffer
+#define GPU_MAX_BINDINGS (GPU_MAX_STORAGE + GPU_MAX_TEXEL + 1)
 #define GPU_PUSH_BYTES 128
 #define GPU_MAX_CONSTANTS 64 // specialization constants of a kernel
 #define GPU_KEPT_KERNELS 64
@@ -41,8 +42,18 @@ struct gpu_device_info {
 bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *count,
                       struct err *err);
 
+// What follows from the bindings that a kernel's code names. Kernels that name the same ones share
+// it; the device keeps it until it is closed.
+struct gpu_layout {
+    uint64_t bindings; // bit i: binding i
+    VkDescriptorSetLayout set;
+    VkPipelineLayout pipeline;
+    struct gpu_layout *next;
+};
+
 struct gpu_kernel {
     VkPipeline pipeline;
+    const struct gpu_layout *layout;
     const char *name;
     // What it was made from.
     const uint32_t *spirv;
@@ -60,7 +71,8 @@ struct gpu {
     // What is used, after overrides.
     uint64_t max_storage_range;
     uint64_t max_texel_elements; // 0 without texel buffers
-    uint32_t storage_count;      // of GPU_MAX_STORAGE
+    uint32_t storage_count;      // storage buffers that one kernel may bind
+    uint32_t texel_count;        // uniform texel buffers likewise
     uint64_t max_allocation;
     uint64_t storage_alignment; // offsets of storage ranges are multiples of this, bytes
     uint32_t max_groups;        // workgroups in x a dispatch
@@ -78,8 +90,7 @@ struct gpu {
     bool abandoned;               // it may still be at work, so nothing is destroyed any more
     uint64_t allocated_bytes, peak_bytes; // of buffers, staging included, and images
 
-    VkDescriptorSetLayout set_layout;
-    VkPipelineLayout pipeline_layout;
+    struct gpu_layout *layouts; // the first one made, which stands last, has no bindings
     VkPipelineCache pipeline_cache;
     // Pipelines of destroyed kernels, kept for reuse: drivers take up to half a second to make the
     // pipelines of a renderer. The oldest is evicted first.
@@ -143,7 +154,8 @@ struct gpu_kernel_params {
     uint64_t variant;
 };
 
-// The code, or what it was made from, must outlive the device.
+// The code, or what it was made from, must outlive the device. Fails where it binds more buffers at
+// once than the device takes.
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
                        struct gpu_kernel *out, struct err *err);
 // Destroys the kept pipelines that were made from this code: it may be freed then.
@@ -167,17 +179,19 @@ bool gpu_kernel_statistics(struct gpu *gpu, const struct gpu_kernel *kernel,
                            struct err *err);
 
 // --- bindings -----------------------------------------------------------------------------------
-// A descriptor set. Every binding is always valid: those left {0} are bound to a small dummy buffer
-// that the set owns. Storage buffers from gpu->storage_count on must be left.
+// Buffers for all bindings. Kernels find those that they name in descriptor sets, one for each
+// layout, which are made when the first kernel of that layout is dispatched. Every binding is
+// always valid: those left {0} are bound to a small dummy buffer that the bindings own.
 struct gpu_binding {
     const struct gpu_buffer *buffer; // NULL: the dummy
     uint64_t offset, bytes; // the range, from a multiple of storage_alignment; bytes 0: to the end
 };
 
 struct gpu_bindings {
-    VkDescriptorPool pool;
-    VkDescriptorSet set;
     struct gpu_buffer dummy;
+    VkDescriptorBufferInfo storage[GPU_MAX_STORAGE], uniform;
+    VkBufferView texel[GPU_MAX_TEXEL];
+    struct gpu_sets *sets; // see sets.c; NULL: none was needed yet
 };
 
 // storage, texel, uniform: NULL for none at all. Texel buffers need a texel view. The buffers must
@@ -206,6 +220,9 @@ struct gpu_commands {
     VkQueryPool queries; // VK_NULL_HANDLE without timestamps
     uint32_t timestamp_count;
     bool pending;
+    struct gpu_bindings *bindings; // what gpu_bind was called with
+    VkDescriptorSet set;           // the one of them that is bound
+    struct err failure;            // of recording; gpu_submit tells it
     // Set after gpu_begin, of one submission, or VK_NULL_HANDLE: its transfers wait for one, and it
     // signals the other.
     VkSemaphore awaited, signalled;
@@ -215,7 +232,8 @@ bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *
 void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands);
 // Starts recording anew; waits for a submission of these commands that is still pending.
 bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
-void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_bindings *bindings);
+// For the dispatches to come. The bindings must stay where they are until these are submitted.
+void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, struct gpu_bindings *bindings);
 void gpu_push(struct gpu *gpu, struct gpu_commands *commands, const void *data, uint32_t bytes);
 void gpu_dispatch(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_kernel *kernel,
                   uint32_t groups_x);
@@ -233,6 +251,7 @@ void gpu_copy(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_b
 // Index of the timestamp, or UINT32_MAX when there is none (no support, or the pool is full).
 uint32_t gpu_timestamp(struct gpu *gpu, struct gpu_commands *commands);
 // Ends recording with a barrier, so that the next submission and, after gpu_wait, the host see all.
+// Fails where recording did, by lack of memory for descriptor sets; nothing is submitted then.
 bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
 bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
 // Waits as gpu_wait does; then: nanoseconds from timestamp 0, for all timestamp_count of them.

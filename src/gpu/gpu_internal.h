@@ -59,15 +59,27 @@ void image_fill(struct gpu_commands *commands, const struct gpu_image *image, ui
 bool screen_pipeline_create(struct gpu *gpu, struct gpu_screen *screen, struct err *err);
 void screen_pipeline_destroy(struct gpu *gpu, struct gpu_screen *screen);
 
-// --- kernel.c -----------------------------------------------------------------------------------
-// The bindings of a set: the last GPU_MAX_STORAGE - GPU_MIN_STORAGE ones as far as they are there.
-static inline uint32_t binding_count(const struct gpu *gpu)
-{
-    return GPU_UNIFORM_BINDING + 1 + gpu->storage_count - GPU_MIN_STORAGE;
-}
+// --- layout.c -----------------------------------------------------------------------------------
+// Bindings 0 .. GPU_FIRST_STORAGE-1 are storage buffers, then come GPU_MAX_TEXEL uniform texel
+// buffers, one uniform buffer and further storage buffers.
+VkDescriptorType binding_type(uint32_t binding);
+// The first layout, without bindings: push constants are set through it.
 bool layouts_create(struct gpu *gpu, struct err *err);
 void layouts_destroy(struct gpu *gpu);
-void kernels_destroy(struct gpu *gpu); // those that are kept
+// The layout with these bindings, made where there is none yet; NULL on failure.
+const struct gpu_layout *layout_find(struct gpu *gpu, uint64_t bindings, struct err *err);
+
+// --- sets.c -------------------------------------------------------------------------------------
+// The bindings' descriptor set for a layout, made and written where that was not done yet.
+bool sets_find(struct gpu *gpu, struct gpu_bindings *bindings, const struct gpu_layout *layout,
+               VkDescriptorSet *out, struct err *err);
+// The sets are to be written again before they are used: other buffers are bound.
+void sets_expire(struct gpu_sets *sets);
+void sets_destroy(struct gpu *gpu, struct gpu_sets *sets); // accepts NULL
+
+// --- kernel.c -----------------------------------------------------------------------------------
+bool pipeline_cache_create(struct gpu *gpu, struct err *err);
+void kernels_destroy(struct gpu *gpu); // those that are kept, and the cache
 
 // --- debug.c ------------------------------------------------------------------------------------
 // Names an object for the validation layers' messages and for debuggers; nothing without them.

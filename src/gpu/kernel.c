@@ -1,72 +1,21 @@
-// Compute pipelines, and the one layout that all of them share.
+// Compute pipelines.
 #include "gpu/gpu_internal.h"
+#include "gpu/spirv_bindings.h"
 #include "gpu/spirv_rounding.h"
 #include "gpu/spirv_trim.h"
 #include <stdlib.h>
 #include <string.h>
 
-// Bindings 0 .. GPU_MIN_STORAGE-1 are storage buffers, then come GPU_MAX_TEXEL uniform texel
-// buffers, one uniform buffer and further storage buffers.
-static VkDescriptorType binding_type(uint32_t binding)
-{
-    if (binding < GPU_MIN_STORAGE || binding > GPU_UNIFORM_BINDING)
-        return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    return binding < GPU_UNIFORM_BINDING ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
-                                         : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-}
-
-static bool set_layout_create(struct gpu *gpu, struct err *err)
-{
-    VkDescriptorSetLayoutBinding bindings[GPU_MAX_STORAGE + GPU_MAX_TEXEL + 1];
-    for (uint32_t i = 0; i < binding_count(gpu); i++)
-        bindings[i] = (VkDescriptorSetLayoutBinding){
-            .binding = i,
-            .descriptorType = binding_type(i),
-            .descriptorCount = 1,
-            .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
-        };
-    const VkDescriptorSetLayoutCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = binding_count(gpu),
-        .pBindings = bindings,
-    };
-    return VK(gpu, err, vkCreateDescriptorSetLayout(gpu->device, &info, NULL, &gpu->set_layout));
-}
-
-static bool pipeline_layout_create(struct gpu *gpu, struct err *err)
-{
-    const VkPushConstantRange push = {
-        .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
-        .size = GPU_PUSH_BYTES,
-    };
-    const VkPipelineLayoutCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-        .setLayoutCount = 1,
-        .pSetLayouts = &gpu->set_layout,
-        .pushConstantRangeCount = 1,
-        .pPushConstantRanges = &push,
-    };
-    return VK(gpu, err, vkCreatePipelineLayout(gpu->device, &info, NULL, &gpu->pipeline_layout));
-}
-
-bool layouts_create(struct gpu *gpu, struct err *err)
+bool pipeline_cache_create(struct gpu *gpu, struct err *err)
 {
     const VkPipelineCacheCreateInfo cache = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
     };
-    return set_layout_create(gpu, err) && pipeline_layout_create(gpu, err) &&
-           VK(gpu, err, vkCreatePipelineCache(gpu->device, &cache, NULL, &gpu->pipeline_cache));
-}
-
-void layouts_destroy(struct gpu *gpu)
-{
-    vkDestroyPipelineCache(gpu->device, gpu->pipeline_cache, NULL);
-    vkDestroyPipelineLayout(gpu->device, gpu->pipeline_layout, NULL);
-    vkDestroyDescriptorSetLayout(gpu->device, gpu->set_layout, NULL);
+    return VK(gpu, err, vkCreatePipelineCache(gpu->device, &cache, NULL, &gpu->pipeline_cache));
 }
 
 static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *params,
-                            VkShaderModule module, VkPipeline *out, struct err *err)
+                            VkShaderModule module, struct gpu_kernel *out, struct err *err)
 {
     VkSpecializationMapEntry entries[GPU_MAX_CONSTANTS];
     for (uint32_t i = 0; i < params->constant_count; i++)
@@ -91,11 +40,12 @@ static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *par
                 .pName = "main",
                 .pSpecializationInfo = &specialization,
             },
-        .layout = gpu->pipeline_layout,
+        .layout = out->layout->pipeline,
         .flags = gpu->params.statistics ? VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR : 0,
     };
-    return VK(gpu, err,
-              vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, out));
+    return VK(
+        gpu, err,
+        vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, &out->pipeline));
 }
 
 // The part of the code that the constants leave, as the device is to run it. In two buffers of the
@@ -117,8 +67,8 @@ static void code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *
     }
 }
 
-static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *params, VkPipeline *out,
-                          struct err *err)
+static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *params,
+                          struct gpu_kernel *out, struct err *err)
 {
     VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -131,7 +81,9 @@ static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *param
         return err_set(err, ERR_SYSTEM, "out of memory for %zu bytes of code", 2 * size);
     code_prepare(gpu, params, buffers, buffers + size / sizeof *buffers, &info);
     VkShaderModule module = VK_NULL_HANDLE;
-    bool ok = VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
+    out->layout = layout_find(gpu, spirv_bindings(info.pCode, info.codeSize), err);
+    bool ok = out->layout &&
+              VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
               pipeline_create(gpu, params, module, out, err);
     vkDestroyShaderModule(gpu->device, module, NULL);
     free(buffers);
@@ -148,16 +100,19 @@ static bool same_code(const struct gpu_kernel *kernel, const struct gpu_kernel_p
 }
 
 // Takes a pipeline of the same code and constants out of those that are kept.
-static VkPipeline take_kept(struct gpu *gpu, const struct gpu_kernel_params *params)
+static bool take_kept(struct gpu *gpu, const struct gpu_kernel_params *params,
+                      struct gpu_kernel *out)
 {
     for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++) {
-        VkPipeline found = gpu->kept[i].pipeline;
-        if (found && same_code(&gpu->kept[i], params)) {
-            gpu->kept[i] = (struct gpu_kernel){0};
-            return found;
+        struct gpu_kernel *kept = &gpu->kept[i];
+        if (kept->pipeline && same_code(kept, params)) {
+            out->pipeline = kept->pipeline;
+            out->layout = kept->layout;
+            *kept = (struct gpu_kernel){0};
+            return true;
         }
     }
-    return VK_NULL_HANDLE;
+    return false;
 }
 
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
@@ -174,8 +129,7 @@ bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
     out->constant_count = params->constant_count;
     for (uint32_t i = 0; i < params->constant_count; i++)
         out->constants[i] = params->constants[i];
-    out->pipeline = take_kept(gpu, params);
-    if (!out->pipeline && !pipeline_make(gpu, params, &out->pipeline, err))
+    if (!take_kept(gpu, params, out) && !pipeline_make(gpu, params, out, err))
         return err_prepend(err, "kernel %s", params->name);
     DEBUG_NAME(gpu, PIPELINE, out->pipeline, params->name);
     return true;
@@ -208,4 +162,5 @@ void kernels_destroy(struct gpu *gpu)
 {
     for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++)
         vkDestroyPipeline(gpu->device, gpu->kept[i].pipeline, NULL);
+    vkDestroyPipelineCache(gpu->device, gpu->pipeline_cache, NULL);
 }

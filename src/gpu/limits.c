@@ -38,13 +38,10 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         const char *name;
         uint64_t *number;
     } numbers[] = {
-        {"storage-range=", &limits->storage_range},
-        {"storage-count=", &limits->storage_count},
-        {"texel-elements=", &limits->texel_elements},
-        {"allocation=", &limits->allocation},
-        {"memory=", &limits->memory},
-        {"memory-budget=", &limits->memory_budget},
-        {"group-ns=", &limits->group_ns},
+        {"storage-range=", &limits->storage_range}, {"storage-count=", &limits->storage_count},
+        {"texel-count=", &limits->texel_count},     {"texel-elements=", &limits->texel_elements},
+        {"allocation=", &limits->allocation},       {"memory=", &limits->memory},
+        {"memory-budget=", &limits->memory_budget}, {"group-ns=", &limits->group_ns},
         {"watchdog-ms=", &limits->watchdog_ms},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
@@ -75,7 +72,7 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
                 err, ERR_USAGE,
                 VARIABLE ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
                          "no-rounding-mode, no-mapped-device, no-timestamps, storage-range=BYTES, "
-                         "storage-count=N, texel-elements=N, allocation=BYTES, "
+                         "storage-count=N, texel-count=N, texel-elements=N, allocation=BYTES, "
                          "memory=BYTES, memory-budget=BYTES, group-ns=N or watchdog-ms=N",
                 (int)length, word);
         word += length + (word[length] == ',');

@@ -12,11 +12,12 @@ struct VkPhysicalDevice_T;
 // here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
 // be run on the fallbacks: words separated by commas out of api-1.1, no-texel, no-ballot,
 // no-rounding-mode, no-mapped-device, no-timestamps, storage-range=BYTES, storage-count=N,
-// texel-elements=N, allocation=BYTES, memory=BYTES, memory-budget=BYTES, group-ns=N,
+// texel-count=N, texel-elements=N, allocation=BYTES, memory=BYTES, memory-budget=BYTES, group-ns=N,
 // watchdog-ms=N. Other words are ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
-    uint64_t storage_count;  // storage-buffer bindings, never fewer than GPU_MIN_STORAGE
+    uint64_t storage_count;  // storage buffers that a kernel may bind
+    uint64_t texel_count;    // uniform texel buffers likewise
     uint64_t texel_elements; // maxTexelBufferElements
     uint64_t allocation;     // largest VkDeviceMemory, bytes
     uint64_t memory;         // of all allocations: what exceeds it fails

@@ -150,18 +150,12 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
                        size_t size)
 {
     const VkPhysicalDeviceLimits *l = &device->limits;
-    // Uniform texel buffers count as sampled images (Vulkan specification, "Required Limits").
+    // How many buffers are bound at once is checked for each kernel: see layout.c.
     const struct {
         const char *name;
         uint32_t value, need;
     } limits[] = {
-        {"maxPerStageDescriptorStorageBuffers", l->maxPerStageDescriptorStorageBuffers,
-         GPU_MIN_STORAGE},
-        {"maxDescriptorSetStorageBuffers", l->maxDescriptorSetStorageBuffers, GPU_MIN_STORAGE},
-        {"maxPerStageDescriptorSampledImages", l->maxPerStageDescriptorSampledImages,
-         GPU_MAX_TEXEL},
-        {"maxDescriptorSetSampledImages", l->maxDescriptorSetSampledImages, GPU_MAX_TEXEL},
-        {"maxPerStageResources", l->maxPerStageResources, GPU_UNIFORM_BINDING + 1},
+        {"maxPerStageResources", l->maxPerStageResources, GPU_MAX_BINDINGS},
         {"maxPushConstantsSize", l->maxPushConstantsSize, GPU_PUSH_BYTES},
         {"maxComputeWorkGroupInvocations", l->maxComputeWorkGroupInvocations, GPU_MIN_INVOCATIONS},
         {"maxComputeWorkGroupSize[0]", l->maxComputeWorkGroupSize[0], GPU_MIN_INVOCATIONS},
@@ -356,14 +350,10 @@ static uint64_t lowered(uint64_t limit, uint64_t override)
     return override && override < limit ? override : limit;
 }
 
-// Vulkan lets a device count all kinds of a stage's bindings together.
-static uint32_t storage_count(const VkPhysicalDeviceLimits *limits, uint64_t override)
+// Of `most` bindings of a kind: as many as the one stage and the one set that we use may have.
+static uint32_t binding_count(uint32_t most, uint32_t a_stage, uint32_t a_set, uint64_t override)
 {
-    uint64_t count = lowered(GPU_MAX_STORAGE, override);
-    count = lowered(count, limits->maxPerStageDescriptorStorageBuffers);
-    count = lowered(count, limits->maxDescriptorSetStorageBuffers);
-    count = lowered(count, limits->maxPerStageResources - (GPU_MAX_TEXEL + 1));
-    return count > GPU_MIN_STORAGE ? (uint32_t)count : GPU_MIN_STORAGE;
+    return (uint32_t)lowered(lowered(lowered(most, a_stage), a_set), override);
 }
 
 // Whether kernels may ask for the mode of 32 bits alone.
@@ -386,7 +376,12 @@ void device_read_limits(struct gpu *gpu)
     gpu->max_storage_range = lowered(limits->maxStorageBufferRange, lower->storage_range);
     gpu->max_texel_elements =
         lower->no_texel ? 0 : lowered(limits->maxTexelBufferElements, lower->texel_elements);
-    gpu->storage_count = storage_count(limits, lower->storage_count);
+    gpu->storage_count =
+        binding_count(GPU_MAX_STORAGE, limits->maxPerStageDescriptorStorageBuffers,
+                      limits->maxDescriptorSetStorageBuffers, lower->storage_count);
+    // Uniform texel buffers count as sampled images (Vulkan specification, "Required Limits").
+    gpu->texel_count = binding_count(GPU_MAX_TEXEL, limits->maxPerStageDescriptorSampledImages,
+                                     limits->maxDescriptorSetSampledImages, lower->texel_count);
     gpu->max_allocation = lowered(p.maintenance.maxMemoryAllocationSize, lower->allocation);
     gpu->storage_alignment = limits->minStorageBufferOffsetAlignment;
     gpu->max_groups = limits->maxComputeWorkGroupCount[0];

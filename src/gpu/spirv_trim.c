@@ -15,6 +15,7 @@ struct id {
     bool needed;  // something that stays names it
     bool is_bool; // a type
     bool is_int;
+    bool is_bound; // a variable with a binding
 };
 
 struct module {
@@ -132,6 +133,8 @@ static void read_global(struct module *m, const uint32_t *at)
     } else if (op == OP_DECORATE && words == 4 && at[2] == SPIRV_DECORATION_SPEC_ID) {
         if (at[3] < m->constant_count)
             know(m, at[1], m->constants[at[3]]);
+    } else if (op == OP_DECORATE && words == 4 && at[2] == SPIRV_DECORATION_BINDING) {
+        m->ids[at[1]].is_bound = m->ids[at[1]].dropped = true; // until an instruction names it
     } else if (op == OP_CONSTANT_TRUE || op == OP_CONSTANT_FALSE) {
         know(m, at[2], op == OP_CONSTANT_TRUE);
     } else if (op == OP_SPEC_CONSTANT_TRUE || op == OP_SPEC_CONSTANT_FALSE) {
@@ -202,10 +205,24 @@ static void call(struct module *m, uint32_t function)
     m->ids[function].live = true;
 }
 
+// Variables are named by calls, which pass them on, by instructions of memory and by atomic ones. A
+// number among their operands may happen to be a variable's: it stays then, which does no harm.
+static void keep_variables(struct module *m, const uint32_t *at)
+{
+    uint32_t op = spirv_opcode(at);
+    if (op < OP_FUNCTION_CALL || (op > OP_ARRAY_LENGTH && op != OP_COPY_OBJECT &&
+                                  (op < OP_ATOMIC_LOAD || op > OP_ATOMIC_XOR)))
+        return;
+    for (uint32_t i = 1; i < spirv_length(at); i++)
+        if (at[i] < m->bound && m->ids[at[i]].is_bound)
+            m->ids[at[i]].dropped = false;
+}
+
 // What an instruction in a block that is reached does to what is known.
 static bool follow(struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at), value;
+    keep_variables(m, at);
     if (op == OP_PHI)
         merge_values(m, at);
     else if (op == OP_FUNCTION_CALL)
@@ -295,6 +312,8 @@ static bool is_about_dropped(const struct module *m, const uint32_t *at)
 static uint32_t write_global(const struct module *m, const uint32_t *at, uint32_t *out)
 {
     uint32_t op = spirv_opcode(at), words = spirv_length(at);
+    if (op == OP_VARIABLE && m->ids[at[2]].dropped)
+        return 0;
     bool is_constant = op == OP_SPEC_CONSTANT_TRUE || op == OP_SPEC_CONSTANT_FALSE ||
                        (op == OP_SPEC_CONSTANT && words == 4) || op == OP_SPEC_CONSTANT_OP;
     if (is_constant && m->ids[at[2]].known && m->ids[at[1]].is_bool) {

@@ -6,11 +6,11 @@
 #include <stdint.h>
 
 // Writes `code` (`bytes` long; whole words) to `out`, which has room for as much, without functions
-// that nothing calls and without what stands in blocks that nothing reaches, given the
-// specialization constants 0 .. count - 1, which become constants of these values. Blocks stay,
-// empty, and with them the structure of the control flow. Drivers find the same, but some
-// (lavapipe) only after they have put every function into its callers, which takes most of the time
-// they need for a pipeline.
+// that nothing calls, without what stands in blocks that nothing reaches and without the variables
+// with bindings that nothing names then, given the specialization constants 0 .. count - 1, which
+// become constants of these values. Blocks stay, empty, and with them the structure of the control
+// flow. Drivers find the same, but some (lavapipe) only after they have put every function into its
+// callers, which takes most of the time they need for a pipeline.
 //
 // Returns the bytes written, or 0 for a module that it does not understand or without memory for
 // it: such a module is to be used as it is.

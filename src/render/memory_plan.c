@@ -173,7 +173,8 @@ static uint64_t part_bytes(const struct gpu *gpu)
 // Returns how many bindings one buffer may have for its parts when `parts` are taken.
 static uint32_t parts_left(const struct gpu *gpu, uint32_t parts)
 {
-    uint32_t left = gpu->storage_count - GPU_MIN_STORAGE;
+    uint32_t left =
+        gpu->storage_count > GPU_FIRST_STORAGE ? gpu->storage_count - GPU_FIRST_STORAGE : 0;
     for (uint32_t b = 0; b <= BINDING_TEXELS; b++)
         left -= PARTS_OF(parts, b);
     return left < (1u << PARTS_BITS) - 1u ? left : (1u << PARTS_BITS) - 1u;

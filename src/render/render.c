@@ -65,7 +65,7 @@ static void bind_parts(const struct renderer *r, uint32_t binding, struct gpu_bi
 static bool create_bindings(struct renderer *r, struct err *err)
 {
     struct gpu_binding storage[GPU_MAX_STORAGE] = {0};
-    uint32_t next_part = GPU_MIN_STORAGE;
+    uint32_t next_part = GPU_FIRST_STORAGE;
     const struct gpu_buffer *texels[GPU_MAX_TEXEL] = {0};
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
         if (!r->buffers[b].handle)

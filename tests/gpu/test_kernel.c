@@ -87,6 +87,88 @@ TEST(copy_through_a_texel_buffer)
     check_copy(true, true);
 }
 
+static bool run_copy(struct gpu *gpu, struct pair *pair, const struct gpu_kernel *kernel,
+                     uint32_t factor, struct err *err)
+{
+    const struct copy_push push = {.count = COUNT, .addend = 7};
+    if (!gpu_begin(gpu, &pair->commands, err))
+        return false;
+    gpu_bind(gpu, &pair->commands, &pair->bindings);
+    gpu_push(gpu, &pair->commands, &push, sizeof push);
+    gpu_dispatch(gpu, &pair->commands, kernel, groups_for(COUNT));
+    if (!pair_run(gpu, pair, err))
+        return false;
+    for (uint32_t i = 0; i < COUNT; i++)
+        if (pair->result[i] != element(i) * factor + 7)
+            return err_set(err, ERR_BUG, "element %u is %u", i, pair->result[i]);
+    return true;
+}
+
+// The copy kernel names two storage buffers, or one and a texel buffer. A device that takes but one
+// storage buffer at once refuses the first form alone, and says why.
+TEST(a_kernel_binds_what_it_names)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = true, .limits = {.storage_count = 1, .texel_count = 1});
+    struct pair pair;
+    struct gpu_kernel storage = {0}, texel = {0};
+    struct err err = {0};
+    CHECK(gpu.storage_count == 1 && gpu.texel_count == 1);
+    CHECK(pair_create(&gpu, COUNT, true, &pair, &err) &&
+              copy_kernel_create(&gpu, 3, true, &texel, &err) &&
+              run_copy(&gpu, &pair, &texel, 3, &err),
+          "%s", err.msg);
+    char expected[512];
+    snprintf(expected, sizeof expected,
+             "kernel copy: 2 storage buffers bound at once are above the limit of %s, which is 1 "
+             "(maxPerStageDescriptorStorageBuffers)",
+             gpu.info.name);
+    CHECK(!copy_kernel_create(&gpu, 3, false, &storage, &err) && err.code == ERR_GPU &&
+              strcmp(err.msg, expected) == 0,
+          "%s", err.msg);
+    gpu_kernel_finish(&gpu, &storage);
+    gpu_kernel_finish(&gpu, &texel);
+    pair_finish(&gpu, &pair);
+    gpu_close(&gpu);
+    CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
+}
+
+// Kernels of two layouts use the same bindings by turns, and both see other buffers once these are
+// bound. A third one has the layout of the first.
+TEST(layouts_share_bindings)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = true);
+    struct pair pair;
+    struct gpu_kernel storage = {0}, texel = {0}, other = {0};
+    struct gpu_buffer further = {0};
+    struct err err = {0};
+    bool ok = pair_create(&gpu, COUNT, true, &pair, &err) &&
+              gpu_buffer_create(&gpu, "further", COUNT * 4, GPU_DEVICE, true, &further, &err) &&
+              copy_kernel_create(&gpu, 3, false, &storage, &err) &&
+              copy_kernel_create(&gpu, 5, true, &texel, &err) &&
+              copy_kernel_create(&gpu, 9, false, &other, &err);
+    CHECK(ok && storage.layout == other.layout && storage.layout != texel.layout);
+    for (int turn = 0; turn < 2; turn++)
+        CHECK(run_copy(&gpu, &pair, &storage, 3, &err) && run_copy(&gpu, &pair, &texel, 5, &err),
+              "%s", err.msg);
+    struct gpu_buffer from = pair.from;
+    pair.from = further; // of zeros
+    const struct gpu_binding bound[GPU_MAX_STORAGE] = {{.buffer = &pair.from},
+                                                       {.buffer = &pair.to}};
+    const struct gpu_buffer *const texels[GPU_MAX_TEXEL] = {&pair.from};
+    CHECK(gpu_bindings_write(&gpu, bound, texels, NULL, &pair.bindings, &err), "%s", err.msg);
+    CHECK(!run_copy(&gpu, &pair, &storage, 3, &err) && pair.result[1] == 7);
+    CHECK(!run_copy(&gpu, &pair, &texel, 5, &err) && pair.result[1] == 7);
+    gpu_kernel_finish(&gpu, &other);
+    gpu_kernel_finish(&gpu, &texel);
+    gpu_kernel_finish(&gpu, &storage);
+    gpu_buffer_finish(&gpu, &from);
+    pair_finish(&gpu, &pair);
+    gpu_close(&gpu);
+    CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
+}
+
 // Bindings of a range see it from its first element on, and no more than it.
 TEST(bindings_respect_offset_and_range)
 {
@@ -392,6 +474,7 @@ TEST(forgotten_pipelines_are_gone)
 }
 
 TEST_MAIN(TEST_CASE(copy_through_storage_buffers), TEST_CASE(copy_through_a_texel_buffer),
+          TEST_CASE(a_kernel_binds_what_it_names), TEST_CASE(layouts_share_bindings),
           TEST_CASE(bindings_respect_offset_and_range), TEST_CASE(indirect_dispatch_after_a_kernel),
           TEST_CASE(ballot_compacts), TEST_CASE(timestamps_rise_and_stop_when_full),
           TEST_CASE(too_many_constants_are_refused), TEST_CASE(pipelines_are_kept),

@@ -1,5 +1,6 @@
 // What specialization constants rule out is left out, and what is left does the same.
 #include "gpu/spirv.h"
+#include "gpu/spirv_bindings.h"
 #include "gpu/spirv_rounding.h"
 #include "gpu/spirv_trim.h"
 #include "gpu_fixture.h"
@@ -55,7 +56,7 @@ static size_t trimmed_bytes(uint32_t choices)
 }
 
 static bool run_choices(struct gpu *gpu, struct gpu_commands *commands,
-                        const struct gpu_bindings *bindings, uint32_t choices, struct err *err)
+                        struct gpu_bindings *bindings, uint32_t choices, struct err *err)
 {
     const uint32_t constants[] = {GROUP, choices};
     const struct gpu_kernel_params params = {
@@ -221,7 +222,22 @@ TEST(instructions_of_functions_are_counted)
     CHECK(left > 0 && left < whole, "%u of %u", left, whole);
 }
 
-TEST_MAIN(TEST_CASE(the_rest_does_the_same), TEST_CASE(less_is_left_of_fewer_choices),
-          TEST_CASE(constants_have_their_values), TEST_CASE(rounding_is_asked_for),
-          TEST_CASE(what_is_no_module_is_left_alone),
+// Bindings 0 and 1 are the storage buffers, 16 is the texel buffer.
+TEST(variables_that_nothing_names_are_left_out)
+{
+    static uint32_t out[sizeof copy_spirv / sizeof *copy_spirv];
+    for (uint32_t texel = 0; texel < 2; texel++) {
+        const uint32_t constants[] = {GROUP, 1, texel};
+        size_t bytes = spirv_trim(copy_spirv, sizeof copy_spirv, constants, 3, out);
+        uint64_t bindings = spirv_bindings(out, bytes);
+        CHECK(bindings == (texel ? 1u << 1 | 1u << 16 : 1u << 0 | 1u << 1), "texel %u: 0x%llx",
+              texel, (unsigned long long)bindings);
+    }
+    CHECK(spirv_bindings(copy_spirv, sizeof copy_spirv) == (1u << 0 | 1u << 1 | 1u << 16));
+    CHECK(spirv_bindings(copy_spirv + 1, sizeof copy_spirv - 4) == 0);
+}
+
+TEST_MAIN(TEST_CASE(variables_that_nothing_names_are_left_out), TEST_CASE(the_rest_does_the_same),
+          TEST_CASE(less_is_left_of_fewer_choices), TEST_CASE(constants_have_their_values),
+          TEST_CASE(rounding_is_asked_for), TEST_CASE(what_is_no_module_is_left_alone),
           TEST_CASE(instructions_of_functions_are_counted))

@@ -373,7 +373,7 @@ static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
 }
 
 // Leaves the film's light in light[0].
-static void gather(struct denoiser *d, const struct renderer *r, const struct gpu_bindings *films)
+static void gather(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films)
 {
     for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
         uint64_t pixels = chunk_pixels(r, chunk);
@@ -390,7 +390,7 @@ static void gather(struct denoiser *d, const struct renderer *r, const struct gp
 
 // Leaves by how much the history differs from the film in light[1], and the film's light in
 // light[0] again, through which the wavelet went.
-static void compare(struct denoiser *d, const struct renderer *r, const struct gpu_bindings *films)
+static void compare(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films)
 {
     dispatch_picture(d, BLEND_COMPARED, 0, 0);
     for (uint32_t level = 0; level < DENOISE_COMPARED_LEVELS; level++)
@@ -399,7 +399,7 @@ static void compare(struct denoiser *d, const struct renderer *r, const struct g
 }
 
 static void blend(struct denoiser *d, const struct denoise_call *call,
-                  const struct gpu_bindings *films)
+                  struct gpu_bindings *films)
 {
     enum kernel kernel = BLEND;
     if (uses_history(d, call))
@@ -437,7 +437,7 @@ static bool submit(struct denoiser *d, struct err *err)
 }
 
 static bool record(struct denoiser *d, const struct denoise_call *call, bool filtered,
-                   const struct gpu_bindings *films, struct err *err)
+                   struct gpu_bindings *films, struct err *err)
 {
     if (!gpu_begin(d->gpu, &d->own->commands, err))
         return false;

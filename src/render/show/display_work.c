@@ -82,8 +82,8 @@ static bool bind(struct display *d, const struct display_work *work, bool *texel
         *texels = *texels && texel[b];
     }
     struct gpu_bindings *set = &own->sets[own->set_count];
-    if (!(set->set ? gpu_bindings_write : gpu_bindings_create)(d->gpu, storage, texel, NULL, set,
-                                                               err))
+    if (!(set->dummy.handle ? gpu_bindings_write : gpu_bindings_create)(d->gpu, storage, texel,
+                                                                        NULL, set, err))
         return false;
     own->set_count++;
     gpu_bind(d->gpu, &own->commands, set);
