@@ -38,6 +38,9 @@ void main()
     bool done = trace_or_suspend(slot, valid, ray, hit);
 
     bool found = done && hit.primitive != NO_PRIMITIVE;
+#ifdef PLANTED_HOLES // tests of tests only: are rays missed that get through what is closed?
+    found = found && slot % 64u != 0u;
+#endif
     if (found)
         store_path(slot, PATH_HIT, uvec4(floatBitsToUint(vec3(hit.t, hit.uv)), hit.primitive));
     if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && found)

@@ -5,6 +5,7 @@
 #include "check/case_list.h"
 #include "check/driver.h"
 #include "check/embedded_scene.h"
+#include "check/path_items.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,8 +17,7 @@
 
 _Static_assert(sizeof(union bsdf_item) == sizeof(struct gpu_path), "they share a buffer");
 
-// --- running them
-// -----------------------------------------------------------------------------------
+// --- running them ------------------------------------------------------------------------------
 
 static bool create_kernel(struct renderer *r, uint32_t material, uint32_t routine,
                           struct gpu_kernel *kernel, struct err *err)
@@ -36,41 +36,18 @@ static bool create_kernel(struct renderer *r, uint32_t material, uint32_t routin
     return gpu_kernel_create(r->gpu, &params, kernel, err);
 }
 
-static bool run_part(struct renderer *r, const struct gpu_kernel *kernel, union bsdf_item *items,
-                     uint32_t count, struct err *err)
-{
-    struct gpu_buffer *buffer = &r->buffers[BINDING_PATHS];
-    uint32_t workgroup = r->specialization.workgroup;
-    r->push.first_item = 0;
-    r->push.part_items = count;
-    if (!gpu_upload(r->gpu, buffer, 0, items, count * sizeof *items, err) ||
-        !gpu_begin(r->gpu, &r->commands, err))
-        return false;
-    gpu_bind(r->gpu, &r->commands, &r->bindings[0]);
-    gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
-    gpu_dispatch(r->gpu, &r->commands, kernel, (count + workgroup - 1) / workgroup);
-    gpu_barrier(r->gpu, &r->commands);
-    return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err) &&
-           gpu_download(r->gpu, buffer, 0, items, count * sizeof *items, err);
-}
-
 // Replaces ITEMS items of one material by what the routine makes of them.
 static bool run_items(struct renderer *r, uint32_t material, uint32_t routine,
                       union bsdf_item *items, struct err *err)
 {
     struct gpu_kernel kernel = {0};
-    bool ok = create_kernel(r, material, routine, &kernel, err);
-    for (uint32_t first = 0; ok && first < ITEMS; first += r->plan.wave_slots) {
-        uint32_t left = ITEMS - first;
-        ok = run_part(r, &kernel, items + first,
-                      left < r->plan.wave_slots ? left : r->plan.wave_slots, err);
-    }
+    bool ok = create_kernel(r, material, routine, &kernel, err) &&
+              path_items_run(r, &kernel, items, ITEMS, sizeof *items, err);
     gpu_kernel_finish(r->gpu, &kernel);
     return ok;
 }
 
-// --- directions
-// -------------------------------------------------------------------------------------
+// --- directions --------------------------------------------------------------------------------
 
 static double unit(uint64_t *state)
 {
@@ -106,8 +83,7 @@ static void fill_samples(uint64_t *state, uint32_t material, const float wo[3],
     }
 }
 
-// --- what is looked at
-// ------------------------------------------------------------------------------
+// --- what is looked at -------------------------------------------------------------------------
 
 // A measure of one material: how far off it is.
 typedef bool (*measure_fn)(struct renderer *r, uint32_t material, union bsdf_item *items,
@@ -142,11 +118,12 @@ static bool measure_reciprocity(struct renderer *r, uint32_t material, union bsd
 }
 
 // The weight of a sample beside f cos / pdf, as evaluated for its direction, and the densities.
-static bool measure_samples(struct renderer *r, uint32_t material, union bsdf_item *items,
-                            double *off, struct err *err)
+// From wo, or from all directions where that is NULL.
+static bool measure_samples_from(const float *wo, struct renderer *r, uint32_t material,
+                                 union bsdf_item *items, double *off, struct err *err)
 {
     uint64_t state = material;
-    fill_samples(&state, material, NULL, items);
+    fill_samples(&state, material, wo, items);
     if (!run_items(r, material, BSDF_ROUTINE_SAMPLE, items, err))
         return false;
     *off = INFINITY; // unless there is a sample
@@ -163,6 +140,12 @@ static bool measure_samples(struct renderer *r, uint32_t material, union bsdf_it
         }
     }
     return true;
+}
+
+static bool measure_samples(struct renderer *r, uint32_t material, union bsdf_item *items,
+                            double *off, struct err *err)
+{
+    return measure_samples_from(NULL, r, material, items, off, err);
 }
 
 static const float looking[3] = {0.6f, 0.0f, 0.8f};
@@ -194,24 +177,52 @@ static bool measure_density(struct renderer *r, uint32_t material, union bsdf_it
 }
 
 // What is sent back of even light 1 beyond all of it; something must be.
-static bool measure_energy(struct renderer *r, uint32_t material, union bsdf_item *items,
-                           double *off, struct err *err)
+static bool measure_energy_from(const float wo[3], struct renderer *r, uint32_t material,
+                                union bsdf_item *items, double *off, struct err *err)
 {
     uint64_t state = material;
     double sums[3] = {0};
-    fill_samples(&state, material, looking, items);
+    fill_samples(&state, material, wo, items);
     if (!run_items(r, material, BSDF_ROUTINE_SAMPLE, items, err))
         return false;
     for (uint32_t i = 0; i < ITEMS; i++)
         for (int c = 0; c < 3 && items[i].sample.flags & BSDF_VALID; c++)
             sums[c] += (double)items[i].sample.weight[c] / ITEMS;
     double most = fmax(sums[0], fmax(sums[1], sums[2]));
-    *off = most > 0.0 ? fmax(0.0, most - 1.0) : INFINITY;
+    *off = fmax(*off, most > 0.0 ? fmax(0.0, most - 1.0) : INFINITY);
     return true;
 }
 
-// --- the cases
-// --------------------------------------------------------------------------------------
+static bool measure_energy(struct renderer *r, uint32_t material, union bsdf_item *items,
+                           double *off, struct err *err)
+{
+    return measure_energy_from(looking, r, material, items, off, err);
+}
+
+// Seen at 89.9 and 89.99 degrees from the normal.
+static bool measure_grazing_energy(struct renderer *r, uint32_t material, union bsdf_item *items,
+                                   double *off, struct err *err)
+{
+    static const double degrees[] = {0.1, 0.01}; // above the surface
+    bool ok = true;
+    for (int i = 0; ok && i < 2; i++) {
+        float wo[3];
+        set_direction(sin(degrees[i] * M_PI / 180.0), 0.125, wo);
+        ok = measure_energy_from(wo, r, material, items, off, err);
+    }
+    return ok;
+}
+
+// As measure_samples(), seen at 89.99 degrees.
+static bool measure_grazing_samples(struct renderer *r, uint32_t material, union bsdf_item *items,
+                                    double *off, struct err *err)
+{
+    float wo[3];
+    set_direction(sin(0.01 * M_PI / 180.0), 0.125, wo);
+    return measure_samples_from(wo, r, material, items, off, err);
+}
+
+// --- the cases ---------------------------------------------------------------------------------
 
 struct bsdf_check {
     measure_fn measure;
@@ -267,6 +278,10 @@ static const struct check_case cases[] = {
     {"A3 samples beside values", "weight = f cos / pdf, within 1e-4", BSDF(measure_samples, 1e-4)},
     {"A4 reciprocity", "f(wo, wi) = f(wi, wo), within 1e-4", BSDF(measure_reciprocity, 1e-4)},
     {"A9 white furnace", "at most all of the light, within 4e-3", BSDF(measure_energy, 4e-3)},
+    {"C19 white furnace, seen at 89.9 and 89.99 degrees", "at most all of the light, within 4e-3",
+     BSDF(measure_grazing_energy, 4e-3)},
+    {"C19 samples, seen at 89.99 degrees", "weight = f cos / pdf, within 1e-2",
+     BSDF(measure_grazing_samples, 1e-2)},
 };
 
 CHECK_GROUP(check_bsdf, "bsdf", "the BSDFs by themselves, of five materials", cases);

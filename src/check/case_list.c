@@ -22,6 +22,11 @@ const struct check_group *const check_groups[] = {
     &check_scales,
     &check_distances,
     &check_small_lamps,
+    &check_samplers,
+    &check_rays,
+    &check_environments,
+    &check_meshes,
+    &check_textures,
     &check_stiff,
     &check_bounded,
 };

@@ -10,7 +10,8 @@
 
 extern const struct check_group check_arithmetic, check_threads, check_bits, check_bsdf,
     check_light, check_media, check_rooms, check_lamps, check_grounds, check_bodies, check_fields,
-    check_integrators, check_scales, check_distances, check_small_lamps, check_stiff, check_bounded;
+    check_integrators, check_scales, check_distances, check_small_lamps, check_samplers, check_rays,
+    check_environments, check_meshes, check_textures, check_stiff, check_bounded;
 
 extern const struct check_group *const check_groups[];
 extern const size_t check_group_count;

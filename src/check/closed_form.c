@@ -100,8 +100,10 @@ static bool try_scene(const struct check *check, const struct closed_form_trial 
                       const struct scene *scene, struct closed_form_seen *seen,
                       struct check_result *result, struct err *err)
 {
-    const struct renderer_params params = {
-        .gpu = check->gpu, .scene = scene, .progress = check->progress};
+    const struct renderer_params params = {.gpu = check->gpu,
+                                           .scene = scene,
+                                           .progress = check->progress,
+                                           .instancing = trial->form->instancing};
     struct renderer renderer;
     if (!renderer_create(&params, &renderer, err))
         return false;
@@ -119,7 +121,7 @@ bool closed_form_try(const struct check *check, const struct closed_form_trial *
     struct scene scene;
     if (!embedded_scene_load(form->scene, form->overrides, &scene, err))
         return false;
-    if (form->prepare && !form->prepare(&scene, err)) {
+    if (form->prepare && !form->prepare(&scene, form->parameter, err)) {
         scene_finish(&scene);
         return false;
     }

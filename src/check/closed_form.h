@@ -29,7 +29,8 @@ struct closed_form {
     struct scene_override overrides[6]; // to the first without a key
     double scale;                       // of all lengths, see scaled_scene.h; 0: 1
     // What the scene's text cannot say, such as meshes; NULL: nothing.
-    bool (*prepare)(struct scene *scene, struct err *err);
+    bool (*prepare)(struct scene *scene, double parameter, struct err *err);
+    enum instancing instancing; // of its meshes
 };
 
 // A case of the table: the words that stand for a function's formula are called FUNCTION_is.

@@ -2,6 +2,7 @@
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"
+#include "check/made_mesh.h"
 #include <math.h>
 #include <string.h>
 
@@ -37,8 +38,7 @@ static double nothing(double rho, double le, double unused)
 }
 static const char nothing_is[] = "0";
 
-// --- many lamps
-// -----------------------------------------------------------------------------------
+// --- many lamps ----------------------------------------------------------------------------------
 
 // n x n triangles with legs of LAMP_SIZE, parallel to the floor at height 1, over a square of side
 // 2. One of them is as bright as all others together.
@@ -73,76 +73,48 @@ static double lamps(double rho, double le, double side)
 }
 static const char lamps_is[] = "the sum of rho Le A cos cos' / (pi d^2)";
 
-// --- meshes
-// ---------------------------------------------------------------------------------------
-
-// A mesh of so many triangles with vertices of their own, of the scene's first material; NULL when
-// out of memory.
-static struct mesh *add_triangles(struct scene *scene, uint32_t count)
-{
-    uint32_t index;
-    struct mesh *mesh = scene_add_mesh(scene, &index);
-    struct instance *instance = scene_add_instance(scene, NULL);
-    if (!mesh || !instance)
-        return NULL;
-    *instance = (struct instance){.mesh = index, .material = SCENE_NONE};
-    for (int i = 0; i < 3; i++)
-        instance->transform[i][i] = 1.0;
-    *mesh = (struct mesh){.name = "", .vertex_count = 3 * count, .triangle_count = count};
-    mesh->positions = arena_alloc(&scene->arena, mesh->vertex_count, sizeof *mesh->positions);
-    mesh->indices = arena_alloc(&scene->arena, count, sizeof *mesh->indices);
-    if (!mesh->positions || !mesh->indices)
-        return NULL;
-    for (uint32_t i = 0; i < mesh->vertex_count; i++)
-        mesh->indices[i / 3][i % 3] = i;
-    return mesh;
-}
-
-static void set_position(struct mesh *mesh, uint32_t vertex, double x, double y, double z)
-{
-    mesh->positions[vertex][0] = (float)x;
-    mesh->positions[vertex][1] = (float)y;
-    mesh->positions[vertex][2] = (float)z;
-}
+// --- meshes ------------------------------------------------------------------------------------
 
 // A floor of strips, each of two triangles 1 m long and 1e-6 m wide.
 #define STRIPS 256
 
-static bool add_slivers(struct scene *scene, struct err *err)
+static bool add_slivers(struct scene *scene, double unused, struct err *err)
 {
-    struct mesh *mesh = add_triangles(scene, 2 * STRIPS);
+    struct mesh *mesh = made_mesh_add(scene, 2 * STRIPS, err);
+    (void)unused;
     if (!mesh)
-        return err_memory(err, "slivers", STRIPS);
+        return false;
     for (uint32_t i = 0; i < STRIPS; i++) {
         double x = 1e-6 * ((double)i - STRIPS / 2), next = x + 1e-6;
-        set_position(mesh, 6 * i, x, 0, 0.5);
-        set_position(mesh, 6 * i + 1, next, 0, 0.5);
-        set_position(mesh, 6 * i + 2, next, 0, -0.5);
-        set_position(mesh, 6 * i + 3, x, 0, 0.5);
-        set_position(mesh, 6 * i + 4, next, 0, -0.5);
-        set_position(mesh, 6 * i + 5, x, 0, -0.5);
+        made_mesh_set(mesh, 6 * i, x, 0, 0.5);
+        made_mesh_set(mesh, 6 * i + 1, next, 0, 0.5);
+        made_mesh_set(mesh, 6 * i + 2, next, 0, -0.5);
+        made_mesh_set(mesh, 6 * i + 3, x, 0, 0.5);
+        made_mesh_set(mesh, 6 * i + 4, next, 0, -0.5);
+        made_mesh_set(mesh, 6 * i + 5, x, 0, -0.5);
     }
     return true;
 }
 
 // Normals of its vertices that are missing.
-static bool add_without_normals(struct scene *scene, struct err *err)
+static bool add_without_normals(struct scene *scene, double unused, struct err *err)
 {
-    if (!add_slivers(scene, err))
+    if (!add_slivers(scene, unused, err))
         return false;
     struct mesh *mesh = &scene->meshes[scene->mesh_count - 1];
     mesh->normals = arena_alloc(&scene->arena, mesh->vertex_count, sizeof *mesh->normals);
     return mesh->normals || err_memory(err, "normals", mesh->vertex_count);
 }
 
-static bool add_lamps(struct scene *scene, uint32_t n, struct err *err)
+static bool add_lamps(struct scene *scene, double side, struct err *err)
 {
+    uint32_t n = (uint32_t)side;
     struct material *bright = scene_add_material(scene, NULL);
-    struct mesh *mesh = add_triangles(scene, n * n);
-    if (mesh)
-        mesh->triangle_material =
-            arena_alloc(&scene->arena, n * n, sizeof *mesh->triangle_material);
-    if (!bright || !mesh || !mesh->triangle_material)
+    struct mesh *mesh = made_mesh_add(scene, n * n, err);
+    if (!mesh)
+        return false;
+    mesh->triangle_material = arena_alloc(&scene->arena, n * n, sizeof *mesh->triangle_material);
+    if (!bright || !mesh->triangle_material)
         return err_memory(err, "lamps", (uint64_t)n * n);
     scene->environment.present = false; // which scenes get that come without light
     *bright = scene->materials[1];
@@ -151,26 +123,15 @@ static bool add_lamps(struct scene *scene, uint32_t n, struct err *err)
     for (uint32_t i = 0; i < n * n; i++) {
         double at[3];
         lamp_corner(n, i, at);
-        set_position(mesh, 3 * i, at[0], at[1], at[2]);
-        set_position(mesh, 3 * i + 1, at[0] + LAMP_SIZE, at[1], at[2]);
-        set_position(mesh, 3 * i + 2, at[0], at[1], at[2] + LAMP_SIZE);
+        made_mesh_set(mesh, 3 * i, at[0], at[1], at[2]);
+        made_mesh_set(mesh, 3 * i + 1, at[0] + LAMP_SIZE, at[1], at[2]);
+        made_mesh_set(mesh, 3 * i + 2, at[0], at[1], at[2] + LAMP_SIZE);
         mesh->triangle_material[i] = i == bright_lamp(n) ? 2 : 1;
     }
     return true;
 }
 
-static bool add_thousands(struct scene *scene, struct err *err)
-{
-    return add_lamps(scene, 128, err);
-}
-
-static bool add_a_million(struct scene *scene, struct err *err)
-{
-    return add_lamps(scene, 1000, err);
-}
-
-// --- the cases
-// ------------------------------------------------------------------------------------
+// --- the cases -----------------------------------------------------------------------------------
 
 // clang-format off
 #define FLOOR_ALONE {"light", "0"}, {"settings", JSON({"sampler": "pcg"})}, {"shapes", JSON([{"type": "quad", "material": "floor",         \
@@ -185,9 +146,9 @@ static const struct check_case cases[] = {
     FORM("C5 floor of slivers, 1e6 : 1", "plane.json", convex, 0, WITHOUT_VARIANCE, BSDF_ALONE,
      {FROM_ABOVE}, 0, add_slivers),
     FORM("C16 16384 lamps, one bright", "floor_light.json", lamps, 128, BY_STATISTICS, NEE_ALONE,
-     {FLOOR_ALONE}, 0, add_thousands),
+     {FLOOR_ALONE}, 0, add_lamps),
     LONG_FORM("C16 a million lamps, one bright", "floor_light.json", lamps, 1000, BY_STATISTICS,
-     NEE_ALONE, {FLOOR_ALONE}, 0, add_a_million),
+     NEE_ALONE, {FLOOR_ALONE}, 0, add_lamps),
     FORM("C17 albedo 1, depth 1000", "sphere_furnace.json", lossless, 1000, WITHOUT_VARIANCE,
      BSDF_ALONE, {{"albedo", "[1, 1, 1]"}, SIZE(8, 8),
      {"settings", JSON({"max_bounces": 1000, "roulette_min_bounces": "off"})}}),

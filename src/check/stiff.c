@@ -3,6 +3,8 @@
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/embedded_scene.h"
+#include "check/made_mesh.h"
+#include "check/refused.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -50,8 +52,7 @@ static bool run_stiff(const struct check *check, const struct check_case *this_c
     return ok;
 }
 
-// --- what is looked at
-// ----------------------------------------------------------------------------
+// --- what is looked at -------------------------------------------------------------------------
 
 static double mean_of(const struct film_image *film, int c)
 {
@@ -98,6 +99,33 @@ static bool judge_edge(const struct renderer *r, const struct film_image *film,
                       "%.9f, off by %.1e", mean_of(film, 0), error);
 }
 
+static bool judge_floor(const struct film_image *film)
+{
+    double worst = 0.0;
+    for (int c = 0; c < 3; c++)
+        worst =
+            fmax(worst,
+                 fabs(mean_of(film, c) / (closed_form_albedo[c] * closed_form_emission[c]) - 1.0));
+    return worst <= 1e-5;
+}
+
+// The floor looks as if there were nothing else.
+static bool judge_dropped(const struct renderer *r, const struct film_image *film,
+                          struct check_result *result)
+{
+    uint32_t count = r->flat.dropped_degenerate;
+    return check_seen(result, count == 3 && judge_floor(film), "%u left out, the floor shows %.6g",
+                      count, mean_of(film, 0));
+}
+
+static bool judge_skipped(const struct renderer *r, const struct film_image *film,
+                          struct check_result *result)
+{
+    uint32_t count = r->flat.skipped_instances;
+    return check_seen(result, count == 2 && judge_floor(film), "%u left out, the floor shows %.6g",
+                      count, mean_of(film, 0));
+}
+
 // Watchdogs end dispatches of seconds; those of a GPU are to be as short as design.md says.
 #define LONGEST_MS 100.0
 
@@ -113,37 +141,53 @@ static bool judge_dispatches(const struct renderer *r, const struct film_image *
                       longest);
 }
 
-// --- normals
-// ---------------------------------------------------------------------------------------
+// --- zero areas --------------------------------------------------------------------------------
+
+// Over the floor a point, a line of three corners and one of two, black.
+static bool add_degenerate(struct scene *scene, struct err *err)
+{
+    struct mesh *mesh = made_mesh_add(scene, 3, err);
+    if (!mesh)
+        return false;
+    for (uint32_t i = 0; i < 9; i++)
+        made_mesh_set(mesh, i, i < 3 ? 0.0 : (double)(i % 3) - 1.0, 1e-4, 0);
+    made_mesh_set(mesh, 8, -1, 1e-4, 0);
+    return made_mesh_blacken(scene, mesh, 0, err);
+}
+
+// Over the floor instances of a black cube that are as flat as a square, and a point.
+static bool add_singular(struct scene *scene, struct err *err)
+{
+    struct mesh *mesh = made_mesh_add_cube(scene, 1, err);
+    struct instance *point = scene_add_instance(scene, NULL);
+    if (!mesh || !point)
+        return err_memory(err, "an instance", sizeof *point);
+    struct instance *square = &scene->instances[scene->instance_count - 2];
+    *point = (struct instance){.mesh = square->mesh, .material = SCENE_NONE};
+    square->transform[1][1] = 0.0;
+    square->transform[1][3] = point->transform[1][3] = 1e-4;
+    return made_mesh_blacken(scene, mesh, 0, err);
+}
+
+// --- normals -----------------------------------------------------------------------------------
 
 // A square of two triangles; its corners' normals lean by 70 degrees, each another way.
 static bool add_leaning(struct scene *scene, struct err *err)
 {
-    static const float corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    uint32_t index;
-    struct mesh *mesh = scene_add_mesh(scene, &index);
-    struct instance *instance = scene_add_instance(scene, NULL);
-    if (!mesh || !instance)
-        return err_memory(err, "a mesh", sizeof *mesh);
-    *instance = (struct instance){
-        .mesh = index, .material = SCENE_NONE, .transform = {{1}, {0, 1}, {0, 0, 1}}};
-    *mesh = (struct mesh){.name = "", .vertex_count = 4, .triangle_count = 2};
-    mesh->positions = arena_alloc(&scene->arena, 4, sizeof *mesh->positions);
-    mesh->normals = arena_alloc(&scene->arena, 4, sizeof *mesh->normals);
-    mesh->indices = arena_alloc(&scene->arena, 2, sizeof *mesh->indices);
-    if (!mesh->positions || !mesh->normals || !mesh->indices)
-        return err_memory(err, "a mesh", 4 * sizeof *mesh->positions);
+    static const float corners[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};
+    struct mesh *mesh = made_mesh_add(scene, 2, err);
+    if (!mesh)
+        return false;
+    mesh->normals = arena_alloc(&scene->arena, mesh->vertex_count, sizeof *mesh->normals);
+    if (!mesh->normals)
+        return err_memory(err, "normals", mesh->vertex_count);
     const float sine = sinf(1.22173f) * sqrtf(0.5f), cosine = cosf(1.22173f); // of 70 degrees
-    for (uint32_t i = 0; i < 4; i++) {
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         for (int k = 0; k < 2; k++) {
             mesh->positions[i][k] = corners[i][k];
             mesh->normals[i][k] = sine * corners[i][k];
         }
         mesh->normals[i][2] = cosine;
-    }
-    for (uint32_t i = 0; i < 3; i++) {
-        mesh->indices[0][i] = i;
-        mesh->indices[1][i] = i == 0 ? 0 : i + 1;
     }
     return true;
 }
@@ -154,7 +198,7 @@ static bool add_cancelling(struct scene *scene, struct err *err)
     if (!add_leaning(scene, err))
         return false;
     struct mesh *mesh = &scene->meshes[scene->mesh_count - 1];
-    for (uint32_t i = 0; i < 4; i++) {
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         mesh->normals[i][0] = mesh->positions[i][0] * sqrtf(0.5f);
         mesh->normals[i][1] = mesh->positions[i][1] * sqrtf(0.5f);
         mesh->normals[i][2] = 0.0f;
@@ -162,8 +206,7 @@ static bool add_cancelling(struct scene *scene, struct err *err)
     return true;
 }
 
-// --- the cases
-// --------------------------------------------------------------------------------------
+// --- the cases ---------------------------------------------------------------------------------
 
 #define STIFF(...)                                                                                 \
     .run = run_stiff, .data = &(const struct stiff)                                                \
@@ -179,7 +222,22 @@ static bool add_cancelling(struct scene *scene, struct err *err)
 #define SQUARE {"shapes", "[]"}, {"camera", JSON({"position": [0, 0, 4], "target": [0, 0, 0],       \
     "fov_degrees": 25})}
 
+// A picture that is 5e-5 m wide, of a floor under an even sky.
+#define FLOOR {"camera", JSON({"type": "orthographic", "position": [0, 0.0005, 0],                 \
+    "target": [0, 0, 0], "up": [0, 0, 1], "height": 5e-5})},                                       \
+    {"environment", JSON({"radiance": [1, 2, 4]})}
+#define REFUSED(title, is, ...)                                                                    \
+    {.name = title, .expected = "an error: " is, .run = refused_run,                               \
+     .data = &(const struct refusal){__VA_ARGS__}}
+#define VERTEX(title, value)                                                                       \
+    REFUSED("C10 " title, "vertex 4", "plane.json", {{0}}, refused_vertex, value, "vertex 4 ")
+
 static const struct check_case cases[] = {
+    {"C6 triangles without area", "three are counted; the floor beneath shows rho Le",
+     STIFF("plane.json", {FLOOR}, add_degenerate, 1, 0, judge_dropped)},
+    VERTEX("a vertex that is no number", NAN),
+    VERTEX("an infinite vertex", INFINITY),
+    VERTEX("a vertex at 1e38", 1e38),
     {"C18 reflectance 1 under a smooth coat", "finite, and at most 1 of the light",
      STIFF("plate.json", {COATED("0")}, NULL, 256, 0, judge_albedo)},
     {"C18 reflectance 1 under a rough coat", "finite, and at most 1 of the light",
@@ -191,11 +249,22 @@ static const struct check_case cases[] = {
      STIFF("plate.json", {WHITE, SQUARE}, add_leaning, 64, 0, judge_albedo)},
     {"C26 corners' normals that cancel", "finite, and at most 1 of the light",
      STIFF("plate.json", {WHITE, SQUARE}, add_cancelling, 64, 0, judge_albedo)},
+    {"C30 singular and zero scales", "two are counted; the floor beneath shows rho Le",
+     STIFF("plane.json", {FLOOR}, add_singular, 1, 0, judge_skipped)},
+    REFUSED("C31 texture of 65536 x 1", "65536 x 1 pixels; expected at most 65535 on a side",
+     "plane.json", {{0}}, refused_image, 65536, "65536 x 1 pixels; expected at most 65535"),
     {"C36 2^24 samples of one pixel", "within 1e-6", .is_long = true,
      STIFF("edge.json", {{"film", JSON({"width": 1, "height": 1})}}, NULL, UINT64_C(1) << 24, 0,
            judge_edge)},
+    REFUSED("C41 field of view of 0", "camera.fov_degrees", "sky.json",
+     {{"camera.fov_degrees", "0"}}, NULL, 0, "camera.fov_degrees"),
+    REFUSED("C41 field of view of 180 degrees", "camera.fov_degrees", "sky.json",
+     {{"camera.fov_degrees", "180"}}, NULL, 0, "camera.fov_degrees"),
     {"C42 a wave of 2^24 paths", "it fits or is lowered; dispatches of a GPU take 100 ms at most",
      .is_long = true, STIFF("cornell.json", {{0}}, NULL, 64, 1u << 24, judge_dispatches)},
+    REFUSED("C43 a colour at distance 0", "absorption.distance", "media.json",
+     {{"bodies", "[]"}, {"body", JSON({"type": "dielectric", "absorption": {"color": [0.5, 0.5, 0.5],
+       "distance": 0}})}}, NULL, 0, "absorption.distance"),
 };
 // clang-format on
 

@@ -1,18 +1,11 @@
-// Running the samplers and filters of sampler.comp.
+// Running the samplers and filters of check_sampler.comp.
 #ifndef LAMPYRIS_TESTS_SAMPLER_FIXTURE_H
 #define LAMPYRIS_TESTS_SAMPLER_FIXTURE_H
 
+#include "check/sampler.h"
 #include "kernel_fixture.h"
 
 #define SAMPLER_ITEMS (1u << 18) // at a time
-
-// A draw's input and, in its place, its output.
-union draw {
-    struct {
-        uint32_t pixel, sample, dimension, unused;
-    };
-    float u[4];
-};
 
 struct sampler_setup {
     struct setup setup;
@@ -36,9 +29,5 @@ bool sampler_uniforms(struct sampler_setup *s, union draw *draws, uint32_t count
 bool sampler_positions(struct sampler_setup *s, union draw *draws, uint32_t count);
 bool sampler_pixel_places(struct sampler_setup *s, union draw *draws, uint32_t count);
 void sampler_close(struct sampler_setup *s);
-
-// Pearson's statistic of counts against equal probabilities, as a standard normal deviate (Wilson
-// and Hilferty 1931).
-double chi_square_deviate(const uint32_t *counts, const double *expected, uint32_t cells);
 
 #endif

@@ -1,97 +1,5 @@
-// Instances beside what they are flattened: closed surfaces let no ray out, pictures agree.
+// Instances beside what they are flattened: pictures agree.
 #include "instanced.h"
-
-// --- closed surfaces -----------------------------------------------------------------------------
-
-enum { RAYS = 1 << 17, TRIANGLES = 100000 };
-
-static struct probe_ray rays[RAYS];
-static struct probe_hit hits[RAYS];
-
-static void count_misses(struct renderer *r, uint32_t *misses)
-{
-    struct err err = {0};
-    uint32_t part = r->plan.wave_slots;
-    bool complete = true;
-    double ms;
-    for (uint32_t first = 0; first < RAYS; first += part) {
-        uint32_t count = RAYS - first < part ? RAYS - first : part;
-        bool ok = ray_probe_trace(r, KERNEL_intersect_closest, rays + first, count, hits + first,
-                                  &ms, &complete, &err);
-        REQUIRE(ok && complete, "%s", ok ? "a ray ran out of its budget" : err.msg);
-    }
-    for (uint32_t i = 0; i < RAYS; i++)
-        *misses += hits[i].primitive == NO_PRIMITIVE;
-}
-
-// From about the middle: every other ray at a corner, the others at points of edges.
-static void aim_at_edges(const struct flat_scene *flat, const double m[3][4], double inner)
-{
-    struct random random = {91};
-    for (uint32_t i = 0; i < RAYS; i++) {
-        uint32_t index = (uint32_t)((uint64_t)i * flat->triangle_count / RAYS),
-                 edge = random_u32(&random) % 3;
-        const struct flat_triangle *triangle = &flat->triangles[index];
-        double along = i % 2 == 0 ? 0 : random_unit(&random), point[3];
-        float target[3], offset[3];
-        random_direction(&random, offset);
-        for (int c = 0; c < 3; c++)
-            point[c] = (1 - along) * (double)triangle->v[edge][c] +
-                       along * (double)triangle->v[(edge + 1) % 3][c];
-        if (flat->placed_count > 0)
-            to_world(&flat->instances[0], point, target);
-        for (int c = 0; c < 3; c++) {
-            target[c] = flat->placed_count > 0 ? target[c] : (float)point[c];
-            rays[i].origin[c] = (float)(m[c][3] - flat->origin[c] + inner * (double)offset[c]);
-        }
-        aim(rays[i].origin, target, rays[i].direction);
-    }
-}
-
-// A bumpy ball of some radius that is moved; where `anchored` the scene is so wide that it is not
-// taken to the origin.
-static void check_closed(const char *name, uint32_t allowed, const double center[3], double radius,
-                         bool anchored, enum instancing instancing)
-{
-    struct setup setup;
-    double m[3][4] = {
-        {radius, 0, 0, center[0]}, {0, radius, 0, center[1]}, {0, 0, radius, center[2]}};
-    scene_start(&setup.scene, 8, 8);
-    place_mesh(&setup.scene, blob_mesh(&setup.scene, TRIANGLES, 0), m, SCENE_NONE);
-    if (anchored)
-        add_anchor(&setup.scene, (const double[3]){-center[0], -center[1], -center[2]});
-    OPEN_SETUP_WITH(&setup, .wave = 65536, .instancing = instancing);
-    const struct flat_scene *flat = &setup.r.flat;
-    CHECK((flat->placed_count > 0) == (instancing == INSTANCING_ON), "%u instances",
-          flat->placed_count);
-    CHECK(flat->triangle_count > 0.99 * TRIANGLES, "%u triangles", flat->triangle_count);
-    aim_at_edges(flat, m, 0.3 * radius);
-    uint32_t misses = 0;
-    count_misses(&setup.r, &misses);
-    printf("  %s, %s: %u of %u rays got out\n", name,
-           instancing == INSTANCING_ON ? "an instance" : "flattened", misses, (uint32_t)RAYS);
-    CHECK(misses <= allowed, "%s: %u", name, misses);
-    setup_close(&setup);
-}
-
-TEST(nothing_leaves_100000_triangles)
-{
-    static const double origin[3] = {0, 0, 0}, far_away[3] = {148376, 1234, -223423};
-    static const struct {
-        const char *name;
-        double radius;
-        bool anchored;
-        uint32_t allowed; // 2e-5 of the rays
-    } places[] = {{"at the origin", 1, false, 0},
-                  {"far away", 1, false, 2},
-                  {"far away in a wide scene", 1000, true, 2}};
-    for (size_t i = 0; i < 3; i++) {
-        const double *center = i == 0 ? origin : far_away;
-        for (int on = 0; on < 2; on++)
-            check_closed(places[i].name, places[i].allowed, center, places[i].radius,
-                         places[i].anchored, on ? INSTANCING_ON : INSTANCING_OFF);
-    }
-}
 
 // --- pictures ------------------------------------------------------------------------------------
 
@@ -204,6 +112,5 @@ TEST(whitted_and_ao_see_the_same)
     check_pictures(INTEGRATOR_AO);
 }
 
-TEST_MAIN(TEST_CASE(nothing_leaves_100000_triangles),
-          TEST_CASE(paths_see_what_flattened_instances_show),
+TEST_MAIN(TEST_CASE(paths_see_what_flattened_instances_show),
           TEST_CASE(whitted_and_ao_see_the_same))

@@ -7,11 +7,6 @@ enum { SOBOL_DIMENSIONS = 4 };
 
 static union draw draws[SAMPLER_ITEMS];
 
-static bool is_uniform(float u)
-{
-    return u >= 0 && u < 1 && u * 0x1p24f == floorf(u * 0x1p24f);
-}
-
 static bool draw_all(struct sampler_setup *s, uint32_t count)
 {
     return sampler_uniforms(s, draws, count);
@@ -53,7 +48,7 @@ TEST(in_range)
                 break;
             for (uint32_t i = 0; i < SAMPLER_ITEMS; i++)
                 for (int c = 0; c < 4; c++)
-                    bad += !is_uniform(draws[i].u[c]);
+                    bad += !draw_is_uniform(draws[i].u[c]);
         }
         CHECK(bad == 0, "%s: %u", sampler_names[s.sampler], bad);
     }
@@ -158,18 +153,6 @@ TEST(fine_digits)
 
 enum { PAIRS = 1 << 16 };
 
-static double correlation(uint32_t first, uint32_t second, int c)
-{
-    double products = 0, squares[2] = {0, 0};
-    for (uint32_t i = 0; i < PAIRS; i++) {
-        double a = (double)draws[first + i].u[c] - 0.5, b = (double)draws[second + i].u[c] - 0.5;
-        products += a * b;
-        squares[0] += a * a;
-        squares[1] += b * b;
-    }
-    return products / sqrt(squares[0] * squares[1]);
-}
-
 struct variation {
     const char *name;
     uint32_t pixel, sample, dimension; // what is added
@@ -213,7 +196,7 @@ TEST(independent)
             if (!draw_variation(&s, &variations[v]))
                 break;
             for (int c = 0; c < 4; c++) {
-                double r = correlation(0, PAIRS, c);
+                double r = draws_correlation(draws, draws + PAIRS, PAIRS, c);
                 CHECK(fabs(r) < CORRELATION_MAX, "%s, %s, component %d: %g",
                       sampler_names[s.sampler], variations[v].name, c, r);
             }
@@ -245,7 +228,7 @@ TEST(seeds)
                 continue;
             memcpy(draws, kept[a], sizeof kept[a]);
             memcpy(draws + PAIRS, kept[b], sizeof kept[b]);
-            double r = correlation(0, PAIRS, 0);
+            double r = draws_correlation(draws, draws + PAIRS, PAIRS, 0);
             // A blue-noise picture is one sequence of 2^16 points for each tile of 2^16 pixels: its
             // correlation with another is that of two, and smaller than this.
             CHECK(fabs(r) < 4 / sqrt(PAIRS), "%s, seeds %u and %u: %g", sampler_names[s.sampler],

@@ -135,6 +135,16 @@ TEST(small_lamps_every_choice_long)
     forms_by_every_light_choice(&check_small_lamps, 3000);
 }
 
+TEST(environments)
+{
+    forms_by_default(&check_environments, 4000);
+}
+
+TEST(environments_every_estimator_long)
+{
+    forms_by_every_estimator(&check_environments, 4000);
+}
+
 TEST_MAIN(TEST_CASE(light), TEST_CASE(light_validated), TEST_CASE(light_every_estimator_long),
           TEST_CASE(light_every_choice_long), TEST_CASE(media), TEST_CASE(media_validated),
           TEST_CASE(media_every_estimator_long), TEST_CASE(closed_rooms),
@@ -144,4 +154,5 @@ TEST_MAIN(TEST_CASE(light), TEST_CASE(light_validated), TEST_CASE(light_every_es
           TEST_CASE(fields), TEST_CASE(fields_validated), TEST_CASE(fields_every_estimator_long),
           TEST_CASE(integrators), TEST_CASE(integrators_validated), TEST_CASE(scales),
           TEST_CASE(scales_every_estimator_long), TEST_CASE(distances), TEST_CASE(distances_long),
-          TEST_CASE(small_lamps), TEST_CASE(small_lamps_every_choice_long))
+          TEST_CASE(small_lamps), TEST_CASE(small_lamps_every_choice_long),
+          TEST_CASE(environments), TEST_CASE(environments_every_estimator_long))

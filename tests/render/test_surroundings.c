@@ -1,11 +1,12 @@
-// A plane under environments and suns, whose irradiance is known: in closed form
-// (docs/verification.md, B24 and B25) or by direct quadrature of the image in double precision. By
-// multiple importance sampling, and by each estimator that finds the light.
+// A plane under environments and suns, whose irradiance is known by direct quadrature of the image
+// in double precision; closed forms (docs/verification.md, B24 and B25) are in
+// src/check/forms_environments.c. By multiple importance sampling, and by each estimator that finds
+// the light.
 #include "base/clock.h"
-#include "environment_reference.h"
 #include "check/estimators.h"
-#include "render_fixture.h"
 #include "check/replicates.h"
+#include "environment_reference.h"
+#include "render_fixture.h"
 #include "scene/core/environment.h"
 #include "scene/sky/sky.h"
 #include <inttypes.h>
@@ -116,47 +117,12 @@ static bool set_image(struct scene *scene, uint32_t width, uint32_t height, stru
     return e->texels || err_memory(err, "texels", (uint64_t)width * height * sizeof *e->texels);
 }
 
-// docs/verification.md, B24: cos^k about +Y, exact means over rows: 2 pi / (k + 2).
-static bool surround_with_power(struct scene *scene, const struct form *form, double irradiance[3],
-                                struct err *err)
-{
-    uint32_t height = 4096;
-    double k = form->parameter;
-    if (!set_image(scene, 1, height, err))
-        return false;
-    for (uint32_t row = 0; row < height / 2; row++) {
-        double top = cos(M_PI * row / height), bottom = fmax(cos(M_PI * (row + 1) / height), 0);
-        double mean = (pow(top, k + 1) - pow(bottom, k + 1)) / ((k + 1) * (top - bottom));
-        for (int c = 0; c < 3; c++)
-            scene->environment.texels[row][c] = (float)mean;
-    }
-    for (int c = 0; c < 3; c++)
-        irradiance[c] = 2 * M_PI / (k + 2) * (1 << c);
-    return true;
-}
-
-// docs/verification.md, B25 and C33: one texel of radiance 1e6, about a degree of longitude wide,
+// docs/verification.md, C33: one texel of radiance 1e6, about a degree of longitude wide,
 // among others of `parameter`. C34: far beyond half precision.
 #define SUN_WIDTH 1024
 #define SUN_HEIGHT 512
 #define SUN_ROW 140
 #define SUN_COLUMN 700
-
-// The irradiance of a patch of radiance 1.
-static double patch_of_sun(void)
-{
-    double theta[2] = {M_PI * SUN_ROW / SUN_HEIGHT, M_PI * (SUN_ROW + 1) / SUN_HEIGHT};
-    double middle = cos(0.5 * (theta[0] + theta[1])) * cos(0.5 * (theta[1] - theta[0]));
-    return middle * (2 * M_PI / SUN_WIDTH) * (cos(theta[0]) - cos(theta[1]));
-}
-
-// The same for radiance that falls to 0 at the centres of the texels around it, at h to all sides:
-// the integral of (1 - |t - a| / h) sin t cos t is sin 2a sin^2 h / (2 h).
-static double tent_of_sun(void)
-{
-    double h = M_PI / SUN_HEIGHT, a = (SUN_ROW + 0.5) * h;
-    return 2 * M_PI / SUN_WIDTH * sin(2 * a) * sin(h) * sin(h) / (2 * h);
-}
 
 static bool surround_with_sun(struct scene *scene, const struct form *form, double irradiance[3],
                               struct err *err)
@@ -170,11 +136,6 @@ static bool surround_with_sun(struct scene *scene, const struct form *form, doub
     for (int c = 0; c < 3; c++)
         scene->environment.texels[SUN_ROW * SUN_WIDTH + SUN_COLUMN][c] = sun;
     integrate(scene, form->normal, irradiance);
-    if (form->parameter > 0)
-        return true;
-    double exact = form->filter == ENVIRONMENT_FILTER_NEAREST ? patch_of_sun() : tent_of_sun();
-    CHECK(fabs(irradiance[0] / ((double)sun * exact) - 1) <= 1e-5, "quadrature %.9g, exact %.9g",
-          irradiance[0], (double)sun * exact);
     return true;
 }
 
@@ -310,14 +271,7 @@ static bool surround_with_shape(struct scene *scene, const struct form *form, do
 // clang-format on
 
 static const struct form forms[] = {
-    {"24 cos^0", surround_with_power, 0, UP, 0, EACH_ALONE},
-    {"24 cos^1", surround_with_power, 1, UP, 0, EACH_ALONE},
-    {"24 cos^10", surround_with_power, 10, UP, 0, EACH_ALONE},
-    {"24 cos^1000", surround_with_power, 1000, UP, 0, NEE_ALONE},
-    {"25 texel alone", surround_with_sun, 0, UP, 0, NEE_ALONE},
-    {"C33 texel, dim sky", surround_with_sun, 0.5, UP, 0, NEE_ALONE},
     {"C33 texel, tilted", surround_with_sun, 0.5, TILTED, 0, NEE_ALONE},
-    {"25 patch alone", surround_with_sun, 0, UP, 0, NEE_ALONE, ENVIRONMENT_FILTER_NEAREST},
     {"C33 patch, tilted", surround_with_sun, 0.5, TILTED, 0, NEE_ALONE, ENVIRONMENT_FILTER_NEAREST},
     {"4 x 2", surround_with_chart, 4, TILTED, 1, EACH_ALONE},
     {"5 x 3", surround_with_chart, 5, ASIDE, 0, EACH_ALONE},
@@ -395,7 +349,7 @@ static void check_form(struct gpu *gpu, uint32_t index, enum light_estimator est
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     REQUIRE_OK(renderer_create(&params, &r, &err));
     REQUIRE_OK(replicates_pilot(&r, &MEASURE_MEAN, half_width, most, &samples, &err));
-    REQUIRE_OK(replicates_render(&r, &MEASURE_MEAN, 5000 + 200 * index + REPLICATES * estimator,
+    REQUIRE_OK(replicates_render(&r, &MEASURE_MEAN, 6400 + 200 * index + REPLICATES * estimator,
                                  samples, &replicates, &err));
     printf("%-26s %-4s", form->name, names[estimator]);
     for (int c = 0; c < 3; c++)

@@ -21,6 +21,10 @@ CASES = {
     'integrators': 'ambient, whitted', 'scales': 'C1 all lengths times 1e12',
     'distances': 'C45 white sphere from 1e8 m', 'small-lamps': 'C14 lamp of 1e-8 m',
     'bounded': 'C18 reflectance 1 under a rough coat',
+    'samplers': 'C37 dimensions up to 2^32',
+    'rays': 'C12 corners, edges and zeros of both signs',
+    'environments': 'B25 patch alone', 'meshes': 'C9 one triangle',
+    'textures': 'C31 texture of 16384 x 1',
     'stiff': 'C5 floor of slivers, 1e6 : 1',
 }
 
