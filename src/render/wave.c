@@ -47,11 +47,18 @@ bool wave_begin(struct renderer *r, const struct wave *wave, struct err *err)
     return true;
 }
 
+// What follows sees what the kernels before have written. Kernels between two barriers may run at
+// the same time: docs/architecture.md, "Kernels side by side", says why they may.
+static void barrier(struct renderer *r)
+{
+    gpu_barrier(r->gpu, &r->commands);
+}
+
 static void dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups, uint32_t items)
 {
     gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
     gpu_dispatch(r->gpu, &r->commands, &r->kernels[kernel], groups);
-    gpu_barrier(r->gpu, &r->commands);
+    barrier(r);
     mark(r, kernel, items);
     r->stats.kernels[kernel].launches++;
 }
@@ -106,7 +113,9 @@ static bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, 
     return true;
 }
 
-// A kernel over a queue whose length only the device knows, in as many parts as it may need.
+// A kernel over a queue whose length only the device knows, in as many parts as it may need,
+// without a barrier behind it. Synchronization validation takes a kernel to read and write all of
+// each buffer that it is bound to, so that under it no two dispatches are side by side.
 static bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     struct renderer *r = l->r;
@@ -123,10 +132,11 @@ static bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, 
         gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
         gpu_dispatch_indirect(r->gpu, &r->commands, &r->kernels[kernel],
                               &r->buffers[BINDING_COUNTERS], at);
+        if (r->gpu->params.validation)
+            barrier(r);
         r->stats.kernels[kernel].launches++;
         mark(r, kernel, items);
     }
-    gpu_barrier(r->gpu, &r->commands);
     return true;
 }
 
@@ -252,6 +262,7 @@ static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, s
     if (r->specialization.features & FEATURE_SUSPEND) {
         for (uint32_t suspended = QUEUE_SUSPENDED;;
              suspended = 2 * QUEUE_SUSPENDED + 1 - suspended) {
+            barrier(r);
             if (!record_prepare(l, 1u << suspended, err) || !run(r, err) ||
                 !wave_begin(r, l->wave, err))
                 return false;
@@ -272,6 +283,8 @@ static bool trace_shadow_rays(struct loop *l, struct err *err)
         return true;
     for (uint32_t ray = 0; ray < r->specialization.light_rays; ray++) {
         r->push.light_ray = ray;
+        if (ray > 0)
+            barrier(r);
         if (!trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err))
             return false;
     }
@@ -328,10 +341,14 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
         return false;
     if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
         return false;
+    barrier(r);
     bool has_queues = r->specialization.features & (FEATURE_CLASSES | FEATURE_ENVIRONMENT);
     if (has_queues && !record_prepare(l, r->specialization.queues & QUEUES_OF_HITS, err))
         return false;
-    return shade_misses(l, err) && shade_surfaces(l, err);
+    if (!shade_misses(l, err) || !shade_surfaces(l, err))
+        return false;
+    barrier(r);
+    return true;
 }
 
 // Follows all paths of the wave to their ends; leaves commands open that are not yet run.
@@ -480,6 +497,7 @@ void wave_record_step(struct renderer *r, const struct wave *wave, const struct 
         record_prepare(&loop, step->queue, NULL);
     else
         record_queue(&loop, step->kernel, step->queue, NULL);
+    barrier(r);
 }
 
 // --- kernels -------------------------------------------------------------------------------------

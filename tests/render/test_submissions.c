@@ -181,11 +181,11 @@ TEST(a_wave_creates_nothing)
 {
     // clang-format off
     static const struct expected rows[] = {
-        {"scenes/cornell.json", {0}, 1, 22, 21, 0},
-        {"scenes/all_classes.json", {0}, 1, 47, 46, 0},
+        {"scenes/cornell.json", {0}, 1, 18, 21, 0},
+        {"scenes/classical.json", {0}, 1, 23, 36, 0},
         // As on a device whose memory the host does not see.
-        {"scenes/cornell.json", {.no_mapped_device = true}, 1, 22, 21, 1},
-        {"scenes/all_classes.json", {.no_mapped_device = true}, 1, 47, 46, 1},
+        {"scenes/cornell.json", {.no_mapped_device = true}, 1, 18, 21, 1},
+        {"scenes/classical.json", {.no_mapped_device = true}, 1, 23, 36, 1},
     };
     // clang-format on
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
