@@ -54,11 +54,12 @@ classical_parts phong_parts(material m)
 }
 
 // Adds the base to a highlight of BSDF * wi.z = f and density pdf; the base's light passes
-// `through`.
+// `through`. Densities are not mixed by mix(): some devices make cosine + p (pdf - cosine) of it,
+// which leaves nothing of a small pdf where p is 1.
 vec3 classical_sum(classical_parts parts, vec3 wi, vec3 through, vec3 f, inout float pdf)
 {
     float cosine = pdf_cosine_hemisphere(wi.z);
-    pdf = mix(cosine, pdf, parts.p_specular);
+    pdf = (1.0 - parts.p_specular) * cosine + parts.p_specular * pdf;
     return f + parts.diffuse * through * cosine;
 }
 
