@@ -238,6 +238,14 @@ static struct spread judge(const struct arithmetic *a, const driver_item *in,
     return s;
 }
 
+// How many are as the case expects, and what else is to be said.
+static bool tell_wrong(struct check_result *result, uint32_t wrong, const char *besides)
+{
+    if (wrong == 0)
+        return check_seen(result, true, "all %u as expected%s", ITEMS, besides);
+    return check_seen(result, false, "%u of %u not as expected%s", wrong, ITEMS, besides);
+}
+
 static bool run_arithmetic(const struct check *check, const struct check_case *this_case,
                            struct check_result *result, struct err *err)
 {
@@ -253,7 +261,7 @@ static bool run_arithmetic(const struct check *check, const struct check_case *t
         if (a->unit)
             check_seen(result, s.wrong == 0, "at most %.3g %s", s.worst, a->unit);
         else
-            check_seen(result, s.wrong == 0, "%u of %u others", s.wrong, ITEMS);
+            tell_wrong(result, s.wrong, "");
         if (s.wrong > 0)
             snprintf(result->why, sizeof result->why, "of %a, %a, %a it makes %a, %a",
                      (double)worst->f[0], (double)worst->f[1], (double)worst->f[2],
@@ -307,10 +315,11 @@ static bool run_contraction(const struct check *check, const struct check_case *
         contracted += out[i].u[1] != out[i].u[0];
         fused += out[i].u[2] != out[i].u[0];
     }
-    uint32_t wrong = judge(a, in, out).wrong;
-    return check_seen(result, wrong == 0, "%u of %u others; without precise %s; fma() rounds %s",
-                      wrong, ITEMS, contracted ? "contracted" : "two roundings as well",
-                      fused ? "once" : "twice");
+    char besides[CHECK_TEXT_MAX / 2];
+    snprintf(besides, sizeof besides, "; without precise %s; fma() rounds %s",
+             contracted ? "it is contracted" : "there are two roundings as well",
+             fused ? "once" : "twice");
+    return tell_wrong(result, judge(a, in, out).wrong, besides);
 }
 
 #define ARITHMETIC(...)                                                                            \

@@ -229,7 +229,7 @@ static bool run_samplers(const struct check *check, const struct check_case *thi
 // deviates one beyond 4.5 with 2e-5.
 static const struct check_case cases[] = {
     {"C37 dimensions up to 2^32", "multiples of 2^-24 in [0, 1)",
-     SAMPLERS_ARE(count_outside, 0.0, " others")},
+     SAMPLERS_ARE(count_outside, 0.0, " that are not")},
     {"C37 1024 and 2^31 dimensions further", "correlations below 4 / sqrt(n)",
      SAMPLERS_ARE(correlate_dimensions, 4.0, " / sqrt(n)")},
     {"C38 3 and 37 samples",

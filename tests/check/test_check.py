@@ -59,6 +59,16 @@ class Check(unittest.TestCase):
         self.assertEqual(report['not_run'], 4)
         self.assertEqual(report['passed'], len(report['cases']) - 4)
 
+    def test_arithmetic_says_how_many(self):
+        result = run(LAMPYRIS, 'check', '--only', 'products')
+        self.assertIn('; seen all 16384 as expected (', result.stdout)
+
+    def test_where_rounding_is_not_known(self):
+        # Bounds of errors are twice as wide, and so is what forms without variance allow.
+        environment = {**os.environ, 'LAMPYRIS_LIMITS': 'no-rounding-mode'}
+        result = run(LAMPYRIS, 'check', '--only', 'B19 field ball of fog', env=environment)
+        self.assertEqual(result.returncode, 0, result.stdout)
+
     def test_a_report_with_pictures(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, 'device.html')
