@@ -9,7 +9,7 @@ layout(std430, set = 0, binding = BINDING_SUSPENDED) buffer suspended_block {
 };
 
 const uint SUSPENDED_HEADER = SUSPENDED_WORDS_OF(GEOMETRY);
-const uint SUSPENDED_STRIDE = SUSPENDED_HEADER + STACK_ENTRIES + 2u;
+const uint SUSPENDED_STRIDE = SUSPENDED_HEADER + STACK_LENGTH;
 
 void suspend(uint slot, trace_state state, trace_hit hit)
 {
@@ -27,7 +27,7 @@ void suspend(uint slot, trace_state state, trace_hit hit)
         suspended_words[base + 9u] = hit.instance;
     }
     for (uint i = 0u; i < state.depth; i++)
-        suspended_words[base + SUSPENDED_HEADER + i] = stack[i];
+        suspended_words[base + SUSPENDED_HEADER + i] = stack_load(i);
 }
 
 void resume(uint slot, out trace_state state, out trace_hit hit)
@@ -46,7 +46,7 @@ void resume(uint slot, out trace_state state, out trace_hit hit)
                          uintBitsToFloat(suspended_words[base + 4u])),
                     suspended_words[base + 5u], suspended_words[base + 6u], hit_instance);
     for (uint i = 0u; i < state.depth; i++)
-        stack[i] = suspended_words[base + SUSPENDED_HEADER + i];
+        stack_store(i, suspended_words[base + SUSPENDED_HEADER + i]);
 }
 
 // The key of alpha's decisions for the ray of a slot.

@@ -9,6 +9,7 @@
 #include "lib/intersect_triangle.glsl"
 #include "lib/shape_leaf.glsl"
 #include "lib/small_lamp.glsl"
+#include "lib/stack.glsl"
 #include "lib/steps.glsl"
 #include "lib/trace_types.glsl"
 #include "lib/triangle.glsl"
@@ -77,11 +78,9 @@ struct trace_state {
     uint instance; // in whose tree it is, or NO_INSTANCE
 };
 
-uint stack[STACK_ENTRIES + 2u]; // the sentinel, and one that a branch-free push may overwrite
-
 void trace_begin(out trace_state state)
 {
-    stack[0] = BVH_EMPTY;
+    stack_store(0, BVH_EMPTY);
     state = trace_state(0u, 1u, 0.0, NO_INSTANCE);
 }
 
@@ -201,7 +200,7 @@ uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
     bool none = true;
     for (int i = 0; i < 4; i++) {
         bool hit = keys[i] < BVH_MISS;
-        stack[depth] = next;
+        stack_store(depth, next);
         depth += hit && !none ? 1u : 0u;
         next = hit ? children[i] : next;
         none = none && !hit;
@@ -220,11 +219,11 @@ uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
     order(keys.x, keys.y);
     order(keys.z, keys.w);
     order(keys.y, keys.z);
-    stack[depth] = child_word(children, keys.w);
+    stack_store(depth, child_word(children, keys.w));
     depth += keys.w < BVH_MISS ? 1u : 0u;
-    stack[depth] = child_word(children, keys.z);
+    stack_store(depth, child_word(children, keys.z));
     depth += keys.z < BVH_MISS ? 1u : 0u;
-    stack[depth] = child_word(children, keys.y);
+    stack_store(depth, child_word(children, keys.y));
     depth += keys.y < BVH_MISS ? 1u : 0u;
     bool none = keys.x == BVH_MISS;
     depth -= none ? 1u : 0u;
@@ -249,14 +248,14 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
             iterations++;
             if (COUNTS_STEPS)
                 steps.nodes++;
-            uint top = stack[depth - 1u];
+            uint top = stack_load(depth - 1u);
             uvec4 children;
             ivec4 keys = bvh_test_children(space.box_ray, current, best.t, children);
             current = visit_children(keys, children, top, depth);
         }
         iterations++;
         if (current != BVH_EMPTY && current >= BVH_LEAF) {
-            uint top = stack[depth - 1u];
+            uint top = stack_load(depth - 1u);
             uint index = current & BVH_LEAF_INDEX;
             bool is_space = IS_INSTANCE_LEAF(current);
             bool is_shape = IS_SHAPE(current) && !is_space;
@@ -272,7 +271,7 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
             if (is_space) {
                 bool enters = current != BVH_LEAVE;
                 space = enter_space(ray, enters ? index : NO_INSTANCE, root);
-                stack[depth] = BVH_LEAVE;
+                stack_store(depth, BVH_LEAVE);
                 depth += enters ? 2u : 0u; // one of them is taken back below
                 next = enters ? root : top;
             }

@@ -68,7 +68,8 @@
 #define CONSTANT_RADIANCE_SCALING 28 // whether refraction scales radiance
 #define CONSTANT_ACCUMULATION 29
 #define CONSTANT_ROUNDING 30 // ROUNDING_*
-#define CONSTANT_COUNT 31
+#define CONSTANT_STACK_SHARED 31 // entries of a thread's stack in shared memory: lib/stack.glsl
+#define CONSTANT_COUNT 32
 
 // How the device rounds sums and products: to the nearest float where it was asked to, or else to
 // either neighbour, which is all that Vulkan promises.

@@ -27,8 +27,11 @@ const struct bits_variant bits_variants[] = {
     {"65536 texels", {.texel_elements = 65536}},
     {"1024 texels", {.texel_elements = 1024}, .representative = true},
     {"16 texels", {.texel_elements = 16}},
+    {"stack in shared memory", {.shared_stack = true}},
+    {"part of it", {.shared_stack = true, .shared_memory = 2048}, .representative = true},
     {"all at once",
-     {.no_texel = true, .no_ballot = true, .no_mapped_device = true, .storage_range = 1u << 16},
+     {.no_texel = true, .no_ballot = true, .no_mapped_device = true, .storage_range = 1u << 16,
+      .shared_stack = true},
      .wave = 1u << 10, .compile_all = true, .first_calls = {3, 16}, .representative = true},
 };
 // clang-format on

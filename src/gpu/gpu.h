@@ -77,6 +77,7 @@ struct gpu {
     uint64_t storage_alignment; // offsets of storage ranges are multiples of this, bytes
     uint32_t max_groups;        // workgroups in x a dispatch
     uint32_t max_invocations;   // threads a workgroup
+    uint64_t max_shared_bytes;  // memory that a workgroup shares
     uint32_t subgroup_size;
     bool has_ballot;        // ballot and arithmetic subgroup operations in compute
     bool rounds_to_nearest; // kernels ask for it: VK_KHR_shader_float_controls

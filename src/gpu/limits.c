@@ -20,6 +20,7 @@ static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size
         {"no-rounding-mode", &limits->no_rounding_mode},
         {"no-mapped-device", &limits->no_mapped_device},
         {"no-timestamps", &limits->no_timestamps},
+        {"shared-stack", &limits->shared_stack},
     };
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         if (length == strlen(flags[i].name) && memcmp(word, flags[i].name, length) == 0) {
@@ -38,10 +39,15 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         const char *name;
         uint64_t *number;
     } numbers[] = {
-        {"storage-range=", &limits->storage_range}, {"storage-count=", &limits->storage_count},
-        {"texel-count=", &limits->texel_count},     {"texel-elements=", &limits->texel_elements},
-        {"allocation=", &limits->allocation},       {"memory=", &limits->memory},
-        {"memory-budget=", &limits->memory_budget}, {"group-ns=", &limits->group_ns},
+        {"storage-range=", &limits->storage_range},
+        {"storage-count=", &limits->storage_count},
+        {"texel-count=", &limits->texel_count},
+        {"texel-elements=", &limits->texel_elements},
+        {"allocation=", &limits->allocation},
+        {"shared-memory=", &limits->shared_memory},
+        {"memory=", &limits->memory},
+        {"memory-budget=", &limits->memory_budget},
+        {"group-ns=", &limits->group_ns},
         {"watchdog-ms=", &limits->watchdog_ms},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
@@ -68,13 +74,14 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
     while (word && *word) {
         size_t length = strcspn(word, ",");
         if (!take_flag(limits, word, length) && !take_number(limits, word, length))
-            return err_set(
-                err, ERR_USAGE,
-                VARIABLE ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
-                         "no-rounding-mode, no-mapped-device, no-timestamps, storage-range=BYTES, "
-                         "storage-count=N, texel-count=N, texel-elements=N, allocation=BYTES, "
-                         "memory=BYTES, memory-budget=BYTES, group-ns=N or watchdog-ms=N",
-                (int)length, word);
+            return err_set(err, ERR_USAGE,
+                           VARIABLE
+                           ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
+                           "no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, "
+                           "storage-range=BYTES, storage-count=N, texel-count=N, texel-elements=N, "
+                           "allocation=BYTES, shared-memory=BYTES, memory=BYTES, "
+                           "memory-budget=BYTES, group-ns=N or watchdog-ms=N",
+                           (int)length, word);
         word += length + (word[length] == ',');
     }
     return true;

@@ -11,15 +11,16 @@ struct VkPhysicalDevice_T;
 // Lower limits than the device's, to test fallbacks; 0 means the device's own. What is 0 or false
 // here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
 // be run on the fallbacks: words separated by commas out of api-1.1, no-texel, no-ballot,
-// no-rounding-mode, no-mapped-device, no-timestamps, storage-range=BYTES, storage-count=N,
-// texel-count=N, texel-elements=N, allocation=BYTES, memory=BYTES, memory-budget=BYTES, group-ns=N,
-// watchdog-ms=N. Other words are ERR_USAGE.
+// no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, storage-range=BYTES,
+// storage-count=N, texel-count=N, texel-elements=N, allocation=BYTES, shared-memory=BYTES,
+// memory=BYTES, memory-budget=BYTES, group-ns=N, watchdog-ms=N. Other words are ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
     uint64_t storage_count;  // storage buffers that a kernel may bind
     uint64_t texel_count;    // uniform texel buffers likewise
     uint64_t texel_elements; // maxTexelBufferElements
     uint64_t allocation;     // largest VkDeviceMemory, bytes
+    uint64_t shared_memory;  // maxComputeSharedMemorySize, bytes
     uint64_t memory;         // of all allocations: what exceeds it fails
     uint64_t memory_budget;  // of them, as the driver tells before anything is allocated
     bool api_1_1;            // a device of Vulkan 1.1 that does not tell its driver's name
@@ -31,6 +32,7 @@ struct gpu_limit_overrides {
     bool no_rounding_mode; // without a choice of how sums are rounded
     bool no_mapped_device; // device memory is never mapped: uploads and downloads are staged
     bool no_timestamps;    // what kernels take is not known
+    bool shared_stack;     // traversal as on GPUs (shaders/lib/stack.glsl), on any device
 };
 
 struct gpu_params {

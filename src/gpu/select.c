@@ -388,6 +388,7 @@ void device_read_limits(struct gpu *gpu)
     gpu->max_invocations = limits->maxComputeWorkGroupInvocations;
     if (limits->maxComputeWorkGroupSize[0] < gpu->max_invocations)
         gpu->max_invocations = limits->maxComputeWorkGroupSize[0];
+    gpu->max_shared_bytes = lowered(limits->maxComputeSharedMemorySize, lower->shared_memory);
     gpu->subgroup_size = p.subgroup.subgroupSize;
     gpu->has_ballot = !lower->no_ballot &&
                       (p.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&

@@ -328,7 +328,7 @@ bool renderer_resize(struct renderer *r, uint32_t wave, uint32_t workgroup, stru
     if (!check_workgroup(r->gpu, workgroup, err))
         return false;
     uint64_t resolved = r->buffers[BINDING_RESOLVED].bytes;
-    r->specialization.workgroup = workgroup;
+    specialization_set_workgroup(&r->specialization, r->gpu, workgroup);
     if (!plan_memory(r, wave, true, err))
         return false;
     if (r->plan.buffers[BINDING_RESOLVED].bytes != resolved &&

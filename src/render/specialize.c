@@ -347,6 +347,35 @@ static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLAS
     return queues;
 }
 
+// RADV's compiler makes registers of a private stack, and instructions that compare the index of an
+// entry with each: "Registers on GPUs" in docs/performance.md. So many entries shared by 64 threads
+// take 3 KiB, of which there is room for as many subgroups as their registers leave it for (RDNA2).
+#define STACK_SHARED_USUAL 12u
+// What reserving places of queues shares without ballots: lib/queue.glsl.
+#define QUEUE_SHARED_BYTES 8u
+
+// Measured on lavapipe: a stack in shared memory is as fast as a private one. There all machine
+// code stays as it was measured.
+static uint32_t stack_shared(const struct specialization *s, const struct gpu *gpu)
+{
+    if (gpu->info.is_cpu && !gpu->params.limits.shared_stack)
+        return 0;
+    uint64_t room = gpu->max_shared_bytes > QUEUE_SHARED_BYTES
+                        ? (gpu->max_shared_bytes - QUEUE_SHARED_BYTES) / (4u * s->workgroup)
+                        : 0;
+    uint32_t entries = s->stack_entries + 2; // as STACK_LENGTH of lib/stack.glsl
+    if (entries > STACK_SHARED_USUAL)
+        entries = STACK_SHARED_USUAL;
+    return room < entries ? (uint32_t)room : entries;
+}
+
+void specialization_set_workgroup(struct specialization *s, const struct gpu *gpu,
+                                  uint32_t workgroup)
+{
+    s->workgroup = workgroup;
+    s->stack_shared = stack_shared(s, gpu);
+}
+
 void specialization_suspend(struct specialization *s)
 {
     s->features |= FEATURE_SUSPEND;
@@ -371,9 +400,6 @@ struct specialization specialize(const struct specialize_params *p)
     const struct gpu *gpu = p->gpu;
     const struct settings *settings = &scene->settings;
     struct specialization s = {
-        .workgroup = p->workgroup       ? p->workgroup
-                     : gpu->info.is_cpu ? 128
-                                        : 64,
         .stack_entries = bvh->stats.stack_entries,
         .iteration_budget =
             gpu->info.is_cpu ? CPU_SUBGROUP_ROUNDS / gpu->subgroup_size : GPU_LANE_ROUNDS,
@@ -398,6 +424,8 @@ struct specialization specialize(const struct specialize_params *p)
         .normals = settings->normals,
         .radiance_scaling = settings->radiance_scaling,
     };
+    uint32_t usual_workgroup = gpu->info.is_cpu ? 128 : 64;
+    specialization_set_workgroup(&s, gpu, p->workgroup ? p->workgroup : usual_workgroup);
     s.geometry |= has_large_spheres(flat, p->camera) ? GEOMETRY_LARGE_SPHERES : 0u;
     uint32_t classes = 0;
     s.features = geometry_features(flat) | material_features(scene, flat, s.class_lobes);

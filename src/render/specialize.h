@@ -37,6 +37,7 @@ struct specialization {
     uint32_t radiance_scaling;
     uint32_t accumulation; // ACCUMULATION_*
     uint32_t rounding;     // ROUNDING_*
+    uint32_t stack_shared; // entries of a thread's stack in shared memory; 0: none
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];
@@ -61,6 +62,9 @@ struct specialize_params {
     bool tiles;         // sample counts by tile
 };
 struct specialization specialize(const struct specialize_params *params);
+// Another number of threads a workgroup, and what follows from it.
+void specialization_set_workgroup(struct specialization *s, const struct gpu *gpu,
+                                  uint32_t workgroup);
 // From now on rays that run out of their budget are suspended.
 void specialization_suspend(struct specialization *s);
 // Makes the kernels that trace count their steps, or not: for measuring, no scene needs it.

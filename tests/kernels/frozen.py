@@ -410,9 +410,9 @@ class Module:
             buffer = re.search(r"OpVariable %_ptr_StorageBuffer_(\w+)_block ", line)
             if buffer:
                 add("[%s]" % buffer[1])
-            texels = re.match(r"%(\w+_texels) = OpVariable", line)
-            if texels:
-                add(texels[1])
+            variable = re.match(r"%(\w+_texels|stack_\w+) = OpVariable", line)
+            if variable:
+                add(variable[1])
         for line in code_of(lines):
             called = re.search(r"OpFunctionCall %\w+ (%\w+)", line)
             if called:
@@ -628,6 +628,21 @@ def check_normals(bits, lobes, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "shade_surface", module.instructions))
 
 
+def check_stacks(bits, kernels, folder):
+    """Of the private and the shared part of a stack, only those are there that hold some of it."""
+    owned = ["stack_private", "stack_shared"]
+    for kernel in ("intersect_closest", "intersect_shadow"):
+        for name, entries, shared, wanted in (("private stack", 41, 0, owned[:1]),
+                                              ("stack shared in part", 41, 12, owned),
+                                              ("shared stack", 10, 12, owned[1:])):
+            module = freeze(kernels[kernel], bits["TRIANGLES"], 0, folder, 0,
+                            "2:%d 31:%d" % (entries, shared))
+            there = [variable for variable in owned if module.count(variable)]
+            if there != wanted:
+                fail("%s, %s: has %s, expected %s" % (name, kernel, there, wanted))
+            print("%-26s %-18s %5d instructions" % (name, kernel, module.instructions))
+
+
 def check_nodes(bits, kernels, folder):
     """Of both kinds of nodes, only the test of the chosen one's boxes is there."""
     owned = ["test_quantised_children", "test_float_children"]
@@ -705,6 +720,7 @@ def main():
         check_environment_filters(bits, kernels, folder)
         check_normals(bits, lobes, kernels, folder)
         check_nodes(bits, kernels, folder)
+        check_stacks(bits, kernels, folder)
         if not short:
             for name in LOBES:
                 check_lobe(name, usual(bits), lobes, kernels, folder)

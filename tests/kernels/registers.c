@@ -69,8 +69,10 @@ static bool print_scene(struct gpu *gpu, const char *word, struct err *err)
     if (!load_scene(path, value ? overrides : NULL, &scene, err))
         return false;
     bool ok = prepare(gpu, &scene, &r, err);
-    if (ok && is_depth)
+    if (ok && is_depth) {
         r.specialization.stack_entries = (uint32_t)strtoul(value, NULL, 10);
+        specialization_set_workgroup(&r.specialization, gpu, r.specialization.workgroup);
+    }
     ok = ok && print_kernels(word, &r, err);
     arena_finish(&r.arena);
     scene_finish(&scene);

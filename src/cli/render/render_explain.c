@@ -82,6 +82,9 @@ void explain_print(struct render_run *run)
     report_print_kernels(&r->stats);
     printf("code      %" PRIu64 " SPIR-V instructions are left of %" PRIu64 "\n",
            totals.instructions, totals.all_instructions);
+    if (r->specialization.stack_shared)
+        printf("stack     %u of at most %u entries of a traversal are in shared memory\n",
+               r->specialization.stack_shared, r->specialization.stack_entries + 2);
     puts("saved     by each part that is left out, if it alone were there besides:\n");
     printf("%-47s  %12s  %12s  %s\n", "left out", "bytes", "instructions", "why");
     parts_visit(r, print_part, run);

@@ -1,0 +1,50 @@
+// The stack of a traversal: the nodes that are put off. CPU drivers keep it in a private array.
+// Where compilers would hold that in registers, and find an entry by comparing its index with each
+// of them, the first STACK_SHARED entries of each thread are in the memory that the workgroup
+// shares, and those beyond, which few rays need, in an array too long for registers.
+#ifndef STACK_GLSL
+#define STACK_GLSL
+
+#include "lib/constants.glsl"
+
+#define IS_STACK_SHARED (STACK_SHARED > 0u)
+// The sentinel, and one that a branch-free push may overwrite.
+const uint STACK_LENGTH = STACK_ENTRIES + 2u;
+const bool STACK_FITS_SHARED = STACK_LENGTH <= STACK_SHARED;
+// Mesa's compiler for AMD's GPUs (22.3) makes registers of arrays of up to 256 bytes.
+#define LONGEST_IN_REGISTERS 64u
+const uint STACK_BEYOND = STACK_LENGTH - STACK_SHARED;
+const uint STACK_LONG = STACK_BEYOND > LONGEST_IN_REGISTERS ? STACK_BEYOND : LONGEST_IN_REGISTERS + 1u;
+const uint STACK_PRIVATE =
+    STACK_FITS_SHARED ? 1u : (IS_STACK_SHARED ? STACK_LONG : STACK_LENGTH);
+
+layout(constant_id = CONSTANT_WORKGROUP) const uint STACK_THREADS = 1u;
+const uint STACK_SHARED_WORDS = IS_STACK_SHARED ? STACK_SHARED * STACK_THREADS : 1u;
+
+uint stack_private[STACK_PRIVATE];
+shared uint stack_shared[STACK_SHARED_WORDS]; // the threads' entries 0, then their entries 1, ...
+
+uint stack_word(uint entry)
+{
+    return entry * STACK_THREADS + gl_LocalInvocationIndex;
+}
+
+uint stack_load(uint entry)
+{
+    uint node;
+    if (STACK_FITS_SHARED || (IS_STACK_SHARED && entry < STACK_SHARED))
+        node = stack_shared[stack_word(entry)];
+    else
+        node = stack_private[entry - STACK_SHARED];
+    return node;
+}
+
+void stack_store(uint entry, uint node)
+{
+    if (STACK_FITS_SHARED || (IS_STACK_SHARED && entry < STACK_SHARED))
+        stack_shared[stack_word(entry)] = node;
+    else
+        stack_private[entry - STACK_SHARED] = node;
+}
+
+#endif
