@@ -28,7 +28,8 @@ const struct bits_variant bits_variants[] = {
     {"1024 texels", {.texel_elements = 1024}, .representative = true},
     {"16 texels", {.texel_elements = 16}},
     {"stack in shared memory", {.shared_stack = true}},
-    {"part of it", {.shared_stack = true, .shared_memory = 2048}, .representative = true},
+    {"stack in 2 KiB of shared memory", {.shared_stack = true, .shared_memory = 2048},
+     .representative = true},
     {"all at once",
      {.no_texel = true, .no_ballot = true, .no_mapped_device = true, .storage_range = 1u << 16,
       .shared_stack = true},
@@ -187,7 +188,9 @@ static const struct check_case cases[] = {
     SAME("G3", "65536 texels", 14),
     SAME("G3", "1024 texels", 15),
     SAME("G3", "16 texels", 16),
-    LONG_SAME("G3", "all of that at once", 17),
+    SAME("G3", "traversal's stack in shared memory", 17),
+    SAME("G3", "traversal's stack in 2 KiB of it", 18),
+    LONG_SAME("G3", "all of that at once", 19),
 };
 
 CHECK_GROUP(check_bits, "bits", "what must not change one bit of a picture", cases);
