@@ -326,6 +326,22 @@ class Noise(Checks):
         self.assert_found(self.check(self.scene(0.3)), {})
 
 
+class Range(Checks):
+    def scene(self, height):
+        """The point below a light of 1e30 W/sr."""
+        return {'camera': {**FRONT, 'height': 6e-6}, 'materials': {'grey': GREY},
+                'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-4, -4, 0], 'u': [8, 0, 0],
+                            'v': [0, 8, 0]}],
+                'lights': [{'type': 'point', 'position': [0, 0, height], 'intensity': [1e30] * 3}]}
+
+    def test_planted_and_clean(self):
+        found = self.check(self.scene(1e-5))  # 1e40 W/m^2
+        self.assert_found(found, {'not-finite': 'wrong'})
+        # Two renders of 64 samples a pixel; what is found looks at the last one of them.
+        self.assertRegex(found['not-finite']['figure'], f'^{64 * 48 * 48} contributions of ')
+        self.assert_found(self.check(self.scene(1e-3)), {})
+
+
 class Words(Checks):
     def test_extreme_pictures(self):
         """Nothing to see but light; a row of pixels; a single one."""
@@ -333,6 +349,19 @@ class Words(Checks):
             self.assert_found(self.check({
                 'camera': {'position': [0, 0, 8], 'target': [0, 0, 0], 'fov_degrees': 40},
                 'environment': {'radiance': [1, 1, 1]}, 'film': film, 'shapes': []}), {})
+
+    def test_what_cannot_be_fixed_is_found_first(self):
+        """Before there is a device: with none at all the file is what is wrong."""
+        scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
+        for out, code in ((scene, 2), (os.path.join(self.folder.name, 'out.txt'), 2),
+                          (os.path.join(self.folder.name, 'no', 'out.json'), 4),
+                          (os.path.join(self.folder.name, 'out.json'), 69)):
+            result = subprocess.run([LAMPYRIS, 'check', scene, '--fix', out], text=True,
+                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60,
+                                    env=environment)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertFalse(out != scene and os.path.exists(out))
 
     def test_a_clean_scene_is_one_line(self):
         path = os.path.join(SOURCE, 'scenes', 'cornell.json')

@@ -151,40 +151,36 @@ static int print_json(const struct scene_check *check)
 
 // --- the command ---------------------------------------------------------------------------------
 
-static bool write_fixed(struct scene_check *check, const struct scene *before, uint32_t camera,
-                        struct err *err)
+static bool run(struct scene_check *check, struct err *err)
 {
-    const struct scene_load_params load =
-        options_scene_params(&check->options->scene, check->options->progress);
-    const struct scene_write_params params = {
-        .path = check->options->check.fix,
+    const struct options *options = check->options;
+    const char *fix = options->check.fix;
+    uint32_t camera;
+    struct scene before;
+    if (!options_load_scene(&options->scene, options->progress, &check->scene, &camera, err) ||
+        !scene_snapshot(&check->arena, &check->scene, &before, err))
+        return false;
+    const struct scene_load_params load = options_scene_params(&options->scene, options->progress);
+    const struct scene_write_params fixed = {
+        .path = fix,
         .load = &load,
-        .before = before,
+        .before = &before,
         .scene = &check->scene,
         .camera = &check->scene.cameras[camera],
         .is_outside = &check->is_outside,
     };
-    return scene_write(&params, err);
-}
-
-static bool run(struct scene_check *check, struct err *err)
-{
-    const struct options *options = check->options;
-    uint32_t camera;
-    struct scene before;
-    if (!options_load_scene(&options->scene, options->progress, &check->scene, &camera, err) ||
-        !scene_snapshot(&check->arena, &check->scene, &before, err) ||
+    if ((fix && !scene_write_check(&fixed, err)) ||
         !gpu_open(&options->device.gpu, &check->gpu, err))
         return false;
     struct check_scene_params params = {
         .renderer = options_renderer_params(&options->device, &check->gpu, &check->scene, camera),
         .scene = &check->scene,
         .error = options->render.error > 0.0 ? options->render.error : USUAL_ERROR,
-        .fixes = options->check.fix != NULL,
+        .fixes = fix != NULL,
     };
     params.renderer.progress = options->progress;
     return check_scene(&params, &check->arena, &check->findings, err) &&
-           (!options->check.fix || write_fixed(check, &before, camera, err));
+           (!fix || scene_write(&fixed, err));
 }
 
 int check_scene_command(const struct options *options)

@@ -462,14 +462,28 @@ static bool write_scene(struct writer *w, struct err *err)
     return ok;
 }
 
-bool scene_write(const struct scene_write_params *params, struct err *err)
+static struct writer writer_of(const struct scene_write_params *params)
 {
-    struct writer w = {
+    return (struct writer){
         .params = params,
         .difference = {.scene = params->scene},
         .settings = params->settings ? *params->settings : params->scene->settings,
         .camera = params->camera ? *params->camera : params->scene->cameras[0],
     };
+}
+
+bool scene_write_check(const struct scene_write_params *params, struct err *err)
+{
+    struct writer w = writer_of(params);
+    choose_base(&w);
+    bool ok = check_path(&w, err) && find_folder(&w, err) && file_check_writable(params->path, err);
+    arena_finish(&w.arena);
+    return ok;
+}
+
+bool scene_write(const struct scene_write_params *params, struct err *err)
+{
+    struct writer w = writer_of(params);
     w.difference.before = &w.before;
     bool ok = write_scene(&w, err);
     arena_finish(&w.arena);

@@ -36,6 +36,9 @@ struct scene_write_params {
 // values which the format has no words for (not finite, out of range, names of files that are no
 // UTF-8); ERR_OUTPUT. No file is written then.
 bool scene_write(const struct scene_write_params *params, struct err *err);
+// Finds out beforehand, from the path and what gave `before`, whether a file could be written
+// there: ERR_USAGE as above; ERR_OUTPUT.
+bool scene_write_check(const struct scene_write_params *params, struct err *err);
 
 // A shallow copy that has arrays of its own of what may be edited (materials, lights, instances,
 // shapes, cameras); all else is the original's and must outlive it. The copy's own arena is empty:
