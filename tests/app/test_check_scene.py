@@ -10,6 +10,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 try:
     import jsonschema
@@ -340,6 +341,21 @@ class Range(Checks):
         # Two renders of 64 samples a pixel; what is found looks at the last one of them.
         self.assertRegex(found['not-finite']['figure'], f'^{64 * 48 * 48} contributions of ')
         self.assert_found(self.check(self.scene(1e-3)), {})
+
+
+class Slow(Checks):
+    def test_fewer_pixels(self):
+        """A simulated slow device, which sleeps: the check's own renders have a bound."""
+        environment = {**os.environ, 'LAMPYRIS_LIMITS': 'no-timestamps,group-ns=600000'}
+        scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        start = time.monotonic()
+        result = subprocess.run([LAMPYRIS, 'check', scene, '--size', '64x64', '--json', '-q'], text=True,
+                                stdout=subprocess.PIPE, timeout=300, env=environment)
+        self.assertLess(time.monotonic() - start, 90)
+        self.assertEqual(result.returncode, 0)
+        found = {finding['name']: finding for finding in json.loads(result.stdout)['findings']}
+        self.assert_found(found, {'few-pixels': 'remark'})
+        self.assertRegex(found['few-pixels']['figure'], '^one sample of 4096 pixels takes 0.[2-9]')
 
 
 class Words(Checks):

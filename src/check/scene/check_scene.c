@@ -9,14 +9,72 @@
 // The small picture: enough pixels that a share of 1 % is 40 of them.
 #define PICTURE_PIXELS 4096.0
 
-static void shrink_picture(struct settings *settings)
+static void shrink_picture(struct settings *settings, double pixels)
 {
     double width = settings->width, height = settings->height;
-    double scale = sqrt(PICTURE_PIXELS / (width * height));
+    double scale = sqrt(pixels / (width * height));
     if (scale >= 1.0)
         return;
     settings->width = (uint32_t)fmax(round(width * scale), 1.0);
     settings->height = (uint32_t)fmax(round(height * scale), 1.0);
+}
+
+// Renders of the small picture take about so many samples of each pixel: 64 for the outlook, 64 for
+// the tail, and 16 at each of several depths.
+#define RENDERED_SAMPLES 200.0
+// And so long at most, as far as a sample says beforehand: a picture that would take longer is
+// looked at by fewer pixels, of which at least LEAST_PIXELS are left.
+#define RENDER_SECONDS 30.0
+#define LEAST_PIXELS 256.0
+
+// The second of two samples: the first one warms up.
+static bool time_sample(struct job *job, uint32_t seed, double *seconds, struct err *err)
+{
+    const struct job_step first = {.samples = 1, .to = 0.5}, second = {.samples = 2, .to = 1};
+    if (!job_begin(job, seed, 0, err) || !job_advance(job, &first, err))
+        return false;
+    double warm = job_elapsed(job);
+    if (!job_advance(job, &second, err))
+        return false;
+    *seconds = job_elapsed(job) - warm;
+    return true;
+}
+
+static bool tell_bound(struct survey *survey, double seconds, double pixels, struct err *err)
+{
+    const struct settings *s = &survey->scene->settings;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "few-pixels",
+            .level = FINDING_REMARK,
+            .place = "all of the scene",
+            .figure = arena_printf(survey->arena, "one sample of %.0f pixels takes %.2g s here",
+                                   pixels, seconds),
+            .consequence =
+                arena_printf(survey->arena,
+                             "This check has looked at a picture of %u x %u pixels only, so that "
+                             "its renders take about %.0f s: it may miss what is small.",
+                             s->width, s->height, RENDER_SECONDS),
+            .remedy = "Nothing in the scene: a device that is faster, or less busy, sees more.",
+            .share = NAN,
+        },
+        err);
+}
+
+static bool start_job(struct survey *survey, const struct job_params *params, struct err *err)
+{
+    struct settings *settings = &survey->scene->settings;
+    double pixels = (double)settings->width * settings->height, seconds;
+    if (!job_start(params, &survey->job, err) ||
+        !time_sample(&survey->job, survey->settings.seed, &seconds, err))
+        return false;
+    double affordable = pixels * RENDER_SECONDS / (seconds * RENDERED_SAMPLES);
+    if (affordable >= pixels || pixels <= LEAST_PIXELS)
+        return true;
+    job_finish(&survey->job);
+    shrink_picture(settings, fmax(affordable, LEAST_PIXELS));
+    return job_start(params, &survey->job, err) && tell_bound(survey, seconds, pixels, err);
 }
 
 static bool plan_memory(struct survey *survey, const struct renderer_params *params,
@@ -50,14 +108,14 @@ static bool prepare(struct survey *survey, struct err *err)
     params.geometry = &survey->geometry;
     if (!plan_memory(survey, &params, err))
         return false;
-    shrink_picture(&scene->settings);
+    shrink_picture(&scene->settings, PICTURE_PIXELS);
     const struct job_params job = {
         .renderer = params,
         .scene = scene,
         .goal = {.samples = 1u << 16}, // steps decide
         .progress = params.progress,
     };
-    return job_start(&job, &survey->job, err) && sightlines_take_view(survey, err);
+    return start_job(survey, &job, err) && sightlines_take_view(survey, err);
 }
 
 static bool search(struct survey *survey, struct err *err)
