@@ -17,7 +17,7 @@ void main()
     if (item >= min(count, push.first_item + push.part_items))
         return;
     if (item == 0u)
-        counters.queue[QUEUE_RAYS] = count;
+        counters.queue[QUEUE_RAYS].count = count;
 
     uint slot = first_slot(item);
     uint pixel = slot_pixel(slot);

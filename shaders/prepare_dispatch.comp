@@ -22,10 +22,10 @@ void main()
     uint queue = gl_GlobalInvocationID.x;
     if (queue >= QUEUE_COUNT || (push.queue >> queue & 1u) == 0u)
         return;
-    uint count = counters.queue[queue];
+    uint count = counters.queue[queue].count;
     bool hits_of_class = queue >= QUEUE_SURFACE && queue <= QUEUE_MISS;
     if (!hits_of_class)
-        counters.queue[queue] = 0u;
+        counters.queue[queue].count = 0u;
 
     bool rays = queue == QUEUE_RAYS || queue == QUEUE_RAYS + 1u;
     // A wave that fills few slots may have its dispatches in smaller parts than one that fills all.
@@ -45,8 +45,8 @@ void main()
     for (uint hits = QUEUE_SURFACE; rays && hits <= QUEUE_MISS; hits++) {
         // Those of the bounce before.
         if (hits < QUEUE_MISS)
-            add_64(counters.surface_hits[hits - QUEUE_SURFACE], counters.queue[hits]);
-        counters.queue[hits] = 0u;
+            add_64(counters.surface_hits[hits - QUEUE_SURFACE], counters.queue[hits].count);
+        counters.queue[hits].count = 0u;
     }
 
     if (rays)

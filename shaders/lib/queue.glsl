@@ -30,7 +30,7 @@ uint item_index()
 uint item_count()
 {
     bool hits = push.queue >= QUEUE_SURFACE && push.queue <= QUEUE_MISS;
-    uint items = hits ? counters.queue[push.queue]
+    uint items = hits ? counters.queue[push.queue].count
                       : counters.dispatch[push.queue * DISPATCH_PARTS].items;
     return min(items, push.first_item + push.part_items);
 }
@@ -59,7 +59,7 @@ void queue_push(uint queue, uint slot, bool wanted)
     uvec4 votes = subgroupBallot(wanted);
     uint base = 0u;
     if (subgroupElect())
-        base = atomicAdd(counters.queue[queue], subgroupBallotBitCount(votes));
+        base = atomicAdd(counters.queue[queue].count, subgroupBallotBitCount(votes));
     uint item = subgroupBroadcastFirst(base) + subgroupBallotExclusiveBitCount(votes);
 #else
     barrier();
@@ -69,7 +69,7 @@ void queue_push(uint queue, uint slot, bool wanted)
     uint offset = wanted ? atomicAdd(queue_reserved, 1u) : 0u;
     barrier();
     if (gl_LocalInvocationIndex == 0u)
-        queue_base = atomicAdd(counters.queue[queue], queue_reserved);
+        queue_base = atomicAdd(counters.queue[queue].count, queue_reserved);
     barrier();
     uint item = queue_base + offset;
 #endif

@@ -283,10 +283,10 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 // that it is in, and that of the hit.
 #define SUSPENDED_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 10u : 8u)
 
-// Compensated sums (Kahan 1965) of the two half-buffers: unless the halves are contiguous, a pixel's
-// samples go to one and the other in turn from when the film was last emptied. The value of a sum is
-// sum - lost. ACCUMULATION_SUM loses nothing that it knows of; ACCUMULATION_RUNNING has means in
-// place of sums.
+// Compensated sums (Kahan 1965) of the two half-buffers: unless the halves are contiguous, a
+// pixel's samples go to one and the other in turn from when the film was last emptied. The value of
+// a sum is sum - lost. ACCUMULATION_SUM loses nothing that it knows of; ACCUMULATION_RUNNING has
+// means in place of sums.
 struct gpu_film_pixel {
     float sum_a[3];
     uint samples; // both halves
@@ -340,8 +340,16 @@ struct gpu_dispatch {
     uint items;
 };
 
+// A queue's length in a cache line of its own: the subgroups of a kernel that fills several queues
+// then wait for each other at each alone. GPUs have lines of 64 and of 128 bytes.
+struct gpu_queue {
+    uint count;
+    uint align_queue[31];
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_queue, 128);
+
 struct gpu_counters {
-    uint queue[12];                    // QUEUE_COUNT used
+    RECORD(gpu_queue) queue[QUEUE_COUNT];
     uint surface_hits[CLASS_COUNT][2]; // 64 bits each
     uint
         media_lost; // paths that entered more media than the stack holds, or left one never entered

@@ -174,8 +174,8 @@ static uint32_t items_found(const struct renderer *r, const struct mark *m)
     if (m->kernel == KERNEL_generate_rays || m->kernel == KERNEL_accumulate)
         return m->items;
     bool is_hits = queue >= QUEUE_SURFACE && queue <= QUEUE_MISS;
-    uint32_t count =
-        is_hits ? r->counters->queue[queue] : r->counters->dispatch[queue * DISPATCH_PARTS].items;
+    uint32_t count = is_hits ? r->counters->queue[queue].count
+                             : r->counters->dispatch[queue * DISPATCH_PARTS].items;
     uint32_t left = count > m->first ? count - m->first : 0;
     return left < m->items ? left : m->items;
 }
@@ -377,7 +377,7 @@ static bool trace_paths(struct loop *l, struct err *err)
         if (!run(r, err) || !wave_begin(r, l->wave, err))
             return false;
         uint32_t next_rays = QUEUE_RAYS + (~bounce & 1u);
-        if (r->counters->queue[next_rays] == 0 && r->counters->queue[QUEUE_SHADOW] == 0)
+        if (r->counters->queue[next_rays].count == 0 && r->counters->queue[QUEUE_SHADOW].count == 0)
             break;
     }
     return true;
@@ -430,7 +430,7 @@ static void add_counts(struct renderer *r, const struct gpu_counters *before)
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         r->stats.surface_hits[c] +=
             count_since(r->counters->surface_hits[c], before->surface_hits[c]) +
-            r->counters->queue[QUEUE_SURFACE + c] - before->queue[QUEUE_SURFACE + c];
+            r->counters->queue[QUEUE_SURFACE + c].count - before->queue[QUEUE_SURFACE + c].count;
 }
 
 // Non-finite contributions: their counts, and the lowest of those that the device recorded.

@@ -105,7 +105,8 @@ static void check_slots(const struct renderer *r, const struct camera *camera, d
         beyond += queue[slot] != rubbish || memcmp(&paths[slot].ignore, &rubbish, 4) != 0;
     CHECK(wrong == 0, "%u mistakes in %u slots", wrong, count);
     CHECK(beyond == 0, "%u slots past the end were touched", beyond);
-    CHECK(r->counters->queue[QUEUE_RAYS] == count, "queue of %u", r->counters->queue[QUEUE_RAYS]);
+    CHECK(r->counters->queue[QUEUE_RAYS].count == count, "queue of %u",
+          r->counters->queue[QUEUE_RAYS].count);
 }
 
 static void check_camera(const char *name, struct camera camera, bool jitter)

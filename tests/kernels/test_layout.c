@@ -40,6 +40,7 @@
     M(sum_a) M(samples) M(lost_a) M(dropped) M(sum_b) M(means_a) M(lost_b) M(align_lost_b)
 #define RESOLVED_PIXEL(M) M(mean_a) M(samples) M(mean_b) M(dropped)
 #define DISPATCH(M) M(x) M(y) M(z) M(items)
+#define QUEUE(M) M(count) M(align_queue)
 #define COUNTERS(M)                                                                                \
     M(queue)                                                                                       \
     M(surface_hits)                                                                                \
@@ -50,7 +51,8 @@
     M(shadow_rays)                                                                                 \
     M(steps)                                                                                       \
     M(unfinished)                                                                                  \
-    M(suspended) M(nonfinite) M(nonfinite_records) M(sparse) M(branches) M(dispatch) M(nonfinite_record)
+    M(suspended)                                                                                   \
+    M(nonfinite) M(nonfinite_records) M(sparse) M(branches) M(dispatch) M(nonfinite_record)
 #define FRAME(M)                                                                                   \
     M(camera_position)                                                                             \
     M(width)                                                                                       \
@@ -79,9 +81,10 @@
     M(lens_rotation)                                                                               \
     M(lens_blades)                                                                                 \
     M(filter_radius)                                                                               \
-    M(ao_distance) M(metre) M(environment_reach) M(ambient) M(pending_rays) M(instances) M(sdfs)   \
-        M(sdf_code) M(camera_start) M(lens_at_start) M(small_triangles) M(pixel_strata)            \
-            M(mis_exponent) M(min_density) M(split_lobes) M(align_frame) M(align_frame_1)
+    M(ao_distance)                                                                                 \
+    M(metre) M(environment_reach) M(ambient) M(pending_rays) M(instances) M(sdfs) M(sdf_code)      \
+        M(camera_start) M(lens_at_start) M(small_triangles) M(pixel_strata) M(mis_exponent)        \
+            M(min_density) M(split_lobes) M(align_frame) M(align_frame_1)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \
@@ -111,6 +114,7 @@
     R(gpu_film_pixel, FILM_PIXEL)                                                                  \
     R(gpu_resolved_pixel, RESOLVED_PIXEL)                                                          \
     R(gpu_dispatch, DISPATCH)                                                                      \
+    R(gpu_queue, QUEUE)                                                                            \
     R(gpu_counters, COUNTERS)                                                                      \
     R(gpu_frame, FRAME)                                                                            \
     R(gpu_push, PUSH)
@@ -130,7 +134,7 @@ struct record {
 // Arrays decay to pointers.
 #define KIND(value)                                                                                \
     _Generic((value), float: SPIRV_FLOAT, float *: SPIRV_FLOAT, uint: SPIRV_UINT,                  \
-             float(*)[4]: SPIRV_FLOAT, uint(*)[2]: SPIRV_UINT, uint *: SPIRV_UINT, struct gpu_dispatch *: SPIRV_STRUCT)
+             float(*)[4]: SPIRV_FLOAT, uint(*)[2]: SPIRV_UINT, uint *: SPIRV_UINT, struct gpu_queue *: SPIRV_STRUCT, struct gpu_dispatch *: SPIRV_STRUCT)
 #define MEMBER_OF(type, member)                                                                    \
     {#member, offsetof(type, member), sizeof((type *)0)->member, KIND(((type *)0)->member)},
 
@@ -154,6 +158,7 @@ struct record {
 #define M_gpu_film_pixel(m) MEMBER_OF(struct gpu_film_pixel, m)
 #define M_gpu_resolved_pixel(m) MEMBER_OF(struct gpu_resolved_pixel, m)
 #define M_gpu_dispatch(m) MEMBER_OF(struct gpu_dispatch, m)
+#define M_gpu_queue(m) MEMBER_OF(struct gpu_queue, m)
 #define M_gpu_counters(m) MEMBER_OF(struct gpu_counters, m)
 #define M_gpu_frame(m) MEMBER_OF(struct gpu_frame, m)
 #define M_gpu_push(m) MEMBER_OF(struct gpu_push, m)

@@ -19,9 +19,9 @@ static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgr
     for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++) {
         if (!(mask >> queue & 1u))
             continue;
-        uint32_t count = counters->queue[queue];
+        uint32_t count = counters->queue[queue].count;
         bool rays = queue <= QUEUE_RAYS + 1;
-        counters->queue[queue] = 0;
+        counters->queue[queue].count = 0;
         for (uint32_t part = 0; part < DISPATCH_PARTS && part * part_items < slots; part++) {
             uint32_t first = part * part_items, items = count > first ? count - first : 0;
             if (items > part_items)
@@ -39,8 +39,8 @@ static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgr
             add_64(total, count);
         for (uint32_t hits = QUEUE_SURFACE; hits <= QUEUE_MISS && rays; hits++) {
             if (hits < QUEUE_MISS)
-                add_64(counters->surface_hits[hits - QUEUE_SURFACE], counters->queue[hits]);
-            counters->queue[hits] = 0;
+                add_64(counters->surface_hits[hits - QUEUE_SURFACE], counters->queue[hits].count);
+            counters->queue[hits].count = 0;
         }
         if (queue >= QUEUE_SUSPENDED)
             counters->suspended += count;
@@ -53,10 +53,10 @@ static void check(struct renderer *r, uint32_t mask, uint32_t count, uint32_t pa
     struct err err = {0};
     memset(&expected, 0x5a, sizeof expected);
     for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++)
-        expected.queue[queue] = count;
+        expected.queue[queue].count = count;
     // The bounce before left another number of each class.
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
-        expected.queue[QUEUE_SURFACE + c] = count / (c + 1);
+        expected.queue[QUEUE_SURFACE + c].count = count / (c + 1);
     // The next ray carries into the high word.
     expected.closest_rays[0] = expected.shadow_rays[0] = 0xffffffffu;
     expected.surface_hits[1][0] = 0xffffffffu;

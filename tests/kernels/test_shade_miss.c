@@ -16,7 +16,7 @@ static bool shade(struct renderer *r, uint32_t count, struct err *err)
     for (uint32_t i = 0; i < count; i++)
         queue[i] = count - 1 - i;
     memset(r->counters, 0, sizeof *r->counters);
-    r->counters->queue[QUEUE_MISS] = count;
+    r->counters->queue[QUEUE_MISS].count = count;
     r->push.queue = QUEUE_MISS;
     r->push.first_item = 0;
     r->push.part_items = SLOTS;

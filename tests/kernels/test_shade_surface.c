@@ -82,7 +82,7 @@ static bool trace_rays(struct renderer *r, struct err *err)
 
 static bool read_queue(struct renderer *r, uint32_t number, bool in_queue[SLOTS], struct err *err)
 {
-    uint32_t count = r->counters->queue[number];
+    uint32_t count = r->counters->queue[number].count;
     memset(in_queue, 0, SLOTS * sizeof *in_queue);
     if (!gpu_download(r->gpu, &r->buffers[BINDING_QUEUES], queue_offset(r, number), queue,
                       sizeof queue, err))

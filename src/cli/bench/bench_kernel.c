@@ -165,7 +165,7 @@ static double bytes_traced(const struct renderer *r, const struct bench_row *row
     double bytes = (double)row->items * bench_bytes_read(r, row->kernel);
     for (uint32_t q = QUEUE_SURFACE; q <= QUEUE_MISS && row->kernel == KERNEL_intersect_closest;
          q++)
-        bytes += (q == QUEUE_MISS ? 4.0 : 4.0 + 16.0) * r->counters->queue[q];
+        bytes += (q == QUEUE_MISS ? 4.0 : 4.0 + 16.0) * r->counters->queue[q].count;
     return bytes;
 }
 

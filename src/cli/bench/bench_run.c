@@ -153,7 +153,7 @@ static uint64_t count_items(const struct renderer *r, const struct wave_step *st
     case KERNEL_intersect_shadow:
         return r->counters->dispatch[step->queue * DISPATCH_PARTS].items;
     default:
-        return r->counters->queue[step->queue];
+        return r->counters->queue[step->queue].count;
     }
 }
 
@@ -172,15 +172,15 @@ static bool count_step(void *context, const struct wave_step *step, struct err *
 
     double *bytes = &c->bytes[step->kernel];
     *bytes += (double)items * bench_bytes_read(r, step->kernel);
-    uint64_t rays = r->counters->queue[QUEUE_RAYS + (~step->bounce & 1u)];
-    uint64_t shadow = r->counters->queue[QUEUE_SHADOW];
+    uint64_t rays = r->counters->queue[QUEUE_RAYS + (~step->bounce & 1u)].count;
+    uint64_t shadow = r->counters->queue[QUEUE_SHADOW].count;
     if (is_shading(step->kernel)) {
         *bytes += (double)(rays - c->rays_before) * (4.0 + 3.0 * 16.0);
         *bytes += (double)(shadow - c->shadow_before) * bytes_of_shadow_rays(r);
     } else if (step->kernel == KERNEL_intersect_closest) {
         for (uint32_t q = QUEUE_SURFACE; q < QUEUE_MISS; q++)
-            *bytes += (16.0 + 4.0) * r->counters->queue[q];
-        *bytes += 4.0 * r->counters->queue[QUEUE_MISS];
+            *bytes += (16.0 + 4.0) * r->counters->queue[q].count;
+        *bytes += 4.0 * r->counters->queue[QUEUE_MISS].count;
     }
     c->rays_before = rays;
     c->shadow_before = shadow;

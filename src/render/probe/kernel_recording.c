@@ -68,7 +68,7 @@ static uint64_t hash_queues(const struct renderer *r, const uint32_t *slots, uin
     for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++) {
         if (!(r->specialization.queues >> queue & 1u))
             continue;
-        uint32_t count = r->counters->queue[queue];
+        uint32_t count = r->counters->queue[queue].count;
         uint64_t sum = hash_queue(slots, count < r->plan.wave_slots ? count : r->plan.wave_slots);
         hash = hash_bytes(hash, &sum, sizeof sum);
         slots += r->plan.wave_slots;
@@ -237,7 +237,7 @@ static uint64_t count_items(const struct renderer *r, const struct wave *wave,
         return (uint32_t)__builtin_popcount(queue & r->specialization.queues);
     default:
         return queue >= QUEUE_SURFACE && queue <= QUEUE_MISS
-                   ? r->counters->queue[queue]
+                   ? r->counters->queue[queue].count
                    : r->counters->dispatch[queue * DISPATCH_PARTS].items;
     }
 }

@@ -15,7 +15,7 @@ struct follower {
 // One path is in flight: it is in slot 0, and a queue holds it or is empty.
 static bool in_queue(const struct follower *f, uint32_t queue)
 {
-    return f->r->counters->queue[queue] != 0;
+    return f->r->counters->queue[queue].count != 0;
 }
 
 static struct replay_vertex *add_vertex(struct follower *f)
