@@ -1,8 +1,9 @@
 // What the host does for a wave, in calls of Vulkan, which are counted on their way to the driver:
-// how many submissions and barriers, and that nothing is allocated or created any more.
-#include "base/hash.h"
+// how many submissions and barriers, and that nothing is allocated or created any more. And that
+// rays of probes are submitted in portions on a device that is slow.
+#include "render/probe/ray_probe.h"
 #include "render_fixture.h"
-#include "scene/core/scene.h"
+#include <math.h>
 
 // --- counting ------------------------------------------------------------------------------------
 
@@ -192,4 +193,41 @@ TEST(a_wave_creates_nothing)
         check_waves(&rows[i]);
 }
 
-TEST_MAIN(TEST_CASE(a_wave_creates_nothing))
+// A device whose workgroups take 1 ms, and that is lost after 250 ms: all rays at once would take
+// more.
+TEST(probes_are_paced)
+{
+    enum { RAYS = 40000 };
+    static struct probe_ray rays[RAYS];
+    static struct probe_hit hits[RAYS];
+    struct gpu gpu;
+    struct scene scene;
+    struct renderer r;
+    struct err err = {0};
+    double ms;
+    bool complete;
+    OPEN_GPU(&gpu, .limits = {.group_ns = 1000000, .watchdog_ms = 250});
+    count_calls();
+    REQUIRE_OK(load_scene("scenes/cornell.json", NULL, &scene, &err));
+    const struct renderer_params params = {.gpu = &gpu, .scene = &scene, .wave = 1u << 16};
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    for (int i = 0; i < RAYS; i++)
+        rays[i] = (struct probe_ray){.origin = {0, 1, 0}, .direction = {0, i % 2 ? 1 : -1, 0}};
+    calls = (struct calls){0};
+    CHECK(ray_probe_trace(&r, KERNEL_intersect_closest, rays, RAYS, hits, &ms, &complete, &err),
+          "%s", err.msg);
+    CHECK(calls.submissions > 2, "%u submissions", calls.submissions);
+    double groups = (double)RAYS / r.specialization.workgroup;
+    CHECK(!gpu.has_timestamps || fabs(ms - groups) < 0.1 * groups, "%g ms", ms);
+    for (int i = 2; i < RAYS; i++)
+        if (memcmp(&hits[i], &hits[i - 2], sizeof hits[i]) != 0) {
+            CHECK(false, "ray %d", i);
+            break;
+        }
+    CHECK(hits[0].primitive != hits[1].primitive);
+    renderer_finish(&r);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(a_wave_creates_nothing), TEST_CASE(probes_are_paced))

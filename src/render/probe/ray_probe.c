@@ -1,5 +1,6 @@
 #include "render/probe/ray_probe.h"
 
+#include "base/clock.h"
 #include "render/counters.h"
 #include <string.h>
 
@@ -117,14 +118,14 @@ static bool upload_queue(struct renderer *r, uint32_t queue, uint32_t count, str
            counters_write(r, err);
 }
 
-static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, uint32_t count,
-                     double *ms, struct err *err)
+// A part of the queue, alone in a submission.
+static bool run_part(struct renderer *r, enum kernel_id kernel, uint32_t first, uint32_t count,
+                     double *part_ns, struct err *err)
 {
     uint32_t workgroup = r->specialization.workgroup;
     struct gpu_commands *commands = &r->commands;
     double ns[GPU_MAX_TIMESTAMPS] = {0};
-    r->push.queue = queue;
-    r->push.first_item = 0;
+    r->push.first_item = first;
     r->push.part_items = count;
     if (!gpu_begin(r->gpu, commands, err))
         return false;
@@ -135,11 +136,31 @@ static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, 
     gpu_barrier(r->gpu, commands);
     gpu_timestamp(r->gpu, commands);
     counters_record_copy(r);
-    if (!gpu_submit(r->gpu, commands, err) || !gpu_wait(r->gpu, commands, err) ||
-        (r->gpu->has_timestamps && !gpu_timestamps_ns(r->gpu, commands, ns, err)))
+    uint64_t start = clock_ns();
+    if (!gpu_submit(r->gpu, commands, err) || !gpu_wait(r->gpu, commands, err))
         return false;
-    *ms = (ns[1] - ns[0]) * 1e-6;
+    double waited_ns = (double)(clock_ns() - start);
+    if (r->gpu->has_timestamps && !gpu_timestamps_ns(r->gpu, commands, ns, err))
+        return false;
+    *part_ns = ns[1] - ns[0];
+    pace_learn(&r->pace, kernel, count, r->gpu->has_timestamps ? *part_ns : waited_ns);
     counters_read(r);
+    return true;
+}
+
+// All of the queue, in as large parts as the device may be given.
+static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, uint32_t count,
+                     double *ms, struct err *err)
+{
+    r->push.queue = queue;
+    *ms = 0.0;
+    for (uint32_t first = 0, part; first < count; first += part) {
+        double ns;
+        part = pace_items(&r->pace, kernel, count - first);
+        if (!run_part(r, kernel, first, part, &ns, err))
+            return false;
+        *ms += ns * 1e-6;
+    }
     return true;
 }
 
