@@ -13,22 +13,24 @@
 enum { RAYS = 12288 }; // a scene and kernel
 enum { MOST_EXPLAINED = RAYS / 1024 };
 
-// Reading as texels or not, ballot or not, and what the BVH is like must not change a bit.
+// Reading as texels or not, ballot or not, where the stack is, and what the BVH is like must not
+// change a bit.
 struct variant {
     const char *name;
-    bool no_texel, no_ballot;
+    struct gpu_limit_overrides limits;
     struct bvh_method bvh;
 };
 static const struct variant variants[] = {
-    {"texel reads, ballot", false, false, {0}},
-    {"texel reads, no ballot", false, true, {0}},
-    {"storage reads, ballot", true, false, {0}},
-    {"storage reads, no ballot", true, true, {0}},
-    {"float nodes by texel reads", false, false, {BVH_SPLIT_MEDIAN, BVH_FLOAT}},
-    {"float nodes by storage reads", true, false, {BVH_SPLIT_MEAN, BVH_FLOAT}},
-    {"leaves of 8", false, false, {BVH_SPLIT_MIDDLE, .max_leaf = 8}},
+    {"texel reads, ballot", {0}},
+    {"texel reads, no ballot", {.no_ballot = true}},
+    {"storage reads, ballot", {.no_texel = true}},
+    {"storage reads, no ballot", {.no_texel = true, .no_ballot = true}},
+    {"three entries of the stack in shared memory", {.shared_stack = true, .shared_memory = 2048}},
+    {"float nodes by texel reads", .bvh = {BVH_SPLIT_MEDIAN, BVH_FLOAT}},
+    {"float nodes by storage reads", {.no_texel = true}, {BVH_SPLIT_MEAN, BVH_FLOAT}},
+    {"leaves of 8", .bvh = {BVH_SPLIT_MIDDLE, .max_leaf = 8}},
 };
-enum { READS = 4, VARIANTS = sizeof variants / sizeof variants[0] };
+enum { READS = 5, VARIANTS = sizeof variants / sizeof variants[0] };
 
 static struct probe_ray rays[RAYS];
 static struct probe_hit hits[VARIANTS][RAYS];
@@ -147,8 +149,7 @@ static void check_variants(const char *name, struct scene *scene, enum kernel_id
         struct gpu gpu;
         struct renderer r;
         struct err err = {0};
-        OPEN_GPU(&gpu,
-                 .limits = {.no_texel = variants[v].no_texel, .no_ballot = variants[v].no_ballot});
+        OPEN_GPU(&gpu, .limits = variants[v].limits);
         const struct renderer_params params = {
             .gpu = &gpu, .scene = scene, .wave = RAYS, .bvh = variants[v].bvh};
         bool ok = renderer_create(&params, &r, &err);
