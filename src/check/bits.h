@@ -11,6 +11,8 @@
 struct bits_variant {
     const char *name;
     struct gpu_limit_overrides limits;
+    bool
+        from_storage; // scenes are read from storage buffers, which few devices cannot bind at once
     uint32_t wave;
     bool compile_all;
     uint32_t first_calls[2]; // samples of the first calls; the last one makes up BITS_SAMPLES

@@ -305,14 +305,9 @@ static void specialize_whitted(struct specialization *s, const struct settings *
     }
 }
 
-static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
-                                const struct scene *scene, const struct specialization *s)
+static bool texels_fit(const struct gpu *gpu, const struct bvh *bvh, const struct scene *scene,
+                       const struct specialization *s)
 {
-    uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
-    // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
-    // Elsewhere storage buffers are the reference path.
-    if (!gpu->info.is_cpu)
-        return features;
     uint64_t environment_bytes = 16 * environment_table_words(&(struct environment_table){
                                           .environment = &scene->environment,
                                           .filter = s->environment_filter,
@@ -322,13 +317,23 @@ static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
     for (uint32_t i = 0; i < scene->image_count; i++)
         texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
                        (scene->images[i].is_float ? 16u : 8u);
-    if (gpu_texel_fits(gpu, bvh_nodes_bytes(bvh)) &&
-        gpu_texel_fits(gpu, (uint64_t)bvh->reference_count * sizeof(struct gpu_triangle)) &&
-        gpu_texel_fits(gpu, environment_bytes) && gpu_texel_fits(gpu, texel_bytes))
+    return gpu_texel_fits(gpu, bvh_nodes_bytes(bvh)) &&
+           gpu_texel_fits(gpu, (uint64_t)bvh->reference_count * sizeof(struct gpu_triangle)) &&
+           gpu_texel_fits(gpu, environment_bytes) && gpu_texel_fits(gpu, texel_bytes);
+}
+
+// Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads. Elsewhere
+// storage buffers are the reference path, and texels are read where a kernel cannot bind as many.
+static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
+                                const struct scene *scene, const struct specialization *s)
+{
+    uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
+    bool is_short = gpu->storage_count < SHADING_STORAGE;
+    if ((gpu->info.is_cpu || is_short) && texels_fit(gpu, bvh, scene, s))
         features |= FEATURE_TEXEL_SCENE;
     // The least that Vulkan guarantees still gives a wave of 16,384 paths; below, the wave matters
     // more than the way it is read.
-    if (gpu->max_texel_elements >= 65536)
+    if (gpu->info.is_cpu && gpu->max_texel_elements >= 65536)
         features |= FEATURE_TEXEL_STATE;
     return features;
 }

@@ -47,6 +47,10 @@ struct specialization {
 _Static_assert(offsetof(struct specialization, class_lobes) == 4 * CONSTANT_COUNT,
                "one word a constant");
 
+// Storage buffers that shading binds at most where scenes are not read as texels: all of a scene's
+// but the nodes, and those of paths, shadow rays, radiance, queues and counters.
+#define SHADING_STORAGE (BINDING_TEXELS + 5)
+
 struct specialize_params {
     const struct scene *scene;
     const struct flat_scene *flat;

@@ -754,6 +754,40 @@ TEST(everything_changes_no_bit)
     gpu_close(&gpu);
 }
 
+// --- devices that bind few buffers ---------------------------------------------------------------
+
+static bool reads_texels(struct gpu *gpu, const struct scene *scene)
+{
+    struct renderer r;
+    struct err err = {0};
+    bool ok = renderer_prepare(&(struct renderer_params){.gpu = gpu, .scene = scene}, &r, &err);
+    CHECK(ok, "%s", err.msg);
+    bool reads = ok && (r.specialization.features & FEATURE_TEXEL_SCENE);
+    renderer_finish(&r);
+    return reads;
+}
+
+// Other devices than those on the processor read scenes as texels where shading may need more
+// storage buffers than a kernel may bind, 12 (bindings.h), and the scenes are short enough.
+TEST(texels_replace_storage_buffers)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = false);
+    struct scene scene;
+    make_scene(QUAD | SPHERE | SKY, &scene);
+    if (gpu.max_texel_elements >= 65536) {
+        gpu.info.is_cpu = false;
+        gpu.storage_count = 12;
+        CHECK(!reads_texels(&gpu, &scene));
+        gpu.storage_count = 11;
+        CHECK(reads_texels(&gpu, &scene));
+        gpu.max_texel_elements = 1;
+        CHECK(!reads_texels(&gpu, &scene));
+    }
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
 // --- suspended traversals ------------------------------------------------------------------------
 
 // More identical triangles than a ray's budget: only then are there a buffer and two queues for
@@ -806,5 +840,5 @@ TEST(suspended_traversals_are_made_when_needed)
 
 TEST_MAIN(TEST_CASE(each_need), TEST_CASE(no_feature_is_forgotten), TEST_CASE(lobes),
           TEST_CASE(stacks_fit_into_shared_memory), TEST_CASE(everything_is_created_on_demand),
-          TEST_CASE(everything_changes_no_bit),
+          TEST_CASE(everything_changes_no_bit), TEST_CASE(texels_replace_storage_buffers),
           TEST_CASE(suspended_traversals_are_made_when_needed))
