@@ -35,6 +35,7 @@ const struct bits_variant bits_variants[] = {
       .shared_stack = true},
      .from_storage = true, .wave = 1u << 10, .compile_all = true, .first_calls = {3, 16},
      .representative = true},
+    {"two waves in flight", {.waves = 2}, .wave = 352, .representative = true},
 };
 // clang-format on
 const size_t bits_variant_count = sizeof bits_variants / sizeof bits_variants[0];
@@ -194,6 +195,7 @@ static const struct check_case cases[] = {
     SAME("G3", "traversal's stack in shared memory", 17),
     SAME("G3", "traversal's stack in 2 KiB of it", 18),
     LONG_SAME("G3", "all of that at once", 19),
+    SAME("G1", "two waves in flight", 20),
 };
 
 CHECK_GROUP(check_bits, "bits", "what must not change one bit of a picture", cases);

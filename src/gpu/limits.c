@@ -49,6 +49,7 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         {"memory-budget=", &limits->memory_budget},
         {"group-ns=", &limits->group_ns},
         {"watchdog-ms=", &limits->watchdog_ms},
+        {"waves=", &limits->waves},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         size_t name_length = strlen(numbers[i].name);
@@ -80,7 +81,7 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
                            "no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, "
                            "storage-range=BYTES, storage-count=N, texel-count=N, texel-elements=N, "
                            "allocation=BYTES, shared-memory=BYTES, memory=BYTES, "
-                           "memory-budget=BYTES, group-ns=N or watchdog-ms=N",
+                           "memory-budget=BYTES, group-ns=N, watchdog-ms=N or waves=N",
                            (int)length, word);
         word += length + (word[length] == ',');
     }

@@ -13,7 +13,7 @@ struct VkPhysicalDevice_T;
 // be run on the fallbacks: words separated by commas out of api-1.1, no-texel, no-ballot,
 // no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, storage-range=BYTES,
 // storage-count=N, texel-count=N, texel-elements=N, allocation=BYTES, shared-memory=BYTES,
-// memory=BYTES, memory-budget=BYTES, group-ns=N, watchdog-ms=N. Other words are ERR_USAGE.
+// memory=BYTES, memory-budget=BYTES, group-ns=N, watchdog-ms=N, waves=N. Other words are ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
     uint64_t storage_count;  // storage buffers that a kernel may bind
@@ -27,6 +27,8 @@ struct gpu_limit_overrides {
     // A slow device, simulated: what a workgroup takes, and a submission at most before the device
     // is lost.
     uint64_t group_ns, watchdog_ms;
+    uint64_t
+        waves; // in flight, 1 or 2: no limit, but a choice of the device's that is taken from it
     bool no_texel;         // SSBO reads only
     bool no_ballot;        // without subgroup ballot
     bool no_rounding_mode; // without a choice of how sums are rounded

@@ -16,6 +16,9 @@
 // lane many times over.
 #define CPU_WAVE 65536u
 #define GPU_WAVE (1u << 20)
+// On wide devices the last bounces of a wave, which few paths reach, run beside the first ones of
+// the next. Where memory makes waves smaller than this, larger ones are worth more than two.
+#define LEAST_OF_TWO_WAVES (1u << 17)
 // The items of a dispatch: 64k rays take lavapipe some 20 ms, 1M take a GPU a few.
 #define CPU_PART 65536u
 #define GPU_PART (1u << 20)
@@ -69,6 +72,16 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     default:
         return 0;
     }
+}
+
+bool memory_plan_is_of_wave(const struct specialization *s, uint32_t binding)
+{
+    return binding == BINDING_COUNTERS || bytes_a_slot(s, binding) > 0;
+}
+
+const char *memory_plan_in_flight(const struct memory_plan *plan)
+{
+    return plan->waves > 1 ? ", two in flight" : "";
 }
 
 static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding)
@@ -323,6 +336,18 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
     return true;
 }
 
+// The lists of tiles are of one wave, and the host looks after each dispatch where rays may be
+// suspended.
+static uint32_t choose_waves(const struct memory_plan_params *p, uint32_t slots)
+{
+    uint64_t forced = p->gpu->params.limits.waves;
+    if (p->specialization->features & (FEATURE_TILES | FEATURE_SUSPEND))
+        return 1;
+    if (forced)
+        return forced > 1 ? 2 : 1;
+    return !p->gpu->info.is_cpu && slots >= LEAST_OF_TWO_WAVES ? 2 : 1;
+}
+
 static bool make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
 {
     const struct gpu *gpu = p->gpu;
@@ -332,6 +357,7 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
         return false;
     out->wave_slots = fit_wave(p);
     out->wave_samples = out->wave_slots >> p->specialization->split_lobes;
+    out->waves = p->waves ? p->waves : choose_waves(p, out->wave_slots);
     out->part_bytes = part_bytes(gpu);
     out->part_shift = out->part_bytes ? 59u - (uint32_t)__builtin_clzll(out->part_bytes) : 31u;
 
@@ -361,6 +387,8 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
         if (b == BINDING_FILM) {
             bytes = out->film_chunk_pixels * 16 * AOV_FILM_WORDS(aovs);
             copies = out->film_chunks;
+        } else if (memory_plan_is_of_wave(p->specialization, b)) {
+            copies = out->waves;
         } else if (b == BINDING_RESOLVED) {
             bytes = out->resolve_pixels * 16 * AOV_RESOLVED_WORDS(aovs);
         }
@@ -380,8 +408,8 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     return true;
 }
 
-// Where memory is too little for all, the wave is halved until it suffices or waves do not get
-// smaller: the picture is the same.
+// Where memory is too little for all, one wave is in flight, and is halved until it suffices or
+// waves do not get smaller: the picture is the same.
 static bool make_fitting(const struct memory_plan_params *p, struct memory_plan *out,
                          struct err *err)
 {
@@ -392,11 +420,14 @@ static bool make_fitting(const struct memory_plan_params *p, struct memory_plan 
     uint32_t wanted = out->wave_slots;
     while (out->total_bytes > room) {
         uint32_t slots = out->wave_slots;
-        smaller.wave = slots / 2;
+        if (smaller.waves == 0)
+            smaller.waves = 1;
+        else
+            smaller.wave = slots / 2;
         smaller.wave_is_wish = true; // said below
         if (!make(&smaller, out, err))
             return false;
-        if (out->wave_slots >= slots)
+        if (smaller.wave == slots / 2 && out->wave_slots >= slots)
             break;
     }
     if (!check_total(p, out, err))

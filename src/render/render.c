@@ -32,7 +32,7 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
         .wave_is_wish = wave_is_wish,
     };
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
-        params.replaced_bytes += r->buffers[b].bytes;
+        params.replaced_bytes += r->buffers[b].bytes + r->other.buffers[b].bytes;
     for (uint32_t i = 0; r->film && i < r->plan.film_chunks; i++)
         params.replaced_bytes += r->film[i].bytes;
     return memory_plan_make(&params, &r->specialization, &r->plan, err);
@@ -92,15 +92,40 @@ static bool create_bindings(struct renderer *r, struct err *err)
 }
 
 // The buffers that grow with the wave, and the sets that bind them.
-static bool create_wave_state(struct renderer *r, struct err *err)
+static bool create_state_of_one(struct renderer *r, struct err *err)
 {
     bool texel = r->specialization.features & FEATURE_TEXEL_STATE;
-    r->frame.wave_slots = r->plan.wave_slots;
-    return frame_upload(r, err) && create_buffer(r, BINDING_PATHS, GPU_DEVICE, texel, err) &&
+    return create_buffer(r, BINDING_PATHS, GPU_DEVICE, texel, err) &&
            create_buffer(r, BINDING_SHADOW_RAYS, GPU_DEVICE, texel, err) &&
            create_buffer(r, BINDING_RADIANCE, GPU_DEVICE, texel, err) &&
            create_buffer(r, BINDING_QUEUES, GPU_DEVICE, false, err) &&
            create_buffer(r, BINDING_SUSPENDED, GPU_DEVICE, false, err) && create_bindings(r, err);
+}
+
+static void finish_other_wave(struct renderer *r)
+{
+    for (uint32_t b = 0; b < BINDING_COUNT; b++)
+        gpu_buffer_finish(r->gpu, &r->other.buffers[b]);
+    gpu_buffer_finish(r->gpu, &r->other.counters_copy);
+    for (uint32_t i = 0; r->other.bindings && i < r->plan.film_chunks; i++)
+        gpu_bindings_finish(r->gpu, &r->other.bindings[i]);
+}
+
+static bool create_other_wave(struct renderer *r, struct err *err)
+{
+    finish_other_wave(r);
+    if (r->plan.waves < 2)
+        return true;
+    wave_exchange(r);
+    bool ok = counters_create(r, err) && create_state_of_one(r, err);
+    wave_exchange(r);
+    return ok;
+}
+
+static bool create_wave_state(struct renderer *r, struct err *err)
+{
+    r->frame.wave_slots = r->plan.wave_slots;
+    return frame_upload(r, err) && create_state_of_one(r, err) && create_other_wave(r, err);
 }
 
 // The same with smaller waves where the device's memory runs out.
@@ -139,7 +164,9 @@ static bool upload(struct renderer *r, struct err *err)
     r->counters = ARENA_NEW(&r->arena, struct gpu_counters, 1);
     r->marks = ARENA_NEW(&r->arena, struct mark, GPU_MAX_TIMESTAMPS);
     r->bindings = ARENA_NEW(&r->arena, struct gpu_bindings, r->plan.film_chunks);
-    if (!r->counters || !r->marks || !r->bindings)
+    r->other.counters = ARENA_NEW(&r->arena, struct gpu_counters, 1);
+    r->other.bindings = ARENA_NEW(&r->arena, struct gpu_bindings, r->plan.film_chunks);
+    if (!r->counters || !r->marks || !r->bindings || !r->other.counters || !r->other.bindings)
         return err_memory(err, "renderer", sizeof *r->counters);
     return upload_scene(r->gpu, &params, r->buffers, err) && counters_create(r, err) &&
            create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err) && film_create(r, err) &&
@@ -286,6 +313,7 @@ static void finish_device_objects(struct renderer *r)
         gpu_kernel_finish(r->gpu, &r->kernels[i]);
     for (uint32_t i = 0; r->bindings && i < r->plan.film_chunks; i++)
         gpu_bindings_finish(r->gpu, &r->bindings[i]);
+    finish_other_wave(r);
     film_finish(r);
     gpu_buffer_finish(r->gpu, &r->frame_buffer);
     counters_finish(r);
@@ -350,13 +378,13 @@ static uint32_t pass_samples(const struct renderer *r)
                                               : pace_samples(&r->pace, &r->plan);
 }
 
-// The next pixels of the pass, in a wave that does not cross the film's buffers.
-static bool fill_wave(struct renderer *r, struct wave *wave, struct err *err)
+// The pixels of the pass from `pixel` on, in a wave that does not cross the film's buffers.
+static bool fill_wave(struct renderer *r, uint64_t pixel, struct wave *wave, struct err *err)
 {
     *wave = (struct wave){.sample_shift = r->pass.shift, .first_sample = r->next_sample};
     if (has_tiles(r))
         return tile_wave_fill(r, wave, err);
-    uint64_t pixel = r->pass.position, pixels = r->pass.length;
+    uint64_t pixels = r->pass.length;
     wave->film_chunk = (uint32_t)(pixel / r->plan.film_chunk_pixels);
     uint64_t chunk_end = (wave->film_chunk + 1) * r->plan.film_chunk_pixels;
     uint64_t count = (chunk_end < pixels ? chunk_end : pixels) - pixel;
@@ -390,14 +418,32 @@ static void end_pass(struct renderer *r)
     r->pass = (struct pass){0};
 }
 
+// Renders the next wave of the pass, and begins the one after it where two may be in flight. They
+// have no pixel in common, so that each pixel's samples are added in order.
+static bool render_next(struct renderer *r, const struct render_call *call, struct wave *wave,
+                        bool *voided, struct err *err)
+{
+    struct wave next;
+    if (r->ahead.is_begun)
+        *wave = r->ahead.wave;
+    else if (!fill_wave(r, r->pass.position, wave, err))
+        return false;
+    uint64_t after = r->pass.position + wave->pixel_count;
+    bool has_next =
+        r->plan.waves > 1 && !call->observer && after < r->pass.length && !*call->stopped;
+    if (has_next && !fill_wave(r, after, &next, err))
+        return false;
+    return wave_render(r, wave, has_next ? &next : NULL, call->observer, voided, err);
+}
+
 static bool run_pass(struct renderer *r, struct work *work, struct err *err)
 {
     const struct render_call *call = work->call;
     uint64_t start = clock_ns();
-    while (r->pass.position < r->pass.length && !*call->stopped) {
+    while (r->pass.position < r->pass.length && (!*call->stopped || r->ahead.is_begun)) {
         struct wave wave;
         bool voided = false;
-        if (!fill_wave(r, &wave, err) || !wave_render(r, &wave, call->observer, &voided, err))
+        if (!render_next(r, call, &wave, &voided, err))
             return false;
         if (voided) {
             if (!enable_suspension(r, err))
@@ -507,6 +553,8 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         .total = has_tiles(r) ? (double)tile_samples(r, c.samples) : pixels * (double)c.samples,
     };
     uint64_t end = r->next_sample + c.samples;
+    if (!wave_forget_ahead(r, err)) // of a call that failed
+        return false;
     sampling_plan_check(r, c.samples);
     while (!*c.stopped && begin_pass(r, end)) {
         if (!run_pass(r, &work, err))

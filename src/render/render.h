@@ -95,6 +95,7 @@ struct render_stats {
     double clamped_light;
     uint64_t media_lost;          // times that a stack of media overflowed, or missed one to leave
     uint64_t waves, voided_waves; // voided: traced again because a ray ran out of its budget
+    uint64_t waves_ahead;         // begun while another one was in flight
     uint64_t suspended;           // traversals continued in a later dispatch
     struct nonfinite_stats nonfinite;
 };
@@ -126,6 +127,32 @@ struct in_view {
     struct small_light *lights;
     size_t count;
     uint8_t *mask; // a byte a pixel
+};
+
+// What a second wave in flight has of its own, as the first one has it in struct renderer: they
+// are exchanged whenever the other wave is meant.
+struct other_wave {
+    struct gpu_buffer buffers[BINDING_COUNT]; // those of memory_plan_is_of_wave()
+    struct gpu_bindings *bindings;
+    struct gpu_counters *counters;
+    struct gpu_buffer counters_copy;
+};
+
+// A batch of paths, pixel_count << sample_shift samples: at most plan.wave_samples.
+struct wave {
+    uint32_t film_chunk;
+    uint64_t first_pixel; // of the image; with tiles this and first_sample are in lists instead
+    uint32_t pixel_count;
+    uint32_t sample_shift;
+    uint64_t first_sample;
+};
+
+// The wave after the one that wave_render() has ended, where that has begun it meanwhile.
+struct wave_ahead {
+    bool is_begun;
+    struct wave wave;
+    uint32_t bounce; // the next one
+    struct gpu_counters before;
 };
 
 // The kernel and the bounce that a timestamp ends.
@@ -162,9 +189,13 @@ struct renderer {
     struct gpu_buffer counters_copy; // see counters.h
     struct mark *marks;              // one a timestamp of the commands being recorded
     uint32_t mark_count;
+    bool barrier_is_due;   // something was recorded since the last one
     uint64_t recording_ns; // when recording them began
     struct pace pace;
     uint32_t wave_items;     // slots that the wave in flight has
+    struct other_wave other; // with plan.waves of 2
+    struct wave_ahead ahead;
+    uint32_t bounces;        // that the last wave had
     bool warned_beyond_plan; // see sampling_plan.h
     uint64_t next_sample;    // of every pixel; with tiles: rounds that are over
     uint64_t round_target;   // with tiles: rounds that the passes lead up to

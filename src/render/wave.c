@@ -43,6 +43,7 @@ bool wave_begin(struct renderer *r, const struct wave *wave, struct err *err)
     gpu_bind(r->gpu, &r->commands, &r->bindings[wave->film_chunk]);
     r->mark_count = 0;
     r->pace.recorded_ns = 0.0;
+    r->barrier_is_due = false;
     mark(r, KERNEL_COUNT, 0);
     return true;
 }
@@ -51,16 +52,18 @@ bool wave_begin(struct renderer *r, const struct wave *wave, struct err *err)
 // the same time: docs/architecture.md, "Kernels side by side", says why they may.
 static void barrier(struct renderer *r)
 {
-    gpu_barrier(r->gpu, &r->commands);
+    if (r->barrier_is_due)
+        gpu_barrier(r->gpu, &r->commands);
+    r->barrier_is_due = false;
 }
 
 static void dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups, uint32_t items)
 {
     gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
     gpu_dispatch(r->gpu, &r->commands, &r->kernels[kernel], groups);
-    barrier(r);
     mark(r, kernel, items);
     r->stats.kernels[kernel].launches++;
+    r->barrier_is_due = true;
 }
 
 // --- recording in submissions that are not too long
@@ -72,6 +75,8 @@ struct loop {
     const struct wave_observer *observer; // NULL: record as much as possible before running it
     bool is_paced;
     uint32_t part_items; // of a queue or a list, in one dispatch
+    uint32_t bounce;     // the next one
+    uint32_t last;       // that paths may have
 };
 
 static bool run(struct renderer *r, struct err *err);
@@ -132,6 +137,7 @@ static bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, 
         gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
         gpu_dispatch_indirect(r->gpu, &r->commands, &r->kernels[kernel],
                               &r->buffers[BINDING_COUNTERS], at);
+        r->barrier_is_due = true;
         if (r->gpu->params.validation)
             barrier(r);
         r->stats.kernels[kernel].launches++;
@@ -208,6 +214,7 @@ static bool run(struct renderer *r, struct err *err)
     struct host_stats *host = &r->stats.host;
     uint64_t recorded = clock_ns();
     host->recording += (double)(recorded - r->recording_ns) * 1e-6;
+    barrier(r);
     counters_record_copy(r);
     if (!gpu_submit(r->gpu, &r->commands, err) || !gpu_wait(r->gpu, &r->commands, err))
         return false;
@@ -326,62 +333,44 @@ static void choose_part(struct loop *l)
     l->part_items = l->is_paced ? r->pace.part_items : r->plan.part_items;
 }
 
-// The shadow rays of the bounce before join the radiance first: contributions are added in the
-// order of bounces.
-static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
+// --- stages of a bounce: kernels between two barriers --------------------------------------------
+
+static uint32_t queue_of_rays(const struct loop *l)
 {
-    struct renderer *r = l->r;
-    uint32_t rays = QUEUE_RAYS + (bounce & 1u);
-    uint32_t mask = 1u << rays | 1u << QUEUE_SHADOW;
-    r->push.bounce = bounce;
-    choose_part(l);
-    if (!before(l, KERNEL_prepare_dispatch, mask, err) || !record_prepare(l, mask, err))
-        return false;
-    if (bounce > 0 && !trace_shadow_rays(l, err))
-        return false;
-    if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
-        return false;
-    barrier(r);
-    bool has_queues = r->specialization.features & (FEATURE_CLASSES | FEATURE_ENVIRONMENT);
-    if (has_queues && !record_prepare(l, r->specialization.queues & QUEUES_OF_HITS, err))
-        return false;
-    if (!shade_misses(l, err) || !shade_surfaces(l, err))
-        return false;
-    barrier(r);
-    return true;
+    return QUEUE_RAYS + (l->bounce & 1u);
 }
 
-// Follows all paths of the wave to their ends; leaves commands open that are not yet run.
-static bool trace_paths(struct loop *l, struct err *err)
+static bool prepare_rays(struct loop *l, struct err *err)
 {
-    struct renderer *r = l->r;
-    if (!wave_begin(r, l->wave, err))
-        return false;
-    r->push.bounce = 0;
-    if (!before(l, KERNEL_generate_rays, 0, err))
-        return false;
+    uint32_t mask = 1u << queue_of_rays(l) | 1u << QUEUE_SHADOW;
     choose_part(l);
-    if (!record_items(l, KERNEL_generate_rays, l->wave->pixel_count << l->wave->sample_shift, 1,
-                      err) ||
-        !after(l, KERNEL_generate_rays, 0, err))
-        return false;
-    if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
-        return true;
-    // With rays put off a path is a tree, and takes as many rounds as that has rays.
-    uint32_t last = r->specialization.pending_rays ? UINT32_MAX - 1 : r->frame.max_bounces;
-    for (uint32_t bounce = 0; bounce <= last; bounce++) {
-        if (!trace_bounce(l, bounce, err))
-            return false;
-        if ((bounce + 1) % BOUNCES_A_SUBMIT != 0)
-            continue;
-        if (!run(r, err) || !wave_begin(r, l->wave, err))
-            return false;
-        uint32_t next_rays = QUEUE_RAYS + (~bounce & 1u);
-        if (r->counters->queue[next_rays].count == 0 && r->counters->queue[QUEUE_SHADOW].count == 0)
-            break;
-    }
-    return true;
+    return before(l, KERNEL_prepare_dispatch, mask, err) && record_prepare(l, mask, err);
 }
+
+// The shadow rays of the bounce before join the radiance first: contributions are added in the
+// order of bounces.
+static bool trace(struct loop *l, struct err *err)
+{
+    return (l->bounce == 0 || trace_shadow_rays(l, err)) &&
+           trace_queue(l, KERNEL_intersect_closest, queue_of_rays(l), err);
+}
+
+static bool prepare_hits(struct loop *l, struct err *err)
+{
+    const struct specialization *s = &l->r->specialization;
+    bool has_queues = s->features & (FEATURE_CLASSES | FEATURE_ENVIRONMENT);
+    return !has_queues || record_prepare(l, s->queues & QUEUES_OF_HITS, err);
+}
+
+static bool shade_hits(struct loop *l, struct err *err)
+{
+    return shade_misses(l, err) && shade_surfaces(l, err);
+}
+
+static bool (*const stages[])(struct loop *l, struct err *err) = {prepare_rays, trace, prepare_hits,
+                                                                  shade_hits};
+
+// --- bounces of waves ----------------------------------------------------------------------------
 
 static void push_wave(struct renderer *r, const struct wave *wave)
 {
@@ -393,17 +382,128 @@ static void push_wave(struct renderer *r, const struct wave *wave)
     r->wave_items = wave->pixel_count << wave->sample_shift << r->specialization.split_lobes;
 }
 
+void wave_exchange(struct renderer *r)
+{
+    struct other_wave other = {
+        .bindings = r->bindings,
+        .counters = r->counters,
+        .counters_copy = r->counters_copy,
+    };
+    for (uint32_t b = 0; b < BINDING_COUNT; b++) {
+        if (!memory_plan_is_of_wave(&r->specialization, b))
+            continue;
+        other.buffers[b] = r->buffers[b];
+        r->buffers[b] = r->other.buffers[b];
+    }
+    r->bindings = r->other.bindings;
+    r->counters = r->other.counters;
+    r->counters_copy = r->other.counters_copy;
+    r->other = other;
+}
+
+// From here on the other wave's kernels are recorded.
+static void turn_to(struct loop *l)
+{
+    struct renderer *r = l->r;
+    wave_exchange(r);
+    push_wave(r, l->wave);
+    r->push.bounce = l->bounce;
+    gpu_bind(r->gpu, &r->commands, &r->bindings[l->wave->film_chunk]);
+}
+
+static bool generate_rays(struct loop *l, struct err *err)
+{
+    struct renderer *r = l->r;
+    r->push.bounce = 0;
+    if (!before(l, KERNEL_generate_rays, 0, err))
+        return false;
+    choose_part(l);
+    if (!record_items(l, KERNEL_generate_rays, l->wave->pixel_count << l->wave->sample_shift, 1,
+                      err))
+        return false;
+    barrier(r);
+    return after(l, KERNEL_generate_rays, 0, err);
+}
+
+// Begins the wave after this one, now that half of this one's bounces are over: those that follow
+// have few paths, and leave a wide device room for the many of the first ones.
+static bool begin_ahead(struct loop *l, struct loop *ahead, struct err *err)
+{
+    struct renderer *r = l->r;
+    uint32_t usual = r->bounces ? r->bounces : BOUNCES_A_SUBMIT;
+    uint32_t all = l->last < usual ? l->last + 1 : usual;
+    if (r->ahead.is_begun || l->bounce < all / 2)
+        return true;
+    turn_to(ahead);
+    r->ahead.is_begun = true;
+    r->ahead.before = *r->counters;
+    r->stats.waves_ahead++;
+    bool ok = generate_rays(ahead, err);
+    turn_to(l);
+    return ok;
+}
+
+// The next bounce of a wave and, beside it, of the one that was begun ahead.
+static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
+{
+    struct renderer *r = l->r;
+    bool both = r->ahead.is_begun;
+    r->push.bounce = l->bounce;
+    for (size_t i = 0; i < sizeof stages / sizeof stages[0]; i++) {
+        if (!stages[i](l, err))
+            return false;
+        if (both) {
+            turn_to(ahead);
+            bool ok = stages[i](ahead, err);
+            turn_to(l);
+            if (!ok)
+                return false;
+        }
+        barrier(r);
+    }
+    l->bounce++;
+    r->ahead.bounce = both ? ++ahead->bounce : 0;
+    return true;
+}
+
+// Follows all paths of the wave to their ends; leaves commands open that are not yet run. ahead:
+// NULL, or the wave after it, which is begun on the way.
+static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
+{
+    struct renderer *r = l->r;
+    if (!wave_begin(r, l->wave, err) || (l->bounce == 0 && !generate_rays(l, err)))
+        return false;
+    if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
+        return true;
+    while (l->bounce <= l->last) {
+        if ((ahead && !begin_ahead(l, ahead, err)) || !trace_bounce(l, ahead, err))
+            return false;
+        if (l->bounce % BOUNCES_A_SUBMIT != 0)
+            continue;
+        if (!run(r, err) || !wave_begin(r, l->wave, err))
+            return false;
+        if (r->counters->queue[queue_of_rays(l)].count == 0 &&
+            r->counters->queue[QUEUE_SHADOW].count == 0)
+            break;
+    }
+    r->bounces = l->bounce;
+    return true;
+}
+
 // Kernel by kernel, as somebody watches them, they are not split.
 static struct loop make_loop(struct renderer *r, const struct wave *wave,
                              const struct wave_observer *observer)
 {
     push_wave(r, wave);
+    // With rays put off a path is a tree, and takes as many rounds as that has rays.
+    uint32_t last = r->specialization.pending_rays ? UINT32_MAX - 1 : r->frame.max_bounces;
     return (struct loop){
         .r = r,
         .wave = wave,
         .observer = observer,
         .is_paced = r->pace.is_on && !observer,
         .part_items = r->plan.part_items,
+        .last = last,
     };
 }
 
@@ -453,12 +553,23 @@ static void add_nonfinite(struct renderer *r, const struct gpu_counters *before)
     }
 }
 
-bool wave_render(struct renderer *r, const struct wave *wave, const struct wave_observer *observer,
-                 bool *voided, struct err *err)
+bool wave_render(struct renderer *r, const struct wave *wave, const struct wave *next,
+                 const struct wave_observer *observer, bool *voided, struct err *err)
 {
+    const bool is_begun = r->ahead.is_begun;
+    if (is_begun)
+        wave_exchange(r);
     struct loop loop = make_loop(r, wave, observer);
-    struct gpu_counters before = *r->counters;
-    if (!trace_paths(&loop, err))
+    struct gpu_counters before = is_begun ? r->ahead.before : *r->counters;
+    loop.bounce = is_begun ? r->ahead.bounce : 0;
+    r->ahead = (struct wave_ahead){0};
+    struct loop ahead = loop;
+    if (next) {
+        r->ahead.wave = *next;
+        ahead.wave = &r->ahead.wave;
+        ahead.bounce = 0;
+    }
+    if (!trace_paths(&loop, next ? &ahead : NULL, err))
         return false;
     if (!record_items(&loop, KERNEL_accumulate, wave->pixel_count, 1u << wave->sample_shift, err) ||
         !run(r, err))
@@ -479,8 +590,10 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave_
 bool wave_trace_steps(struct renderer *r, const struct wave *wave,
                       const struct wave_observer *observer, struct err *err)
 {
+    if (!wave_forget_ahead(r, err))
+        return false;
     struct loop loop = make_loop(r, wave, observer);
-    return trace_paths(&loop, err) && run(r, err);
+    return trace_paths(&loop, NULL, err) && run(r, err);
 }
 
 void wave_record_step(struct renderer *r, const struct wave *wave, const struct wave_step *step)
@@ -580,11 +693,29 @@ uint32_t wave_kernel_instructions(const struct renderer *r, const struct special
     return count;
 }
 
-// All counters zeroed: the kernels below find nothing to do.
-bool wave_clear_counters(struct renderer *r, struct err *err)
+static bool clear_counters(struct renderer *r, struct err *err)
 {
     memset(r->counters, 0, sizeof *r->counters);
     return counters_write(r, err);
+}
+
+// All counters zeroed: the kernels below find nothing to do.
+bool wave_clear_counters(struct renderer *r, struct err *err)
+{
+    r->ahead.is_begun = false;
+    if (!clear_counters(r, err))
+        return false;
+    if (r->plan.waves < 2)
+        return true;
+    wave_exchange(r);
+    bool ok = clear_counters(r, err);
+    wave_exchange(r);
+    return ok;
+}
+
+bool wave_forget_ahead(struct renderer *r, struct err *err)
+{
+    return !r->ahead.is_begun || wave_clear_counters(r, err);
 }
 
 static bool run_on_nothing(struct renderer *r, struct err *err)
@@ -597,9 +728,11 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
     struct render_stats kept = r->stats; // compilation is no run time
     if (!wave_clear_counters(r, err) || !wave_begin(r, &none, err))
         return false;
-    for (int id = 0; id < KERNEL_COUNT; id++)
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        barrier(r);
         if (r->kernels[id].pipeline)
             dispatch(r, (enum kernel_id)id, 1, 0);
+    }
     bool ok = run(r, err);
     r->stats = kept;
     return ok;

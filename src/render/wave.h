@@ -6,19 +6,19 @@
 
 struct wave_observer;
 
-// pixel_count << sample_shift samples: at most plan.wave_samples.
-struct wave {
-    uint32_t film_chunk;
-    uint64_t first_pixel; // of the image; with tiles this and first_sample are in lists instead
-    uint32_t pixel_count;
-    uint32_t sample_shift;
-    uint64_t first_sample;
-};
-
-// *voided: some ray ran out of its budget without FEATURE_SUSPEND, and nothing reached the film.
-// observer: see below; NULL: nobody looks.
-bool wave_render(struct renderer *renderer, const struct wave *wave,
+// Renders a wave; goes on with it where it is the one that was begun ahead. Meanwhile begins `next`
+// (NULL: none), for the next call: its first bounces run beside the last ones of the wave, which
+// few paths reach. They must have no pixel in common, and no call without `next` renders another
+// wave than that. *voided: some ray ran out of its budget without FEATURE_SUSPEND, and nothing
+// reached the film. observer: see below; NULL: nobody looks. With one no wave may be begun ahead.
+bool wave_render(struct renderer *renderer, const struct wave *wave, const struct wave *next,
                  const struct wave_observer *observer, bool *voided, struct err *err);
+// Leaves the wave that was begun ahead, if there is one: to be called before the memory of waves is
+// used in another way.
+bool wave_forget_ahead(struct renderer *renderer, struct err *err);
+// Exchanges the memory of the two waves that may be in flight: renderer->buffers and so on are the
+// other one's then.
+void wave_exchange(struct renderer *renderer);
 
 // Creates the kernels that the renderer needs at present.
 bool wave_create_kernels(struct renderer *renderer, struct err *err);

@@ -28,9 +28,9 @@ static void print_head(const struct bench *b, const struct bench_variant *v)
     printf("  BVH     SAH cost %.2f, %u nodes of %.0f bytes, %u triangles\n", bvh->stats.sah_cost,
            bvh->node_count, (double)bvh_nodes_bytes(bvh) / (double)bvh->node_count,
            bvh->triangle_count);
-    printf("  memory  %.1f MiB on the device; wave of %u paths, workgroups of %u\n",
+    printf("  memory  %.1f MiB on the device; wave of %u paths%s, workgroups of %u\n",
            (double)v->job.renderer.plan.total_bytes / 1048576.0, v->job.renderer.plan.wave_slots,
-           v->job.renderer.specialization.workgroup);
+           memory_plan_in_flight(&v->job.renderer.plan), v->job.renderer.specialization.workgroup);
 }
 
 static void print_frame(const struct bench *b, const struct bench_variant *v)

@@ -138,8 +138,9 @@ static void print_text(const struct info *info)
     else
         printf("built in %.3f s\n", b->build_seconds);
     printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
-    printf("memory    %.1f MiB planned, wave of %u paths; at most %.1f MiB a buffer\n",
+    printf("memory    %.1f MiB planned, wave of %u paths%s; at most %.1f MiB a buffer\n",
            (double)info->renderer.plan.total_bytes / 1048576.0, info->renderer.plan.wave_slots,
+           memory_plan_in_flight(&info->renderer.plan),
            (double)info->gpu.max_storage_range / 1048576.0);
     for (uint32_t i = 0; i < BINDING_COUNT; i++) {
         const struct planned_buffer *buffer = &info->renderer.plan.buffers[i];

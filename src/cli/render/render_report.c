@@ -303,9 +303,10 @@ void render_print_summary(struct render_run *run)
                " crossings of surfaces that are open, or nest deeper than four: "
                "what is inside is not certain there\n",
                run->job.renderer.stats.media_lost);
-    printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
-           (double)run->gpu.peak_bytes / 1048576.0, (double)memory_peak() / 1048576.0,
-           run->job.renderer.plan.wave_slots);
+    printf(
+        "memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths%s\n",
+        (double)run->gpu.peak_bytes / 1048576.0, (double)memory_peak() / 1048576.0,
+        run->job.renderer.plan.wave_slots, memory_plan_in_flight(&run->job.renderer.plan));
     explain_print_line(&run->job.renderer);
     print_outputs(run);
     if (run->options->render.trace) {

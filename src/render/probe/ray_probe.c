@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "render/counters.h"
+#include "render/wave.h"
 #include <string.h>
 
 // What marks a slot whose ray hit nothing: the kernels write hits only.
@@ -207,7 +208,8 @@ bool ray_probe_trace(struct renderer *r, enum kernel_id kernel, const struct pro
     struct arena scratch = {0};
     bool shadow = kernel == KERNEL_intersect_shadow;
     uint32_t queue = shadow ? QUEUE_SHADOW : QUEUE_RAYS;
-    bool ok = (shadow ? upload_shadow(r, rays, count, &scratch, err)
+    bool ok = wave_forget_ahead(r, err) &&
+              (shadow ? upload_shadow(r, rays, count, &scratch, err)
                       : upload_closest(r, rays, count, &scratch, err)) &&
               upload_queue(r, queue, count, &scratch, err) &&
               dispatch(r, kernel, queue, count, ms, err);
