@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Registers and instructions of the kernels on an AMD GPU, as RADV's compiler makes them without one.
 
-    registers.py [--write | --print] [--family NAME] REGISTERS TABLE
+    registers.py [--write | --print] [--family NAME] [--limits WORDS] REGISTERS TABLE
 
 REGISTERS is the program of registers.c, TABLE the file that it is compared with: a kernel that takes a
 tenth more registers or instructions, that spills, or that has become smaller than the table by a
 quarter fails. --write writes the table anew, --print only prints; --family takes another GPU than the
-table's, and only prints.
+table's and --limits sets LAMPYRIS_LIMITS, and both only print.
 
 Exit status: 0 passed, 1 failed, 77 skipped (without RADV, or with another Mesa than the table's).
 """
@@ -48,14 +48,14 @@ def skip(reason):
     sys.exit(1 if os.environ.get('LAMPYRIS_NO_SKIP') else SKIPPED)
 
 
-def measure(program, family):
+def measure(program, family, limits):
     """Device with its driver, and {(scene, kernel): figures in the order of COLUMNS}."""
     driver = radv()
     if not driver:
         skip("RADV's radeon_icd.*.json is not there (Debian: mesa-vulkan-drivers)")
     # No cache: it would keep what an older compiler has made.
     environment = dict(os.environ, RADV_FORCE_FAMILY=family, VK_ICD_FILENAMES=driver,
-                       VK_DRIVER_FILES=driver, MESA_SHADER_CACHE_DISABLE='true', LAMPYRIS_LIMITS='')
+                       VK_DRIVER_FILES=driver, MESA_SHADER_CACHE_DISABLE='true', LAMPYRIS_LIMITS=limits)
     done = subprocess.run([program] + SCENES, env=environment, stdout=subprocess.PIPE, text=True)
     if done.returncode == SKIPPED:
         skip('no Vulkan')
@@ -114,15 +114,17 @@ def main():
     arguments.add_argument('--write', action='store_true')
     arguments.add_argument('--print', action='store_true')
     arguments.add_argument('--family', default=FAMILY)
+    arguments.add_argument('--limits', default='')
     arguments.add_argument('program')
     arguments.add_argument('table')
     options = arguments.parse_args()
-    device, rows = measure(os.path.abspath(options.program), options.family)
+    is_other = options.family != FAMILY or options.limits
+    device, rows = measure(os.path.abspath(options.program), options.family, options.limits)
     print(as_text(device, rows), end='')
-    if options.write and options.family == FAMILY:
+    if options.write and not is_other:
         with open(options.table, 'w', encoding='utf-8') as file:
             file.write(as_text(device, rows))
-    if options.write or options.print or options.family != FAMILY:
+    if options.write or options.print or is_other:
         return
     with open(options.table, encoding='utf-8') as file:
         expected_device, expected = from_text(file.read())
