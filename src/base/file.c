@@ -167,7 +167,9 @@ static char *resolve_inside(struct arena *arena, const char *folder, const char 
     if (!path)
         return NULL;
     if (!is_under(path, base)) {
-        err_set(err, ERR_INPUT, "path \"%s\" leads out of the file's folder %s", written, base);
+        err_set(err, ERR_INPUT,
+                "path \"%s\" leads out of the file's folder %s, which needs --allow-outside-paths",
+                written, base);
         return NULL;
     }
     if (!file_is_regular(path)) {
@@ -191,8 +193,10 @@ char *file_resolve(struct arena *arena, const struct file_reference *reference, 
     }
     const char *objection = reference->allow_outside ? NULL : path_objection(decoded);
     if (objection) {
-        err_set(err, ERR_INPUT, "path \"%s\" %s; expected one relative to the file's folder", path,
-                objection);
+        err_set(err, ERR_INPUT,
+                "path \"%s\" %s; expected one relative to the file's folder, or "
+                "--allow-outside-paths",
+                path, objection);
         return NULL;
     }
     if (path_is_absolute(decoded))

@@ -521,14 +521,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_LOSE_DEVICE] = {
         .name = "lose-device", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_CHECK | FOR_VIEW,
         .help = "Lose the device at the N-th submission of commands, and again once it was opened "
                 "again.",
         FIELD(device.gpu.lose_device_at_submit),
     },
     [OPTION_LOSE_DEVICES] = {
         .name = "lose-devices", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_CHECK,
         .fallback = "every time",
         .help = "How often --lose-device loses the device, which is well afterwards.",
         FIELD(device.gpu.devices_to_lose),

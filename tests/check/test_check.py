@@ -5,6 +5,8 @@
 import json
 import os
 import re
+import signal
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -77,6 +79,56 @@ class Check(unittest.TestCase):
                 page = file.read()
         self.assertIn('B2 convex: sphere', page)
         self.assertGreaterEqual(page.count('data:image/png'), 3)
+
+    def test_a_lost_device(self):
+        """The case that loses it fails, and says why; the next one has it again."""
+        lost = run(LAMPYRIS, 'check', '--only', 'B6', '--json', '--lose-device', '1')
+        once = run(LAMPYRIS, 'check', '--only', 'B6', '--json', '--lose-device', '1',
+                   '--lose-devices', '1')
+        self.assertEqual((lost.returncode, once.returncode), (1, 1), lost.stderr + once.stderr)
+        outcomes = [[case['outcome'] for case in json.loads(result.stdout)['cases']]
+                    for result in (lost, once)]
+        self.assertEqual(outcomes, [['fail'] * 3, ['fail', 'pass', 'pass']])
+        self.assertIn('device lost', json.loads(once.stdout)['cases'][0]['why'])
+        scene = os.path.join(ROOT, 'scenes', 'cornell.json')
+        self.assertEqual(run(LAMPYRIS, 'check', scene, '-q', '--lose-device', '5').returncode, 3)
+
+    def test_reports_that_cannot_be_written(self):
+        """Found before a device is opened: here is none. A scene that is checked has no report, and is
+        not written over."""
+        environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
+        with tempfile.TemporaryDirectory() as folder:
+            for path, code in ((folder, 4), (os.path.join(folder, 'no', 'a.html'), 4),
+                               (os.path.join(folder, 'a.html'), 69)):
+                result = run(LAMPYRIS, 'check', '--report', path, env=environment)
+                self.assertEqual(result.returncode, code, result.stderr)
+            self.assertEqual(os.listdir(folder), [])
+            scene = os.path.join(folder, 'scene.json')
+            with open(scene, 'w', encoding='utf-8') as file:
+                file.write('{"lampyris": 1}')
+            result = run(LAMPYRIS, 'check', scene, '--report', scene)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn('--report is of devices', result.stderr)
+            with open(scene, encoding='utf-8') as file:
+                self.assertEqual(file.read(), '{"lampyris": 1}')
+
+    def test_signals(self):
+        """What was done so far is told, and written."""
+        for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            with tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, 'a.html')
+                with subprocess.Popen([LAMPYRIS, 'check', '--only', 'light', '--report', path],
+                                      stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                                      text=True) as process:
+                    told = ''
+                    while '  pass ' not in told:
+                        told += process.stdout.readline()
+                    process.send_signal(number)
+                    told += process.communicate(timeout=60)[0]
+                    self.assertEqual(process.returncode, code, told)
+                self.assertRegex(told, r'\d+ of \d+ cases pass, 0 fail, [1-9]\d* were not run')
+                with open(path, encoding='utf-8') as file:
+                    self.assertIn('B1 sky', file.read())
 
     def test_options_of_devices_and_of_scenes(self):
         scene = os.path.join(ROOT, 'scenes', 'cornell.json')

@@ -2,6 +2,7 @@
 #include "cli/check/check_command.h"
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/file_inputs.h"
 #include "base/log.h"
 #include "cli/check/device_check.h"
@@ -47,13 +48,12 @@ static bool choose_cases(struct device_check *d, struct err *err)
                    d->options->check.only);
 }
 
-// A case may have lost the device: the next one gets a new one.
+// A case may have lost the device: it is opened again for the next one.
 static bool provide_device(struct device_check *d, struct err *err)
 {
-    if (d->gpu.device && !d->gpu.lost)
-        return true;
-    gpu_close(&d->gpu);
-    return gpu_open(&d->options->device.gpu, &d->gpu, err);
+    if (d->gpu.lost)
+        return gpu_reopen(&d->gpu, err);
+    return d->gpu.device || gpu_open(&d->options->device.gpu, &d->gpu, err);
 }
 
 static bool run_cases(struct device_check *d, struct err *err)
@@ -99,18 +99,26 @@ static int tell(struct device_check *d, struct err *err)
     return code;
 }
 
+// That it can be written is found out before the cases run.
+static bool check_report(const char *path, struct err *err)
+{
+    return !path || (file_inputs_check(path, err) && file_check_writable(path, err));
+}
+
 int check_device_command(const struct options *options)
 {
     struct device_check d = {.options = options};
-    const char *report = options->study.report;
-    struct err err = {0};
+    struct err err = {0}, of_report = {0};
     // Extreme scenes are warned of, and what they are is known.
     if (!options_given(options, OPTION_LOG_LEVEL))
         log_set_level(LOG_ERROR);
-    bool ok = (!report || file_inputs_check(report, &err)) && choose_cases(&d, &err) &&
+    bool ok = check_report(options->study.report, &err) && choose_cases(&d, &err) &&
               (options->check.list || run_cases(&d, &err));
     progress_end(options->progress);
-    int code = ok ? tell(&d, &err) : command_fail(&err);
+    // A device that is lost for good does not take away what is known so far.
+    int code = ok || d.done > 0 ? tell(&d, &of_report) : EXIT_CODE_OK;
+    if (!ok)
+        code = command_fail(&err);
     gpu_close(&d.gpu);
     arena_finish(&d.arena);
     return code;
