@@ -15,13 +15,16 @@ static uint32_t least(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
+void pace_begin_others(struct pace *pace, const struct gpu *gpu)
+{
+    *pace = (struct pace){.is_on = !gpu->info.is_cpu || gpu->params.limits.group_ns > 0};
+}
+
 void pace_begin(struct pace *pace, const struct gpu *gpu, const struct memory_plan *plan)
 {
-    *pace = (struct pace){
-        .is_on = !gpu->info.is_cpu || gpu->params.limits.group_ns > 0,
-        .part_items = plan->part_items,
-        .samples = least(FIRST_SAMPLES, plan->wave_samples),
-    };
+    pace_begin_others(pace, gpu);
+    pace->part_items = plan->part_items;
+    pace->samples = least(FIRST_SAMPLES, plan->wave_samples);
 }
 
 uint32_t pace_samples(const struct pace *pace, const struct memory_plan *plan)
@@ -33,7 +36,7 @@ uint32_t pace_samples(const struct pace *pace, const struct memory_plan *plan)
 static double worst_ns(const struct pace *pace)
 {
     double worst = 0.0;
-    for (int i = 0; i < KERNEL_COUNT; i++)
+    for (int i = 0; i < PACE_KERNELS; i++)
         worst = fmax(worst, pace->ns[i]);
     return worst;
 }
@@ -57,7 +60,7 @@ void pace_choose_part(struct pace *pace, const struct memory_plan *plan, uint32_
     pace->part_items = least(part > smallest ? part : smallest, plan->part_items);
 }
 
-bool pace_takes(struct pace *pace, enum kernel_id kernel, uint32_t items)
+bool pace_takes(struct pace *pace, uint32_t kernel, uint32_t items)
 {
     double ns = pace->ns[kernel] * items;
     bool is_first = pace->recorded_ns == 0.0;
@@ -68,7 +71,7 @@ bool pace_takes(struct pace *pace, enum kernel_id kernel, uint32_t items)
     return true;
 }
 
-uint32_t pace_items(const struct pace *pace, enum kernel_id kernel, uint32_t most)
+uint32_t pace_items(const struct pace *pace, uint32_t kernel, uint32_t most)
 {
     if (!pace->is_on)
         return most;
@@ -78,7 +81,7 @@ uint32_t pace_items(const struct pace *pace, enum kernel_id kernel, uint32_t mos
     return items > 0 ? items : 1;
 }
 
-void pace_learn(struct pace *pace, enum kernel_id kernel, uint32_t items, double ns)
+void pace_learn(struct pace *pace, uint32_t kernel, uint32_t items, double ns)
 {
     if (!pace->is_on || items == 0)
         return;
@@ -87,15 +90,20 @@ void pace_learn(struct pace *pace, enum kernel_id kernel, uint32_t items, double
     pace->wave_ns[kernel] = fmax(pace->wave_ns[kernel], item_ns);
 }
 
-void pace_end_wave(struct pace *pace, const struct memory_plan *plan)
+void pace_end_round(struct pace *pace)
 {
-    if (!pace->is_on)
-        return;
-    for (int i = 0; i < KERNEL_COUNT; i++) {
+    for (int i = 0; i < PACE_KERNELS; i++) {
         if (pace->wave_ns[i] > 0.0)
             pace->ns[i] = fmax(pace->wave_ns[i], 0.5 * pace->ns[i]);
         pace->wave_ns[i] = 0.0;
     }
+}
+
+void pace_end_wave(struct pace *pace, const struct memory_plan *plan)
+{
+    if (!pace->is_on)
+        return;
+    pace_end_round(pace);
     // As many as dispatches of the longest time make up, with as many slots a sample as there are.
     double worst = worst_ns(pace) * (plan->wave_slots / plan->wave_samples);
     uint32_t most = least(GROWTH * least(pace->samples, UINT32_MAX / GROWTH), plan->wave_samples);

@@ -353,6 +353,8 @@ TEST(parts)
         {{.storage_range = 1u << 16}, "{\"width\": 61, \"height\": 47}"},
         {{.storage_range = 100000, .no_texel = true}, "{\"width\": 160, \"height\": 120}"},
         {{.texel_elements = 4096}, "{\"width\": 61, \"height\": 47}"},
+        // Workgroups of 3 ms on a device that is lost after 250 ms: more than one submission.
+        {{.group_ns = 3000000, .watchdog_ms = 250}, "{\"width\": 160, \"height\": 120}"},
     };
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
         show_parts(&parts[i]);

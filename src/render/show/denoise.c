@@ -2,6 +2,7 @@
 
 #include "base/maths.h"
 #include "render/show/denoise_view.h"
+#include "render/show/paced.h"
 #include "shared/aov.h"
 #include <stdlib.h>
 #include <string.h>
@@ -32,11 +33,11 @@ enum kernel {
     FINISH,
     KERNELS
 };
+_Static_assert((int)KERNELS <= (int)PACE_KERNELS, "each has a pace");
 
 struct denoiser_state {
-    struct gpu_commands commands;
-    enum denoise_pass passes[GPU_MAX_TIMESTAMPS]; // that end with the commands' timestamps
-    struct gpu_buffer frame;                      // struct gpu_denoise
+    struct paced paced;
+    struct gpu_buffer frame; // struct gpu_denoise
     // Kernels, and what they are specialized for.
     struct gpu_kernel kernels[KERNELS];
     bool has_kernels, texel;
@@ -80,7 +81,7 @@ bool denoiser_create(struct gpu *gpu, struct denoiser *out, struct err *err)
     *out = (struct denoiser){.gpu = gpu, .own = calloc(1, sizeof *out->own)};
     if (!out->own)
         return err_memory(err, "denoiser", sizeof *out->own);
-    if (gpu_commands_create(gpu, &out->own->commands, err) &&
+    if (paced_create(gpu, &out->own->paced, err) &&
         gpu_buffer_create(gpu, "denoiser's frame", sizeof(struct gpu_denoise), GPU_DEVICE, false,
                           &out->own->frame, err))
         return true;
@@ -156,7 +157,7 @@ void denoiser_finish(struct denoiser *denoiser)
         finish_kernels(denoiser);
         finish_buffers(denoiser);
         gpu_buffer_finish(denoiser->gpu, &denoiser->own->frame);
-        gpu_commands_finish(denoiser->gpu, &denoiser->own->commands);
+        paced_finish(&denoiser->own->paced);
         free(denoiser->own);
         *denoiser = (struct denoiser){0};
     }
@@ -230,14 +231,14 @@ static bool copy_history(struct denoiser *d, const struct layers *from, const st
                          struct err *err)
 {
     uint64_t bytes = (uint64_t)d->own->width * d->own->height * WORD_BYTES;
-    struct gpu_commands *commands = &d->own->commands;
-    if (!gpu_begin(d->gpu, commands, err))
+    struct gpu_commands *commands = &d->own->paced.commands;
+    if (!paced_begin(&d->own->paced, err))
         return false;
     gpu_copy(d->gpu, commands, &from->guides, 0, &to->guides, 0, bytes);
     gpu_copy(d->gpu, commands, &from->blended, 0, &to->blended, 0, bytes);
     gpu_copy(d->gpu, commands, &from->records, 0, &to->records, 0, bytes);
     gpu_barrier(d->gpu, commands);
-    return gpu_submit(d->gpu, commands, err) && gpu_wait(d->gpu, commands, err);
+    return paced_end(&d->own->paced, err);
 }
 
 // Room for a picture; the history comes along.
@@ -331,37 +332,31 @@ static bool upload_frame(struct denoiser *d, const struct denoise_call *call, st
     return gpu_upload(d->gpu, &d->own->frame, 0, &frame, sizeof frame, err);
 }
 
-static void end_pass(struct denoiser *d, enum denoise_pass pass)
+static bool dispatch(struct denoiser *d, enum kernel kernel, struct gpu_bindings *bindings,
+                     struct gpu_denoise_push push, uint64_t groups, struct err *err)
 {
-    uint32_t at = d->own->commands.timestamp_count;
-    if (at < GPU_MAX_TIMESTAMPS)
-        d->own->passes[at] = pass;
-    gpu_timestamp(d->gpu, &d->own->commands);
-}
-
-static void dispatch(struct denoiser *d, enum kernel kernel, struct gpu_denoise_push push,
-                     uint64_t groups)
-{
-    struct gpu *gpu = d->gpu;
-    struct gpu_commands *commands = &d->own->commands;
-    for (uint64_t first = 0; first < groups; first += gpu->max_groups) {
-        uint64_t left = groups - first;
-        push.first_group = (uint32_t)first;
-        gpu_push(gpu, commands, &push, sizeof push);
-        gpu_dispatch(gpu, commands, &d->own->kernels[kernel],
-                     left < gpu->max_groups ? (uint32_t)left : gpu->max_groups);
-    }
-    gpu_barrier(gpu, commands);
-    end_pass(d, codes[kernel].pass);
+    const struct paced_work work = {
+        .number = kernel,
+        .kernel = &d->own->kernels[kernel],
+        .bindings = bindings,
+        .push = &push,
+        .push_bytes = sizeof push,
+        .first = &push.first_group,
+        .first_unit = 1,
+        .groups = groups,
+        .workgroup = DENOISE_WORKGROUP,
+    };
+    return paced_dispatch(&d->own->paced, &work, err);
 }
 
 // Over the whole picture, with light[from] to be read.
-static void dispatch_picture(struct denoiser *d, enum kernel kernel, uint32_t from, uint32_t step)
+static bool dispatch_picture(struct denoiser *d, enum kernel kernel, uint32_t from, uint32_t step,
+                             struct err *err)
 {
     uint64_t across = (d->width + DENOISE_TILE - 1) / DENOISE_TILE;
     uint64_t down = (d->height + DENOISE_TILE - 1) / DENOISE_TILE;
-    gpu_bind(d->gpu, &d->own->commands, &d->own->bindings[d->own->now][from]);
-    dispatch(d, kernel, (struct gpu_denoise_push){.step = step}, across * down);
+    return dispatch(d, kernel, &d->own->bindings[d->own->now][from],
+                    (struct gpu_denoise_push){.step = step}, across * down, err);
 }
 
 static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
@@ -373,7 +368,8 @@ static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
 }
 
 // Leaves the film's light in light[0].
-static void gather(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films)
+static bool gather(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films,
+                   struct err *err)
 {
     for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
         uint64_t pixels = chunk_pixels(r, chunk);
@@ -381,72 +377,71 @@ static void gather(struct denoiser *d, const struct renderer *r, struct gpu_bind
             .first_pixel = (uint32_t)(chunk * r->plan.film_chunk_pixels),
             .pixel_count = (uint32_t)pixels,
         };
-        if (pixels == 0)
-            continue;
-        gpu_bind(d->gpu, &d->own->commands, &films[chunk]);
-        dispatch(d, GATHER, push, (pixels + DENOISE_WORKGROUP - 1) / DENOISE_WORKGROUP);
-    }
-}
-
-// Leaves by how much the history differs from the film in light[1], and the film's light in
-// light[0] again, through which the wavelet went.
-static void compare(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films)
-{
-    dispatch_picture(d, BLEND_COMPARED, 0, 0);
-    for (uint32_t level = 0; level < DENOISE_COMPARED_LEVELS; level++)
-        dispatch_picture(d, WAVELET_LINEAR, 1 - level % 2, 1u << level);
-    gather(d, r, films);
-}
-
-static void blend(struct denoiser *d, const struct denoise_call *call,
-                  struct gpu_bindings *films)
-{
-    enum kernel kernel = BLEND;
-    if (uses_history(d, call))
-        kernel = call->has_changed ? BLEND_CHECKED : BLEND_HISTORY;
-    if (kernel == BLEND_CHECKED)
-        compare(d, call->renderer, films);
-    dispatch_picture(d, kernel, 0, 0);
-}
-
-// From light[1], where the variance's pass left it; the picture is complete then.
-static void filter(struct denoiser *d, uint32_t levels)
-{
-    uint32_t from = 1;
-    dispatch_picture(d, VARIANCE, 0, 0);
-    for (uint32_t level = 0; level < levels; level++, from = 1 - from)
-        dispatch_picture(d, level + 1 < levels ? WAVELET : WAVELET_LAST, from, 1u << level);
-    dispatch_picture(d, FINISH, from, 0);
-}
-
-static bool submit(struct denoiser *d, struct err *err)
-{
-    struct gpu_commands *commands = &d->own->commands;
-    double ns[GPU_MAX_TIMESTAMPS] = {0};
-    if (!gpu_submit(d->gpu, commands, err) || !gpu_wait(d->gpu, commands, err))
-        return false;
-    if (d->gpu->has_timestamps && !gpu_timestamps_ns(d->gpu, commands, ns, err))
-        return false;
-    memset(d->pass_ms, 0, sizeof d->pass_ms);
-    d->ms = 0.0;
-    for (uint32_t i = 1; d->gpu->has_timestamps && i < commands->timestamp_count; i++) {
-        d->pass_ms[d->own->passes[i]] += (ns[i] - ns[i - 1]) * 1e-6;
-        d->ms += (ns[i] - ns[i - 1]) * 1e-6;
+        uint64_t groups = (pixels + DENOISE_WORKGROUP - 1) / DENOISE_WORKGROUP;
+        if (!dispatch(d, GATHER, &films[chunk], push, groups, err))
+            return false;
     }
     return true;
 }
 
-static bool record(struct denoiser *d, const struct denoise_call *call, bool filtered,
-                   struct gpu_bindings *films, struct err *err)
+// Leaves by how much the history differs from the film in light[1], and the film's light in
+// light[0] again, through which the wavelet went.
+static bool compare(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films,
+                    struct err *err)
 {
-    if (!gpu_begin(d->gpu, &d->own->commands, err))
+    if (!dispatch_picture(d, BLEND_COMPARED, 0, 0, err))
         return false;
-    gpu_timestamp(d->gpu, &d->own->commands);
-    gather(d, call->renderer, films);
-    blend(d, call, films);
-    if (filtered)
-        filter(d, call->iterations ? call->iterations : DENOISE_LEVELS);
-    return submit(d, err);
+    for (uint32_t level = 0; level < DENOISE_COMPARED_LEVELS; level++)
+        if (!dispatch_picture(d, WAVELET_LINEAR, 1 - level % 2, 1u << level, err))
+            return false;
+    return gather(d, r, films, err);
+}
+
+static bool blend(struct denoiser *d, const struct denoise_call *call, struct gpu_bindings *films,
+                  struct err *err)
+{
+    enum kernel kernel = BLEND;
+    if (uses_history(d, call))
+        kernel = call->has_changed ? BLEND_CHECKED : BLEND_HISTORY;
+    if (kernel == BLEND_CHECKED && !compare(d, call->renderer, films, err))
+        return false;
+    return dispatch_picture(d, kernel, 0, 0, err);
+}
+
+// From light[1], where the variance's pass left it; the picture is complete then.
+static bool filter(struct denoiser *d, uint32_t levels, struct err *err)
+{
+    uint32_t from = 1;
+    if (!dispatch_picture(d, VARIANCE, 0, 0, err))
+        return false;
+    for (uint32_t level = 0; level < levels; level++, from = 1 - from)
+        if (!dispatch_picture(d, level + 1 < levels ? WAVELET : WAVELET_LAST, from, 1u << level,
+                              err))
+            return false;
+    return dispatch_picture(d, FINISH, from, 0, err);
+}
+
+static void add_times(struct denoiser *d)
+{
+    memset(d->pass_ms, 0, sizeof d->pass_ms);
+    d->ms = 0.0;
+    for (int i = 0; i < KERNELS; i++) {
+        double ms = d->own->paced.ns[i] * 1e-6;
+        d->pass_ms[codes[i].pass] += ms;
+        d->ms += ms;
+    }
+}
+
+static bool work(struct denoiser *d, const struct denoise_call *call, bool filtered,
+                 struct gpu_bindings *films, struct err *err)
+{
+    uint32_t levels = call->iterations ? call->iterations : DENOISE_LEVELS;
+    bool ok = paced_begin(&d->own->paced, err) && gather(d, call->renderer, films, err) &&
+              blend(d, call, films, err) && (!filtered || filter(d, levels, err)) &&
+              paced_end(&d->own->paced, err);
+    if (ok)
+        add_times(d);
+    return ok;
 }
 
 // The film's buffers belong to the renderer, which may have made them anew since the last call: the
@@ -466,7 +461,7 @@ static bool process(struct denoiser *d, const struct denoise_call *call, bool fi
     bool ok = true;
     for (uint32_t i = 0; i < r->plan.film_chunks && ok; i++)
         ok = bind(d, d->own->now, 1, &r->film[i], &films[i], err);
-    ok = ok && record(d, call, filtered, films, err);
+    ok = ok && work(d, call, filtered, films, err);
     for (uint32_t i = 0; i < r->plan.film_chunks; i++)
         gpu_bindings_finish(d->gpu, &films[i]);
     free(films);

@@ -75,7 +75,7 @@ bool display_create(struct gpu *gpu, struct display *d, struct err *err)
     *d = (struct display){.gpu = gpu, .own = calloc(1, sizeof *d->own)};
     if (!d->own)
         return err_memory(err, "display", sizeof *d->own);
-    if (gpu_commands_create(gpu, &d->own->commands, err) && create_palette(d, err))
+    if (paced_create(gpu, &d->own->paced, err) && create_palette(d, err))
         return true;
     display_finish(d);
     return false;
@@ -238,8 +238,8 @@ static bool read_in_parts(struct display *d, struct side *side, struct err *err)
         !display_reserve(d, "display sized", wanted_width(side), wanted_height(side), sized, err))
         return false;
     const struct linear film = {own->film.buffer, r->frame.width, r->frame.height};
-    gpu_fill(d->gpu, &d->own->commands, &sized->buffer, 0, sized->buffer.bytes, 0);
-    gpu_barrier(d->gpu, &d->own->commands);
+    gpu_fill(d->gpu, &d->own->paced.commands, &sized->buffer, 0, sized->buffer.bytes, 0);
+    gpu_barrier(d->gpu, &d->own->paced.commands);
     struct display_part part = {0};
     for (uint64_t first = 0; first < pixels; first += chunk_pixels, part.chunk++) {
         uint64_t left = pixels - first;
@@ -375,7 +375,7 @@ static bool check_call(const struct display *d, const struct display_call *call,
 static bool show_nothing(struct display *d, struct err *err)
 {
     const uint32_t black = 0xff000000;
-    gpu_fill(d->gpu, &d->own->commands, &d->pixels, 0, d->pixels.bytes, black);
+    gpu_fill(d->gpu, &d->own->paced.commands, &d->pixels, 0, d->pixels.bytes, black);
     return display_end(d, err);
 }
 

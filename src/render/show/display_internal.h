@@ -3,6 +3,7 @@
 #define LAMPYRIS_RENDER_SHOW_DISPLAY_INTERNAL_H
 
 #include "render/show/display.h"
+#include "render/show/paced.h"
 
 enum display_code { DISPLAY_READ, DISPLAY_SCALE, DISPLAY_SHOW, DISPLAY_RANGE, DISPLAY_CODES };
 
@@ -34,7 +35,7 @@ struct display_pictures {
 };
 
 struct display_state {
-    struct gpu_commands commands;
+    struct paced paced;
     struct gpu_kernel kernels[DISPLAY_KERNELS];
     uint32_t kernel_count;                  // made so far; beyond DISPLAY_KERNELS the oldest goes
     struct gpu_bindings sets[DISPLAY_SETS]; // made when needed, then used again and again
@@ -55,7 +56,7 @@ struct display_work {
 
 // --- display_work.c ------------------------------------------------------------------------------
 bool display_begin(struct display *display, struct err *err);
-// Records a dispatch, and a barrier behind it.
+// Records a dispatch, and a barrier behind it; see paced.h.
 bool display_dispatch(struct display *display, const struct display_work *work, struct err *err);
 // Submits and waits; what it took is added to display->ms.
 bool display_end(struct display *display, struct err *err);

@@ -20,22 +20,17 @@ static const struct {
 
 bool display_begin(struct display *d, struct err *err)
 {
-    if (!gpu_begin(d->gpu, &d->own->commands, err))
-        return false;
     d->own->set_count = 0;
-    gpu_timestamp(d->gpu, &d->own->commands);
-    return true;
+    return paced_begin(&d->own->paced, err);
 }
 
 bool display_end(struct display *d, struct err *err)
 {
-    struct gpu_commands *commands = &d->own->commands;
-    double ns[GPU_MAX_TIMESTAMPS] = {0};
-    gpu_timestamp(d->gpu, commands);
-    bool ok = gpu_submit(d->gpu, commands, err) && gpu_wait(d->gpu, commands, err) &&
-              (!d->gpu->has_timestamps || gpu_timestamps_ns(d->gpu, commands, ns, err));
-    d->ms += 1e-6 * (ns[1] - ns[0]);
-    return ok;
+    if (!paced_end(&d->own->paced, err))
+        return false;
+    for (int i = 0; i < DISPLAY_CODES; i++)
+        d->ms += 1e-6 * d->own->paced.ns[i];
+    return true;
 }
 
 static bool find_kernel(struct display *d, enum display_code code,
@@ -61,9 +56,10 @@ static bool find_kernel(struct display *d, enum display_code code,
     return gpu_kernel_create(d->gpu, &params, *out, err);
 }
 
-// The buffers, as texels too where all films and linear pictures that are read can be: *texels
-// then.
-static bool bind(struct display *d, const struct display_work *work, bool *texels, struct err *err)
+// A set of the buffers, as texels too where all films and linear pictures that are read can be:
+// *texels then.
+static bool write_set(struct display *d, const struct display_work *work, struct gpu_bindings **out,
+                      bool *texels, struct err *err)
 {
     struct display_state *own = d->own;
     struct gpu_binding storage[GPU_MAX_STORAGE] = {0};
@@ -86,17 +82,17 @@ static bool bind(struct display *d, const struct display_work *work, bool *texel
                                                                         NULL, set, err))
         return false;
     own->set_count++;
-    gpu_bind(d->gpu, &own->commands, set);
+    *out = set;
     return true;
 }
 
 bool display_dispatch(struct display *d, const struct display_work *work, struct err *err)
 {
-    struct gpu_commands *commands = &d->own->commands;
     uint32_t constants[DISPLAY_CONSTANT_COUNT];
     struct gpu_kernel *kernel;
+    struct gpu_bindings *set;
     bool texels;
-    if (!bind(d, work, &texels, err))
+    if (!write_set(d, work, &set, &texels, err))
         return false;
     memcpy(constants, work->constants, sizeof constants);
     constants[DISPLAY_CONSTANT_WORKGROUP] = DISPLAY_WORKGROUP;
@@ -104,16 +100,18 @@ bool display_dispatch(struct display *d, const struct display_work *work, struct
     if (!find_kernel(d, work->code, constants, &kernel, err))
         return false;
     struct gpu_display_push push = work->push;
-    uint64_t groups = (work->threads + DISPLAY_WORKGROUP - 1) / DISPLAY_WORKGROUP;
-    for (uint64_t first = 0; first < groups; first += d->gpu->max_groups) {
-        uint64_t left = groups - first;
-        push.first_item = (uint32_t)(first * DISPLAY_WORKGROUP);
-        gpu_push(d->gpu, commands, &push, sizeof push);
-        gpu_dispatch(d->gpu, commands, kernel,
-                     left < d->gpu->max_groups ? (uint32_t)left : d->gpu->max_groups);
-    }
-    gpu_barrier(d->gpu, commands);
-    return true;
+    const struct paced_work paced = {
+        .number = work->code,
+        .kernel = kernel,
+        .bindings = set,
+        .push = &push,
+        .push_bytes = sizeof push,
+        .first = &push.first_item,
+        .first_unit = DISPLAY_WORKGROUP,
+        .groups = (work->threads + DISPLAY_WORKGROUP - 1) / DISPLAY_WORKGROUP,
+        .workgroup = DISPLAY_WORKGROUP,
+    };
+    return paced_dispatch(&d->own->paced, &paced, err);
 }
 
 bool display_reserve_bytes(struct display *d, const char *name, uint64_t bytes, bool texel,
@@ -150,7 +148,7 @@ bool display_reserve(struct display *d, const char *name, uint32_t width, uint32
 void display_work_finish(struct display *d)
 {
     struct display_state *own = d->own;
-    gpu_commands_finish(d->gpu, &own->commands);
+    paced_finish(&own->paced);
     for (uint32_t i = 0; i < DISPLAY_SETS; i++)
         gpu_bindings_finish(d->gpu, &own->sets[i]);
     for (uint32_t i = 0; i < DISPLAY_KERNELS; i++)
