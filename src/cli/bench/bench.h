@@ -75,6 +75,7 @@ struct bench {
     uint32_t variant_count;
     uint32_t repeats, repeats_done; // fewer when a signal stopped it
     bool stopped;
+    struct err failure; // of the device, after the first repetition
     struct bench_seconds seconds;
     double load;                  // of the machine before: runnable threads; NAN: not known
     bool differs;                 // some pictures do that are to be the same:

@@ -1,9 +1,24 @@
 #include "cli/commands.h"
 
 #include "base/file.h"
+#include "base/log.h"
 #include "cli/bench/bench.h"
 #include "report/html.h"
 #include "report/json_out.h"
+
+// What was measured before the device failed is reported.
+static bool measure(struct bench *b, struct err *err)
+{
+    if (b->options->bench.kernel ? bench_measure_kernel(b, err) : bench_measure(b, err))
+        return true;
+    if (err->code != ERR_GPU || b->repeats_done == 0)
+        return false;
+    log_warn("the device failed: %u of %u repetitions were complete and are reported",
+             b->repeats_done, b->repeats);
+    b->failure = *err;
+    b->stopped = true;
+    return true;
+}
 
 static bool run(struct bench *b, struct err *err)
 {
@@ -16,7 +31,7 @@ static bool run(struct bench *b, struct err *err)
         return false;
     if (options->study.report && !html_check_files(options->study.report, &b->arena, err))
         return false;
-    if (!(options->bench.kernel ? bench_measure_kernel(b, err) : bench_measure(b, err)))
+    if (!measure(b, err))
         return false;
     if (b->repeats_done == 0)
         return err_set(err, ERR_STOPPED, "stopped before every variant was timed once");
@@ -47,6 +62,10 @@ int cmd_bench(const struct options *options)
         bench_print(&b);
     if (ok && code == EXIT_CODE_OK)
         code = judge(&b);
+    if (ok && b.failure.code != ERR_NONE) {
+        err = b.failure;
+        ok = false;
+    }
     bench_finish(&b);
     return ok ? code : command_fail(&err);
 }

@@ -2,12 +2,24 @@
 
 #include "cli/converge/converge.h"
 
+// What was measured before the device failed is reported.
+static bool measure(struct converge *c, struct err *err)
+{
+    if (converge_measure(c, err))
+        return true;
+    if (err->code != ERR_GPU || c->replicates_done == 0)
+        return false;
+    c->failure = *err;
+    c->stopped = true;
+    return true;
+}
+
 static bool run(struct converge *c, struct err *err)
 {
     const struct options *options = c->options;
     if (!converge_prepare(c, err) ||
         (options->study.report && !converge_check_files(c, options->study.report, err)) ||
-        !converge_reference(c, err) || !converge_measure(c, err))
+        !converge_reference(c, err) || !measure(c, err))
         return false;
     if (c->replicates_done == 0)
         return err_set(err, ERR_STOPPED, "stopped before the first replicate was done");
@@ -29,6 +41,10 @@ int cmd_converge(const struct options *options)
         code = converge_print_json(&c);
     else if (ok && !options->quiet)
         converge_print(&c);
+    if (ok && c.failure.code != ERR_NONE) {
+        err = c.failure;
+        ok = false;
+    }
     converge_finish(&c);
     return ok ? code : command_fail(&err);
 }

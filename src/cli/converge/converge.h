@@ -87,6 +87,7 @@ struct converge {
     uint32_t point_count, replicate_count;
     uint32_t replicates_done; // fewer when a signal stopped it
     bool stopped;
+    struct err failure; // of the device, after the first replicate
 };
 
 static inline struct converge_sample *converge_at(const struct converge *c,

@@ -68,8 +68,9 @@ uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZ
     }
     if (c->stopped)
         snprintf(notes[count++], CONVERGE_NOTE_SIZE,
-                 "stopped by a signal: %u of %u replicates were complete and are reported",
-                 c->replicates_done, c->replicate_count);
+                 "stopped by a %s: %u of %u replicates were complete and are reported",
+                 c->failure.code ? "failure of the device" : "signal", c->replicates_done,
+                 c->replicate_count);
     if (c->replicates_done < REPLICATES_ENOUGH)
         snprintf(notes[count++], CONVERGE_NOTE_SIZE,
                  "fewer than %d replicates: intervals are wide, and rely on errors that are spread "
