@@ -258,7 +258,7 @@ static const struct check_case lights[] = {
      {LIGHT({"type": "box", "as": "analytic", "material": "light", "min": [-0.9, -0.5, -1.4],
              "max": [0.9, 0.5, 1.4], "transform": [{"rotate": {"axis": [0, 0, 1], "degrees": 30}},
              {"translate": [1, 1.5, 0.5]}]})}),
-    FORM("B12 tube", FLOOR_FILE, tube_above, 0, BY_STATISTICS, EACH_ALONE,
+    LONG_FORM("B12 tube", FLOOR_FILE, tube_above, 0, BY_STATISTICS, EACH_ALONE,
      {OPEN, NO_LIGHT, GROUND({"type": "disc", "material": "floor", "radius": 2, "normal": [0, 1, 0]},
       {"type": "cylinder", "caps": "${open}", "material": "light", "radius": 1, "from": [0, 1, 0],
        "to": [0, 3, 0]})}),
@@ -280,7 +280,7 @@ static const struct check_case lights[] = {
 };
 
 static const struct check_case grounds[] = {
-    LONG_FORM("B14 planes", "plates.json", plates, 0, BY_STATISTICS, BSDF_ALONE, {GROUND(LOWER, UPPER)}),
+    FORM("B14 planes", "plates.json", plates, 0, BY_STATISTICS, BSDF_ALONE, {GROUND(LOWER, UPPER)}),
     FORM("B2 plane under a sky", "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
      {SKY, STANDING(2, 5), GROUND({"type": "plane", "material": "plane", "normal": [0, 1, 0]})}),
     FORM("B2 plane on edge at 1e5", "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,

@@ -16,7 +16,7 @@ del sys.argv[1:3]
 CASES = {
     'arithmetic': 'products', 'threads': 'atomics', 'bits': 'G1 waves of 352 paths',
     'bsdf': 'A4 reciprocity',
-    'light': 'B5 lamp at 1', 'media': 'B17 fog', 'rooms': 'B3 box', 'lamps': 'B12 tube',
+    'light': 'B5 lamp at 1', 'media': 'B17 fog', 'rooms': 'B3 box', 'lamps': 'C3 plane over a quad',
     'grounds': 'B6 sun on a plane', 'bodies': 'B19 box of fog', 'fields': 'B19 field ball of fog',
     'integrators': 'ambient, whitted', 'scales': 'C1 all lengths times 1e12',
     'distances': 'C45 white sphere from 1e8 m', 'small-lamps': 'C14 lamp of 1e-8 m',
