@@ -87,6 +87,8 @@ bool job_run_pilot(struct job *job, struct err *err)
     if (ok && !job->stopped)
         ok = job_fetch_film(job, err) && make_plan(job, err) && renderer_restart(r, seed, err) &&
              renderer_set_plan(r, &job->plan, err);
+    if (!ok)
+        job->plan = (struct tile_plan){0}; // so that a pilot on a device opened again makes it anew
     arena_finish(&scratch);
     return ok;
 }
