@@ -17,6 +17,9 @@ struct arithmetic {
     double (*error)(const driver_item *in, const driver_item *out);
     double most;
     const char *unit;
+    // The error that may be 1 at most on devices that may round to either neighbour, where kernels
+    // count with bounds twice as wide; NULL: the same as on others.
+    double (*error_of_any)(const driver_item *in, const driver_item *out);
 };
 
 // In units in the last place of the nearest float.
@@ -32,8 +35,7 @@ static double is_other(float value, float expected)
     return memcmp(&value, &expected, sizeof value) == 0 ? 0.0 : 1.0;
 }
 
-// --- what is correctly rounded
-// --------------------------------------------------------------------
+// --- what is correctly rounded -------------------------------------------------------------------
 
 static void fill_floats(uint64_t *state, uint32_t index, driver_item *item)
 {
@@ -62,6 +64,17 @@ static double error_of_product(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], in->f[0] * in->f[1]);
 }
 
+// Rounded to either neighbour.
+static double either_sum(const driver_item *in, const driver_item *out)
+{
+    return ulps(out->f[0], (double)in->f[0] + (double)in->f[1]);
+}
+
+static double either_product(const driver_item *in, const driver_item *out)
+{
+    return ulps(out->f[0], (double)in->f[0] * (double)in->f[1]);
+}
+
 // Of doubles, whose 53 bits hold what single precision makes of these exactly.
 static double rest_of_sum(const driver_item *in, const driver_item *out)
 {
@@ -71,6 +84,20 @@ static double rest_of_sum(const driver_item *in, const driver_item *out)
 static double rest_of_product(const driver_item *in, const driver_item *out)
 {
     return (double)out->f[0] + (double)out->f[1] == (double)in->f[0] * (double)in->f[1] ? 0.0 : 1.0;
+}
+
+// What is left of the greatest number in units of 2^-46 of it (lib/double_float.glsl).
+static double about_sum(const driver_item *in, const driver_item *out)
+{
+    double sum = (double)in->f[0] + (double)in->f[1];
+    double most = fmax(fabs((double)in->f[0]), fabs((double)in->f[1]));
+    return fabs((double)out->f[0] + (double)out->f[1] - sum) / (0x1p-46 * most);
+}
+
+static double about_product(const driver_item *in, const driver_item *out)
+{
+    double product = (double)in->f[0] * (double)in->f[1];
+    return fabs((double)out->f[0] + (double)out->f[1] - product) / (0x1p-46 * fabs(product));
 }
 
 // Where one rounding and two differ: c is nearly -(a b).
@@ -88,8 +115,17 @@ static double error_of_precise(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], product + in->f[2]);
 }
 
-// --- what has a bound
-// ------------------------------------------------------------------------------
+// Two roundings to either neighbour: of the product, and of a sum of 2^-10 of it.
+static double either_precise(const driver_item *in, const driver_item *out)
+{
+    double product = (double)in->f[0] * (double)in->f[1];
+    int exponent;
+    frexp(product, &exponent);
+    return fabs((double)out->f[0] - (product + (double)in->f[2])) /
+           (ldexp(1.0, exponent - 24) * (1.0 + 0x1p-9));
+}
+
+// --- what has a bound ----------------------------------------------------------------------------
 
 static double error_of_quotient(const driver_item *in, const driver_item *out)
 {
@@ -131,8 +167,7 @@ static double error_of_turns(const driver_item *in, const driver_item *out)
     return fmax(fmax(fabs(c - cos(x)), fabs(s - sin(x))), fabs(hypot(c, s) - 1.0));
 }
 
-// --- what may be lost
-// ------------------------------------------------------------------------------
+// --- what may be lost ----------------------------------------------------------------------------
 
 static void fill_denormals(uint64_t *state, uint32_t index, driver_item *item)
 {
@@ -146,8 +181,7 @@ static double error_of_denormal(const driver_item *in, const driver_item *out)
     return out->f[0] == 0.0f ? 0.0 : is_other(out->f[0], in->f[0] * in->f[1]);
 }
 
-// --- integers
-// ---------------------------------------------------------------------------------------
+// --- integers ------------------------------------------------------------------------------------
 
 static void fill_words(uint64_t *state, uint32_t index, driver_item *item)
 {
@@ -184,10 +218,16 @@ static float value_of_half(uint32_t half)
     return half & 0x8000u ? -value : value;
 }
 
+// A denormal one may be flushed.
+static double error_of_half(uint32_t half, float value)
+{
+    bool is_denormal = (half >> 10 & 31u) == 0;
+    return is_denormal && value == 0.0f ? 0.0 : is_other(value, value_of_half(half));
+}
+
 static double error_of_halves(const driver_item *in, const driver_item *out)
 {
-    return is_other(out->f[0], value_of_half(in->u[0] & 0xffffu)) +
-           is_other(out->f[1], value_of_half(in->u[0] >> 16));
+    return error_of_half(in->u[0] & 0xffffu, out->f[0]) + error_of_half(in->u[0] >> 16, out->f[1]);
 }
 
 static void fill_conversions(uint64_t *state, uint32_t index, driver_item *item)
@@ -204,8 +244,7 @@ static double error_of_conversions(const driver_item *in, const driver_item *out
            (double)(out->u[2] != (uint32_t)in->f[2]);
 }
 
-// --- running them
-// -----------------------------------------------------------------------------------
+// --- running them --------------------------------------------------------------------------------
 
 static bool run_items(const struct check *check, const struct arithmetic *a, driver_item *in,
                       driver_item *out, struct err *err)
@@ -223,13 +262,14 @@ struct spread {
     uint32_t wrong, at; // items that are beyond the bound, and the worst one
 };
 
-static struct spread judge(const struct arithmetic *a, const driver_item *in,
-                           const driver_item *out)
+static struct spread judge(const struct check *check, const struct arithmetic *a,
+                           const driver_item *in, const driver_item *out)
 {
+    bool is_any = a->error_of_any && !check->gpu->rounds_to_nearest;
     struct spread s = {0};
     for (uint32_t i = 0; i < ITEMS; i++) {
-        double error = a->error(&in[i], &out[i]);
-        s.wrong += !(error <= a->most); // also of NaN
+        double error = is_any ? a->error_of_any(&in[i], &out[i]) : a->error(&in[i], &out[i]);
+        s.wrong += !(error <= (is_any ? 1.0 : a->most)); // also of NaN
         if (!(error <= s.worst)) {
             s.worst = error;
             s.at = i;
@@ -256,7 +296,7 @@ static bool run_arithmetic(const struct check *check, const struct check_case *t
     bool ok = in && out ? run_items(check, a, in, out, err)
                         : err_memory(err, "numbers", 2 * ITEMS * sizeof *in);
     if (ok) {
-        struct spread s = judge(a, in, out);
+        struct spread s = judge(check, a, in, out);
         const driver_item *worst = &in[s.at];
         if (a->unit)
             check_seen(result, s.wrong == 0, "at most %.3g %s", s.worst, a->unit);
@@ -296,7 +336,7 @@ static bool run_rounding(const struct check *check, const struct check_case *thi
         for (int k = 0; k < 4; k++)
             same &= items[k].f[0] == ways[i].values[k];
         if (same)
-            return check_seen(result, i == 0, "%s", ways[i].name);
+            return check_seen(result, i == 0 || !check->gpu->rounds_to_nearest, "%s", ways[i].name);
     }
     return check_seen(result, false, "%g %g %g %g", (double)items[0].f[0], (double)items[1].f[0],
                       (double)items[2].f[0], (double)items[3].f[0]);
@@ -319,7 +359,7 @@ static bool run_contraction(const struct check *check, const struct check_case *
     snprintf(besides, sizeof besides, "; without precise %s; fma() rounds %s",
              contracted ? "it is contracted" : "there are two roundings as well",
              fused ? "once" : "twice");
-    return tell_wrong(result, judge(a, in, out).wrong, besides);
+    return tell_wrong(result, judge(check, a, in, out).wrong, besides);
 }
 
 #define ARITHMETIC(...)                                                                            \
@@ -329,18 +369,20 @@ static bool run_contraction(const struct check *check, const struct check_case *
     }
 
 static const struct check_case cases[] = {
-    {"sums", "each to the nearest float", ARITHMETIC(CHECK_SUM, fill_floats, error_of_sum)},
+    {"sums", "each to the nearest float",
+     ARITHMETIC(CHECK_SUM, fill_floats, error_of_sum, .error_of_any = either_sum)},
     {"sums halfway between floats", "each to the nearest float, ties to even",
-     ARITHMETIC(CHECK_SUM, fill_ties, error_of_sum)},
+     ARITHMETIC(CHECK_SUM, fill_ties, error_of_sum, .error_of_any = either_sum)},
     {"rounding", "to nearest, ties to even", .run = run_rounding},
     {"products", "each to the nearest float",
-     ARITHMETIC(CHECK_PRODUCT, fill_floats, error_of_product)},
+     ARITHMETIC(CHECK_PRODUCT, fill_floats, error_of_product, .error_of_any = either_product)},
     {"what rounding takes of sums", "sum and rest are exact (Knuth 1969)",
-     ARITHMETIC(CHECK_SUM_ERROR, fill_floats, rest_of_sum)},
+     ARITHMETIC(CHECK_SUM_ERROR, fill_floats, rest_of_sum, .error_of_any = about_sum)},
     {"what rounding takes of products", "product and rest are exact (Dekker 1971)",
-     ARITHMETIC(CHECK_PRODUCT_ERROR, fill_floats, rest_of_product)},
+     ARITHMETIC(CHECK_PRODUCT_ERROR, fill_floats, rest_of_product, .error_of_any = about_product)},
     {"precise a b + c", "two roundings: not contracted", .run = run_contraction,
-     .data = &(const struct arithmetic){CHECK_CONTRACTION, fill_contraction, error_of_precise}},
+     .data = &(const struct arithmetic){CHECK_CONTRACTION, fill_contraction, error_of_precise,
+                                        .error_of_any = either_precise}},
     {"division", "within 2.5 ulp",
      ARITHMETIC(CHECK_QUOTIENT, fill_floats, error_of_quotient, 2.5, "ulp")},
     {"square root", "within 5 ulp: those of inversesqrt() and a division",
@@ -352,7 +394,7 @@ static const struct check_case cases[] = {
     {"denormals", "exact, or 0", ARITHMETIC(CHECK_DENORMALS, fill_denormals, error_of_denormal)},
     {"integers", "products of 64 bits, reversed bits, highest bits",
      ARITHMETIC(CHECK_INTEGERS, fill_words, error_of_integers)},
-    {"halves", "every finite one becomes the float of its value",
+    {"halves", "every finite one becomes the float of its value, or 0 where it is denormal",
      ARITHMETIC(CHECK_HALVES, fill_halves, error_of_halves)},
     {"conversions", "24 bits to float, floor, and to integers",
      ARITHMETIC(CHECK_CONVERSIONS, fill_conversions, error_of_conversions)},
