@@ -284,6 +284,48 @@ class Texels(Checks):
         self.assert_found(self.check(self.scene(False)), {})
 
 
+class Textures(Checks):
+    """What textures make of a base colour of 1, which is the usual factor before an image."""
+
+    def scene(self, texels, **material):
+        write_exr(os.path.join(self.folder.name, 'paint.exr'), len(texels[0]), len(texels),
+                  [[(x, x, x) for x in row] for row in texels])
+        image = [{'file': 'paint.exr', 'parameters': {'base_color': 'rgb'}}]
+        return {'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+                'materials': {'paint': {**material, 'base_color': [1, 1, 1], 'textures': image}},
+                'shapes': [{'type': 'sphere', 'material': 'paint', 'center': [0, 0, 0], 'radius': 2}]}
+
+    def test_gains(self):
+        varnish = {'type': 'microfacet', 'roughness': 0.1, 'specular_color': [0.04] * 3,
+                   'diffuse': 'uncoupled'}
+        self.assert_found(self.check(self.scene([[0.05] * 4] * 4, **varnish)), {})
+        # One bright texel reflects too much, whatever the mean of all is.
+        found = self.check(self.scene([[0.05] * 4, [0.05, 0.05, 0.95, 0.05]], **varnish))
+        self.assert_found(found, {'gains-light': 'wrong'})
+        self.assertIn('paint', found['gains-light']['place'])
+
+    def test_white(self):
+        self.assert_found(self.check(self.scene([[0.8] * 4] * 4)), {})
+        self.assert_found(self.check(self.scene([[1, 0.8], [0.8, 0.8]])), {})
+        self.assert_found(self.check(self.scene([[1, 1], [1, 0.8]])), {'albedo-1': 'remark'})
+        found = self.check(self.scene([[2, 2], [2, 0.8]]))
+        self.assert_found(found, {'albedo-1': 'remark', 'texels-above-1': 'remark'})
+        self.assertIn('3 of 4 texels are above 1, up to 2', found['texels-above-1']['figure'])
+        self.assertAlmostEqual(found['albedo-1']['share'], 3.14159 * 4 / 36, delta=0.02)
+
+
+class Black(Checks):
+    def test_light_inside_of_a_ball(self):
+        def scene(place):
+            return {'camera': FRONT, 'materials': {'grey': GREY},
+                    'lights': [{'type': 'point', 'position': [0, 0, place], 'intensity': [5, 5, 5]}],
+                    'shapes': [{'type': 'sphere', 'material': 'grey', 'center': [0, 0, 0], 'radius': 1}]}
+        found = self.check(scene(0))
+        self.assert_found(found, {'black': 'wrong'})
+        self.assertEqual(found['black']['share'], 1)
+        self.assert_found(self.check(scene(4)), {})
+
+
 class Settings(Checks):
     def scene(self, bounces, **settings):
         return {'camera': {'position': [0, 0, 4], 'target': [0, 0, 0], 'fov_degrees': 60},
@@ -378,6 +420,16 @@ class Words(Checks):
                                     env=environment)
             self.assertEqual(result.returncode, code, result.stderr)
             self.assertFalse(out != scene and os.path.exists(out))
+
+    def test_what_is_of_devices_is_refused(self):
+        scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        report = os.path.join(self.folder.name, 'report.html')
+        for arguments in (['--report', report], ['--long'], ['--list'], ['--only', 'bits']):
+            result = subprocess.run([LAMPYRIS, 'check', scene, *arguments], text=True,
+                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(f'{arguments[0]} is of devices', result.stderr)
+        self.assertFalse(os.path.exists(report))
 
     def test_a_clean_scene_is_one_line(self):
         path = os.path.join(SOURCE, 'scenes', 'cornell.json')

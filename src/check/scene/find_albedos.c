@@ -2,24 +2,49 @@
 // sphere of the material lies in even light of radiance 1 and must not be brighter than that.
 #include "check/scene/survey.h"
 
+#include "base/hash.h"
 #include "base/maths.h"
+#include "scene/core/texture_load.h"
 #include "shared/material.h"
 #include <string.h>
 
 // --- all -----------------------------------------------------------------------------------------
 
+// Whether the texture leaves all three channels of the base colour as they are, in more than half
+// of its texels.
+static bool keeps_white(const struct scene *scene, const struct texture *texture)
+{
+    const struct texture_image *image = &scene->images[texture->image];
+    uint64_t count = (uint64_t)image->width * image->height, white = 0;
+    for (uint64_t i = 0; i < count; i++) {
+        float texel[4];
+        bool keeps = true;
+        texture_texel(image, i, texel);
+        for (uint32_t p = PARAMETER_BASE_COLOR; p < PARAMETER_BASE_COLOR + 3; p++)
+            keeps = keeps && (!texture_scales_parameter(texture, p) ||
+                              texel[texture_channel(texture, p)] >= 1.0f);
+        white += keeps;
+    }
+    return 2 * white > count;
+}
+
 static bool is_white(const struct survey *survey, uint32_t index)
 {
-    const struct material *m = &survey->scene->materials[index];
+    const struct scene *scene = survey->scene;
+    const struct material *m = &scene->materials[index];
     bool is_diffuse =
         m->model == MATERIAL_LAMBERT ||
         (m->model == MATERIAL_PRINCIPLED && m->metallic < 1.0f && m->transmission < 1.0f);
     for (uint32_t c = 0; c < 3; c++)
-        if (m->base_color[c] < 1.0f ||
-            scene_parameter_is_textured(survey->scene, m, PARAMETER_BASE_COLOR + c))
+        if (m->base_color[c] < 1.0f)
             return false;
-    return is_diffuse && survey->flat->material_used[index] && !survey->flat->colors &&
-           !material_emits(m) && !(m->flags & MATERIAL_UNLIT);
+    if (!is_diffuse || !survey->flat->material_used[index] || survey->flat->colors ||
+        material_emits(m) || (m->flags & MATERIAL_UNLIT))
+        return false;
+    for (uint32_t i = 0; i < m->texture_count; i++)
+        if (!keeps_white(scene, &scene->textures[m->first_texture + i]))
+            return false;
+    return true;
 }
 
 static bool meets_white(const struct survey *survey, const struct sighting *at, const void *context)
@@ -87,15 +112,106 @@ struct furnace {
     uint32_t count;
 };
 
-static bool add_sphere(struct furnace *furnace, const struct material *source, uint32_t index)
+// The texture by whose brightest texel a material is measured: that of its base colour, or of its
+// specular colour, or else any; NULL: none scales it.
+static const struct texture *find_leading(const struct scene *scene, const struct material *m)
 {
+    static const uint32_t groups[] = {GROUP_BASE, GROUP_SPECULAR};
+    const struct texture *textures = &scene->textures[m->first_texture], *any = NULL;
+    for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)
+        for (uint32_t i = 0; i < m->texture_count; i++)
+            for (uint32_t c = 0; c < 3; c++)
+                if (texture_scales_parameter(&textures[i], 4 * groups[g] + c))
+                    return &textures[i];
+    for (uint32_t i = 0; i < m->texture_count && !any; i++)
+        any = texture_is_scale(&textures[i]) ? &textures[i] : NULL;
+    return any;
+}
+
+// The middle of the texel that is brightest where what is above 1 counts as 1, in [0, 1].
+static void find_brightest(const struct texture_image *image, double place[2])
+{
+    double most = -1.0;
+    for (uint64_t i = 0; i < (uint64_t)image->width * image->height; i++) {
+        float texel[4];
+        double sum = 0.0;
+        texture_texel(image, i, texel);
+        for (int c = 0; c < 3; c++)
+            sum += fmin((double)texel[c], 1.0);
+        if (sum <= most)
+            continue;
+        most = sum;
+        place[0] = ((double)(i % image->width) + 0.5) / image->width;
+        place[1] = ((double)(i / image->width) + 0.5) / image->height;
+    }
+}
+
+static bool lies_alike(const struct texture *a, const struct texture *b)
+{
+    return !((a->flags ^ b->flags) & TEXTURE_UV1) &&
+           memcmp(a->transform, b->transform, sizeof a->transform) == 0;
+}
+
+// An even image of what the texture has at a place.
+static bool add_even_image(struct scene *scene, const struct texture_image *from,
+                           const double *place, uint32_t *index, struct err *err)
+{
+    float(*texel)[4] = arena_alloc(&scene->arena, 1, sizeof *texel);
+    struct texture_image *image = scene_add_image(scene, index);
+    if (!texel || !image)
+        return err_memory(err, "a furnace", 0);
+    memcpy(*texel, from->mean, sizeof *texel);
+    if (place)
+        texture_texel(from,
+                      (uint64_t)(place[1] * from->height) * from->width +
+                          (uint64_t)(place[0] * from->width),
+                      *texel);
+    *image = (struct texture_image){
+        .name = from->name,
+        .width = 1,
+        .height = 1,
+        .is_float = true,
+        .texels = texel,
+        .hash = hash_bytes(HASH_INIT, texel, sizeof *texel),
+    };
+    return true;
+}
+
+// Textures of the sphere: even ones, of what those of the source have where the leading one is
+// brightest; their means where they lie in another way.
+static bool add_textures(struct furnace *furnace, const struct scene *from,
+                         const struct material *source, struct material *material, struct err *err)
+{
+    const struct texture *leading = find_leading(from, source);
+    double place[2] = {0};
+    material->texture_count = 0;
+    if (leading)
+        find_brightest(&from->images[leading->image], place);
+    for (uint32_t i = 0; i < source->texture_count; i++) {
+        const struct texture *texture = &from->textures[source->first_texture + i];
+        struct texture even = {.flags = texture->flags};
+        if (!texture_is_scale(texture) || texture_group(texture) == GROUP_EMISSION)
+            continue;
+        if (!add_even_image(&furnace->scene, &from->images[texture->image],
+                            lies_alike(texture, leading) ? place : NULL, &even.image, err) ||
+            !material_add_texture(&furnace->scene, material, &even, err))
+            return false;
+    }
+    return true;
+}
+
+static bool add_sphere(struct furnace *furnace, const struct scene *from, uint32_t index,
+                       struct err *err)
+{
+    const struct material *source = &from->materials[index];
     uint32_t number;
     struct material *material = scene_add_material(&furnace->scene, &number);
     struct shape *shape = scene_add_shape(&furnace->scene, NULL);
     if (!material || !shape)
-        return false;
+        return err_memory(err, "a furnace", 0);
     *material = *source;
-    material->texture_count = 0;
+    if (!add_textures(furnace, from, source, material, err))
+        return false;
     material->flags &= ~(uint32_t)(MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
     memset(material->emission, 0, sizeof material->emission);
     memset(material->extinction, 0, sizeof material->extinction);
@@ -115,8 +231,8 @@ static bool build_furnace(const struct survey *survey, struct furnace *furnace, 
     struct scene *scene = &furnace->scene;
     scene->path = survey->scene->path;
     for (uint32_t i = 0; i < survey->scene->material_count && furnace->count < FURNACE_MOST; i++)
-        if (may_gain(survey, i) && !add_sphere(furnace, &survey->scene->materials[i], i))
-            return err_memory(err, "a furnace", 0);
+        if (may_gain(survey, i) && !add_sphere(furnace, survey->scene, i, err))
+            return false;
     struct camera *camera = scene_add_camera(scene, NULL);
     if (!camera)
         return err_memory(err, "a furnace", 0);

@@ -30,7 +30,64 @@ static bool reads_image(const struct survey *survey, const struct sighting *at, 
     return false;
 }
 
-static bool look_at_image(struct survey *survey, uint32_t index, struct err *err)
+// Channels of the image, as bits, that scale what may not be above 1 in a material that is used.
+static uint32_t list_cut_channels(const struct survey *survey, uint32_t index)
+{
+    const struct scene *scene = survey->scene;
+    uint32_t channels = 0;
+    for (uint32_t m = 0; m < scene->material_count; m++) {
+        const struct material *material = &scene->materials[m];
+        for (uint32_t i = 0; survey->flat->material_used[m] && i < material->texture_count; i++) {
+            const struct texture *texture = &scene->textures[material->first_texture + i];
+            if (texture->image != index || texture_group(texture) == GROUP_EMISSION)
+                continue;
+            for (uint32_t p = 4 * texture_group(texture), c = 0; c < 4; c++)
+                if (texture_scales_parameter(texture, p + c))
+                    channels |= 1u << texture_channel(texture, p + c);
+        }
+    }
+    return channels;
+}
+
+static uint64_t count_cut(const struct texture_image *image, uint32_t channels)
+{
+    uint64_t count = 0;
+    for (uint64_t i = 0; i < (uint64_t)image->width * image->height; i++) {
+        float texel[4];
+        bool is_cut = false;
+        texture_texel(image, i, texel);
+        for (uint32_t c = 0; c < 4; c++)
+            is_cut = is_cut || ((channels >> c & 1u) && texel[c] > 1.0f);
+        count += is_cut;
+    }
+    return count;
+}
+
+static bool find_cut(struct survey *survey, uint32_t index, struct err *err)
+{
+    const struct texture_image *image = &survey->scene->images[index];
+    uint64_t count =
+        image->greatest > 1.0f ? count_cut(image, list_cut_channels(survey, index)) : 0;
+    if (count == 0)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "texels-above-1",
+            .level = FINDING_REMARK,
+            .place = arena_printf(survey->arena, "image %s", image->name),
+            .figure = arena_printf(survey->arena, "%llu of %llu texels are above 1, up to %.3g",
+                                   (unsigned long long)count,
+                                   (unsigned long long)image->width * image->height,
+                                   (double)image->greatest),
+            .consequence = "They count as 1, since what they scale may not leave its range.",
+            .remedy = "Scale the image to [0, 1]; light belongs into \"emission\".",
+            .share = survey_share(survey, reads_image, &index),
+        },
+        err);
+}
+
+static bool find_zeroed(struct survey *survey, uint32_t index, struct err *err)
 {
     const struct texture_image *image = &survey->scene->images[index];
     if (image->zeroed == 0)
@@ -196,7 +253,7 @@ bool find_texels(struct survey *survey, struct err *err)
     if (!find_missing(survey, err))
         return false;
     for (uint32_t i = 0; i < survey->scene->image_count; i++)
-        if (!look_at_image(survey, i, err))
+        if (!find_zeroed(survey, i, err) || !find_cut(survey, i, err))
             return false;
     return !is_sky(survey) || (find_unusable(survey, err) && find_sun_texel(survey, err) &&
                                find_overflow(survey, err));

@@ -7,9 +7,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Contributions that were not finite.
+static uint64_t count_dropped(const struct survey *survey)
+{
+    uint64_t dropped = 0;
+    for (int site = 0; site < SITE_COUNT; site++)
+        dropped += survey->job.renderer.stats.nonfinite.count[site];
+    return dropped;
+}
+
 // --- the samples' tail ---------------------------------------------------------------------------
 
-#define TAIL_SAMPLES 64u // of a pixel, each alone
+#define OUTLOOK_SAMPLES 64u // of a pixel
+#define TAIL_SAMPLES 64u    // of a pixel, each alone
 
 // A sample less the mean of its pixel, over the picture's.
 struct outlier {
@@ -179,6 +189,39 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
 
 #define TAIL_PART_MIN 0.25
 
+static bool is_black(const struct survey *survey, const float *samples, size_t count)
+{
+    const struct film_image *film = &survey->job.film; // of the outlook
+    for (size_t i = 0; i < survey->line_count; i++)
+        if (luminance(film->mean[i]) > 0.0)
+            return false;
+    for (size_t i = 0; i < count; i++)
+        if (samples[i] > 0.0f)
+            return false;
+    return true;
+}
+
+// Where contributions were not finite, find_accidents() says why.
+static bool add_black(struct survey *survey, struct err *err)
+{
+    if (count_dropped(survey) > 0)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "black",
+            .level = FINDING_WRONG,
+            .place = "all of the scene",
+            .figure = arena_printf(survey->arena, "each of %u samples of %u pixels is black",
+                                   TAIL_SAMPLES + OUTLOOK_SAMPLES, survey->line_count),
+            .consequence = "No light reaches the camera, or so little by chance that none was met.",
+            .remedy = "Look for lights inside of opaque objects or behind them, for materials that "
+                      "reflect nothing, and for a camera that is inside of something.",
+            .share = 1.0,
+        },
+        err);
+}
+
 static bool measure_tail(struct survey *survey, const uint8_t *in_view, struct err *err)
 {
     size_t count = (size_t)survey->line_count * TAIL_SAMPLES;
@@ -189,6 +232,8 @@ static bool measure_tail(struct survey *survey, const uint8_t *in_view, struct e
     if (!take_samples(survey, samples, err) ||
         !list_outliers(survey, samples, in_view, &outliers, err))
         return false;
+    if (is_black(survey, samples, count))
+        return add_black(survey, err);
     if (count <= 10 * TAIL_LENGTH || !(outliers[TAIL_LENGTH].excess > 0.0))
         return true;
     const struct tail tail = find_tail(outliers, count);
@@ -201,9 +246,7 @@ static bool measure_tail(struct survey *survey, const uint8_t *in_view, struct e
 static bool find_accidents(struct survey *survey, struct err *err)
 {
     const struct render_stats *stats = &survey->job.renderer.stats;
-    uint64_t dropped = 0;
-    for (int site = 0; site < SITE_COUNT; site++)
-        dropped += stats->nonfinite.count[site];
+    uint64_t dropped = count_dropped(survey);
     if (dropped == 0)
         return true;
     return survey_add(
@@ -223,8 +266,6 @@ static bool find_accidents(struct survey *survey, struct err *err)
 }
 
 // --- outlook -------------------------------------------------------------------------------------
-
-#define OUTLOOK_SAMPLES 64u
 
 static bool find_small_lights(struct survey *survey, const struct unseen_light *unseen,
                               struct err *err)

@@ -243,6 +243,13 @@ bool material_add_texture(struct scene *scene, struct material *material,
     return note_if_cut(scene, material, texture, err);
 }
 
+void texture_texel(const struct texture_image *image, uint64_t index, float out[4])
+{
+    for (size_t i = 4 * index, c = 0; c < 4; c++)
+        out[c] = image->is_float ? ((const float *)image->texels)[i + c]
+                                 : float_from_half(((const uint16_t *)image->texels)[i + c]);
+}
+
 uint32_t texture_scales(uint32_t group, const int channel[4])
 {
     uint32_t flags = TEXTURE_USE_SCALE << TEXTURE_USE_SHIFT | group << TEXTURE_GROUP_SHIFT;
