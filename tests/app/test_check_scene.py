@@ -259,6 +259,44 @@ class Light(Checks):
         self.assert_found(self.check(self.scene(False), '--max-bounces', '64'), {})
 
 
+class Window(Checks):
+    """Eight suns of two texels each in an image, whose light falls into a room by its open side."""
+
+    def scene(self, suns, glass, more=()):
+        sky = [[(0.2, 0.2, 0.3)] * 64 for _ in range(32)]
+        for row in (8, 9) if suns else ():
+            for column in range(64):
+                if column % 16 < 2:
+                    sky[row][column] = (3e3, 3e3, 3e3)
+        write_exr(os.path.join(self.folder.name, 'sky.exr'), 64, 32, sky)
+        walls = [([-2, -2, -4], [4, 0, 0], [0, 4, 0]), ([-2, -2, 0], [0, 0, -4], [0, 4, 0]),
+                 ([2, -2, 0], [0, 4, 0], [0, 0, -4]), ([-2, -2, 0], [4, 0, 0], [0, 0, -4]),
+                 ([-2, 2, 0], [0, 0, -4], [4, 0, 0])]
+        pane = {'type': 'box', 'material': 'glass', 'min': [-2.5, -2.5, 0.1], 'max': [2.5, 2.5, 0.2]}
+        return {'camera': {'position': [0, 0, -0.1], 'target': [0, -0.3, -4], 'fov_degrees': 70},
+                'environment': {'file': 'sky.exr'},
+                'materials': {'grey': GREY, 'glass': {'type': 'dielectric'}},
+                'shapes': [*({'type': 'quad', 'material': 'grey', 'corner': corner, 'u': u, 'v': v}
+                             for corner, u, v in walls), *([pane] if glass else []), *more]}
+
+    def test_planted_and_clean(self):
+        found = self.check(self.scene(True, True))
+        self.assert_found(found, {'light-by-chance': 'slow'})
+        self.assertIn('glass', found['light-by-chance']['place'])
+        self.assertIn('the environment', found['light-by-chance']['figure'])
+        self.assertEqual(found['light-by-chance']['share'], 1)
+        # A window of a hundredth of that.
+        shutters = [{'type': 'quad', 'material': 'grey', 'corner': corner, 'u': u, 'v': v}
+                    for corner, u, v in (([-2, -2, 0], [4, 0, 0], [0, 1.8, 0]),
+                                         ([-2, 0.2, 0], [4, 0, 0], [0, 1.8, 0]),
+                                         ([-2, -0.2, 0], [1.8, 0, 0], [0, 0.4, 0]),
+                                         ([0.2, -0.2, 0], [1.8, 0, 0], [0, 0.4, 0]))]
+        found = self.check(self.scene(True, True, shutters))
+        self.assertEqual(found['light-by-chance']['share'], 1)
+        self.assert_found(self.check(self.scene(True, False)), {})
+        self.assert_found(self.check(self.scene(False, True)), {})  # which paths find easily
+
+
 class Texels(Checks):
     def scene(self, planted):
         texels = [[(1.0, 1.0, 1.0)] * 32 for _ in range(16)]

@@ -6,12 +6,21 @@
 #include "base/maths.h"
 #include "flatten/flatten_census.h"
 #include "render/probe/emitter_shape.h"
+#include "render/tables/emitters.h"
+#include "scene/core/environment.h"
 #include "scene/core/light.h"
 #include "shared/types.h"
 
+enum aim {
+    AIM_AT_POINTS, // lights without extent
+    AIM_AT_LAMPS,  // emitters with one
+    AIM_AT_SKY,    // the environment's image
+};
+
 // What may be aimed at.
 struct target {
-    bool is_delta; // a light of the scene, without extent
+    bool is_delta;  // a light of the scene, without extent
+    bool is_common; // paths that scatter anywhere find it about as often as shadow rays do
     uint32_t light;
     struct emitter_part part;
 };
@@ -19,26 +28,28 @@ struct target {
 struct targets {
     struct target *items;
     uint32_t count;
+    uint32_t rare; // those that are not common
 };
 
 // Lamps of meshes are many triangles: some of them stand for all.
 #define TRIANGLES_MAX 4096u
 
-static bool list_targets(struct survey *survey, bool delta, struct targets *out, struct err *err)
+static void list_lights(const struct survey *survey, bool delta, struct targets *out)
 {
     const struct scene *scene = survey->scene;
-    const struct flat_scene *flat = survey->flat;
-    uint32_t most = scene->light_count + flat->shape_count + TRIANGLES_MAX, emissive = 0, k = 0;
-    out->items = ARENA_NEW(&survey->scratch, struct target, most);
-    if (!out->items)
-        return err_memory(err, "lights", most * sizeof *out->items);
     for (uint32_t i = 0; i < scene->light_count; i++) {
         bool is_sun = light_is_sun(&scene->lights[i]);
         if (!scene->lights[i].hidden && is_sun != delta && luminance(scene->lights[i].radiant) > 0)
-            out->items[out->count++] = (struct target){!is_sun, i, {EMITTER_SUN, i}};
+            out->items[out->count++] =
+                (struct target){.is_delta = !is_sun, .light = i, .part = {EMITTER_SUN, i}};
     }
-    if (delta)
-        return true;
+}
+
+static void list_lamps(const struct survey *survey, struct targets *out)
+{
+    const struct scene *scene = survey->scene;
+    const struct flat_scene *flat = survey->flat;
+    uint32_t emissive = 0, k = 0;
     for (uint32_t i = 0; i < flat->shape_count; i++)
         if (flatten_emits(scene, flat->shapes[i].material) &&
             shape_is_emitter(flat->shapes[i].kind))
@@ -49,6 +60,54 @@ static bool list_targets(struct survey *survey, bool delta, struct targets *out,
     for (uint32_t i = 0; i < flat->world_triangle_count && emissive > 0; i++)
         if (flatten_emits(scene, flat->triangles[i].material) && k++ % every == 0)
             out->items[out->count++] = (struct target){.part = {EMITTER_TRIANGLE, i}};
+}
+
+// Directions as many as light comes from them, as the renderer's table draws them. Where the
+// radiance is k times the mean, the table draws k times as often as scattering paths do, whose
+// estimate has a variance of about k squares of that light.
+#define SKY_TARGETS 1000u
+#define RARE_MIN 16.0
+
+static void list_row(const struct survey *survey, uint32_t row, double mean, double *passed,
+                     struct targets *out)
+{
+    const struct environment *sky = &survey->scene->environment;
+    double part = environment_texel_solid_angle(sky, row) / (4.0 * M_PI);
+    for (uint32_t i = row * sky->width; i < (row + 1) * sky->width; i++) {
+        struct target target = {.part = {EMITTER_TEXEL, i}};
+        double radiance[3];
+        emitter_radiance(&survey->job.renderer, target.part, radiance);
+        double brightness = vec3_luminance(radiance) / mean;
+        target.is_common = brightness < RARE_MIN;
+        *passed += part * brightness;
+        while (out->count < SKY_TARGETS && (out->count + 0.5) / SKY_TARGETS < *passed)
+            out->items[out->count++] = target;
+    }
+}
+
+static void list_sky(const struct survey *survey, struct targets *out)
+{
+    const struct environment *sky = &survey->scene->environment;
+    double mean = environment_luminance(sky), passed = 0.0;
+    for (uint32_t row = 0; row < sky->height; row++)
+        list_row(survey, row, mean, &passed, out);
+}
+
+static bool list_targets(struct survey *survey, enum aim aim, struct targets *out, struct err *err)
+{
+    const struct scene *scene = survey->scene;
+    uint32_t most = scene->light_count + survey->flat->shape_count + TRIANGLES_MAX + SKY_TARGETS;
+    out->items = ARENA_NEW(&survey->scratch, struct target, most);
+    if (!out->items)
+        return err_memory(err, "lights", most * sizeof *out->items);
+    if (aim != AIM_AT_SKY)
+        list_lights(survey, aim == AIM_AT_POINTS, out);
+    if (aim == AIM_AT_LAMPS)
+        list_lamps(survey, out);
+    if (aim == AIM_AT_SKY && emitters_count(scene, survey->flat).environment > 0)
+        list_sky(survey, out);
+    for (uint32_t i = 0; i < out->count; i++)
+        out->rare += !out->items[i].is_common;
     return true;
 }
 
@@ -57,8 +116,8 @@ static bool list_targets(struct survey *survey, bool delta, struct targets *out,
 // Points are aimed at, but not what is behind them.
 #define SHORT_OF (1.0 - 0x1p-12)
 
-static void aim(const struct survey *survey, const struct target *target, const double from[3],
-                uint32_t seed, struct sightline *line)
+static void aim_at(const struct survey *survey, const struct target *target, const double from[3],
+                   uint32_t seed, struct sightline *line)
 {
     const struct light *light = target->is_delta ? &survey->scene->lights[target->light] : NULL;
     double place[3], way[3], center[3];
@@ -88,20 +147,25 @@ static void aim(const struct survey *survey, const struct target *target, const 
         line->direction[c] = way[c];
 }
 
-// A line from what a line of the camera ends on to one of the targets; false where none can light
-// it.
-static bool begin_line(const struct survey *survey, const struct sightline *seen, uint32_t number,
-                       const struct targets *targets, struct sightline *line)
+// What a line of the camera ends on, where lights can light it, or NULL.
+static const struct sighting *lit_place(const struct survey *survey, const struct sightline *seen)
 {
     if (seen->count == 0 || seen->is_open)
-        return false;
+        return NULL;
     const struct sighting *at = &seen->steps[seen->count - 1];
     const struct material *material = &survey->scene->materials[at->material];
+    return material_lets_through(material) || material_emits(material) ? NULL : at;
+}
+
+// A line from there to one of the targets; false where that is on its other side.
+static bool begin_line(const struct survey *survey, const struct sighting *at, uint32_t number,
+                       const struct targets *targets, struct sightline *line, bool *is_common)
+{
     uint32_t seed = (uint32_t)(hash_bytes(HASH_INIT, &number, sizeof number) >> 16);
-    if (material_lets_through(material) || material_emits(material))
-        return false;
+    const struct target *target = &targets->items[seed % targets->count];
     *line = (struct sightline){.from = at};
-    aim(survey, &targets->items[seed % targets->count], at->point, seed / 16, line);
+    *is_common = target->is_common;
+    aim_at(survey, target, at->point, seed / 16, line);
     // Both sides reflect, that which is seen does.
     double side = at->is_front ? 1.0 : -1.0;
     return side * vec3_dot(line->direction, at->normal) > 0.0;
@@ -117,62 +181,134 @@ static bool is_behind_glass(const struct survey *survey, const struct sightline 
     return line->count > 1 && material_emits(&survey->scene->materials[last->material]);
 }
 
-static bool share_behind_glass(struct survey *survey, const struct targets *targets, double *share,
-                               struct sighting *glass, struct err *err)
+// What lines to targets have met.
+struct tally {
+    uint32_t places; // that can be lit
+    uint32_t open;   // lines that nothing opaque ends
+    uint32_t behind; // lines to rare targets by way of glass
+    struct sighting glass;
+};
+
+// One line from each place that can be lit; `buffer` and `common` have room for them.
+static bool count_behind_glass(struct survey *survey, const struct targets *targets, uint32_t round,
+                               struct sightline *buffer, bool *common, struct tally *tally,
+                               struct err *err)
 {
-    uint32_t count = 0, behind = 0;
-    struct sightline *lines = ARENA_NEW(&survey->scratch, struct sightline, survey->line_count);
-    if (!lines)
-        return err_memory(err, "lines to lights", survey->line_count * sizeof *lines);
-    for (uint32_t i = 0; i < survey->line_count; i++)
-        count += begin_line(survey, &survey->lines[i], i, targets, &lines[count]);
-    if (!sightlines_trace(survey, lines, count, err))
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < survey->line_count; i++) {
+        const struct sighting *at = lit_place(survey, &survey->lines[i]);
+        tally->places += at != NULL;
+        count += at && begin_line(survey, at, round * survey->line_count + i, targets,
+                                  &buffer[count], &common[count]);
+    }
+    if (!sightlines_trace(survey, buffer, count, err))
         return false;
-    for (uint32_t i = 0; i < count; i++)
-        if (is_behind_glass(survey, &lines[i]) && behind++ == 0)
-            *glass = lines[i].steps[0];
-    *share = (double)behind / survey->line_count;
+    for (uint32_t i = 0; i < count; i++) {
+        tally->open += buffer[i].is_open;
+        if (!common[i] && is_behind_glass(survey, &buffer[i]) && tally->behind++ == 0)
+            tally->glass = buffer[i].steps[0];
+    }
+    return true;
+}
+
+// Of all lines those behind glass are the part of the picture that lamps are hidden from. Of the
+// environment most is hidden in every room: there the part counts of what comes in at all, by more
+// lines, some of which find a window.
+#define SKY_ROUNDS 8u
+#define SKY_LINES_MIN 10u
+
+static bool share_behind_glass(struct survey *survey, enum aim aim, const struct targets *targets,
+                               double *share, struct sighting *glass, struct err *err)
+{
+    struct sightline *lines = ARENA_NEW(&survey->scratch, struct sightline, survey->line_count);
+    bool *common = ARENA_NEW(&survey->scratch, bool, survey->line_count);
+    uint32_t rounds = aim == AIM_AT_SKY ? SKY_ROUNDS : 1;
+    struct tally tally = {0};
+    if (!lines || !common)
+        return err_memory(err, "lines to lights", survey->line_count * sizeof *lines);
+    for (uint32_t i = 0; i < rounds; i++)
+        if (!count_behind_glass(survey, targets, i, lines, common, &tally, err))
+            return false;
+    *glass = tally.glass;
+    *share = (double)tally.behind / survey->line_count;
+    if (aim == AIM_AT_SKY)
+        *share = tally.behind < SKY_LINES_MIN
+                     ? 0.0
+                     : (double)tally.places * tally.behind /
+                           ((double)tally.open * rounds * survey->line_count);
     return true;
 }
 
 // Less of the picture is the shadow of some small thing.
 #define SHARE_MIN 0.01
 
-static bool find_behind_glass(struct survey *survey, bool delta, struct err *err)
+// What is said of those behind glass.
+static const struct words {
+    const char *name;
+    enum finding_level level;
+    const char *consequence, *remedy;
+} words_of[] = {
+    [AIM_AT_POINTS] = {"light-lost", FINDING_WRONG,
+                       "Nothing but shadow rays finds these lights, and glass stops shadow rays: "
+                       "their light is missing there.",
+                       "Give the lights an extent: small spheres, or an angular diameter."},
+    [AIM_AT_LAMPS] = {"light-by-chance", FINDING_SLOW,
+                      "Glass stops shadow rays: only paths that meet these lamps by chance bring "
+                      "their light there.",
+                      "Make the lamps larger, or take the glass away."},
+    [AIM_AT_SKY] = {"light-by-chance", FINDING_SLOW,
+                    "Glass stops shadow rays: only paths that meet these directions by chance "
+                    "bring their light there.",
+                    "Take the glass away, or use an environment that is more even."},
+};
+
+static const char *describe_targets(struct survey *survey, enum aim aim,
+                                    const struct targets *targets)
 {
+    const char *plural = targets->count == 1 ? "" : "s";
+    switch (aim) {
+    case AIM_AT_POINTS:
+        return arena_printf(survey->arena, "%u light%s without extent", targets->count, plural);
+    case AIM_AT_LAMPS:
+        return arena_printf(survey->arena, "%u lamp%s, or parts of such", targets->count, plural);
+    case AIM_AT_SKY:
+        break;
+    }
+    return arena_printf(survey->arena,
+                        "%.0f %% of the environment's light come from directions %.0f times as "
+                        "bright as its mean, or brighter",
+                        100.0 * targets->rare / targets->count, RARE_MIN);
+}
+
+static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *err)
+{
+    const struct words *words = &words_of[aim];
     struct targets targets = {0};
     struct sighting glass = {0};
     double share;
-    if (!list_targets(survey, delta, &targets, err))
+    if (!list_targets(survey, aim, &targets, err))
         return false;
-    if (targets.count == 0)
+    if (targets.rare == 0)
         return true;
-    if (!share_behind_glass(survey, &targets, &share, &glass, err))
+    if (!share_behind_glass(survey, aim, &targets, &share, &glass, err))
         return false;
     if (share < SHARE_MIN)
         return true;
     const char *object = survey_object_name(survey, glass.object);
     const char *material = survey_material_name(survey, glass.material);
-    return survey_add(
-        survey,
-        &(struct scene_finding){
-            .name = delta ? "light-lost" : "light-by-chance",
-            .level = delta ? FINDING_WRONG : FINDING_SLOW,
-            .place = object && material
-                         ? arena_printf(survey->arena, "behind %s, %s", object, material)
-                         : NULL,
-            .figure = arena_printf(
-                survey->arena, delta ? "%u light%s without extent" : "%u lamp%s, or parts of such",
-                targets.count, targets.count == 1 ? "" : "s"),
-            .consequence = delta ? "Nothing but shadow rays finds these lights, and glass stops "
-                                   "shadow rays: their light is missing there."
-                                 : "Glass stops shadow rays: only paths that meet these lamps by "
-                                   "chance bring their light there.",
-            .remedy = delta ? "Give the lights an extent: small spheres, or an angular diameter."
-                            : "Make the lamps larger, or take the glass away.",
-            .share = share,
-        },
-        err);
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = words->name,
+                          .level = words->level,
+                          .place = object && material ? arena_printf(survey->arena, "behind %s, %s",
+                                                                     object, material)
+                                                      : NULL,
+                          .figure = describe_targets(survey, aim, &targets),
+                          .consequence = words->consequence,
+                          .remedy = words->remedy,
+                          .share = share,
+                      },
+                      err);
 }
 
 // --- lights that nothing is sent to --------------------------------------------------------------
@@ -206,6 +342,7 @@ bool find_hidden_lights(struct survey *survey, struct err *err)
     const struct settings *settings = &survey->settings;
     bool aims = settings->nee && (settings->integrator == INTEGRATOR_PATH ||
                                   settings->integrator == INTEGRATOR_DIRECT);
-    return !aims || (find_behind_glass(survey, true, err) &&
-                     find_behind_glass(survey, false, err) && find_unaimed(survey, err));
+    return !aims || (find_behind_glass(survey, AIM_AT_POINTS, err) &&
+                     find_behind_glass(survey, AIM_AT_LAMPS, err) &&
+                     find_behind_glass(survey, AIM_AT_SKY, err) && find_unaimed(survey, err));
 }
