@@ -143,6 +143,22 @@ class Geometry(Checks):
         self.assertAlmostEqual(found['normals']['share'], 1 / 36, delta=0.006)
         self.assert_found(self.check(self.scene(False)), {})
 
+    # Each shape has a mesh of its own, of the same triangles.
+    def test_meshes_of_equal_files(self):
+        def scene(x, material='grey'):
+            self.write('box.obj', box((0, 0, 0), (1, 1, 1)))
+            return {'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+                    'materials': {'grey': GREY, 'red': {'base_color': [0.6, 0.1, 0.1]}},
+                    'shapes': [{'type': 'mesh', 'file': 'box.obj', 'material': material,
+                                'transform': [{'translate': [x, 0, 0]}]}
+                               for x, material in ((0, 'grey'), (x, material))]}
+        self.assert_found(self.check(scene(1.5)), {})
+        self.assert_found(self.check(scene(0)), {'object-twice': 'remark'})
+        fixed = os.path.join(self.folder.name, 'equal.json')
+        found = self.check(scene(0, 'red'), '--fix', fixed)
+        self.assertEqual(found['object-twice']['level'], 'wrong')
+        self.assertEqual(set(self.check_file(fixed)), set())
+
     def test_fixed(self):
         fixed = os.path.join(self.folder.name, 'fixed.json')
         found = self.check(self.scene(True), '--fix', fixed)

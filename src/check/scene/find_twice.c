@@ -2,6 +2,7 @@
 // plane, as a ray that starts just above finds them.
 #include "check/scene/survey.h"
 
+#include "base/hash.h"
 #include "base/maths.h"
 #include "shared/types.h"
 #include <float.h>
@@ -12,24 +13,35 @@
 
 // What an object is and where, for comparing bytes.
 struct identity {
-    uint32_t kind; // of shapes, plus 1; 0: an instance
-    uint32_t mesh; // or distance field
+    uint64_t kind; // of shapes, plus 1; 0: an instance
+    uint64_t form; // of the mesh, or the number of a distance field
     double numbers[18];
     uint32_t object;
 };
 
-static struct identity identity_of(const struct scene *scene, uint32_t object)
+// The same for meshes of the same triangles: a file that is named twice is loaded twice.
+static uint64_t form_of_mesh(const struct mesh *mesh)
+{
+    struct hash128 parts[] = {
+        hash128_bytes(mesh->positions, mesh->vertex_count * sizeof *mesh->positions),
+        hash128_bytes(mesh->indices, mesh->triangle_count * sizeof *mesh->indices)};
+    return hash_bytes(HASH_INIT, parts, sizeof parts);
+}
+
+// forms: of all meshes
+static struct identity identity_of(const struct scene *scene, const uint64_t *forms,
+                                   uint32_t object)
 {
     struct identity identity = {.object = object};
     if (object < scene->instance_count) {
         const struct instance *instance = &scene->instances[object];
-        identity.mesh = instance->mesh;
+        identity.form = forms[instance->mesh];
         memcpy(identity.numbers, instance->transform, sizeof instance->transform);
         return identity;
     }
     const struct shape *shape = &scene->shapes[object - scene->instance_count];
-    identity.kind = (uint32_t)shape->kind + 1;
-    identity.mesh = shape->kind == SHAPE_SDF ? shape->sdf : 0;
+    identity.kind = (uint64_t)shape->kind + 1;
+    identity.form = shape->kind == SHAPE_SDF ? shape->sdf : 0;
     memcpy(&identity.numbers[0], shape->center, sizeof shape->center);
     memcpy(&identity.numbers[3], shape->normal, sizeof shape->normal);
     memcpy(&identity.numbers[6], shape->axes, sizeof shape->axes);
@@ -88,11 +100,14 @@ static bool find_twins(struct survey *survey, struct twins *twins, struct err *e
     uint32_t all = survey_object_count(survey), count = 0;
     struct identity *list = ARENA_NEW(&survey->scratch, struct identity, all);
     twins->marked = ARENA_NEW(&survey->scratch, bool, all);
-    if (!list || !twins->marked)
+    uint64_t *forms = ARENA_NEW(&survey->scratch, uint64_t, scene->mesh_count);
+    if (!list || !twins->marked || !forms)
         return err_memory(err, "objects", all * sizeof *list);
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        forms[i] = form_of_mesh(&scene->meshes[i]);
     for (uint32_t i = 0; i < all; i++)
         if (!is_hidden(scene, i))
-            list[count++] = identity_of(scene, i);
+            list[count++] = identity_of(scene, forms, i);
     qsort(list, count, sizeof *list, compare);
     for (uint32_t i = 0, first = 0; i < count; i++) {
         if (memcmp(&list[first], &list[i], IDENTITY_BYTES) != 0)
