@@ -358,6 +358,26 @@ class Textures(Checks):
         self.assert_found(found, {'gains-light': 'wrong'})
         self.assertIn('paint', found['gains-light']['place'])
 
+    def test_vertex_colors(self):
+        varnish = {'type': 'microfacet', 'roughness': 0.1, 'specular_color': [0.04] * 3,
+                   'diffuse': 'uncoupled', 'base_color': [1, 1, 1]}
+
+        def scene(brightest):
+            self.write('quad.ply', 'ply\nformat ascii 1.0\nelement vertex 4\n'
+                       'property float x\nproperty float y\nproperty float z\nproperty uchar red\n'
+                       'property uchar green\nproperty uchar blue\nelement face 1\n'
+                       'property list uchar int vertex_indices\nend_header\n'
+                       + ''.join(f'{x} {y} 0 {level} {level} {level}\n' for x, y, level in
+                                 ((-1, -1, 9), (1, -1, 9), (1, 1, brightest), (-1, 1, 9)))
+                       + '4 0 1 2 3\n')
+            return {'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+                    'materials': {'paint': varnish},
+                    'shapes': [{'type': 'mesh', 'file': 'quad.ply', 'material': 'paint'}]}
+        for instancing in ('auto', 'on'):
+            self.assert_found(self.check(scene(20), '--instances', instancing), {})
+            self.assert_found(self.check(scene(255), '--instances', instancing),
+                              {'gains-light': 'wrong'})
+
     def test_white(self):
         self.assert_found(self.check(self.scene([[0.8] * 4] * 4)), {})
         self.assert_found(self.check(self.scene([[1, 0.8], [0.8, 0.8]])), {})

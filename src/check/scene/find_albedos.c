@@ -200,6 +200,65 @@ static bool add_textures(struct furnace *furnace, const struct scene *from,
     return true;
 }
 
+static void raise_color(float most[3], const float color[3])
+{
+    for (int c = 0; c < 3; c++)
+        most[c] = fmaxf(most[c], color[c]);
+}
+
+static void raise_to_corners(float most[3], const struct flat_scene *flat, uint32_t triangle)
+{
+    for (int corner = 0; corner < 3; corner++)
+        raise_color(most, flat->colors[triangle][corner]);
+}
+
+// The greatest vertex colours that each material is used with: 1 on shapes. Colours are there.
+static bool list_colors(struct survey *survey, float (**out)[3], struct err *err)
+{
+    static const float white[3] = {1.0f, 1.0f, 1.0f};
+    const struct flat_scene *flat = survey->flat;
+    size_t count = survey->scene->material_count, meshes = flat->mesh_count;
+    float(*most)[3] = arena_alloc(&survey->scratch, count + meshes, sizeof *most);
+    if (!most)
+        return err_memory(err, "colours", (count + meshes) * sizeof *most);
+    float(*of_mesh)[3] = most + count;
+    for (uint32_t i = 0; i < flat->world_triangle_count; i++)
+        raise_to_corners(most[flat->triangles[i].material], flat, i);
+    for (uint32_t m = 0; m < meshes; m++) {
+        const struct flat_mesh *mesh = &flat->meshes[m];
+        for (uint32_t k = 0; k < mesh->triangle_count; k++) {
+            uint32_t i = mesh->first_triangle + k;
+            raise_to_corners(of_mesh[m], flat, i);
+            if (mesh->is_own_material_used)
+                raise_to_corners(most[flat->triangles[i].material], flat, i);
+        }
+    }
+    for (uint32_t i = 0; i < flat->placed_count; i++)
+        if (flat->instances[i].material != SCENE_NONE)
+            raise_color(most[flat->instances[i].material], of_mesh[flat->instances[i].mesh]);
+    for (uint32_t i = 0; i < flat->shape_count; i++)
+        raise_color(most[flat->shapes[i].material], white);
+    *out = most;
+    return true;
+}
+
+// As vertex colours make the spheres at most.
+static bool color_spheres(struct survey *survey, struct furnace *furnace, struct err *err)
+{
+    float(*most)[3];
+    if (!survey->flat->colors)
+        return true;
+    if (!list_colors(survey, &most, err))
+        return false;
+    for (uint32_t i = 0; i < furnace->count; i++) {
+        const struct shape *sphere = &furnace->scene.shapes[i];
+        struct material *material = &furnace->scene.materials[sphere->material];
+        for (int c = 0; c < 3; c++)
+            material->base_color[c] *= most[furnace->sources[i]][c];
+    }
+    return true;
+}
+
 static bool add_sphere(struct furnace *furnace, const struct scene *from, uint32_t index,
                        struct err *err)
 {
@@ -226,13 +285,15 @@ static bool add_sphere(struct furnace *furnace, const struct scene *from, uint32
     return true;
 }
 
-static bool build_furnace(const struct survey *survey, struct furnace *furnace, struct err *err)
+static bool build_furnace(struct survey *survey, struct furnace *furnace, struct err *err)
 {
     struct scene *scene = &furnace->scene;
     scene->path = survey->scene->path;
     for (uint32_t i = 0; i < survey->scene->material_count && furnace->count < FURNACE_MOST; i++)
         if (may_gain(survey, i) && !add_sphere(furnace, survey->scene, i, err))
             return false;
+    if (!color_spheres(survey, furnace, err))
+        return false;
     struct camera *camera = scene_add_camera(scene, NULL);
     if (!camera)
         return err_memory(err, "a furnace", 0);
