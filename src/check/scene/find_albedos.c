@@ -141,15 +141,19 @@ static void find_brightest(const struct texture_image *image, double place[2])
         if (sum <= most)
             continue;
         most = sum;
-        place[0] = ((double)(i % image->width) + 0.5) / image->width;
-        place[1] = ((double)(i / image->width) + 0.5) / image->height;
+        uint64_t column = i % image->width, row = i / image->width;
+        place[0] = ((double)column + 0.5) / image->width;
+        place[1] = ((double)row + 0.5) / image->height;
     }
 }
 
 static bool lies_alike(const struct texture *a, const struct texture *b)
 {
-    return !((a->flags ^ b->flags) & TEXTURE_UV1) &&
-           memcmp(a->transform, b->transform, sizeof a->transform) == 0;
+    bool alike = !((a->flags ^ b->flags) & TEXTURE_UV1);
+    for (int row = 0; row < 2; row++)
+        for (int column = 0; column < 3; column++)
+            alike = alike && a->transform[row][column] == b->transform[row][column];
+    return alike;
 }
 
 // An even image of what the texture has at a place.
@@ -185,8 +189,9 @@ static bool add_textures(struct furnace *furnace, const struct scene *from,
     const struct texture *leading = find_leading(from, source);
     double place[2] = {0};
     material->texture_count = 0;
-    if (leading)
-        find_brightest(&from->images[leading->image], place);
+    if (!leading)
+        return true;
+    find_brightest(&from->images[leading->image], place);
     for (uint32_t i = 0; i < source->texture_count; i++) {
         const struct texture *texture = &from->textures[source->first_texture + i];
         struct texture even = {.flags = texture->flags};
