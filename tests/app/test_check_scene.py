@@ -443,6 +443,30 @@ class Noise(Checks):
         self.assert_found(self.check(self.scene(0.3)), {})
 
 
+class Outlook(Checks):
+    def lines(self, radius):
+        """Of a floor onto which a mirror ball throws the light of a lamp, neither in the picture."""
+        radiance = 0.3 / radius ** 2
+        path = self.write('scene.json', {
+            'lampyris': 1, 'film': {'width': 24, 'height': 24},
+            'camera': {'position': [2.2, 1.2, 3.2], 'target': [2, 0, 0.8], 'fov_degrees': 40},
+            'materials': {'grey': GREY, 'mirror': {'type': 'conductor', 'roughness': 0},
+                          'lamp': {'base_color': [0, 0, 0], 'emission': [radiance] * 3}},
+            'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-3, 0, 3], 'u': [6, 0, 0],
+                        'v': [0, 0, -6]},
+                       {'type': 'sphere', 'material': 'mirror', 'center': [0, 1, 0], 'radius': 1},
+                       {'type': 'sphere', 'material': 'lamp', 'center': [1.6, 2, 0],
+                        'radius': radius}]})
+        return subprocess.run([LAMPYRIS, 'check', path, '-q'], text=True, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, timeout=600).stdout
+
+    def test_why_it_is_a_bound(self):
+        """Caustics that no sample has met are in no finding, but the outlook allows for them."""
+        self.assertRegex(self.lines(0.01), 'takes at most [0-9]{6} spp, .*; at most, since no sample '
+                         'has found the brightest light that chance may find\n$')
+        self.assertRegex(self.lines(0.1), 'takes about [0-9]{4} spp, .* on the device\n$')
+
+
 class Range(Checks):
     def scene(self, height):
         """The point below a light of 1e30 W/sr."""

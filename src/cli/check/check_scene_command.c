@@ -66,7 +66,8 @@ static int decimals(double x)
     return x >= 100.0 ? 0 : x >= 10.0 ? 1 : 2;
 }
 
-// "local relMSE 0.001 takes about 410 spp, 130 s of rendering and 35.2 MiB on the device".
+// "local relMSE 0.001 takes about 410 spp, 130 s of rendering and 35.2 MiB on the device", or "at
+// most" so much and why no more is known.
 static void print_outlook(const struct scene_outlook *outlook)
 {
     double memory = (double)outlook->device_bytes / 1048576.0;
@@ -75,9 +76,10 @@ static void print_outlook(const struct scene_outlook *outlook)
                outlook->error, outlook->reason, memory);
     else
         printf("local relMSE %g takes %s %.0f spp, %.*f s of rendering and %.1f MiB on the "
-               "device\n",
+               "device%s%s\n",
                outlook->error, outlook->reason ? "at most" : "about", ceil(outlook->samples),
-               decimals(outlook->seconds), outlook->seconds, memory);
+               decimals(outlook->seconds), outlook->seconds, memory,
+               outlook->reason ? "; at most, since " : "", outlook->reason ? outlook->reason : "");
 }
 
 static void print_changes(const struct scene_check *check)
