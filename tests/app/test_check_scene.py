@@ -445,7 +445,7 @@ class Noise(Checks):
 
 class Outlook(Checks):
     def lines(self, radius):
-        """Of a floor onto which a mirror ball throws the light of a lamp, neither in the picture."""
+        """Of a floor onto which a mirror ball throws the light of a lamp that is not in the picture."""
         radiance = 0.3 / radius ** 2
         path = self.write('scene.json', {
             'lampyris': 1, 'film': {'width': 24, 'height': 24},
