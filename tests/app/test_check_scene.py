@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 try:
     import jsonschema
 except ImportError:
@@ -496,6 +497,19 @@ class Slow(Checks):
         found = {finding['name']: finding for finding in json.loads(result.stdout)['findings']}
         self.assert_found(found, {'few-pixels': 'remark'})
         self.assertRegex(found['few-pixels']['figure'], '^one sample of 4096 pixels takes 0.[2-9]')
+
+
+class Memory(Checks):
+    def test_too_little_for_usual_waves(self):
+        """Each of a check's renders has what there is, and does with smaller waves, as all renders."""
+        scene = {'camera': FRONT, 'materials': {'plastic': {'type': 'principled', 'roughness': 0.4}},
+                 'environment': {'radiance': [1, 1, 1]}, 'film': {'width': 64, 'height': 64},
+                 'shapes': [{'type': 'sphere', 'material': 'plastic', 'center': [0, 0, 0], 'radius': 2}]}
+        for limit in ('memory', 'memory-budget'):
+            for most in (1000000, 3000000):
+                with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=f'{limit}={most}'):
+                    self.assert_found(self.check(scene), {})
+                self.assertLess(self.result['outlook']['device_bytes'], most)
 
 
 class Words(Checks):

@@ -62,8 +62,9 @@ static bool tell_bound(struct survey *survey, double seconds, double pixels, str
         err);
 }
 
-static bool start_job(struct survey *survey, const struct job_params *params, struct err *err)
+static bool start_job(struct survey *survey, struct err *err)
 {
+    const struct job_params *params = &survey->small;
     struct settings *settings = &survey->scene->settings;
     double pixels = (double)settings->width * settings->height, seconds;
     if (!job_start(params, &survey->job, err) ||
@@ -77,16 +78,13 @@ static bool start_job(struct survey *survey, const struct job_params *params, st
     return job_start(params, &survey->job, err) && tell_bound(survey, seconds, pixels, err);
 }
 
-static bool plan_memory(struct survey *survey, const struct renderer_params *params,
-                        struct err *err)
+static bool measure_memory(struct survey *survey, const struct renderer_params *params,
+                           struct err *err)
 {
-    struct renderer renderer;
-    if (!renderer_prepare(params, &renderer, err))
-        return false;
-    survey->plan = renderer.plan;
-    survey->out->outlook.device_bytes = renderer.plan.total_bytes;
-    renderer_finish(&renderer);
-    return true;
+    struct memory_plan plan;
+    bool ok = renderer_measure_memory(params, &plan, err);
+    survey->out->outlook.device_bytes = plan.total_bytes;
+    return ok;
 }
 
 static bool prepare(struct survey *survey, struct err *err)
@@ -106,24 +104,33 @@ static bool prepare(struct survey *survey, struct err *err)
         return false;
     survey->flat = &survey->geometry.flat;
     params.geometry = &survey->geometry;
-    if (!plan_memory(survey, &params, err))
+    if (!measure_memory(survey, &params, err))
         return false;
     shrink_picture(&scene->settings, PICTURE_PIXELS);
-    const struct job_params job = {
+    survey->small = (struct job_params){
         .renderer = params,
         .scene = scene,
         .goal = {.samples = 1u << 16}, // steps decide
         .progress = params.progress,
     };
-    return start_job(survey, &job, err) && sightlines_take_view(survey, err);
+    return start_job(survey, err) && sightlines_take_view(survey, err);
+}
+
+// What the device's memory holds is all for the render that follows.
+static bool end_job(struct survey *survey, struct err *err)
+{
+    (void)err;
+    job_finish(&survey->job);
+    return true;
 }
 
 static bool search(struct survey *survey, struct err *err)
 {
     // The media's takes what the renders of measure_noise() have counted, the biases' their film.
+    // Those behind end_job() have renders of their own.
     static bool (*const searches[])(struct survey * survey, struct err * err) = {
-        find_coarse,  find_thin,     find_twice, find_normals, find_texels,   find_hidden_lights,
-        find_albedos, measure_noise, find_media, find_biases,  measure_depth,
+        find_coarse,   find_thin,  find_twice,  find_normals, find_texels,  find_hidden_lights,
+        measure_noise, find_media, find_biases, end_job,      find_albedos, measure_depth,
     };
     for (size_t i = 0; i < sizeof searches / sizeof *searches; i++) {
         if (!searches[i](survey, err))

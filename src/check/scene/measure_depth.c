@@ -18,7 +18,7 @@ static bool render_at(struct survey *survey, uint32_t depth, double **out, struc
     struct job job;
     struct arena arena = {0};
     struct film_image film;
-    struct job_params params = survey->job.params;
+    struct job_params params = survey->small;
     params.goal = (struct job_goal){.samples = DEPTH_SAMPLES};
     survey->scene->settings.max_bounces = depth;
     *out = ARENA_NEW(&survey->scratch, double, survey->line_count);
