@@ -35,7 +35,7 @@ static void mark(struct renderer *r, enum kernel_id kernel, uint32_t items)
     r->mark_count = index + 1;
 }
 
-bool wave_begin(struct renderer *r, const struct wave *wave, struct err *err)
+static bool begin(struct renderer *r, const struct wave *wave, struct err *err)
 {
     r->recording_ns = clock_ns();
     if (!gpu_begin(r->gpu, &r->commands, err))
@@ -74,6 +74,7 @@ struct loop {
     const struct wave *wave;
     const struct wave_observer *observer; // NULL: record as much as possible before running it
     bool is_paced;
+    bool is_timed;       // no part's time may be missing
     uint32_t part_items; // of a queue or a list, in one dispatch
     uint32_t bounce;     // the next one
     uint32_t last;       // that paths may have
@@ -86,13 +87,11 @@ static bool run(struct renderer *r, struct err *err);
 static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, struct err *err)
 {
     struct renderer *r = l->r;
-    if (!l->is_paced)
+    bool is_full = (l->is_paced || l->is_timed) && r->mark_count == GPU_MAX_TIMESTAMPS;
+    if (!is_full && (!l->is_paced || pace_takes(&r->pace, kernel, items)))
         return true;
-    bool is_full = r->mark_count == GPU_MAX_TIMESTAMPS;
-    if (!is_full && pace_takes(&r->pace, kernel, items))
-        return true;
-    return run(r, err) && wave_begin(r, l->wave, err) &&
-           (pace_takes(&r->pace, kernel, items) ||
+    return run(r, err) && begin(r, l->wave, err) &&
+           (!l->is_paced || pace_takes(&r->pace, kernel, items) ||
             err_set(err, ERR_BUG, "an empty submission that takes nothing"));
 }
 
@@ -241,8 +240,8 @@ static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint
 {
     const struct gpu_push *push = &l->r->push;
     uint32_t light_ray = kernel == KERNEL_intersect_shadow ? push->light_ray : 0;
-    const struct wave_step step = {kernel, push->bounce, queue, light_ray};
-    return run(l->r, err) && fn(l->observer->context, &step, err) && wave_begin(l->r, l->wave, err);
+    const struct wave_step step = {kernel, push->bounce, queue, light_ray, l->part_items};
+    return run(l->r, err) && fn(l->observer->context, &step, err) && begin(l->r, l->wave, err);
 }
 
 static bool before(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
@@ -270,8 +269,7 @@ static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, s
         for (uint32_t suspended = QUEUE_SUSPENDED;;
              suspended = 2 * QUEUE_SUSPENDED + 1 - suspended) {
             barrier(r);
-            if (!record_prepare(l, 1u << suspended, err) || !run(r, err) ||
-                !wave_begin(r, l->wave, err))
+            if (!record_prepare(l, 1u << suspended, err) || !run(r, err) || !begin(r, l->wave, err))
                 return false;
             if (r->counters->dispatch[suspended * DISPATCH_PARTS].items == 0)
                 break;
@@ -471,7 +469,7 @@ static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
 static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
-    if (!wave_begin(r, l->wave, err) || (l->bounce == 0 && !generate_rays(l, err)))
+    if (!begin(r, l->wave, err) || (l->bounce == 0 && !generate_rays(l, err)))
         return false;
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
         return true;
@@ -480,7 +478,7 @@ static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
             return false;
         if (l->bounce % BOUNCES_A_SUBMIT != 0)
             continue;
-        if (!run(r, err) || !wave_begin(r, l->wave, err))
+        if (!run(r, err) || !begin(r, l->wave, err))
             return false;
         if (r->counters->queue[queue_of_rays(l)].count == 0 &&
             r->counters->queue[QUEUE_SHADOW].count == 0)
@@ -490,7 +488,6 @@ static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
     return true;
 }
 
-// Kernel by kernel, as somebody watches them, they are not split.
 static struct loop make_loop(struct renderer *r, const struct wave *wave,
                              const struct wave_observer *observer)
 {
@@ -501,8 +498,8 @@ static struct loop make_loop(struct renderer *r, const struct wave *wave,
         .r = r,
         .wave = wave,
         .observer = observer,
-        .is_paced = r->pace.is_on && !observer,
-        .part_items = r->plan.part_items,
+        .is_paced = r->pace.is_on,
+        .part_items = r->pace.is_on ? r->pace.part_items : r->plan.part_items,
         .last = last,
     };
 }
@@ -596,21 +593,46 @@ bool wave_trace_steps(struct renderer *r, const struct wave *wave,
     return trace_paths(&loop, NULL, err) && run(r, err);
 }
 
-void wave_record_step(struct renderer *r, const struct wave *wave, const struct wave_step *step)
+static bool record_step(struct loop *l, const struct wave_step *step, struct err *err)
+{
+    const struct wave *wave = l->wave;
+    switch (step->kernel) {
+    case KERNEL_generate_rays:
+        return record_items(l, step->kernel, wave->pixel_count << wave->sample_shift, 1, err);
+    case KERNEL_accumulate:
+        return record_items(l, step->kernel, wave->pixel_count, 1u << wave->sample_shift, err);
+    case KERNEL_resolve:
+        return record_items(l, step->kernel, wave->pixel_count, 1, err);
+    case KERNEL_prepare_dispatch:
+        return record_prepare(l, step->queue, err);
+    default:
+        return record_queue(l, step->kernel, step->queue, err);
+    }
+}
+
+bool wave_run_step(struct renderer *r, const struct wave *wave, const struct wave_step *step,
+                   double *ms, struct err *err)
 {
     struct loop loop = make_loop(r, wave, NULL);
-    loop.is_paced = false; // nothing is run, and nothing fails then
+    bool is_shadow = step->kernel == KERNEL_intersect_shadow;
+    uint32_t launches = is_shadow ? r->specialization.light_rays : 1;
+    const double *device_ms = &r->stats.kernels[step->kernel].ms, before = *device_ms;
+    const double *host_ms = &r->stats.host.submitting, host_before = *host_ms;
+    loop.is_timed = true;
+    if (step->part_items > 0)
+        loop.part_items = step->part_items;
+    if (!begin(r, wave, err))
+        return false;
     r->push.bounce = step->bounce;
-    r->push.light_ray = step->light_ray;
-    if (step->kernel == KERNEL_generate_rays)
-        record_items(&loop, step->kernel, wave->pixel_count << wave->sample_shift, 1, NULL);
-    else if (step->kernel == KERNEL_accumulate || step->kernel == KERNEL_resolve)
-        record_items(&loop, step->kernel, wave->pixel_count, 1, NULL);
-    else if (step->kernel == KERNEL_prepare_dispatch)
-        record_prepare(&loop, step->queue, NULL);
-    else
-        record_queue(&loop, step->kernel, step->queue, NULL);
-    barrier(r);
+    for (r->push.light_ray = 0; r->push.light_ray < launches; r->push.light_ray++) {
+        barrier(r);
+        if (!record_step(&loop, step, err))
+            return false;
+    }
+    if (!run(r, err))
+        return false;
+    *ms = r->gpu->has_timestamps ? *device_ms - before : *host_ms - host_before;
+    return true;
 }
 
 // --- kernels -------------------------------------------------------------------------------------
@@ -726,7 +748,7 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
     r->push.queue = 0;
     r->push.part_items = 0;
     struct render_stats kept = r->stats; // compilation is no run time
-    if (!wave_clear_counters(r, err) || !wave_begin(r, &none, err))
+    if (!wave_clear_counters(r, err) || !begin(r, &none, err))
         return false;
     for (int id = 0; id < KERNEL_COUNT; id++) {
         barrier(r);

@@ -39,8 +39,9 @@ bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);
 struct wave_step {
     enum kernel_id kernel;
     uint32_t bounce;
-    uint32_t queue;     // that it consumes; of prepare_dispatch a mask; else 0
-    uint32_t light_ray; // of intersect_shadow: which of a slot's
+    uint32_t queue;      // that it consumes; of prepare_dispatch a mask; else 0
+    uint32_t light_ray;  // of intersect_shadow: which of a slot's
+    uint32_t part_items; // of the queue, in one dispatch; 0: as the device takes now
 };
 typedef bool (*wave_step_fn)(void *context, const struct wave_step *step, struct err *err);
 struct wave_observer {
@@ -53,11 +54,11 @@ struct wave_observer {
 // wave_render without accumulation.
 bool wave_trace_steps(struct renderer *renderer, const struct wave *wave,
                       const struct wave_observer *observer, struct err *err);
-// Begins commands of their own, for wave_record_step.
-bool wave_begin(struct renderer *renderer, const struct wave *wave, struct err *err);
-// Records the kernel of a step, as the wave's loop does.
-void wave_record_step(struct renderer *renderer, const struct wave *wave,
-                      const struct wave_step *step);
+// Runs the kernel of a step alone, on what is in memory, as the wave's loop does: of
+// intersect_shadow for all shadow rays of a slot, and in as many submissions as a device that is
+// watched takes. *ms: on the device, or by the host's clock where that has no timestamps.
+bool wave_run_step(struct renderer *renderer, const struct wave *wave, const struct wave_step *step,
+                   double *ms, struct err *err);
 // Leaves what a wave was in the middle of: empties all queues, counts from 0.
 bool wave_clear_counters(struct renderer *renderer, struct err *err);
 

@@ -5,6 +5,7 @@ devices (LAMPYRIS_LIMITS=group-ns=N,watchdog-ms=N) no submission is longer than 
 Usage: test_slow_device.py LAMPYRIS SCENE_FOLDER [unittest arguments]
 """
 import json
+import math
 import os
 import subprocess
 import sys
@@ -56,6 +57,24 @@ class SlowDevice(unittest.TestCase):
         self.launches('group-ns=1000000,watchdog-ms=250', scene='all_classes')
         self.launches('group-ns=1000000,watchdog-ms=250', '--adaptive', 'on', '--spp', '16')
         self.launches('group-ns=1000000,watchdog-ms=250', scene='whitted')
+
+    def test_kernels_alone(self):
+        """Their times are those of all parts: 1 ms for each workgroup of 128 items."""
+        for kernel, depth in (('generate_rays', None), ('intersect_closest', '0'),
+                              ('intersect_closest', '1'), ('intersect_shadow', '1'),
+                              ('shade_surface', '1'), ('prepare_dispatch', '0'),
+                              ('accumulate', None), ('resolve', None)):
+            env = dict(os.environ, LAMPYRIS_LIMITS='group-ns=1000000,watchdog-ms=250')
+            result = subprocess.run([LAMPYRIS, 'bench', os.path.join(SCENES, 'cornell.json'), '--size',
+                                     '128x128', '--spp', '4', '--wave', '1M', '--workgroup', '128',
+                                     '--kernel', kernel, *(['--depth', depth] if depth else []),
+                                     '--repeats', '2', '-q', '--json'], stdout=subprocess.PIPE,
+                                    stderr=subprocess.PIPE, text=True, timeout=100, check=False,
+                                    env=env)
+            self.assertEqual(result.returncode, 0, f'{kernel}: {result.stderr}')
+            row = json.loads(result.stdout)['variants'][0]['rows'][0]
+            if kernel != 'shade_surface':  # dispatched for all rays: some have missed
+                self.assertEqual(row['repeat_ms'], 2 * [math.ceil(row['items'] / 128)], kernel)
 
     def test_the_clock_tells_where_there_are_no_timestamps(self):
         # Of the simulated time alone: this machine may be busy with something else.

@@ -1,6 +1,5 @@
 #include "render/probe/kernel_recording.h"
 
-#include "base/clock.h"
 #include "base/hash.h"
 #include "render/counters.h"
 #include <inttypes.h>
@@ -167,45 +166,13 @@ static bool keep(struct renderer *r, struct kernel_recording *rec, struct err *e
 
 // --- running -------------------------------------------------------------------------------------
 
-static void record_launches(struct renderer *r, const struct kernel_recording *rec)
-{
-    struct wave_step step = rec->step;
-    for (step.light_ray = 0; step.light_ray < rec->launches; step.light_ray++)
-        wave_record_step(r, &rec->wave, &step);
-}
-
-// The loop's own ones, and two around all.
-static uint64_t timestamps_needed(const struct renderer *r, const struct kernel_recording *rec)
-{
-    uint64_t parts = r->plan.wave_slots / r->plan.part_items + 1;
-    return 2 + parts * rec->launches;
-}
-
-// Between two timestamps of the commands in which the state is put back; or else by the host's
-// clock, in commands of their own.
+// The state is put back in commands of their own.
 static bool run(struct renderer *r, const struct kernel_recording *rec, double *ms, struct err *err)
 {
-    double ns[GPU_MAX_TIMESTAMPS];
-    if (!wave_begin(r, &rec->wave, err))
+    if (!gpu_begin(r->gpu, &r->commands, err))
         return false;
     record_copies(r, rec, true);
-    bool by_device = r->gpu->has_timestamps && timestamps_needed(r, rec) <= GPU_MAX_TIMESTAMPS;
-    if (!by_device && (!submit(r, err) || !wave_begin(r, &rec->wave, err)))
-        return false;
-    uint32_t first = gpu_timestamp(r->gpu, &r->commands);
-    record_launches(r, rec);
-    counters_record_copy(r);
-    uint64_t start = clock_ns();
-    if (!submit(r, err))
-        return false;
-    *ms = clock_seconds_since(start) * 1e3;
-    if (by_device) {
-        if (!gpu_timestamps_ns(r->gpu, &r->commands, ns, err))
-            return false;
-        *ms = (ns[r->commands.timestamp_count - 1] - ns[first]) * 1e-6;
-    }
-    counters_read(r);
-    return true;
+    return submit(r, err) && wave_run_step(r, &rec->wave, &rec->step, ms, err);
 }
 
 // --- recording -----------------------------------------------------------------------------------
@@ -282,17 +249,34 @@ static bool after(void *context, const struct wave_step *step, struct err *err)
 // its top.
 static struct wave middle_wave(const struct renderer *r, uint64_t samples)
 {
-    uint32_t shift = USUAL_SAMPLE_SHIFT;
-    while (shift > 0 && (UINT64_C(1) << shift > samples || 1u << shift > r->plan.wave_samples))
+    uint32_t shift = USUAL_SAMPLE_SHIFT, most = pace_samples(&r->pace, &r->plan);
+    while (shift > 0 && (UINT64_C(1) << shift > samples || 1u << shift > most))
         shift--;
     uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
-    uint64_t fits = r->plan.wave_samples >> shift, chunk_pixels = r->plan.film_chunk_pixels;
+    uint64_t fits = most >> shift, chunk_pixels = r->plan.film_chunk_pixels;
     uint64_t count = pixels < fits ? pixels : fits;
     struct wave wave = {.sample_shift = shift, .first_pixel = (pixels - count) / 2};
     wave.film_chunk = (uint32_t)(wave.first_pixel / chunk_pixels);
     uint64_t left = (wave.film_chunk + 1) * chunk_pixels - wave.first_pixel;
     wave.pixel_count = (uint32_t)(count < left ? count : left);
     return wave;
+}
+
+// Traces waves until they are as large as a watched device takes, since they begin small.
+static bool grow_wave(struct renderer *r, struct kernel_recording *rec, uint64_t samples,
+                      struct err *err)
+{
+    uint32_t before = 0, now;
+    rec->wave = middle_wave(r, samples);
+    while (r->pace.is_on && (now = pace_samples(&r->pace, &r->plan)) > before &&
+           now < r->plan.wave_samples && now >> rec->wave.sample_shift <= rec->wave.pixel_count) {
+        if (!wave_trace_steps(r, &rec->wave, NULL, err) || !wave_clear_counters(r, err))
+            return false;
+        pace_end_wave(&r->pace, &r->plan);
+        before = now;
+        rec->wave = middle_wave(r, samples);
+    }
+    return true;
 }
 
 // Keeps what kernels read that follow on the wave, or go without one.
@@ -332,7 +316,6 @@ bool kernel_recording_create(struct renderer *r, const struct kernel_recording_p
     bool shadow = kernel == KERNEL_intersect_shadow;
     *out = (struct kernel_recording){
         .renderer = r,
-        .wave = middle_wave(r, params->samples),
         .step = {.kernel = kernel, .bounce = params->depth + shadow},
         .launches = shadow ? r->specialization.light_rays : 1,
     };
@@ -344,7 +327,8 @@ bool kernel_recording_create(struct renderer *r, const struct kernel_recording_p
         return err_set(err, ERR_GPU,
                        "traversals go on in further dispatches: expected a scene "
                        "whose rays one dispatch can trace");
-    return record(&(struct recording){.r = r, .rec = out}, err);
+    return grow_wave(r, out, params->samples, err) &&
+           record(&(struct recording){.r = r, .rec = out}, err);
 }
 
 bool kernel_recording_run(const struct kernel_recording *rec, double *ms, struct err *err)
