@@ -18,7 +18,9 @@
 
 // --- creation ------------------------------------------------------------------------------------
 
-static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, struct err *err)
+// waves: in flight at most; 0: as many as suit the device.
+static bool plan_waves(struct renderer *r, uint32_t wave, uint32_t waves, bool wave_is_wish,
+                       struct err *err)
 {
     struct memory_plan_params params = {
         .scene = r->scene,
@@ -29,6 +31,7 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
         .gpu = r->gpu,
         .pixels = r->pixels,
         .wave = wave,
+        .waves = waves,
         .wave_is_wish = wave_is_wish,
     };
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
@@ -36,6 +39,11 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
     for (uint32_t i = 0; r->film && i < r->plan.film_chunks; i++)
         params.replaced_bytes += r->film[i].bytes;
     return memory_plan_make(&params, &r->specialization, &r->plan, err);
+}
+
+static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, struct err *err)
+{
+    return plan_waves(r, wave, 0, wave_is_wish, err);
 }
 
 static bool create_buffer(struct renderer *r, uint32_t binding, enum gpu_memory memory, bool texel,
@@ -128,16 +136,25 @@ static bool create_wave_state(struct renderer *r, struct err *err)
     return frame_upload(r, err) && create_state_of_one(r, err) && create_other_wave(r, err);
 }
 
-// The same with smaller waves where the device's memory runs out.
+// Plans waves for less memory than what has run out: one in flight, and then smaller ones. False
+// where there are none.
+static bool plan_less(struct renderer *r, struct err *err)
+{
+    uint32_t slots = r->plan.wave_slots;
+    if (r->plan.waves > 1)
+        return plan_waves(r, slots, 1, true, err);
+    return plan_waves(r, slots / 2, 1, true, err) && r->plan.wave_slots < slots;
+}
+
+// The same with less where the device's memory runs out.
 static bool create_fitting_wave_state(struct renderer *r, struct err *err)
 {
     struct err failure = {0};
     const uint32_t wanted = r->plan.wave_slots;
     r->gpu->out_of_memory = false;
     while (!create_wave_state(r, &failure)) {
-        uint32_t slots = r->plan.wave_slots;
-        bool may_shrink = r->gpu->out_of_memory && plan_memory(r, slots / 2, true, &failure);
-        if (!may_shrink || r->plan.wave_slots >= slots) {
+        finish_other_wave(r);
+        if (!r->gpu->out_of_memory || !plan_less(r, &failure)) {
             if (err)
                 *err = failure;
             return false;

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 from program import need_device
 
@@ -109,6 +110,18 @@ class Summary(Base):
         named = re.findall(r'(\w+) \d+ %,', kernels)
         self.assertGreaterEqual(min(times[name] for name in named) + 1,
                                 max(ms for name, ms in times.items() if name not in named))
+
+    def test_two_waves_in_flight(self):
+        for count in (1, 2):
+            with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=f'waves={count}'):
+                result = self.json(scene('cornell'), '--wave', '128')
+                text = self.render(scene('cornell'), '--wave', '128', '--explain')
+            begun = result['waves_begun_ahead']
+            self.assertEqual(result['waves_in_flight'], count)
+            self.assertEqual(begun > 0, count > 1)
+            line = re.search(r'^waves +(\d+), of which (\d+) began beside', text, re.M)
+            self.assertEqual(line and int(line[2]), begun or None)
+            self.assertEqual('two in flight' in text, count > 1)
 
     def test_no_more_paths_end_by_their_density_than_there_are(self):
         # Where paths split, each branch may end: of a density that nothing has, nearly all do.

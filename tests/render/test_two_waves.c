@@ -200,6 +200,36 @@ TEST(chosen_by_the_device)
     setup_finish(&s);
 }
 
+// Where only an allocation tells that memory is too little for two, one wave of the wanted size is
+// had before both are halved.
+TEST(one_where_allocations_fail)
+{
+    struct setup s = {0};
+    struct err err = {0};
+    struct memory_plan one, two, had;
+    struct gpu_limit_overrides *limits = &s.gpu.params.limits;
+    OPEN_GPU(&s.gpu, 0);
+    REQUIRE_OK(load_scene("scenes/cornell.json", NULL, &s.scene, &err));
+    const struct renderer_params params = {.gpu = &s.gpu, .scene = &s.scene, .wave = 1u << 14};
+    uint64_t before = s.gpu.allocated_bytes;
+    limits->waves = 1;
+    REQUIRE_OK(renderer_measure_memory(&params, &one, &err));
+    limits->waves = 2;
+    REQUIRE_OK(renderer_measure_memory(&params, &two, &err));
+    CHECK(two.waves == 2, "%u waves", two.waves);
+    limits->memory = before + (one.total_bytes + two.total_bytes) / 2;
+    REQUIRE_OK(renderer_measure_memory(&params, &had, &err));
+    CHECK(had.waves == 1 && had.wave_slots == one.wave_slots, "%u waves of %u paths", had.waves,
+          had.wave_slots);
+    limits->memory = before + one.total_bytes - 1;
+    REQUIRE_OK(renderer_measure_memory(&params, &had, &err));
+    CHECK(had.waves == 1 && had.wave_slots == one.wave_slots / 2, "%u waves of %u paths", had.waves,
+          had.wave_slots);
+    CHECK(s.gpu.allocated_bytes == before, "%llu bytes are left",
+          (unsigned long long)(s.gpu.allocated_bytes - before));
+    setup_finish(&s);
+}
+
 TEST_MAIN(TEST_CASE(same_bits), TEST_CASE(others_may_use_its_memory),
           TEST_CASE(stops_with_both_in_the_film), TEST_CASE(void_waves),
-          TEST_CASE(chosen_by_the_device))
+          TEST_CASE(chosen_by_the_device), TEST_CASE(one_where_allocations_fail))

@@ -115,10 +115,11 @@ static json_t *variant_json(const struct bench *b, const struct bench_variant *v
     for (uint32_t i = 0; i < v->bounce_count; i++)
         json_array_append_new(bounces, bounce_json(b, v, i));
     return json_pack(
-        "{s:o, s:o, s:i, s:i, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "scene",
+        "{s:o, s:o, s:i, s:i, s:I, s:I, s:I, s:i, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "scene",
         json_words(v->scene_data.path), "label", json_words(v->variant.label), "width",
         (int)s->width, "height", (int)s->height, "spp", (json_int_t)s->spp, "seed",
-        (json_int_t)s->seed, "wave", (json_int_t)v->job.renderer.plan.wave_slots, "workgroup",
+        (json_int_t)s->seed, "wave", (json_int_t)v->job.renderer.plan.wave_slots, "waves_in_flight",
+        (int)v->job.renderer.plan.waves, "workgroup",
         (json_int_t)v->job.renderer.specialization.workgroup, "device_bytes",
         (json_int_t)v->job.renderer.plan.total_bytes, "image_hash",
         v->image_hash ? json_string(hash) : json_null(), "start_seconds", start_json(v), "bvh",

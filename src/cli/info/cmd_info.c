@@ -198,7 +198,7 @@ static int print_json(const struct info *info)
     return command_print(json_pack(
         "{s:o, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
-        "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:i}",
+        "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:i, s:i}",
         "scene", json_words(scene->path), "triangles", flat->triangle_count, "shared",
         sharing_json(flat, info->renderer.specialization.features), "shapes", flat->shape_count,
         "meshes", scene->mesh_count, "instances", scene->instance_count, "materials",
@@ -211,8 +211,8 @@ static int print_json(const struct info *info)
         (json_int_t)b->bytes, "build_seconds", b->build_seconds, "cached_seconds",
         b->cached_seconds, "features", "kept", features, "left_out", left_out, "memory",
         "device_bytes", (json_int_t)info->renderer.plan.total_bytes, "buffers", buffers, "wave",
-        info->renderer.plan.wave_slots, "workgroup", info->renderer.specialization.workgroup,
-        "shaded_as_diffuse", count_reduced(scene)));
+        info->renderer.plan.wave_slots, "waves_in_flight", info->renderer.plan.waves, "workgroup",
+        info->renderer.specialization.workgroup, "shaded_as_diffuse", count_reduced(scene)));
 }
 
 static bool gather(const struct options *options, struct info *info, struct err *err)

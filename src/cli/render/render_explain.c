@@ -51,6 +51,14 @@ static void print_part(void *context, const struct part *part)
            part_reason(r, part));
 }
 
+static void print_waves(const struct renderer *r)
+{
+    if (r->plan.waves > 1)
+        printf("waves     %" PRIu64 ", of which %" PRIu64
+               " began beside the last bounces of the one before\n",
+               r->stats.waves, r->stats.waves_ahead);
+}
+
 static void print_classes(const struct renderer *r)
 {
     if (!(r->specialization.features & FEATURE_CLASSES))
@@ -74,6 +82,7 @@ void explain_print(struct render_run *run)
         printf("relMSE    at most %.3g (95 %%): divided by the pixels' own values, which are less "
                "well known than the means around them\n",
                run->job.error.relmse_at_most);
+    print_waves(r);
     print_classes(r);
     if (r->stats.suspended)
         printf("continued %" PRIu64 " traversals of more than %u steps\n", r->stats.suspended,

@@ -219,6 +219,8 @@ bool render_print_json(const struct render_run *run, struct err *err)
     add_ending(object, run);
     json_object_set_new(object, "workgroup",
                         json_integer(run->job.renderer.specialization.workgroup));
+    json_object_set_new(object, "waves_in_flight", json_integer(run->job.renderer.plan.waves));
+    json_object_set_new(object, "waves_begun_ahead", json_integer((json_int_t)stats->waves_ahead));
     json_object_set_new(object, "shared_stack_entries",
                         json_integer(run->job.renderer.specialization.stack_shared));
     json_object_set_new(
