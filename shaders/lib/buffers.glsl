@@ -63,6 +63,9 @@ layout(std430, set = 0, binding = BINDING_QUEUES) buffer queues_block {
 
 layout(std430, set = 0, binding = BINDING_COUNTERS) buffer counters_block {
     gpu_counters counters;
+#ifdef SORTS_RAYS
+    gpu_sort sort;
+#endif
 };
 
 void store_path(uint slot, uint word, uvec4 value)

@@ -368,6 +368,15 @@ struct gpu_counters {
     uint nonfinite_record[NONFINITE_RECORDS * 4]; // pixel, sample, site, bounce
 };
 
+// Behind the counters where rays are sorted: lib/sort.glsl. The cells along each axis are 2^this.
+#define SORT_CELL_BITS 3
+#define SORT_KEYS (8 << 3 * SORT_CELL_BITS) // 8 octants of so many cells
+struct gpu_sort {
+    uint count[SORT_KEYS]; // of the rays that have a key; 0 when no sort is under way
+    uint place[SORT_KEYS]; // in the sorted queue, of the next ray that has it
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_sort, 32768);
+
 // Push constants: what changes from dispatch to dispatch.
 struct gpu_push {
     uint bounce;
@@ -431,7 +440,11 @@ struct gpu_frame {
     float min_density;    // of a direction, 1/sr, with FEATURE_MIN_DENSITY
     uint split_lobes;     // vertices at which paths split, with FEATURE_SPLIT_LOBES
     uint align_frame, align_frame_1;
+    VEC3(cells_begin); // where rays are sorted by cells: the scene's lowest corner,
+    uint align_cells;
+    VEC3(cells_a_length); // and how many cells there are in a unit of length
+    uint align_cells_1;
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_frame, 224);
+SHARED_STATIC_ASSERT_SIZE(gpu_frame, 256);
 
 #endif

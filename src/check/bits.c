@@ -36,6 +36,10 @@ const struct bits_variant bits_variants[] = {
      .from_storage = true, .wave = 1u << 10, .compile_all = true, .first_calls = {3, 16},
      .representative = true},
     {"two waves in flight", {.waves = 2}, .wave = 352, .representative = true},
+    {"rays sorted", {.sort_rays = true}, .representative = true},
+    {"rays sorted in two waves, without ballot",
+     {.sort_rays = true, .waves = 2, .no_ballot = true, .no_texel = true}, .from_storage = true,
+     .wave = 352},
 };
 // clang-format on
 const size_t bits_variant_count = sizeof bits_variants / sizeof bits_variants[0];
@@ -196,6 +200,8 @@ static const struct check_case cases[] = {
     SAME("G3", "traversal's stack in 2 KiB of it", 18),
     LONG_SAME("G3", "all of that at once", 19),
     SAME("G1", "two waves in flight", 20),
+    SAME("G1", "rays sorted by octant and cell", 21),
+    SAME("G1", "rays sorted in two waves in flight", 22),
 };
 
 CHECK_GROUP(check_bits, "bits", "what must not change one bit of a picture", cases);

@@ -21,6 +21,7 @@ static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size
         {"no-mapped-device", &limits->no_mapped_device},
         {"no-timestamps", &limits->no_timestamps},
         {"shared-stack", &limits->shared_stack},
+        {"sort-rays", &limits->sort_rays},
     };
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         if (length == strlen(flags[i].name) && memcmp(word, flags[i].name, length) == 0) {
@@ -75,14 +76,15 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
     while (word && *word) {
         size_t length = strcspn(word, ",");
         if (!take_flag(limits, word, length) && !take_number(limits, word, length))
-            return err_set(err, ERR_USAGE,
-                           VARIABLE
-                           ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
-                           "no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, "
-                           "storage-range=BYTES, storage-count=N, texel-count=N, texel-elements=N, "
-                           "allocation=BYTES, shared-memory=BYTES, memory=BYTES, "
-                           "memory-budget=BYTES, group-ns=N, watchdog-ms=N or waves=N",
-                           (int)length, word);
+            return err_set(
+                err, ERR_USAGE,
+                VARIABLE
+                ": \"%.*s\" is unknown; expected api-1.1, no-texel, no-ballot, "
+                "no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, "
+                "sort-rays, storage-range=BYTES, storage-count=N, texel-count=N, texel-elements=N, "
+                "allocation=BYTES, shared-memory=BYTES, memory=BYTES, "
+                "memory-budget=BYTES, group-ns=N, watchdog-ms=N or waves=N",
+                (int)length, word);
         word += length + (word[length] == ',');
     }
     return true;

@@ -11,7 +11,7 @@ struct VkPhysicalDevice_T;
 // Lower limits than the device's, to test fallbacks; 0 means the device's own. What is 0 or false
 // here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
 // be run on the fallbacks: words separated by commas out of api-1.1, no-texel, no-ballot,
-// no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, storage-range=BYTES,
+// no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, sort-rays, storage-range=BYTES,
 // storage-count=N, texel-count=N, texel-elements=N, allocation=BYTES, shared-memory=BYTES,
 // memory=BYTES, memory-budget=BYTES, group-ns=N, watchdog-ms=N, waves=N. Other words are ERR_USAGE.
 struct gpu_limit_overrides {
@@ -35,6 +35,7 @@ struct gpu_limit_overrides {
     bool no_mapped_device; // device memory is never mapped: uploads and downloads are staged
     bool no_timestamps;    // what kernels take is not known
     bool shared_stack;     // traversal as on GPUs (shaders/lib/stack.glsl), on any device
+    bool sort_rays;        // rays are sorted as on GPUs (shaders/lib/sort.glsl), on any device
 };
 
 struct gpu_params {

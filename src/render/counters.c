@@ -6,8 +6,8 @@ bool counters_create(struct renderer *r, struct err *err)
 {
     struct gpu_buffer *live = &r->buffers[BINDING_COUNTERS];
     counters_finish(r);
-    return gpu_buffer_create(r->gpu, r->plan.buffers[BINDING_COUNTERS].name, sizeof *r->counters,
-                             GPU_DEVICE, false, live, err) &&
+    const struct planned_buffer *planned = &r->plan.buffers[BINDING_COUNTERS];
+    return gpu_buffer_create(r->gpu, planned->name, planned->bytes, GPU_DEVICE, false, live, err) &&
            (live->mapped || gpu_buffer_create(r->gpu, "counters read back", sizeof *r->counters,
                                               GPU_READBACK, false, &r->counters_copy, err));
 }
@@ -35,4 +35,15 @@ bool counters_write(struct renderer *r, struct err *err)
 {
     return gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
                       err);
+}
+
+bool counters_clear(struct renderer *r, struct err *err)
+{
+    static const uint32_t none[SORT_KEYS];
+    memset(r->counters, 0, sizeof *r->counters);
+    return counters_write(r, err) &&
+           (!r->specialization.sort_rays ||
+            gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS],
+                       sizeof *r->counters + offsetof(struct gpu_sort, count), none, sizeof none,
+                       err));
 }

@@ -14,5 +14,7 @@ void counters_record_copy(struct renderer *renderer);
 void counters_read(struct renderer *renderer);
 // Sets the device's to renderer->counters, at once.
 bool counters_write(struct renderer *renderer, struct err *err);
+// Sets both to 0, and what sorting rays has counted.
+bool counters_clear(struct renderer *renderer, struct err *err);
 
 #endif

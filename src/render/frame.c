@@ -38,6 +38,17 @@ static void set_camera(struct gpu_frame *frame, const struct camera *camera,
     }
 }
 
+// Rays begin within the scene's bounds but for those from planes without end.
+static void set_cells(struct gpu_frame *frame, const struct flat_scene *flat)
+{
+    for (int c = 0; c < 3; c++) {
+        double extent = (double)flat->bounds_max[c] - (double)flat->bounds_min[c];
+        double cells = extent > 0.0 ? (1u << SORT_CELL_BITS) / extent : 0.0;
+        frame->cells_begin[c] = extent > 0.0 ? flat->bounds_min[c] : 0.0f;
+        frame->cells_a_length[c] = cells < (double)FLT_MAX ? (float)cells : 0.0f;
+    }
+}
+
 static void set_environment(struct gpu_frame *frame, const struct environment *environment)
 {
     frame->environment_size = environment->width | environment->height << 16;
@@ -136,6 +147,7 @@ void frame_fill(struct renderer *r)
         .metre = (float)(1.0 / r->flat.scale),
     };
     set_environment(&r->frame, &r->scene->environment);
+    set_cells(&r->frame, &r->flat);
     if (settings->integrator == INTEGRATOR_AO)
         set_ambient_occlusion(r);
     if (settings->integrator == INTEGRATOR_WHITTED)

@@ -22,6 +22,12 @@
 #include "shade_surface_plain.spv.h"
 #include "shade_whitted.spv.h"
 #include "shade_whitted_plain.spv.h"
+#include "sort_count.spv.h"
+#include "sort_count_plain.spv.h"
+#include "sort_scan.spv.h"
+#include "sort_scan_plain.spv.h"
+#include "sort_scatter.spv.h"
+#include "sort_scatter_plain.spv.h"
 
 #define shade_diffuse_spirv shade_surface_spirv
 #define shade_diffuse_plain_spirv shade_surface_plain_spirv

@@ -21,6 +21,9 @@
     X(shade_ao)                                                                                    \
     X(shade_whitted)                                                                               \
     X(intersect_shadow)                                                                            \
+    X(sort_count)                                                                                  \
+    X(sort_scan)                                                                                   \
+    X(sort_scatter)                                                                                \
     X(accumulate)                                                                                  \
     X(prepare_dispatch)                                                                            \
     X(resolve)

@@ -109,7 +109,8 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
                         .is_sampled = p->specialization->emitters & EMITTER_ENVIRONMENT,
                     });
     case BINDING_COUNTERS:
-        return sizeof(struct gpu_counters);
+        return sizeof(struct gpu_counters) +
+               (p->specialization->sort_rays ? sizeof(struct gpu_sort) : 0);
     default:
         return 0;
     }

@@ -396,6 +396,16 @@ void specialization_count_steps(struct specialization *s, bool on)
 #define SDF_FRACTALS                                                                               \
     (SDF_BIT(SDF_MANDELBULB) | SDF_BIT(SDF_MENGER) | SDF_BIT(SDF_APOLLONIAN) | SDF_BIT(SDF_PYRAMID))
 
+// What sorting takes is a tenth of what a GPU takes to trace, but a good part of that on
+// processors: "Rays sorted by octant and cell" in docs/performance.md.
+static bool sorts_rays(const struct specialization *s, const struct gpu *gpu,
+                       const struct settings *settings)
+{
+    bool is_wanted = !gpu->info.is_cpu || gpu->params.limits.sort_rays;
+    bool is_long = s->integrator == INTEGRATOR_PATH || s->integrator == INTEGRATOR_WHITTED;
+    return is_wanted && is_long && settings->max_bounces >= SORT_FIRST_BOUNCE && has_surfaces(s);
+}
+
 struct specialization specialize(const struct specialize_params *p)
 {
     const struct scene *scene = p->scene;
@@ -483,6 +493,7 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_TILES;
     s.features |= device_features(gpu, bvh, scene, &s);
     s.queues = queues_needed(s.features, s.class_lobes);
+    s.sort_rays = sorts_rays(&s, gpu, settings);
     if (s.sdf & SDF_FRACTALS)
         specialization_suspend(&s);
     return s;
@@ -529,6 +540,10 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
         return has_surfaces(s) || (s->features & FEATURE_ENVIRONMENT);
     case KERNEL_intersect_shadow:
         return s->features & FEATURE_NEE;
+    case KERNEL_sort_count:
+    case KERNEL_sort_scan:
+    case KERNEL_sort_scatter:
+        return s->sort_rays;
     default:
         return true;
     }

@@ -43,6 +43,7 @@ struct specialization {
     uint32_t class_lobes[CLASS_COUNT];
     uint32_t pending_rays; // that a slot may have put off at once; INTEGRATOR_WHITTED only
     uint32_t split_lobes;  // first vertices at which paths split; 2^this slots a sample
+    bool sort_rays;        // by octant and cell, from SORT_FIRST_BOUNCE on
 };
 _Static_assert(offsetof(struct specialization, class_lobes) == 4 * CONSTANT_COUNT,
                "one word a constant");
@@ -50,6 +51,10 @@ _Static_assert(offsetof(struct specialization, class_lobes) == 4 * CONSTANT_COUN
 // Storage buffers that shading binds at most where scenes are not read as texels: all of a scene's
 // but the nodes, and those of paths, shadow rays, radiance, queues and counters.
 #define SHADING_STORAGE (BINDING_TEXELS + 5)
+
+// Rays of earlier bounces are in order enough: "Rays sorted by octant and cell" in
+// docs/performance.md.
+#define SORT_FIRST_BOUNCE 2u
 
 struct specialize_params {
     const struct scene *scene;

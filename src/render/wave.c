@@ -158,6 +158,16 @@ static bool record_prepare(struct loop *l, uint32_t queue_mask, struct err *err)
     return true;
 }
 
+// The one workgroup of a sort: see lib/sort.glsl.
+static bool record_scan(struct loop *l, uint32_t queue, struct err *err)
+{
+    if (!make_room(l, KERNEL_sort_scan, 0, err))
+        return false;
+    l->r->push.queue = queue;
+    dispatch(l->r, KERNEL_sort_scan, 1, 0);
+    return true;
+}
+
 // --- running -------------------------------------------------------------------------------------
 
 static void add_times(struct renderer *r, const double *ns)
@@ -296,7 +306,8 @@ static bool trace_shadow_rays(struct loop *l, struct err *err)
     return true;
 }
 
-static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+// A kernel over a queue, if the scene needs it.
+static bool consume(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     if (!specialization_needs_kernel(&l->r->specialization, kernel))
         return true;
@@ -309,18 +320,18 @@ static bool shade_misses(struct loop *l, struct err *err)
 {
     if (!(l->r->specialization.queues >> QUEUE_MISS & 1u))
         return true;
-    return shade(l, KERNEL_shade_miss, QUEUE_MISS, err) &&
-           shade(l, KERNEL_shade_whitted, QUEUE_MISS, err);
+    return consume(l, KERNEL_shade_miss, QUEUE_MISS, err) &&
+           consume(l, KERNEL_shade_whitted, QUEUE_MISS, err);
 }
 
 static bool shade_surfaces(struct loop *l, struct err *err)
 {
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
-        if (!shade(l, (enum kernel_id)(KERNEL_shade_diffuse + c), QUEUE_SURFACE + c, err))
+        if (!consume(l, (enum kernel_id)(KERNEL_shade_diffuse + c), QUEUE_SURFACE + c, err))
             return false;
-    return shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err) &&
-           shade(l, KERNEL_shade_ao, QUEUE_SURFACE, err) &&
-           shade(l, KERNEL_shade_whitted, QUEUE_SURFACE, err);
+    return consume(l, KERNEL_shade_surface, QUEUE_SURFACE, err) &&
+           consume(l, KERNEL_shade_ao, QUEUE_SURFACE, err) &&
+           consume(l, KERNEL_shade_whitted, QUEUE_SURFACE, err);
 }
 
 // Dispatches are prepared for parts of one size: it may change where none is prepared.
@@ -345,12 +356,40 @@ static bool prepare_rays(struct loop *l, struct err *err)
     return before(l, KERNEL_prepare_dispatch, mask, err) && record_prepare(l, mask, err);
 }
 
+static bool sorts_rays(const struct loop *l)
+{
+    return l->r->specialization.sort_rays && l->bounce >= SORT_FIRST_BOUNCE;
+}
+
+// Sorted, rays are in the queue that shading fills only after they are traced.
+static uint32_t queue_to_trace(const struct loop *l)
+{
+    return sorts_rays(l) ? 2 * QUEUE_RAYS + 1 - queue_of_rays(l) : queue_of_rays(l);
+}
+
+static bool sort_count(struct loop *l, struct err *err)
+{
+    return !sorts_rays(l) || consume(l, KERNEL_sort_count, queue_of_rays(l), err);
+}
+
+static bool sort_scan(struct loop *l, struct err *err)
+{
+    uint32_t queue = queue_of_rays(l);
+    return !sorts_rays(l) || (before(l, KERNEL_sort_scan, queue, err) &&
+                              record_scan(l, queue, err) && after(l, KERNEL_sort_scan, queue, err));
+}
+
+static bool sort_scatter(struct loop *l, struct err *err)
+{
+    return !sorts_rays(l) || consume(l, KERNEL_sort_scatter, queue_of_rays(l), err);
+}
+
 // The shadow rays of the bounce before join the radiance first: contributions are added in the
 // order of bounces.
 static bool trace(struct loop *l, struct err *err)
 {
     return (l->bounce == 0 || trace_shadow_rays(l, err)) &&
-           trace_queue(l, KERNEL_intersect_closest, queue_of_rays(l), err);
+           trace_queue(l, KERNEL_intersect_closest, queue_to_trace(l), err);
 }
 
 static bool prepare_hits(struct loop *l, struct err *err)
@@ -365,8 +404,8 @@ static bool shade_hits(struct loop *l, struct err *err)
     return shade_misses(l, err) && shade_surfaces(l, err);
 }
 
-static bool (*const stages[])(struct loop *l, struct err *err) = {prepare_rays, trace, prepare_hits,
-                                                                  shade_hits};
+static bool (*const stages[])(struct loop *l, struct err *err) = {
+    prepare_rays, sort_count, sort_scan, sort_scatter, trace, prepare_hits, shade_hits};
 
 // --- bounces of waves ----------------------------------------------------------------------------
 
@@ -605,6 +644,8 @@ static bool record_step(struct loop *l, const struct wave_step *step, struct err
         return record_items(l, step->kernel, wave->pixel_count, 1, err);
     case KERNEL_prepare_dispatch:
         return record_prepare(l, step->queue, err);
+    case KERNEL_sort_scan:
+        return record_scan(l, step->queue, err);
     default:
         return record_queue(l, step->kernel, step->queue, err);
     }
@@ -715,22 +756,16 @@ uint32_t wave_kernel_instructions(const struct renderer *r, const struct special
     return count;
 }
 
-static bool clear_counters(struct renderer *r, struct err *err)
-{
-    memset(r->counters, 0, sizeof *r->counters);
-    return counters_write(r, err);
-}
-
 // All counters zeroed: the kernels below find nothing to do.
 bool wave_clear_counters(struct renderer *r, struct err *err)
 {
     r->ahead.is_begun = false;
-    if (!clear_counters(r, err))
+    if (!counters_clear(r, err))
         return false;
     if (r->plan.waves < 2)
         return true;
     wave_exchange(r);
-    bool ok = clear_counters(r, err);
+    bool ok = counters_clear(r, err);
     wave_exchange(r);
     return ok;
 }

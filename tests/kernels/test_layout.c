@@ -82,9 +82,12 @@
     M(lens_blades)                                                                                 \
     M(filter_radius)                                                                               \
     M(ao_distance)                                                                                 \
-    M(metre) M(environment_reach) M(ambient) M(pending_rays) M(instances) M(sdfs) M(sdf_code)      \
+    M(metre)                                                                                       \
+    M(environment_reach) M(ambient) M(pending_rays) M(instances) M(sdfs) M(sdf_code)               \
         M(camera_start) M(lens_at_start) M(small_triangles) M(pixel_strata) M(mis_exponent)        \
-            M(min_density) M(split_lobes) M(align_frame) M(align_frame_1)
+            M(min_density) M(split_lobes) M(align_frame) M(align_frame_1) M(cells_begin)           \
+                M(align_cells) M(cells_a_length) M(align_cells_1)
+#define SORT(M) M(count) M(place)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \
@@ -116,6 +119,7 @@
     R(gpu_dispatch, DISPATCH)                                                                      \
     R(gpu_queue, QUEUE)                                                                            \
     R(gpu_counters, COUNTERS)                                                                      \
+    R(gpu_sort, SORT)                                                                              \
     R(gpu_frame, FRAME)                                                                            \
     R(gpu_push, PUSH)
 
@@ -160,6 +164,7 @@ struct record {
 #define M_gpu_dispatch(m) MEMBER_OF(struct gpu_dispatch, m)
 #define M_gpu_queue(m) MEMBER_OF(struct gpu_queue, m)
 #define M_gpu_counters(m) MEMBER_OF(struct gpu_counters, m)
+#define M_gpu_sort(m) MEMBER_OF(struct gpu_sort, m)
 #define M_gpu_frame(m) MEMBER_OF(struct gpu_frame, m)
 #define M_gpu_push(m) MEMBER_OF(struct gpu_push, m)
 #define RECORD_OF(name, members) {#name, sizeof(struct name), {members(M_##name)}},

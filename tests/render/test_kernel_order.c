@@ -193,6 +193,7 @@ static const struct order_case order_cases[] = {
     {"one class", "scenes/cornell.json", {0}, .unseen_barriers = 2},
     {"classes and misses", "scenes/sky.json", {0}, .aovs = AOV_END - 1u,
      .unseen_barriers = 2 + BOUNCES + 1},
+    {"rays sorted", "scenes/sky.json", {.sort_rays = true}, .unseen_barriers = 2 + BOUNCES + 1},
     {"media", "scenes/glass.json", {0}},
     {"shadow rays to all lights", "scenes/veach_mis.json", {0}, .light_choice = LIGHT_CHOICE_ALL,
      .unseen_barriers = 2 + 2 * BOUNCES},

@@ -133,6 +133,12 @@ double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
         return queue + 4.0 * word;
     case KERNEL_shade_ao:
         return queue + 3.0 * word;
+    case KERNEL_sort_count: // origin, direction; writes the key
+        return queue + 3.0 * word;
+    case KERNEL_sort_scan: // a ray's share is nothing: it reads and writes counts
+        return 0.0;
+    case KERNEL_sort_scatter: // the key
+        return 2.0 * queue + word;
     default:
         return queue + (double)sizeof(struct gpu_path);
     }
@@ -151,6 +157,9 @@ static uint64_t count_items(const struct renderer *r, const struct wave_step *st
         return (uint64_t)r->push.pixel_count << r->push.sample_shift;
     case KERNEL_intersect_closest:
     case KERNEL_intersect_shadow:
+    case KERNEL_sort_count:
+    case KERNEL_sort_scan:
+    case KERNEL_sort_scatter:
         return r->counters->dispatch[step->queue * DISPATCH_PARTS].items;
     default:
         return r->counters->queue[step->queue].count;

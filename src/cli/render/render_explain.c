@@ -94,6 +94,9 @@ void explain_print(struct render_run *run)
     if (r->specialization.stack_shared)
         printf("stack     %u of at most %u entries of a traversal are in shared memory\n",
                r->specialization.stack_shared, r->specialization.stack_entries + 2);
+    if (r->specialization.sort_rays)
+        printf("sort      rays are sorted by octant and cell from bounce %u on\n",
+               SORT_FIRST_BOUNCE);
     puts("saved     by each part that is left out, if it alone were there besides:\n");
     printf("%-47s  %12s  %12s  %s\n", "left out", "bytes", "instructions", "why");
     parts_visit(r, print_part, run);

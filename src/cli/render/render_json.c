@@ -223,6 +223,8 @@ bool render_print_json(const struct render_run *run, struct err *err)
     json_object_set_new(object, "waves_begun_ahead", json_integer((json_int_t)stats->waves_ahead));
     json_object_set_new(object, "shared_stack_entries",
                         json_integer(run->job.renderer.specialization.stack_shared));
+    json_object_set_new(object, "sorts_rays",
+                        json_boolean(run->job.renderer.specialization.sort_rays));
     json_object_set_new(
         object, "shared",
         sharing_json(&run->job.renderer.flat, run->job.renderer.specialization.features));

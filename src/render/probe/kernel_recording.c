@@ -21,9 +21,14 @@ static uint32_t written(enum kernel_id kernel)
     case KERNEL_shade_miss:
     case KERNEL_intersect_shadow:
         return 1u << BINDING_RADIANCE | 1u << BINDING_COUNTERS;
+    case KERNEL_sort_count:
+        return 1u << BINDING_PATHS | 1u << BINDING_COUNTERS;
+    case KERNEL_sort_scatter:
+        return 1u << BINDING_QUEUES | 1u << BINDING_COUNTERS;
     case KERNEL_accumulate:
         return 1u << BINDING_FILM;
     case KERNEL_prepare_dispatch:
+    case KERNEL_sort_scan:
         return 1u << BINDING_COUNTERS;
     case KERNEL_resolve:
         return 1u << BINDING_RESOLVED;

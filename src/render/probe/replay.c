@@ -157,7 +157,8 @@ static bool after(void *context, const struct wave_step *step, struct err *err)
     enum kernel_id kernel = step->kernel;
     uint32_t bounce = step->bounce;
     uint32_t rays = QUEUE_RAYS + (bounce & 1u);
-    if (kernel == KERNEL_generate_rays)
+    bool is_sort = kernel >= KERNEL_sort_count && kernel <= KERNEL_sort_scatter;
+    if (kernel == KERNEL_generate_rays || is_sort)
         return true;
     if (kernel == KERNEL_intersect_shadow)
         return read_shadow(f, err);

@@ -1,0 +1,54 @@
+// Owns the order in which rays are traced where they are sorted: by the octant of the direction, then
+// by the cell of the origin along Morton's curve (Morton 1966), so that rays that are side by side
+// meet the same nodes. Three kernels sort a queue by counting (Knuth 1973, section 5.2, algorithm D):
+// sort_count, sort_scan, sort_scatter. They write the sorted queue in place of the other queue of
+// rays, which is empty until shading fills it.
+#ifndef SORT_GLSL
+#define SORT_GLSL
+
+#define SORTS_RAYS
+#include "lib/queue.glsl"
+
+const uint SORT_CELLS = 1u << SORT_CELL_BITS;
+
+// The queue that has the rays of `queue` when they are sorted.
+uint sorted_queue(uint queue)
+{
+    return 2u * QUEUE_RAYS + 1u - queue;
+}
+
+// Puts two zeros between any two bits of a cell's number.
+uint spread_bits(uint number)
+{
+    uint spread = 0u;
+    for (uint bit = 0u; bit < SORT_CELL_BITS; bit++)
+        spread |= (number >> bit & 1u) << 3u * bit;
+    return spread;
+}
+
+// Rays from beyond the scene's bounds count to the cells at their border. Whatever a float is, and
+// whatever a device makes of it, the key is below SORT_KEYS.
+uint sort_key(vec3 origin, vec3 direction)
+{
+    uint key = 0u;
+    for (uint c = 0u; c < 3u; c++) {
+        float place = (origin[c] - frame.cells_begin[c]) * frame.cells_a_length[c];
+        uint cell = min(uint(clamp(place, 0.0, float(SORT_CELLS - 1u))), SORT_CELLS - 1u);
+        uint octant = direction[c] < 0.0 ? 1u : 0u;
+        key |= spread_bits(cell) << c | octant << (3u * SORT_CELL_BITS + c);
+    }
+    return key;
+}
+
+// A ray's key is kept where its hit will be: computed twice, it might not be the same.
+void store_key(uint slot, uint key)
+{
+    store_path(slot, PATH_HIT, uvec4(key, 0u, 0u, NO_PRIMITIVE));
+}
+
+uint load_key(uint slot)
+{
+    return load_path(slot, PATH_HIT).x;
+}
+
+#endif
