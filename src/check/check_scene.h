@@ -5,6 +5,7 @@
 
 #include "base/arena.h"
 #include "base/err.h"
+#include "image/image.h"
 #include "render/render.h"
 #include <stdbool.h>
 #include <stdint.h>
@@ -24,7 +25,8 @@ struct scene_finding {
     const char *consequence; // a sentence
     const char *remedy;      // a sentence
     double share;            // of the picture that it touches, 0 to 1; NAN: not known
-    const char *change;      // what scene_check_fix() does about it; NULL: nothing
+    const uint8_t *pixels; // of `picture`: flags of those that it touches; NULL: not known, or all
+    const char *change;    // what scene_check_fix() does about it; NULL: nothing
 };
 
 // What a render of the scene would take to a given error.
@@ -40,6 +42,7 @@ struct scene_findings {
     struct scene_finding *items; // in descending order of their shares, unknown ones last
     uint32_t count, capacity;
     struct scene_outlook outlook;
+    struct image picture; // the small one that was looked at, linear
 };
 
 struct check_scene_params {

@@ -390,8 +390,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "report", .argument = "FOLDER|FILE", .type = VALUE_TEXT, .group = "Report",
         .commands = FOR_CONVERGE | FOR_BENCH | FOR_CHECK, .fallback = "none",
         .help = "Write report.html with plots (by gnuplot), tables and pictures, results.csv and "
-                "results.json into this folder; check writes its cases and their pictures into this "
-                ".html file.",
+                "results.json into this folder; check writes its cases, or what it finds in a scene, "
+                "with pictures into this .html file.",
         FIELD(study.report),
     },
     [OPTION_IMAGES] = {

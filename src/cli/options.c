@@ -224,7 +224,7 @@ static bool needs_scene(const struct option_def *def)
 static bool check_check(const struct options *options, struct err *err)
 {
     static const enum option_id of_devices[] = {OPTION_ONLY, OPTION_LIST, OPTION_LONG,
-                                                OPTION_REPRODUCIBLE, OPTION_REPORT};
+                                                OPTION_REPRODUCIBLE};
     for (int i = 0; i < OPTION_TOTAL; i++)
         if (options_given(options, i) && options->argument_count == 0 &&
             needs_scene(&option_table[i]))

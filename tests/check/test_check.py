@@ -94,8 +94,7 @@ class Check(unittest.TestCase):
         self.assertEqual(run(LAMPYRIS, 'check', scene, '-q', '--lose-device', '5').returncode, 3)
 
     def test_reports_that_cannot_be_written(self):
-        """Found before a device is opened: here is none. A scene that is checked has no report, and is
-        not written over."""
+        """Found before a device is opened: here is none. A scene that is checked is not written over."""
         environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
         with tempfile.TemporaryDirectory() as folder:
             for path, code in ((folder, 4), (os.path.join(folder, 'no', 'a.html'), 4),
@@ -108,7 +107,6 @@ class Check(unittest.TestCase):
                 file.write('{"lampyris": 1}')
             result = run(LAMPYRIS, 'check', scene, '--report', scene)
             self.assertEqual(result.returncode, 2)
-            self.assertIn('--report is of devices', result.stderr)
             with open(scene, encoding='utf-8') as file:
                 self.assertEqual(file.read(), '{"lampyris": 1}')
 

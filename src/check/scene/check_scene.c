@@ -27,16 +27,29 @@ static void shrink_picture(struct settings *settings, double pixels)
 #define RENDER_SECONDS 30.0
 #define LEAST_PIXELS 256.0
 
-// The second of two samples: the first one warms up.
+// That a sample of all pixels may take.
+#define SAMPLE_SECONDS (RENDER_SECONDS / RENDERED_SAMPLES)
+
+// The fastest of a few samples: the first one warms up, and others may have met a busy machine.
+#define TIMED_SAMPLES 5u
+#define TIMED_SECONDS 3.0 // after which the second one decides
+
 static bool time_sample(struct job *job, uint32_t seed, double *seconds, struct err *err)
 {
-    const struct job_step first = {.samples = 1, .to = 0.5}, second = {.samples = 2, .to = 1};
-    if (!job_begin(job, seed, 0, err) || !job_advance(job, &first, err))
+    *seconds = INFINITY;
+    if (!job_begin(job, seed, 0, err))
         return false;
-    double warm = job_elapsed(job);
-    if (!job_advance(job, &second, err))
-        return false;
-    *seconds = job_elapsed(job) - warm;
+    for (uint32_t k = 1; k <= TIMED_SAMPLES && *seconds > SAMPLE_SECONDS; k++) {
+        const struct job_step step = {
+            .samples = k, .from = (k - 1.0) / TIMED_SAMPLES, .to = (double)k / TIMED_SAMPLES};
+        double before = job_elapsed(job);
+        if (k > 2 && before > TIMED_SECONDS)
+            break;
+        if (!job_advance(job, &step, err))
+            return false;
+        if (k > 1)
+            *seconds = fmin(*seconds, job_elapsed(job) - before);
+    }
     return true;
 }
 
@@ -70,7 +83,7 @@ static bool start_job(struct survey *survey, struct err *err)
     if (!job_start(params, &survey->job, err) ||
         !time_sample(&survey->job, survey->settings.seed, &seconds, err))
         return false;
-    double affordable = pixels * RENDER_SECONDS / (seconds * RENDERED_SAMPLES);
+    double affordable = pixels * SAMPLE_SECONDS / seconds;
     if (affordable >= pixels || pixels <= LEAST_PIXELS)
         return true;
     job_finish(&survey->job);
@@ -116,12 +129,16 @@ static bool prepare(struct survey *survey, struct err *err)
     return start_job(survey, err) && sightlines_take_view(survey, err);
 }
 
-// What the device's memory holds is all for the render that follows.
+// Its film is kept. What the device's memory holds is all for the render that follows.
 static bool end_job(struct survey *survey, struct err *err)
 {
-    (void)err;
+    const struct film_image *film = &survey->job.film;
+    size_t count = survey->line_count;
+    struct image picture = {film->width, film->height,
+                            arena_copy(survey->arena, film->mean, count, sizeof *film->mean)};
     job_finish(&survey->job);
-    return true;
+    survey->out->picture = picture;
+    return picture.pixels || err_memory(err, "a picture", count * sizeof *picture.pixels);
 }
 
 static bool search(struct survey *survey, struct err *err)
@@ -164,7 +181,8 @@ bool check_scene(const struct check_scene_params *params, struct arena *arena,
     *out = (struct scene_findings){.outlook = {.error = params->error}};
     // What would be warned of is found here, and said in full.
     enum log_level level = log_set_level(LOG_ERROR);
-    bool ok = prepare(&survey, err) && search(&survey, err);
+    bool ok = prepare(&survey, err) && search(&survey, err) &&
+              (!survey.lacks_memory || err_memory(err, "flags of pixels", survey.line_count));
     log_set_level(level);
     params->scene->settings = survey.settings;
     job_finish(&survey.job);

@@ -66,7 +66,8 @@ static bool find_white(struct survey *survey, struct err *err)
         white[i] = is_white(survey, i);
         first = white[i] && count++ == 0 ? i : first;
     }
-    double share = count > 0 ? survey_share(survey, meets_white, white) : 0.0;
+    const uint8_t *touched = count > 0 ? survey_touched(survey, meets_white, white) : NULL;
+    double share = survey_share(survey, touched);
     if (share < WHITE_SHARE_MIN)
         return true;
     return survey_add(
@@ -81,6 +82,7 @@ static bool find_white(struct survey *survey, struct err *err)
                            "bounces, and no real surface does this.",
             .remedy = "Use a \"base_color\" of at most 0.9; white paint has 0.8.",
             .share = share,
+            .pixels = touched,
         },
         err);
 }
@@ -368,6 +370,7 @@ static bool add_gain(struct survey *survey, uint32_t material, const struct gain
     // Rings have equal areas: sine squared of the angle from the normal.
     double from = asin(sqrt((double)gain->ring / FURNACE_RINGS)) / DEGREE;
     double to = asin(sqrt((gain->ring + 1.0) / FURNACE_RINGS)) / DEGREE;
+    const uint8_t *touched = survey_touched_by_material(survey, material);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -382,7 +385,8 @@ static bool add_gain(struct survey *survey, uint32_t material, const struct gain
                            "in closed rooms the picture has no limit.",
             .remedy = "Choose \"masking\": \"smith\" and \"diffuse\": \"coupled\", or lower "
                       "\"base_color\" and \"specular_color\".",
-            .share = survey_share_of_material(survey, material),
+            .share = survey_share(survey, touched),
+            .pixels = touched,
         },
         err);
 }

@@ -100,6 +100,7 @@ static bool add_objects(struct survey *survey, const struct coarse *coarse, stru
     if (coarse->count == 0)
         return true;
     const char *place = survey_object_name(survey, coarse->first);
+    const uint8_t *touched = survey_touched_by_objects(survey, coarse->marked);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -116,7 +117,8 @@ static bool add_objects(struct survey *survey, const struct coarse *coarse, stru
             .consequence = "Its form, its shadows and the light that it sends are wrong.",
             .remedy = "Move the scene so that what matters is near the origin or near the camera, "
                       "or make the object larger.",
-            .share = survey_share_of_objects(survey, coarse->marked),
+            .share = survey_share(survey, touched),
+            .pixels = touched,
         },
         err);
 }
@@ -141,6 +143,7 @@ static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bou
             object = i;
     if (object == SCENE_NONE)
         return true;
+    const uint8_t *touched = survey_touched(survey, is_of_mesh, &index);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -153,7 +156,8 @@ static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bou
                                    extent, farthest, farthest * (double)FLT_EPSILON),
             .consequence = "Its vertices are rounded already: its form is wrong.",
             .remedy = "Export the mesh about its own middle and place it by a transform.",
-            .share = survey_share(survey, is_of_mesh, &index),
+            .share = survey_share(survey, touched),
+            .pixels = touched,
         },
         err);
 }

@@ -157,14 +157,20 @@ static const struct sighting *lit_place(const struct survey *survey, const struc
     return material_lets_through(material) || material_emits(material) ? NULL : at;
 }
 
+// A line to a target: that one is not rare, and the camera's line that leads to where it begins.
+struct aimed {
+    bool is_common;
+    uint32_t from;
+};
+
 // A line from there to one of the targets; false where that is on its other side.
 static bool begin_line(const struct survey *survey, const struct sighting *at, uint32_t number,
-                       const struct targets *targets, struct sightline *line, bool *is_common)
+                       const struct targets *targets, struct sightline *line, struct aimed *aimed)
 {
     uint32_t seed = (uint32_t)(hash_bytes(HASH_INIT, &number, sizeof number) >> 16);
     const struct target *target = &targets->items[seed % targets->count];
     *line = (struct sightline){.from = at};
-    *is_common = target->is_common;
+    *aimed = (struct aimed){target->is_common, number % survey->line_count};
     aim_at(survey, target, at->point, seed / 16, line);
     // Both sides reflect, that which is seen does.
     double side = at->is_front ? 1.0 : -1.0;
@@ -187,11 +193,12 @@ struct tally {
     uint32_t open;   // lines that nothing opaque ends
     uint32_t behind; // lines to rare targets by way of glass
     struct sighting glass;
+    uint8_t *touched; // flags of places that they begin at
 };
 
-// One line from each place that can be lit; `buffer` and `common` have room for them.
+// One line from each place that can be lit; `buffer` and `aimed` have room for them.
 static bool count_behind_glass(struct survey *survey, const struct targets *targets, uint32_t round,
-                               struct sightline *buffer, bool *common, struct tally *tally,
+                               struct sightline *buffer, struct aimed *aimed, struct tally *tally,
                                struct err *err)
 {
     uint32_t count = 0;
@@ -199,13 +206,16 @@ static bool count_behind_glass(struct survey *survey, const struct targets *targ
         const struct sighting *at = lit_place(survey, &survey->lines[i]);
         tally->places += at != NULL;
         count += at && begin_line(survey, at, round * survey->line_count + i, targets,
-                                  &buffer[count], &common[count]);
+                                  &buffer[count], &aimed[count]);
     }
     if (!sightlines_trace(survey, buffer, count, err))
         return false;
     for (uint32_t i = 0; i < count; i++) {
         tally->open += buffer[i].is_open;
-        if (!common[i] && is_behind_glass(survey, &buffer[i]) && tally->behind++ == 0)
+        if (aimed[i].is_common || !is_behind_glass(survey, &buffer[i]))
+            continue;
+        tally->touched[aimed[i].from] = 1;
+        if (tally->behind++ == 0)
             tally->glass = buffer[i].steps[0];
     }
     return true;
@@ -218,24 +228,23 @@ static bool count_behind_glass(struct survey *survey, const struct targets *targ
 #define SKY_LINES_MIN 10u
 
 static bool share_behind_glass(struct survey *survey, enum aim aim, const struct targets *targets,
-                               double *share, struct sighting *glass, struct err *err)
+                               double *share, struct tally *tally, struct err *err)
 {
     struct sightline *lines = ARENA_NEW(&survey->scratch, struct sightline, survey->line_count);
-    bool *common = ARENA_NEW(&survey->scratch, bool, survey->line_count);
+    struct aimed *aimed = ARENA_NEW(&survey->scratch, struct aimed, survey->line_count);
     uint32_t rounds = aim == AIM_AT_SKY ? SKY_ROUNDS : 1;
-    struct tally tally = {0};
-    if (!lines || !common)
+    *tally = (struct tally){.touched = survey_flags(survey)};
+    if (!lines || !aimed || !tally->touched)
         return err_memory(err, "lines to lights", survey->line_count * sizeof *lines);
     for (uint32_t i = 0; i < rounds; i++)
-        if (!count_behind_glass(survey, targets, i, lines, common, &tally, err))
+        if (!count_behind_glass(survey, targets, i, lines, aimed, tally, err))
             return false;
-    *glass = tally.glass;
-    *share = (double)tally.behind / survey->line_count;
+    *share = (double)tally->behind / survey->line_count;
     if (aim == AIM_AT_SKY)
-        *share = tally.behind < SKY_LINES_MIN
+        *share = tally->behind < SKY_LINES_MIN
                      ? 0.0
-                     : (double)tally.places * tally.behind /
-                           ((double)tally.open * rounds * survey->line_count);
+                     : (double)tally->places * tally->behind /
+                           ((double)tally->open * rounds * survey->line_count);
     return true;
 }
 
@@ -284,18 +293,18 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
 {
     const struct words *words = &words_of[aim];
     struct targets targets = {0};
-    struct sighting glass = {0};
+    struct tally tally;
     double share;
     if (!list_targets(survey, aim, &targets, err))
         return false;
     if (targets.rare == 0)
         return true;
-    if (!share_behind_glass(survey, aim, &targets, &share, &glass, err))
+    if (!share_behind_glass(survey, aim, &targets, &share, &tally, err))
         return false;
     if (share < SHARE_MIN)
         return true;
-    const char *object = survey_object_name(survey, glass.object);
-    const char *material = survey_material_name(survey, glass.material);
+    const char *object = survey_object_name(survey, tally.glass.object);
+    const char *material = survey_material_name(survey, tally.glass.material);
     return survey_add(survey,
                       &(struct scene_finding){
                           .name = words->name,
@@ -307,6 +316,7 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
                           .consequence = words->consequence,
                           .remedy = words->remedy,
                           .share = share,
+                          .pixels = tally.touched,
                       },
                       err);
 }

@@ -27,6 +27,7 @@ struct media_search {
     struct survey *survey;
     const struct gpu_material *materials; // as uploaded, with their media's numbers
     struct losses losses[LOSS_KINDS];
+    uint32_t *lost; // by each line: the kinds, as bits
     struct overlap overlaps[OVERLAPS_MAX];
     uint32_t overlap_count;
 };
@@ -202,7 +203,7 @@ static bool begin_branch(struct media_search *search, uint32_t number, struct br
     return true;
 }
 
-static bool look_aside(struct media_search *search, uint32_t *lost, struct err *err)
+static bool look_aside(struct media_search *search, struct err *err)
 {
     struct survey *survey = search->survey;
     uint32_t count = 0;
@@ -215,7 +216,7 @@ static bool look_aside(struct media_search *search, uint32_t *lost, struct err *
     if (!sightlines_trace(survey, lines, count, err))
         return false;
     for (uint32_t i = 0; i < count; i++)
-        look_at_line(search, &lines[i], &branches[i].stack, &lost[branches[i].line]);
+        look_at_line(search, &lines[i], &branches[i].stack, &search->lost[branches[i].line]);
     return true;
 }
 
@@ -229,6 +230,14 @@ static const char *place_of(const struct media_search *search, const struct loss
                               : NULL;
 }
 
+static const uint8_t *lines_that_lost(const struct media_search *search, enum loss_kind kind)
+{
+    uint8_t *flags = survey_flags(search->survey);
+    for (uint32_t i = 0; flags && i < search->survey->line_count; i++)
+        flags[i] = search->lost[i] >> kind & 1u;
+    return flags;
+}
+
 static bool add_unclosed(struct media_search *search, enum loss_kind kind, struct err *err)
 {
     struct survey *survey = search->survey;
@@ -238,7 +247,7 @@ static bool add_unclosed(struct media_search *search, enum loss_kind kind, struc
     bool is_confirmed = !is_left || survey->job.renderer.stats.media_lost > 0;
     if (losses->count == 0 || !is_confirmed)
         return true;
-    double share = (double)losses->count / survey->line_count;
+    const uint8_t *touched = lines_that_lost(search, kind);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -255,7 +264,8 @@ static bool add_unclosed(struct media_search *search, enum loss_kind kind, struc
                 "and absorption are wrong.",
             .remedy = "Close the mesh with its corners counter-clockwise from outside, or make the "
                       "material \"thin\".",
-            .share = share,
+            .share = survey_share(survey, touched),
+            .pixels = touched,
         },
         err);
 }
@@ -266,6 +276,7 @@ static bool add_nested(struct media_search *search, struct err *err)
     const struct losses *losses = &search->losses[LOSS_NESTED];
     if (losses->count == 0)
         return true;
+    const uint8_t *touched = lines_that_lost(search, LOSS_NESTED);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -275,7 +286,8 @@ static bool add_nested(struct media_search *search, struct err *err)
             .figure = "a fifth medium inside of four others",
             .consequence = "Paths remember four media: what is inside is not certain there.",
             .remedy = "Let fewer closed surfaces with media lie within each other.",
-            .share = (double)losses->count / survey->line_count,
+            .share = survey_share(survey, touched),
+            .pixels = touched,
         },
         err);
 }
@@ -297,6 +309,7 @@ static bool add_overlap(struct media_search *search, const struct overlap *overl
     bool can_fix = vanishes && priority < 255;
     if (can_fix && survey->params->fixes)
         lower->medium_priority = priority + 1;
+    const uint8_t *touched = survey_touched_by_object(survey, overlap->object);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -309,7 +322,8 @@ static bool add_overlap(struct media_search *search, const struct overlap *overl
                                     : "Where they overlap, the order of the file's materials "
                                       "decides which one is there.",
             .remedy = "Give the one that is to be there the higher \"priority\".",
-            .share = survey_share_of_object(survey, overlap->object),
+            .share = survey_share(survey, touched),
+            .pixels = touched,
             .change = can_fix ? "the inner one has the higher priority" : NULL,
         },
         err);
@@ -325,15 +339,15 @@ bool find_media(struct survey *survey, struct err *err)
     };
     if (tables->medium_count == 0)
         return true;
-    uint32_t *lost = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count);
-    if (!lost)
-        return err_memory(err, "sight lines", survey->line_count * sizeof *lost);
+    search.lost = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count);
+    if (!search.lost)
+        return err_memory(err, "sight lines", survey->line_count * sizeof *search.lost);
     for (uint32_t i = 0; i < survey->line_count; i++) {
         struct stack stack;
         begin(&survey->lines[i], &stack);
-        look_at_line(&search, &survey->lines[i], &stack, &lost[i]);
+        look_at_line(&search, &survey->lines[i], &stack, &search.lost[i]);
     }
-    if (!look_aside(&search, lost, err))
+    if (!look_aside(&search, err))
         return false;
     for (uint32_t i = 0; i < search.overlap_count; i++)
         if (!add_overlap(&search, &search.overlaps[i], err))

@@ -38,7 +38,8 @@ bool find_normals(struct survey *survey, struct err *err)
     for (uint32_t i = 0; i < flat->triangle_count && flat->normals; i++)
         if (straddles(flat, i))
             first = count++ > 0 ? first : i;
-    double share = count > 0 ? survey_share(survey, meets, NULL) : 0.0;
+    const uint8_t *touched = count > 0 ? survey_touched(survey, meets, NULL) : NULL;
+    double share = survey_share(survey, touched);
     if (share < SHARE_MIN)
         return true;
     uint32_t instance, triangle;
@@ -59,6 +60,7 @@ bool find_normals(struct survey *survey, struct err *err)
             .consequence = "Shading turns over within them: dark and bright patches.",
             .remedy = "Compute the normals again, with an angle above which edges stay sharp.",
             .share = share,
+            .pixels = touched,
         },
         err);
 }

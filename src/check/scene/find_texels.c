@@ -12,12 +12,12 @@ static bool is_sky(const struct survey *survey)
     return survey->scene->environment.present;
 }
 
-static double share_of_sky(const struct survey *survey)
+static const uint8_t *touched_by_sky(struct survey *survey)
 {
-    uint32_t open = 0;
-    for (uint32_t i = 0; i < survey->line_count; i++)
-        open += survey->lines[i].is_open;
-    return (double)open / survey->line_count;
+    uint8_t *flags = survey_flags(survey);
+    for (uint32_t i = 0; flags && i < survey->line_count; i++)
+        flags[i] = survey->lines[i].is_open;
+    return flags;
 }
 
 static bool reads_image(const struct survey *survey, const struct sighting *at, const void *context)
@@ -70,6 +70,7 @@ static bool find_cut(struct survey *survey, uint32_t index, struct err *err)
         image->greatest > 1.0f ? count_cut(image, list_cut_channels(survey, index)) : 0;
     if (count == 0)
         return true;
+    const uint8_t *touched = survey_touched(survey, reads_image, &index);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -82,7 +83,8 @@ static bool find_cut(struct survey *survey, uint32_t index, struct err *err)
                                    (double)image->greatest),
             .consequence = "They count as 1, since what they scale may not leave its range.",
             .remedy = "Scale the image to [0, 1]; light belongs into \"emission\".",
-            .share = survey_share(survey, reads_image, &index),
+            .share = survey_share(survey, touched),
+            .pixels = touched,
         },
         err);
 }
@@ -92,6 +94,7 @@ static bool find_zeroed(struct survey *survey, uint32_t index, struct err *err)
     const struct texture_image *image = &survey->scene->images[index];
     if (image->zeroed == 0)
         return true;
+    const uint8_t *touched = survey_touched(survey, reads_image, &index);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -103,7 +106,8 @@ static bool find_zeroed(struct survey *survey, uint32_t index, struct err *err)
                                    (unsigned long long)image->width * image->height),
             .consequence = "They count as black.",
             .remedy = "Repair the image where it was made.",
-            .share = survey_share(survey, reads_image, &index),
+            .share = survey_share(survey, touched),
+            .pixels = touched,
         },
         err);
 }
@@ -123,6 +127,7 @@ static bool find_missing(struct survey *survey, struct err *err)
         return true;
     while (!scene->images[first].is_missing)
         first++;
+    const uint8_t *touched = survey_touched(survey, is_missing, NULL);
     return survey_add(survey,
                       &(struct scene_finding){
                           .name = "missing-image",
@@ -132,7 +137,8 @@ static bool find_missing(struct survey *survey, struct err *err)
                                                  scene->missing_image_count, scene->image_count),
                           .consequence = "What they belong on is pink.",
                           .remedy = "Put the files where the scene names them.",
-                          .share = survey_share(survey, is_missing, NULL),
+                          .share = survey_share(survey, touched),
+                          .pixels = touched,
                       },
                       err);
 }
@@ -229,7 +235,8 @@ static bool find_sun_texel(struct survey *survey, struct err *err)
 static bool find_overflow(struct survey *survey, struct err *err)
 {
     const struct environment *sky = &survey->scene->environment;
-    double share = share_of_sky(survey);
+    const uint8_t *touched = touched_by_sky(survey);
+    double share = survey_share(survey, touched);
     float greatest = sky->width > 0 ? environment_greatest(sky) : 0.0f;
     if (greatest <= HALF_MAX || share == 0.0)
         return true;
@@ -244,6 +251,7 @@ static bool find_overflow(struct survey *survey, struct err *err)
                            "at 65504.",
             .remedy = "Write EXR files in single precision, as is usual.",
             .share = share,
+            .pixels = touched,
         },
         err);
 }

@@ -98,7 +98,8 @@ static bool find_slivers(struct survey *survey, struct err *err)
         worst = own > turn ? i : worst;
         turn = fmax(turn, own);
     }
-    double share = count > 0 ? survey_share(survey, is_sliver, NULL) : 0.0;
+    const uint8_t *touched = count > 0 ? survey_touched(survey, is_sliver, NULL) : NULL;
+    double share = survey_share(survey, touched);
     if (share < SLIVERS_SHARE_MIN && !(count > SLIVERS_PART_MIN * flat->triangle_count))
         return true;
     uint32_t instance, triangle;
@@ -119,6 +120,7 @@ static bool find_slivers(struct survey *survey, struct err *err)
             .consequence = "Their normals are arbitrary: they reflect and refract wrongly.",
             .remedy = "Merge their vertices, or triangulate the surface again.",
             .share = share,
+            .pixels = touched,
         },
         err);
 }

@@ -137,6 +137,7 @@ static bool find_same_objects(struct survey *survey, struct err *err)
     struct arena *arena = survey->arena;
     const char *a = survey_object_name(survey, twins.first);
     const char *b = survey_object_name(survey, twins.second);
+    const uint8_t *touched = survey_touched_by_objects(survey, twins.marked);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -149,7 +150,8 @@ static bool find_same_objects(struct survey *survey, struct err *err)
                                           "and of two materials the first one is seen."
                                         : "They cost memory and time, and change nothing.",
             .remedy = "Remove or hide the second one.",
-            .share = survey_share_of_objects(survey, twins.marked),
+            .share = survey_share(survey, touched),
+            .pixels = touched,
             .change = "the second one is hidden",
         },
         err);
@@ -160,6 +162,7 @@ static bool find_same_objects(struct survey *survey, struct err *err)
 // A ray that falls onto a surface from a small height above it.
 struct drop {
     const struct sighting *at;
+    uint32_t line; // of the camera, that leads there
     double direction[3], height, tolerance;
 };
 
@@ -167,9 +170,9 @@ struct drop {
 // are nearer than twice the kernels' own bound of where they are.
 #define HEIGHT_IN_TOLERANCES 64.0
 
-static struct drop drop_onto(const struct sighting *at)
+static struct drop drop_onto(const struct sighting *at, uint32_t line)
 {
-    struct drop drop = {.at = at};
+    struct drop drop = {.at = at, .line = line};
     for (int c = 0; c < 3; c++) {
         drop.direction[c] = at->is_front ? -at->normal[c] : at->normal[c];
         drop.tolerance = fmax(drop.tolerance, fabs(at->point[c]));
@@ -201,6 +204,7 @@ static struct probe_ray ray_of(const struct drop *drop)
 
 struct pairs {
     uint32_t count;
+    uint8_t *touched;
     struct sighting first[2];
 };
 
@@ -227,14 +231,15 @@ static bool drop_rays(struct survey *survey, struct pairs *pairs, struct err *er
     struct drop *drops = ARENA_NEW(&scratch, struct drop, survey->line_count);
     struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, survey->line_count);
     struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, survey->line_count);
-    bool complete, ok = drops && rays && hits;
+    pairs->touched = survey_flags(survey);
+    bool complete, ok = drops && rays && hits && pairs->touched;
     if (!ok)
         err_memory(err, "rays", survey->line_count * sizeof *rays);
     for (uint32_t i = 0; ok && i < survey->line_count; i++) {
         const struct sightline *line = &survey->lines[i];
         if (line->count == 0 || !is_planar(survey, &line->steps[0]))
             continue;
-        drops[count] = drop_onto(&line->steps[0]);
+        drops[count] = drop_onto(&line->steps[0], i);
         rays[count] = ray_of(&drops[count]);
         count++;
     }
@@ -243,7 +248,10 @@ static bool drop_rays(struct survey *survey, struct pairs *pairs, struct err *er
                             &complete, err);
     for (uint32_t i = 0; ok && i < count; i++) {
         struct sighting other;
-        if (lies_upon(survey, &drops[i], &rays[i], &hits[i], &other) && pairs->count++ == 0) {
+        if (!lies_upon(survey, &drops[i], &rays[i], &hits[i], &other))
+            continue;
+        pairs->touched[drops[i].line] = 1;
+        if (pairs->count++ == 0) {
             pairs->first[0] = *drops[i].at;
             pairs->first[1] = other;
         }
@@ -272,7 +280,6 @@ static bool find_same_faces(struct survey *survey, struct err *err)
         if (!objects[i] || !materials[i])
             return err_memory(err, "names", 0);
     }
-    double share = (double)pairs.count / survey->line_count;
     return survey_add(survey,
                       &(struct scene_finding){
                           .name = "coincident-faces",
@@ -285,7 +292,8 @@ static bool find_same_faces(struct survey *survey, struct err *err)
                               "Rounding decides which one is seen, and lamps or glass there count "
                               "twice or not at all.",
                           .remedy = "Move one of them by a visible distance, or remove it.",
-                          .share = share,
+                          .share = survey_share(survey, pairs.touched),
+                          .pixels = pairs.touched,
                       },
                       err);
 }

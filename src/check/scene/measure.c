@@ -142,17 +142,13 @@ static const char *describe_path(struct survey *survey, const struct replay *rep
     return text && by_shadow_ray ? arena_printf(survey->arena, "%s and a shadow ray", text) : text;
 }
 
-// The share of the pixels that have one of them.
-static double share_of_tail(const struct survey *survey, const struct outlier *outliers)
+// The pixels that have one of them.
+static const uint8_t *touched_by_tail(struct survey *survey, const struct outlier *outliers)
 {
-    uint32_t pixels = 0;
-    for (uint32_t i = 0; i < TAIL_LENGTH; i++) {
-        bool is_new = true;
-        for (uint32_t k = 0; k < i; k++)
-            is_new = is_new && outliers[k].pixel != outliers[i].pixel;
-        pixels += is_new;
-    }
-    return (double)pixels / survey->line_count;
+    uint8_t *flags = survey_flags(survey);
+    for (uint32_t i = 0; flags && i < TAIL_LENGTH; i++)
+        flags[outliers[i].pixel] = 1;
+    return flags;
 }
 
 static bool add_tail(struct survey *survey, const struct outlier *first, const struct tail *tail,
@@ -164,6 +160,7 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
     if (!job_replay(&survey->job, x, y, first->sample, &survey->scratch, &replay, err))
         return false;
     const char *path = describe_path(survey, &replay);
+    const uint8_t *touched = touched_by_tail(survey, first);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -182,7 +179,8 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
                            "fireflies come however long it renders.",
             .remedy = "Look for a small lamp seen by way of gloss, glass or metal: make it larger, "
                       "or the surface rougher; --clamp trades the noise for a bias.",
-            .share = share_of_tail(survey, first),
+            .share = survey_share(survey, touched),
+            .pixels = touched,
         },
         err);
 }
@@ -267,6 +265,17 @@ static bool find_accidents(struct survey *survey, struct err *err)
 
 // --- outlook -------------------------------------------------------------------------------------
 
+static const uint8_t *touched_by_small_lights(struct survey *survey,
+                                              const struct unseen_light *unseen)
+{
+    const struct gpu_frame *frame = &survey->job.renderer.frame;
+    uint8_t *flags = survey_flags(survey);
+    for (size_t i = 0; flags && i < unseen->small_count; i++)
+        if (unseen->small[i].x < frame->width && unseen->small[i].y < frame->height)
+            flags[unseen->small[i].y * frame->width + unseen->small[i].x] = 1;
+    return flags;
+}
+
 static bool find_small_lights(struct survey *survey, const struct unseen_light *unseen,
                               struct err *err)
 {
@@ -281,6 +290,7 @@ static bool find_small_lights(struct survey *survey, const struct unseen_light *
     double part = (double)least * pixels;
     if (unseen->small_count == 0 || part >= 1.0 / 16.0)
         return true;
+    const uint8_t *touched = touched_by_small_lights(survey, unseen);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -295,6 +305,7 @@ static bool find_small_lights(struct survey *survey, const struct unseen_light *
             .remedy = "Make the lamps larger, or hide them from the camera and light by a point "
                       "light.",
             .share = (double)unseen->small_count / survey->line_count,
+            .pixels = touched,
         },
         err);
 }

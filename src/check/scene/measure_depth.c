@@ -37,28 +37,36 @@ static bool render_at(struct survey *survey, uint32_t depth, double **out, struc
 struct cut {
     double part;  // of all light, that is missing
     double least; // the same less two standard errors
-    double share; // of the pixels that lack more than CUT_MAX of theirs
 };
+
+// The pixels that lack more than CUT_MAX of theirs.
+static const uint8_t *touched_by_cut(struct survey *survey, const double *shallow,
+                                     const double *deep)
+{
+    uint8_t *flags = survey_flags(survey);
+    for (uint32_t i = 0; flags && i < survey->line_count; i++)
+        flags[i] = deep[i] - shallow[i] > CUT_MAX * deep[i];
+    return flags;
+}
 
 static struct cut compare(const double *shallow, const double *deep, uint32_t count)
 {
     double all = 0.0, missing = 0.0, squares = 0.0;
-    uint32_t pixels = 0;
     for (uint32_t i = 0; i < count; i++) {
         double lost = deep[i] - shallow[i];
         all += deep[i];
         missing += lost;
         squares += lost * lost;
-        pixels += lost > CUT_MAX * deep[i];
     }
     double mean = missing / count, variance = fmax(squares / count - mean * mean, 0.0);
     double error = sqrt(variance / count) * count;
     if (!(all > 0.0))
         return (struct cut){0};
-    return (struct cut){missing / all, (missing - 2.0 * error) / all, (double)pixels / count};
+    return (struct cut){missing / all, (missing - 2.0 * error) / all};
 }
 
-static bool add_cut(struct survey *survey, const struct cut *cut, uint32_t enough, struct err *err)
+static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t *touched,
+                    uint32_t enough, struct err *err)
 {
     struct arena *arena = survey->arena;
     uint32_t depth = survey->settings.max_bounces;
@@ -82,7 +90,8 @@ static bool add_cut(struct survey *survey, const struct cut *cut, uint32_t enoug
                                          "0.1 %% is missing.",
                                          enough)
                           : "Close fewer surfaces that reflect all light: no depth is enough.",
-            .share = cut->share,
+            .share = survey_share(survey, touched),
+            .pixels = touched,
             .change = is_known ? arena_printf(arena, "max_bounces is %u", enough) : NULL,
         },
         err);
@@ -117,5 +126,6 @@ bool measure_depth(struct survey *survey, struct err *err)
         if (compare(films[i], films[count - 1], survey->line_count).part < CUT_GOAL &&
             i < count - 1)
             enough = depths[i];
-    return add_cut(survey, &cut, enough, err);
+    const uint8_t *touched = touched_by_cut(survey, films[0], films[count - 1]);
+    return add_cut(survey, &cut, touched, enough, err);
 }

@@ -291,19 +291,32 @@ bool sightlines_take_view(struct survey *survey, struct err *err)
     return sightlines_trace(survey, survey->lines, survey->line_count, err);
 }
 
-// --- shares --------------------------------------------------------------------------------------
+// --- what lines touch ----------------------------------------------------------------------------
 
-double survey_share(const struct survey *survey, sighting_fn meets, const void *context)
+uint8_t *survey_flags(struct survey *survey)
 {
-    uint32_t met = 0;
-    for (uint32_t i = 0; i < survey->line_count; i++) {
+    uint8_t *flags = ARENA_NEW(survey->arena, uint8_t, survey->line_count);
+    survey->lacks_memory |= !flags;
+    return flags;
+}
+
+double survey_share(const struct survey *survey, const uint8_t *flags)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; flags && i < survey->line_count; i++)
+        count += flags[i] != 0;
+    return (double)count / survey->line_count;
+}
+
+const uint8_t *survey_touched(struct survey *survey, sighting_fn meets, const void *context)
+{
+    uint8_t *flags = survey_flags(survey);
+    for (uint32_t i = 0; flags && i < survey->line_count; i++) {
         const struct sightline *line = &survey->lines[i];
-        bool any = false;
-        for (uint32_t k = 0; k < line->count && !any; k++)
-            any = meets(survey, &line->steps[k], context);
-        met += any;
+        for (uint32_t k = 0; k < line->count && !flags[i]; k++)
+            flags[i] = meets(survey, &line->steps[k], context);
     }
-    return (double)met / survey->line_count;
+    return flags;
 }
 
 static bool is_object(const struct survey *survey, const struct sighting *at, const void *context)
@@ -324,17 +337,17 @@ static bool is_material(const struct survey *survey, const struct sighting *at, 
     return at->material == *(const uint32_t *)context;
 }
 
-double survey_share_of_object(const struct survey *survey, uint32_t object)
+const uint8_t *survey_touched_by_object(struct survey *survey, uint32_t object)
 {
-    return survey_share(survey, is_object, &object);
+    return survey_touched(survey, is_object, &object);
 }
 
-double survey_share_of_objects(const struct survey *survey, const bool *marked)
+const uint8_t *survey_touched_by_objects(struct survey *survey, const bool *marked)
 {
-    return survey_share(survey, is_marked, marked);
+    return survey_touched(survey, is_marked, marked);
 }
 
-double survey_share_of_material(const struct survey *survey, uint32_t material)
+const uint8_t *survey_touched_by_material(struct survey *survey, uint32_t material)
 {
-    return survey_share(survey, is_material, &material);
+    return survey_touched(survey, is_material, &material);
 }

@@ -46,6 +46,7 @@ struct survey {
     struct sightline *lines;  // one a pixel of it
     uint32_t line_count;
     struct scene_findings *out;
+    bool lacks_memory; // for flags
 };
 
 // --- survey.c ------------------------------------------------------------------------------------
@@ -81,14 +82,19 @@ struct probe_ray sighting_leave(const struct sighting *at, const double directio
 // Whether light goes through its surfaces, refracted or not.
 bool material_lets_through(const struct material *material);
 
-// The share of the camera's lines that meet a surface of which `meets` is true, in front or behind
-// what transmits.
+// Flags of the camera's lines, and so of the picture's pixels, none of which is set; in
+// survey->arena. NULL without memory, of which check_scene() tells.
+uint8_t *survey_flags(struct survey *survey);
+// The part that is set; 0 of NULL.
+double survey_share(const struct survey *survey, const uint8_t *flags);
+// Flags of those lines that meet a surface of which `meets` is true, in front or behind what
+// transmits.
 typedef bool (*sighting_fn)(const struct survey *survey, const struct sighting *at,
                             const void *context);
-double survey_share(const struct survey *survey, sighting_fn meets, const void *context);
-double survey_share_of_object(const struct survey *survey, uint32_t object);
-double survey_share_of_objects(const struct survey *survey, const bool *marked); // a flag for each
-double survey_share_of_material(const struct survey *survey, uint32_t material);
+const uint8_t *survey_touched(struct survey *survey, sighting_fn meets, const void *context);
+const uint8_t *survey_touched_by_object(struct survey *survey, uint32_t object);
+const uint8_t *survey_touched_by_objects(struct survey *survey, const bool *marked); // one for each
+const uint8_t *survey_touched_by_material(struct survey *survey, uint32_t material);
 
 // --- searches: each adds what it finds -----------------------------------------------------------
 

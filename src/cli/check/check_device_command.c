@@ -2,8 +2,6 @@
 #include "cli/check/check_command.h"
 
 #include "base/clock.h"
-#include "base/file.h"
-#include "base/file_inputs.h"
 #include "base/log.h"
 #include "cli/check/device_check.h"
 #include "cli/commands.h"
@@ -97,12 +95,6 @@ static int tell(struct device_check *d, struct err *err)
     if (code == EXIT_CODE_OK && device_check_outcomes(d, CHECK_FAILED) > 0)
         code = EXIT_CODE_CHECK_FAILED;
     return code;
-}
-
-// That it can be written is found out before the cases run.
-static bool check_report(const char *path, struct err *err)
-{
-    return !path || (file_inputs_check(path, err) && file_check_writable(path, err));
 }
 
 int check_device_command(const struct options *options)

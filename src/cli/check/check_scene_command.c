@@ -1,10 +1,9 @@
 // `lampyris check SCENE`: what in a scene is stiff or extreme, for people and for machines.
 #include "cli/check/check_command.h"
 
-#include "check/check_scene.h"
+#include "cli/check/scene_check.h"
 #include "cli/commands.h"
 #include "cli/scene_options.h"
-#include "gpu/gpu.h"
 #include "render/render.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
@@ -14,15 +13,6 @@
 
 // To which it looks ahead where nothing is asked for.
 #define USUAL_ERROR 1e-3
-
-struct scene_check {
-    const struct options *options;
-    struct gpu gpu;
-    struct scene scene;
-    struct arena arena;
-    struct scene_findings findings;
-    bool is_outside; // what --fix has written names files outside of its folder
-};
 
 // What is wrong, and stays so in the file that --fix writes.
 static uint32_t count_wrong(const struct scene_check *check)
@@ -38,22 +28,21 @@ static uint32_t count_wrong(const struct scene_check *check)
 
 // --- for people ----------------------------------------------------------------------------------
 
-static void print_share(double share)
+void scene_check_print_share(double share, FILE *out)
 {
-    if (isnan(share))
-        puts("");
-    else if (share == 0.0)
-        puts(", not in the picture");
-    else
-        printf(share < 0.01 ? ", %.1f %% of the picture\n" : ", %.0f %% of the picture\n",
-               100.0 * share);
+    if (share == 0.0)
+        fputs(", not in the picture", out);
+    else if (!isnan(share))
+        fprintf(out, share < 0.01 ? ", %.1f %% of the picture" : ", %.0f %% of the picture",
+                100.0 * share);
 }
 
 static void print_finding(const struct scene_finding *finding)
 {
     printf("\n%-8s  ", finding_level_names[finding->level]);
     print_words(finding->name);
-    print_share(finding->share);
+    scene_check_print_share(finding->share, stdout);
+    putchar('\n');
     print_line("  where   ", finding->place);
     print_line("  seen    ", finding->figure);
     print_line("  so      ", finding->consequence);
@@ -66,20 +55,19 @@ static int decimals(double x)
     return x >= 100.0 ? 0 : x >= 10.0 ? 1 : 2;
 }
 
-// "local relMSE 0.001 takes about 410 spp, 130 s of rendering and 35.2 MiB on the device", or "at
-// most" so much and why no more is known.
-static void print_outlook(const struct scene_outlook *outlook)
+void scene_check_print_outlook(const struct scene_outlook *outlook, FILE *out)
 {
     double memory = (double)outlook->device_bytes / 1048576.0;
     if (isnan(outlook->samples))
-        printf("what local relMSE %g takes is not known (%s); %.1f MiB on the device\n",
-               outlook->error, outlook->reason, memory);
+        fprintf(out, "what local relMSE %g takes is not known (%s); %.1f MiB on the device\n",
+                outlook->error, outlook->reason, memory);
     else
-        printf("local relMSE %g takes %s %.0f spp, %.*f s of rendering and %.1f MiB on the "
-               "device%s%s\n",
-               outlook->error, outlook->reason ? "at most" : "about", ceil(outlook->samples),
-               decimals(outlook->seconds), outlook->seconds, memory,
-               outlook->reason ? "; at most, since " : "", outlook->reason ? outlook->reason : "");
+        fprintf(out,
+                "local relMSE %g takes %s %.0f spp, %.*f s of rendering and %.1f MiB on the "
+                "device%s%s\n",
+                outlook->error, outlook->reason ? "at most" : "about", ceil(outlook->samples),
+                decimals(outlook->seconds), outlook->seconds, memory,
+                outlook->reason ? "; at most, since " : "", outlook->reason ? outlook->reason : "");
 }
 
 static void print_changes(const struct scene_check *check)
@@ -111,7 +99,7 @@ static void print_text(const struct scene_check *check)
     print_words(check->scene.path);
     if (findings->count == 0) {
         printf(": nothing in it is stiff or extreme; ");
-        print_outlook(&findings->outlook);
+        scene_check_print_outlook(&findings->outlook, stdout);
         return print_changes(check);
     }
     printf(": %u finding%s, %u of which make%s the picture wrong\n", findings->count,
@@ -119,7 +107,7 @@ static void print_text(const struct scene_check *check)
     for (uint32_t i = 0; i < findings->count; i++)
         print_finding(&findings->items[i]);
     printf("\noutlook   ");
-    print_outlook(&findings->outlook);
+    scene_check_print_outlook(&findings->outlook, stdout);
     print_changes(check);
 }
 
@@ -171,7 +159,7 @@ static bool run(struct scene_check *check, struct err *err)
         .camera = &check->scene.cameras[camera],
         .is_outside = &check->is_outside,
     };
-    if ((fix && !scene_write_check(&fixed, err)) ||
+    if ((fix && !scene_write_check(&fixed, err)) || !check_report(options->study.report, err) ||
         !gpu_open(&options->device.gpu, &check->gpu, err))
         return false;
     struct check_scene_params params = {
@@ -198,6 +186,8 @@ int check_scene_command(const struct options *options)
         code = print_json(&check);
     else
         print_text(&check);
+    if (ok && options->study.report && !scene_check_report(&check, &err))
+        code = command_fail(&err);
     if (code == EXIT_CODE_OK && count_wrong(&check) > 0)
         code = EXIT_CODE_CHECK_FAILED;
     scene_finish(&check.scene);
