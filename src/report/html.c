@@ -55,6 +55,11 @@ bool html_check_files(const char *folder, struct arena *arena, struct err *err)
     return true;
 }
 
+bool html_check_file(const char *path, struct err *err)
+{
+    return !path || (file_inputs_check(path, err) && file_check_writable(path, err));
+}
+
 bool html_begin(struct html_page *page, struct arena *arena, const char *folder, const char *title,
                 struct err *err)
 {

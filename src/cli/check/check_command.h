@@ -2,16 +2,10 @@
 #ifndef LAMPYRIS_CLI_CHECK_CHECK_COMMAND_H
 #define LAMPYRIS_CLI_CHECK_CHECK_COMMAND_H
 
-#include "base/err.h"
-#include <stdbool.h>
-
 struct options;
 
 // Each returns the exit code: EXIT_CODE_CHECK_FAILED where something is found, or fails.
 int check_scene_command(const struct options *options);
 int check_device_command(const struct options *options);
-
-// That --report (NULL: none) can be written is found out before the work.
-bool check_report(const char *path, struct err *err);
 
 #endif

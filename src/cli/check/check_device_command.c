@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "cli/check/device_check.h"
 #include "cli/commands.h"
+#include "report/html.h"
 #include <string.h>
 
 size_t device_check_outcomes(const struct device_check *d, enum check_outcome outcome)
@@ -104,7 +105,7 @@ int check_device_command(const struct options *options)
     // Extreme scenes are warned of, and what they are is known.
     if (!options_given(options, OPTION_LOG_LEVEL))
         log_set_level(LOG_ERROR);
-    bool ok = check_report(options->study.report, &err) && choose_cases(&d, &err) &&
+    bool ok = html_check_file(options->study.report, &err) && choose_cases(&d, &err) &&
               (options->check.list || run_cases(&d, &err));
     progress_end(options->progress);
     // A device that is lost for good does not take away what is known so far.

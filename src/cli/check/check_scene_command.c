@@ -5,6 +5,7 @@
 #include "cli/commands.h"
 #include "cli/scene_options.h"
 #include "render/render.h"
+#include "report/html.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
 #include "scene/json/scene_write.h"
@@ -159,7 +160,7 @@ static bool run(struct scene_check *check, struct err *err)
         .camera = &check->scene.cameras[camera],
         .is_outside = &check->is_outside,
     };
-    if ((fix && !scene_write_check(&fixed, err)) || !check_report(options->study.report, err) ||
+    if ((fix && !scene_write_check(&fixed, err)) || !html_check_file(options->study.report, err) ||
         !gpu_open(&options->device.gpu, &check->gpu, err))
         return false;
     struct check_scene_params params = {
