@@ -322,16 +322,6 @@ fail:
     return false;
 }
 
-bool renderer_measure_memory(const struct renderer_params *params, struct memory_plan *out,
-                             struct err *err)
-{
-    struct renderer r;
-    bool ok = renderer_prepare(params, &r, err) && upload(&r, err);
-    *out = r.plan;
-    renderer_finish(&r);
-    return ok;
-}
-
 // All that is the device's.
 static void finish_device_objects(struct renderer *r)
 {

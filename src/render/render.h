@@ -212,10 +212,6 @@ struct renderer {
 bool renderer_prepare(const struct renderer_params *params, struct renderer *out, struct err *err);
 // Prepares the renderer, uploads and compiles. *out must stay where it is.
 bool renderer_create(const struct renderer_params *params, struct renderer *out, struct err *err);
-// What memory such a renderer takes on the device, with smaller waves where too little is left: its
-// buffers are made to find out, and nothing remains of it.
-bool renderer_measure_memory(const struct renderer_params *params, struct memory_plan *out,
-                             struct err *err);
 void renderer_finish(struct renderer *renderer); // accepts NULL and {0}
 
 // Adds `samples` further samples to every pixel. When the progress asks to stop, ends after the

@@ -200,6 +200,15 @@ TEST(chosen_by_the_device)
     setup_finish(&s);
 }
 
+static void make_buffers(const struct renderer_params *params, struct memory_plan *plan)
+{
+    struct renderer r;
+    struct err err = {0};
+    REQUIRE_OK(renderer_create(params, &r, &err));
+    *plan = r.plan;
+    renderer_finish(&r);
+}
+
 // Where only an allocation tells that memory is too little for two, one wave of the wanted size is
 // had before both are halved.
 TEST(one_where_allocations_fail)
@@ -213,16 +222,16 @@ TEST(one_where_allocations_fail)
     const struct renderer_params params = {.gpu = &s.gpu, .scene = &s.scene, .wave = 1u << 14};
     uint64_t before = s.gpu.allocated_bytes;
     limits->waves = 1;
-    REQUIRE_OK(renderer_measure_memory(&params, &one, &err));
+    make_buffers(&params, &one);
     limits->waves = 2;
-    REQUIRE_OK(renderer_measure_memory(&params, &two, &err));
+    make_buffers(&params, &two);
     CHECK(two.waves == 2, "%u waves", two.waves);
     limits->memory = before + (one.total_bytes + two.total_bytes) / 2;
-    REQUIRE_OK(renderer_measure_memory(&params, &had, &err));
+    make_buffers(&params, &had);
     CHECK(had.waves == 1 && had.wave_slots == one.wave_slots, "%u waves of %u paths", had.waves,
           had.wave_slots);
     limits->memory = before + one.total_bytes - 1;
-    REQUIRE_OK(renderer_measure_memory(&params, &had, &err));
+    make_buffers(&params, &had);
     CHECK(had.waves == 1 && had.wave_slots == one.wave_slots / 2, "%u waves of %u paths", had.waves,
           had.wave_slots);
     CHECK(s.gpu.allocated_bytes == before, "%llu bytes are left",

@@ -91,13 +91,27 @@ static bool start_job(struct survey *survey, struct err *err)
     return job_start(params, &survey->job, err) && tell_bound(survey, seconds, pixels, err);
 }
 
-static bool measure_memory(struct survey *survey, const struct renderer_params *params,
-                           struct err *err)
+static bool plan_memory(struct survey *survey, const struct renderer_params *params,
+                        struct err *err)
 {
-    struct memory_plan plan;
-    bool ok = renderer_measure_memory(params, &plan, err);
-    survey->out->outlook.device_bytes = plan.total_bytes;
-    return ok;
+    struct renderer renderer;
+    if (!renderer_prepare(params, &renderer, err))
+        return false;
+    survey->plan = renderer.plan;
+    renderer_finish(&renderer);
+    return true;
+}
+
+// The film at the scene's own size, and waves as large as the device turned out to have room for.
+static uint64_t device_bytes(const struct survey *survey)
+{
+    uint64_t bytes = 0;
+    for (uint32_t b = 0; b < BINDING_COUNT; b++) {
+        bool is_of_picture = b == BINDING_FILM || b == BINDING_RESOLVED;
+        const struct memory_plan *plan = is_of_picture ? &survey->plan : &survey->job.renderer.plan;
+        bytes += plan->buffers[b].bytes * plan->buffers[b].copies;
+    }
+    return bytes;
 }
 
 static bool prepare(struct survey *survey, struct err *err)
@@ -117,7 +131,7 @@ static bool prepare(struct survey *survey, struct err *err)
         return false;
     survey->flat = &survey->geometry.flat;
     params.geometry = &survey->geometry;
-    if (!measure_memory(survey, &params, err))
+    if (!plan_memory(survey, &params, err))
         return false;
     shrink_picture(&scene->settings, PICTURE_PIXELS);
     survey->small = (struct job_params){
@@ -126,7 +140,10 @@ static bool prepare(struct survey *survey, struct err *err)
         .goal = {.samples = 1u << 16}, // steps decide
         .progress = params.progress,
     };
-    return start_job(survey, err) && sightlines_take_view(survey, err);
+    if (!start_job(survey, err))
+        return false;
+    survey->out->outlook.device_bytes = device_bytes(survey);
+    return sightlines_take_view(survey, err);
 }
 
 // Its film is kept. What the device's memory holds is all for the render that follows.

@@ -41,6 +41,7 @@ struct survey {
     const struct flat_scene *flat;
     const struct camera *camera;
     struct settings settings; // the scene's own, at its own size
+    struct memory_plan plan;  // at that size
     struct job_params small;  // a render of a small picture
     struct job job;           // that render, until the last two searches begin others
     struct sightline *lines;  // one a pixel of it
