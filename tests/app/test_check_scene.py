@@ -82,6 +82,14 @@ class Checks(unittest.TestCase):
         return self.check_file(path, *arguments)
 
     def check_file(self, path, *arguments):
+        """Where the machine is so busy that fewer pixels are looked at, it is tried again."""
+        found = self.check_once(path, *arguments)
+        for _ in range(4):
+            if 'few-pixels' in found:
+                found = self.check_once(path, *arguments)
+        return found
+
+    def check_once(self, path, *arguments):
         result = subprocess.run([LAMPYRIS, 'check', path, '--json', *arguments], text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=600)
         self.assertIn(result.returncode, (0, 1), result.stderr)

@@ -11,7 +11,7 @@ import sys
 import tempfile
 import unittest
 
-from program import need_device
+from program import by_the_clock, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
@@ -75,6 +75,7 @@ class LostDevice(unittest.TestCase):
         self.assertTrue(0 < report['spp'] <= report['spp_most'])
         self.assertNotIn(b'lampyris:repeat', header)
 
+    @by_the_clock
     def test_what_copying_costs(self):
         # The last reading is part of it, and the error's estimate.
         result = json.loads(self.render('whole.exr', '--time', '2').stdout)

@@ -20,6 +20,8 @@ import time
 import unittest
 import zlib
 
+from program import by_the_clock
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 SHIM = os.path.abspath(sys.argv.pop(1))
@@ -170,6 +172,7 @@ class Budget(Base):
         copies = {'type': 'scatter', 'of': 'a', 'count': 1 << 18, 'disc_radius': 100}
         self.refuse('info', self.shapes(original, *[copies] * 200), thing='scene.json: shapes[2]')
 
+    @by_the_clock
     def test_all_shapes_are_asked_for_before_the_first(self):
         """Each of them fits."""
         torus = {'type': 'torus', 'segments': 4096, 'tube_segments': 2048, 'material': 'm'}
@@ -183,6 +186,7 @@ class Budget(Base):
                     thing='shapes[%d]: out of memory for all shapes' % first)
                 self.assertIn(': %s are needed' % needed, stderr)
 
+    @by_the_clock
     def test_instances_of_gltf(self):
         # A million each, of which the file has no bytes.
         accessors = triangle_gltf()['accessors'] + [
@@ -276,17 +280,20 @@ class Stops(Base):
             fields = file.read().rsplit(')', 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
+    @by_the_clock
     def test_scattering_in_vain(self):
         scene = self.shapes({'type': 'scatter', 'count': 1000000, 'disc_radius': 1,
                              'radius': [0.5, 1], 'materials': [{'material': 'm'}]})
         self.stop(0.5, 'info', scene)
         self.stop(0.5, 'render', scene, '--size', '8x8', sent=signal.SIGINT)
 
+    @by_the_clock
     def test_triangles(self):
         scene = self.shapes({'type': 'generated', 'triangles': 8000000, 'material': 'm'})
         for after in 0.2, 0.7, 1.5, 2.5:
             self.stop(after, 'info', scene)
 
+    @by_the_clock
     def test_texels(self):
         self.write('large.png', black_png(8000))
         texture = {'file': 'large.png', 'parameters': {'base_color': 'rgb'}}
@@ -294,6 +301,7 @@ class Stops(Base):
                              'v': [0, 0, -2]}, materials={'t': {'textures': [texture]}})
         self.stop(0.3, 'info', scene)
 
+    @by_the_clock
     def test_metrics(self):
         """One after the other, in the pictures' 6 seconds of CPU."""
         self.write('large.png', black_png(3000))

@@ -14,7 +14,7 @@ import tempfile
 import time
 import unittest
 
-from program import need_device
+from program import by_the_clock, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
@@ -76,12 +76,14 @@ class Stops(unittest.TestCase):
 
     # --- soon ---
 
+    @by_the_clock
     def test_a_clock_does_not_put_signals_off(self):
         small = ['--size', '32x32', '--time', '60']  # a step is one wave
         self.check_stopped(small, signal.SIGTERM)
         self.check_stopped([*small, '--error', '1e-9'], signal.SIGINT)
         self.check_stopped([*small, '--trace', self.path('trace.csv')], signal.SIGUSR1)
 
+    @by_the_clock
     def test_measuring_ends_soon(self):
         for arguments in (['converge', CORNELL, '--times', '60', '--reference', 'none'],
                           ['bench', CORNELL, '--spp', '64', '--repeats', '1000']):
@@ -93,6 +95,7 @@ class Stops(unittest.TestCase):
 
     # --- who asks ---
 
+    @by_the_clock
     def test_batch_systems_and_terminals(self):
         endless = ['--size', '16x16', '--spp', '1G']
         for number in (signal.SIGHUP, signal.SIGXCPU):
@@ -189,6 +192,7 @@ class Stops(unittest.TestCase):
             if time.monotonic() - start < 0.9:
                 self.assertNotIn('of the pixels have a sample', messages)
 
+    @by_the_clock
     def test_the_second_signal_does_not_wait(self):
         process = self.render(*SLOW)
         self.assertEqual(self.stop(process, signal.SIGHUP, signal.SIGTERM)[0], 143)

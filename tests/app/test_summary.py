@@ -16,7 +16,7 @@ import tempfile
 import unittest
 import unittest.mock
 
-from program import need_device
+from program import by_the_clock, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
@@ -282,6 +282,7 @@ class Info(Base):
 
 
 class Progress(Base):
+    @by_the_clock
     def test_it_ends_before_results(self):
         out = os.path.join(self.folder.name, 'out.exr')
         for arguments, first in (
@@ -311,12 +312,14 @@ class Progress(Base):
         self.assertTrue(found, result.stderr)
         return float(found[1]), float(found[2]), json.loads(result.stdout)
 
+    @by_the_clock
     def test_what_is_left_of_a_time(self):
         # By the samples, a million of a pixel, or by the error hours would be left.
         elapsed, left, _ = self.remaining('--size', '48x48', '--time', '2', '--spp', '1M', '--error',
                                           '1e-9')
         self.assertLess(abs(math.log2((elapsed + left) / 2)), 2)
 
+    @by_the_clock
     def test_what_is_left_until_an_error(self):
         # The error is first known after 2 samples, which is soon. How many it takes follows from
         # it, long before the time is over.

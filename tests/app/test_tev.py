@@ -17,7 +17,7 @@ import time
 import unittest
 import zlib
 
-from program import need_device
+from program import by_the_clock, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
@@ -275,6 +275,7 @@ class Pictures(Base):
         self.run_one(*LARGE, '--tev', f':{server.port}', size='400x300')
         self.check_picture(server.close())
 
+    @by_the_clock
     def test_it_grows_while_it_is_rendered(self):
         server = Server(read_all)
         self.run_one('--time', '4', '--tev', f'localhost:{server.port}', size='96x96')
@@ -349,6 +350,7 @@ class Peers(Base):
         self.check_warned(said, 'the connection broke')
         self.check_bits()
 
+    @by_the_clock
     def test_a_peer_that_never_reads(self):
         done = threading.Event()
         server = Server(lambda connection, _: done.wait(60), buffer=4096)
@@ -377,6 +379,7 @@ class Peers(Base):
 
 
 class Slow(Base):
+    @by_the_clock
     def test_a_peer_that_hardly_reads(self):
         done = threading.Event()
 

@@ -8,6 +8,7 @@ import random
 import shutil
 
 import viewer_run
+from program import by_the_clock
 from viewer_run import ROOT, Case
 
 # What the process may grow by once it has been through everything: the driver keeps some code of
@@ -28,6 +29,7 @@ class Leaks(Case):
         self.assertLessEqual(min(device[half:]), max(device[:half]), device)
         self.assertLess(resident[-1] - resident[half], SLACK, resident)
 
+    @by_the_clock
     def test_500_resizes(self):
         """The same sizes over and over."""
         choice = random.Random(3)
@@ -39,6 +41,7 @@ class Leaks(Case):
             states.append(f'{turn}.json')
         self.expect_flat(''.join(script), states, '--spp', '1', size='200x100')
 
+    @by_the_clock
     def test_100_reloads(self):
         """Kernels that differ each time, and the scene with them."""
         folder = shutil.copytree(os.path.join(ROOT, 'shaders'), self.path('shaders'))
