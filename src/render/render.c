@@ -150,7 +150,7 @@ static bool plan_less(struct renderer *r, struct err *err)
 static bool create_fitting_wave_state(struct renderer *r, struct err *err)
 {
     struct err failure = {0};
-    const uint32_t wanted = r->plan.wave_slots;
+    const struct memory_plan wanted = r->plan;
     r->gpu->out_of_memory = false;
     while (!create_wave_state(r, &failure)) {
         finish_other_wave(r);
@@ -161,9 +161,10 @@ static bool create_fitting_wave_state(struct renderer *r, struct err *err)
         }
         r->gpu->out_of_memory = false;
     }
-    if (r->plan.wave_slots < wanted)
-        log_warn("%s: going on with waves of %u paths in place of %u (slower, the same picture)",
-                 failure.msg, r->plan.wave_slots, wanted);
+    if (r->plan.wave_slots < wanted.wave_slots || r->plan.waves < wanted.waves)
+        log_warn("%s: going on with waves of %u paths in place of %u%s (slower, the same picture)",
+                 failure.msg, r->plan.wave_slots, wanted.wave_slots,
+                 memory_plan_in_flight(&wanted));
     return true;
 }
 

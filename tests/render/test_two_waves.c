@@ -1,5 +1,6 @@
 // Two waves in flight: the last bounces of one beside the first ones of the next. That both are at
 // once, and that no bit of a picture changes, is shown on any device by asking for it.
+#include "base/log.h"
 #include "check/bits.h"
 #include "render/probe/replay.h"
 #include "render_fixture.h"
@@ -209,6 +210,15 @@ static void make_buffers(const struct renderer_params *params, struct memory_pla
     renderer_finish(&r);
 }
 
+static char warned[512];
+
+static void keep_warning(void *context, enum log_level level, const char *message)
+{
+    (void)context;
+    (void)level;
+    snprintf(warned, sizeof warned, "%s", message);
+}
+
 // Where only an allocation tells that memory is too little for two, one wave of the wanted size is
 // had before both are halved.
 TEST(one_where_allocations_fail)
@@ -226,14 +236,18 @@ TEST(one_where_allocations_fail)
     limits->waves = 2;
     make_buffers(&params, &two);
     CHECK(two.waves == 2, "%u waves", two.waves);
+    log_configure(LOG_WARN, keep_warning, NULL);
     limits->memory = before + (one.total_bytes + two.total_bytes) / 2;
     make_buffers(&params, &had);
     CHECK(had.waves == 1 && had.wave_slots == one.wave_slots, "%u waves of %u paths", had.waves,
           had.wave_slots);
+    CHECK(strstr(warned, "waves of 16384 paths in place of 16384, two in flight"), "\"%s\"",
+          warned);
     limits->memory = before + one.total_bytes - 1;
     make_buffers(&params, &had);
     CHECK(had.waves == 1 && had.wave_slots == one.wave_slots / 2, "%u waves of %u paths", had.waves,
           had.wave_slots);
+    log_configure(LOG_WARN, NULL, NULL);
     CHECK(s.gpu.allocated_bytes == before, "%llu bytes are left",
           (unsigned long long)(s.gpu.allocated_bytes - before));
     setup_finish(&s);
