@@ -1,0 +1,122 @@
+"""What the pictures say: errors without a reference's own noise, means, and ratios with their intervals.
+
+A picture is (width, height, three planes), as exr.read() returns it.
+"""
+import math
+
+EPSILON = 0.01  # of relMSE, as in docs/comparing.md
+TILES = 4  # on a side, at least, of at most 16 x 16 pixels
+
+# Student's t, 97.5 %, for 1 to 30 degrees of freedom.
+T_975 = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131, 2.120,
+         2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042)
+
+
+def t_975(degrees):
+    """For a number of degrees that is rounded down, which makes intervals wider."""
+    return T_975[max(1, min(len(T_975), int(degrees))) - 1]
+
+
+def _values(picture):
+    return [value for plane in picture[2] for value in plane]
+
+
+def _same_size(*pictures):
+    if len({picture[:2] for picture in pictures}) != 1:
+        raise ValueError('pictures differ in size: %s' % ', '.join('%d x %d' % p[:2] for p in pictures))
+
+
+def error(picture, references):
+    """relMSE against what two independent references estimate. Their noise averages out of (x - a)(x - b)."""
+    _same_size(picture, *references)
+    a, b = references
+    values = _values(picture)
+    terms = ((x - p) * (x - q) / (.25 * (p + q)**2 + EPSILON) for x, p, q in zip(values, _values(a), _values(b)))
+    return math.fsum(terms) / len(values)
+
+
+def difference(ours, theirs):
+    """relMSE between the means of two renderers, again without the noise of their pairs of references."""
+    _same_size(*ours, *theirs)
+    terms = ((a - c) * (b - d) / (.0625 * (a + b + c + d)**2 + EPSILON)
+             for a, b, c, d in zip(*map(_values, (*ours, *theirs))))
+    return math.fsum(terms) / (3 * len(ours[0][2][0]))
+
+
+def mean(references):
+    """The mean radiance, and its standard error by the differences of tiles, which are independent."""
+    _same_size(*references)
+    (width, height, a), (_, _, b) = references
+    tiles, side = {}, min(16, width // TILES)
+    for p, q in zip(a, b):
+        for y in range(height):
+            for x in range(0, width, side):
+                at = slice(y * width + x, y * width + min(x + side, width))
+                key = y // side, x
+                tiles[key] = tiles.get(key, 0) + sum(p[at]) - sum(q[at])
+    count = 3 * width * height
+    total = math.fsum(_values(references[0])) + math.fsum(_values(references[1]))
+    return total / (2 * count), math.sqrt(math.fsum(d * d for d in tiles.values())) / (2 * count)
+
+
+def ratio_of_means(ours, theirs):
+    """(ratio, low, high): mean radiances of two renderers, a normal interval of 95 %."""
+    (a, sa), (b, sb) = mean(ours), mean(theirs)
+    half = 1.96 * a / b * math.hypot(sa / a, sb / b)
+    return a / b, a / b - half, a / b + half
+
+
+class Logarithm:
+    """An estimate of a ratio's logarithm, with its standard error and degrees of freedom; the value is None where a mean
+    was not above 0, as a time that is lost in the noise of short renders."""
+
+    def __init__(self, value, error, degrees):
+        self.value, self.error, self.degrees = value, error, degrees
+
+    def interval(self):
+        """(ratio, low, high) of 95 %, None where they are not known: a single turn knows nothing of the ends."""
+        if self.value is None:
+            return None, None, None
+        if self.degrees < 1:
+            return math.exp(self.value), None, None
+        half = t_975(self.degrees) * self.error
+        return tuple(math.exp(self.value + d) for d in (0, -half, half))
+
+
+def ratio(ours, theirs):
+    """The ratio of two products of arithmetic means, each over the same turns, with a jackknife over turns.
+
+    ours and theirs are lists of factors, and a factor is a list of its values by turns. The jackknife (Tukey 1958) leaves
+    out a turn of all factors at once: what a busy machine did to both in that turn cancels.
+    """
+    def value(kept):
+        result = 0
+        for sign, factors in ((1, ours), (-1, theirs)):
+            for factor in factors:
+                result += sign * math.log(math.fsum(factor[i] for i in kept) / len(kept))
+        return result
+    turns = len(ours[0])
+    if any(math.fsum(factor) - max(0, *factor) <= 0 for factor in ours + theirs if turns > 1) or \
+            any(math.fsum(factor) <= 0 for factor in ours + theirs):
+        return Logarithm(None, math.inf, 0)
+    whole = value(range(turns))
+    if turns < 2:
+        return Logarithm(whole, math.inf, 0)
+    without = [value([i for i in range(turns) if i != j]) for j in range(turns)]
+    centre = math.fsum(without) / turns
+    variance = (turns - 1) / turns * math.fsum((v - centre)**2 for v in without)
+    return Logarithm(whole, math.sqrt(variance), turns - 1)
+
+
+def geometric_mean(logarithms):
+    """Of ratios of independent scenes; degrees of freedom by Welch (1947) and Satterthwaite (1946)."""
+    count = len(logarithms)
+    if any(one.value is None for one in logarithms):
+        return Logarithm(None, math.inf, 0)
+    value = math.fsum(one.value for one in logarithms) / count
+    if any(one.degrees < 1 for one in logarithms):
+        return Logarithm(value, math.inf, 0)
+    variances = [one.error**2 for one in logarithms]
+    fourth = math.fsum(v * v / one.degrees for v, one in zip(variances, logarithms))
+    degrees = math.fsum(variances)**2 / fourth if fourth else 1
+    return Logarithm(value, math.sqrt(math.fsum(variances)) / count, degrees)
