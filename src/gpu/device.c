@@ -11,8 +11,11 @@ static bool device_create(struct gpu *gpu, struct err *err)
     const char *const portability = "VK_KHR_portability_subset";
     const char *extensions[4];
     uint32_t extension_count = 0;
-    if (device_has_extension(gpu->physical, portability))
+    VkResult failure = VK_SUCCESS;
+    if (device_has_extension(gpu->physical, portability, &failure))
         extensions[extension_count++] = portability;
+    if (failure < VK_SUCCESS)
+        return gpu_fail(gpu, "vkEnumerateDeviceExtensionProperties", failure, err);
     if (gpu->params.can_present)
         extensions[extension_count++] = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     if (gpu->rounds_to_nearest)
@@ -65,8 +68,8 @@ bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
     if (!check_address_space(err) || !limits_from_environment(&out->params.limits, err) ||
         !instance_create(out, err) || !device_select(out, err))
         goto fail;
-    device_read_limits(out);
-    if (!device_create(out, err) || !layouts_create(out, err) || !pipeline_cache_create(out, err)) {
+    if (!device_read_limits(out, err) || !device_create(out, err) || !layouts_create(out, err) ||
+        !pipeline_cache_create(out, err)) {
         err_prepend(err, "%s", out->info.name);
         goto fail;
     }

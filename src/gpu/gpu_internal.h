@@ -18,7 +18,9 @@ void instance_destroy(struct gpu *gpu);
 bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err);
 
 // --- select.c -----------------------------------------------------------------------------------
-bool device_has_extension(VkPhysicalDevice device, const char *name);
+// False, too, where the driver fails to tell: *failure (NULL: it does not matter) says why then,
+// and else stays as it is.
+bool device_has_extension(VkPhysicalDevice device, const char *name, VkResult *failure);
 // Chooses by gpu->params.device; fills in physical, queue_family and info.
 bool device_select(struct gpu *gpu, struct err *err);
 // Writes in words what keeps us from using the device, or "". queue_family: UINT32_MAX when no
@@ -26,7 +28,7 @@ bool device_select(struct gpu *gpu, struct err *err);
 void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_family, char *out,
                        size_t size);
 // Reads the limits of gpu->physical, lowered by the overrides.
-void device_read_limits(struct gpu *gpu);
+bool device_read_limits(struct gpu *gpu, struct err *err);
 
 // --- buffer.c -----------------------------------------------------------------------------------
 // Without the check against max_texel_elements, and left as allocated, not zero-filled.

@@ -12,19 +12,25 @@ struct device_properties {
     VkPhysicalDeviceMaintenance3Properties maintenance;
     VkPhysicalDeviceFloatControlsProperties floats; // empty where there is no choice
     VkPhysicalDeviceDriverProperties driver;        // empty where the driver does not tell
+    VkResult failure;                               // why its extensions are not known
 };
 
-bool device_has_extension(VkPhysicalDevice device, const char *name)
+bool device_has_extension(VkPhysicalDevice device, const char *name, VkResult *failure)
 {
     uint32_t count = 0;
-    if (vkEnumerateDeviceExtensionProperties(device, NULL, &count, NULL) != VK_SUCCESS)
-        return false;
-    VkExtensionProperties *list = calloc(count + 1, sizeof *list);
+    VkExtensionProperties *list = NULL;
     bool found = false;
-    if (list && vkEnumerateDeviceExtensionProperties(device, NULL, &count, list) >= VK_SUCCESS)
-        for (uint32_t i = 0; i < count; i++)
-            found |= strcmp(list[i].extensionName, name) == 0;
+    VkResult result = vkEnumerateDeviceExtensionProperties(device, NULL, &count, NULL);
+    if (result == VK_SUCCESS) {
+        list = calloc(count + 1, sizeof *list);
+        result = list ? vkEnumerateDeviceExtensionProperties(device, NULL, &count, list)
+                      : VK_ERROR_OUT_OF_HOST_MEMORY;
+    }
+    for (uint32_t i = 0; result >= VK_SUCCESS && i < count; i++)
+        found |= strcmp(list[i].extensionName, name) == 0;
     free(list);
+    if (result < VK_SUCCESS && failure)
+        *failure = result;
     return found;
 }
 
@@ -50,9 +56,9 @@ static void properties_read(const struct gpu *gpu, VkPhysicalDevice device,
         .pNext = &out->subgroup,
     };
     out->subgroup.pNext = &out->maintenance;
-    if (!is_1_1 && device_has_extension(device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME))
+    if (!is_1_1 && device_has_extension(device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME, NULL))
         out->maintenance.pNext = &out->driver;
-    if (device_has_extension(device, VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME)) {
+    if (device_has_extension(device, VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME, &out->failure)) {
         out->floats.pNext = out->maintenance.pNext;
         out->maintenance.pNext = &out->floats;
     }
@@ -122,8 +128,9 @@ static uint64_t heap_free(const struct gpu *gpu)
     VkPhysicalDeviceMemoryProperties2 memory = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
     };
-    bool has_budget = !gpu->params.limits.api_1_1 &&
-                      device_has_extension(gpu->physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+    bool has_budget =
+        !gpu->params.limits.api_1_1 &&
+        device_has_extension(gpu->physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME, NULL);
     if (has_budget)
         memory.pNext = &budget;
     vkGetPhysicalDeviceMemoryProperties2(gpu->physical, &memory);
@@ -182,7 +189,8 @@ static void find_window_lacks(const struct gpu *gpu, VkPhysicalDevice device, ui
                               char *out, size_t size)
 {
     const struct gpu_params *params = &gpu->params;
-    if (params->can_present && !device_has_extension(device, VK_KHR_SWAPCHAIN_EXTENSION_NAME)) {
+    if (params->can_present &&
+        !device_has_extension(device, VK_KHR_SWAPCHAIN_EXTENSION_NAME, NULL)) {
         snprintf(out, size, "no " VK_KHR_SWAPCHAIN_EXTENSION_NAME ", which windows need");
     } else if (queue_family == UINT32_MAX && (params->graphics || params->can_present)) {
         const char *draws = !params->graphics ? "" : params->can_present ? ", draws" : " and draws";
@@ -363,10 +371,13 @@ static bool can_round_to_nearest(const VkPhysicalDeviceFloatControlsProperties *
            p->roundingModeIndependence != VK_SHADER_FLOAT_CONTROLS_INDEPENDENCE_NONE;
 }
 
-void device_read_limits(struct gpu *gpu)
+bool device_read_limits(struct gpu *gpu, struct err *err)
 {
     struct device_properties p;
     properties_read(gpu, gpu->physical, &p);
+    // How it rounds decides bits of pictures.
+    if (p.failure < VK_SUCCESS)
+        return gpu_fail(gpu, "vkEnumerateDeviceExtensionProperties", p.failure, err);
     const VkPhysicalDeviceLimits *limits = &p.core.limits;
     const struct gpu_limit_overrides *lower = &gpu->params.limits;
     const VkSubgroupFeatureFlags ballot =
@@ -400,4 +411,5 @@ void device_read_limits(struct gpu *gpu)
     gpu->has_timestamps = timestamp_bits > 0 && !lower->no_timestamps;
     gpu->timestamp_ns = (double)limits->timestampPeriod;
     gpu->timestamp_mask = timestamp_bits >= 64 ? UINT64_MAX : (UINT64_C(1) << timestamp_bits) - 1;
+    return true;
 }
