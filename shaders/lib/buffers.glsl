@@ -57,15 +57,11 @@ STATE(paths, BINDING_PATHS)
 STATE(shadow_rays, BINDING_SHADOW_RAYS)
 STATE(radiance, BINDING_RADIANCE)
 
+// One buffer for both: Vulkan lets a device take as few as 4 storage buffers at once, and shading
+// writes to paths, shadow rays and radiance besides.
 layout(std430, set = 0, binding = BINDING_QUEUES) buffer queues_block {
-    uint queue_slots[];
-};
-
-layout(std430, set = 0, binding = BINDING_COUNTERS) buffer counters_block {
     gpu_counters counters;
-#ifdef SORTS_RAYS
-    gpu_sort sort;
-#endif
+    uint queue_slots[]; // wave_slots for each queue that is needed
 };
 
 void store_path(uint slot, uint word, uvec4 value)

@@ -2,12 +2,15 @@
 // by the cell of the origin along Morton's curve (Morton 1966), so that rays that are side by side
 // meet the same nodes. Three kernels sort a queue by counting (Knuth 1973, section 5.2, algorithm D):
 // sort_count, sort_scan, sort_scatter. They write the sorted queue in place of the other queue of
-// rays, which is empty until shading fills it.
+// rays, which is empty until shading fills it. Owns their counts and places, too.
 #ifndef SORT_GLSL
 #define SORT_GLSL
 
-#define SORTS_RAYS
 #include "lib/queue.glsl"
+
+layout(std430, set = 0, binding = BINDING_SORT) buffer sort_block {
+    gpu_sort sort;
+};
 
 const uint SORT_CELLS = 1u << SORT_CELL_BITS;
 

@@ -15,8 +15,8 @@
 #define BINDING_PATHS 8       // struct gpu_path, one a slot of the wave
 #define BINDING_SHADOW_RAYS 9 // struct gpu_shadow_ray, one a slot
 #define BINDING_RADIANCE 10   // what a slot's path has gathered: vec4, and see aov.h
-#define BINDING_QUEUES 11     // uint slot indices, an array of wave_slots for each needed queue
-#define BINDING_COUNTERS 12   // struct gpu_counters
+#define BINDING_QUEUES 11     // struct gpu_counters, then slot indices: see lib/buffers.glsl
+#define BINDING_SORT 12       // struct gpu_sort
 #define BINDING_FILM 13       // struct gpu_film_pixel
 #define BINDING_RESOLVED 14   // struct gpu_resolved_pixel
 #define BINDING_SUSPENDED 15  // traversals that ran out of their budget, one a slot

@@ -366,9 +366,13 @@ struct gpu_counters {
     uint branches;          // that paths got where they split, with FEATURE_MIN_DENSITY
     RECORD(gpu_dispatch) dispatch[QUEUE_COUNT * DISPATCH_PARTS];
     uint nonfinite_record[NONFINITE_RECORDS * 4]; // pixel, sample, site, bounce
+    uint align_counters[31];                      // what is behind them begins with a cache line
 };
+SHARED_STATIC_ASSERT_SIZE(gpu_counters, 12288);
+// Bytes before the slot indices in the buffer of BINDING_QUEUES.
+#define QUEUES_OFFSET sizeof(struct gpu_counters)
 
-// Behind the counters where rays are sorted: lib/sort.glsl. The cells along each axis are 2^this.
+// Where rays are sorted: lib/sort.glsl. The cells along each axis are 2^this.
 #define SORT_CELL_BITS 3
 #define SORT_KEYS (8 << 3 * SORT_CELL_BITS) // 8 octants of so many cells
 struct gpu_sort {

@@ -1,5 +1,6 @@
 #include "render/adaptive.h"
 
+#include "render/counters.h"
 #include "render/wave.h"
 #include <math.h>
 #include <string.h>
@@ -276,7 +277,7 @@ static bool upload_lists(struct renderer *r, uint32_t count, struct err *err)
 {
     // Behind the last queue, as lib/buffers.glsl reads them.
     uint64_t row = (uint64_t)r->plan.wave_slots * sizeof(uint32_t);
-    uint64_t at = (uint64_t)__builtin_popcount(r->specialization.queues) * row;
+    uint64_t at = queue_offset(r, QUEUE_COUNT);
     struct gpu_buffer *queues = &r->buffers[BINDING_QUEUES];
     uint64_t bytes = count * sizeof(uint32_t);
     return gpu_upload(r->gpu, queues, at, r->tiles.pixels, bytes, err) &&

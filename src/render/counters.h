@@ -1,8 +1,12 @@
-// The device's counters, as the host sees them.
+// The device's counters and queues, as the host sees them: one buffer, of BINDING_QUEUES.
 #ifndef LAMPYRIS_RENDER_COUNTERS_H
 #define LAMPYRIS_RENDER_COUNTERS_H
 
 #include "render/render.h"
+
+// Returns where a queue's slots begin in the buffer, in bytes: queues that are not needed have no
+// row. That of QUEUE_COUNT is behind the last one's.
+uint64_t queue_offset(const struct renderer *renderer, uint32_t queue);
 
 // Where the host does not see the device's memory, a copy in memory that it does see belongs to
 // them: reading that back needs neither staging memory nor a submission of its own.

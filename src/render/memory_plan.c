@@ -39,7 +39,7 @@ const char *binding_name(uint32_t binding)
         [BINDING_SHADOW_RAYS] = "shadow_rays",
         [BINDING_RADIANCE] = "radiance",
         [BINDING_QUEUES] = "queues",
-        [BINDING_COUNTERS] = "counters",
+        [BINDING_SORT] = "sort",
         [BINDING_FILM] = "film",
         [BINDING_RESOLVED] = "resolved",
         [BINDING_SUSPENDED] = "suspended",
@@ -76,7 +76,7 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
 
 bool memory_plan_is_of_wave(const struct specialization *s, uint32_t binding)
 {
-    return binding == BINDING_COUNTERS || bytes_a_slot(s, binding) > 0;
+    return binding == BINDING_SORT || bytes_a_slot(s, binding) > 0;
 }
 
 const char *memory_plan_in_flight(const struct memory_plan *plan)
@@ -84,7 +84,8 @@ const char *memory_plan_in_flight(const struct memory_plan *plan)
     return plan->waves > 1 ? ", two in flight" : "";
 }
 
-static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding)
+// Bytes of a buffer that do not depend on the wave: all of the scene's.
+static uint64_t fixed_bytes(const struct memory_plan_params *p, uint32_t binding)
 {
     switch (binding) {
     case BINDING_NODES:
@@ -108,9 +109,10 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
                         .filter = p->specialization->environment_filter,
                         .is_sampled = p->specialization->emitters & EMITTER_ENVIRONMENT,
                     });
-    case BINDING_COUNTERS:
-        return sizeof(struct gpu_counters) +
-               (p->specialization->sort_rays ? sizeof(struct gpu_sort) : 0);
+    case BINDING_QUEUES:
+        return QUEUES_OFFSET;
+    case BINDING_SORT:
+        return sizeof(struct gpu_sort);
     default:
         return 0;
     }
@@ -118,7 +120,7 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
 
 static uint64_t bytes_of(const struct memory_plan_params *p, uint32_t binding, uint32_t slots)
 {
-    return scene_bytes(p, binding) + bytes_a_slot(p->specialization, binding) * slots;
+    return fixed_bytes(p, binding) + bytes_a_slot(p->specialization, binding) * slots;
 }
 
 uint64_t memory_plan_bytes(const struct memory_plan_params *p, uint32_t slots)
@@ -134,7 +136,7 @@ static bool fits_texels(const struct memory_plan_params *p)
 {
     for (uint32_t b = 0; b <= BINDING_TEXELS; b++)
         if (specialization_needs_binding(p->specialization, b) &&
-            !gpu_texel_fits(p->gpu, scene_bytes(p, b)))
+            !gpu_texel_fits(p->gpu, fixed_bytes(p, b)))
             return false;
     return true;
 }
@@ -156,7 +158,8 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
         if (!bytes_a_slot(s, b))
             continue;
-        slots = least(slots, range / bytes_a_slot(s, b));
+        uint64_t fixed = least(fixed_bytes(p, b), range);
+        slots = least(slots, (range - fixed) / bytes_a_slot(s, b));
         bool as_texels = b == BINDING_PATHS || b == BINDING_SHADOW_RAYS || b == BINDING_RADIANCE;
         if (as_texels && (s->features & FEATURE_TEXEL_STATE))
             slots = least(slots, gpu->max_texel_elements * 16 / bytes_a_slot(s, b));

@@ -179,6 +179,7 @@ static const char *buffer_reason(uint32_t binding)
         {BINDING_TEXELS, "no material has a texture"},
         {BINDING_SHADOW_RAYS, "no shadow rays are sent"},
         {BINDING_ENVIRONMENT, "no image surrounds the scene"},
+        {BINDING_SORT, "rays are not sorted"},
         {BINDING_SUSPENDED, "no ray has run out of its budget of steps"},
     };
     return FIND(reasons, binding);

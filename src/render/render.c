@@ -106,7 +106,8 @@ static bool create_state_of_one(struct renderer *r, struct err *err)
     return create_buffer(r, BINDING_PATHS, GPU_DEVICE, texel, err) &&
            create_buffer(r, BINDING_SHADOW_RAYS, GPU_DEVICE, texel, err) &&
            create_buffer(r, BINDING_RADIANCE, GPU_DEVICE, texel, err) &&
-           create_buffer(r, BINDING_QUEUES, GPU_DEVICE, false, err) &&
+           create_buffer(r, BINDING_QUEUES, GPU_DEVICE, false, err) && counters_create(r, err) &&
+           create_buffer(r, BINDING_SORT, GPU_DEVICE, false, err) &&
            create_buffer(r, BINDING_SUSPENDED, GPU_DEVICE, false, err) && create_bindings(r, err);
 }
 
@@ -125,7 +126,7 @@ static bool create_other_wave(struct renderer *r, struct err *err)
     if (r->plan.waves < 2)
         return true;
     wave_exchange(r);
-    bool ok = counters_create(r, err) && create_state_of_one(r, err);
+    bool ok = create_state_of_one(r, err);
     wave_exchange(r);
     return ok;
 }
@@ -186,7 +187,7 @@ static bool upload(struct renderer *r, struct err *err)
     r->other.bindings = ARENA_NEW(&r->arena, struct gpu_bindings, r->plan.film_chunks);
     if (!r->counters || !r->marks || !r->bindings || !r->other.counters || !r->other.bindings)
         return err_memory(err, "renderer", sizeof *r->counters);
-    return upload_scene(r->gpu, &params, r->buffers, err) && counters_create(r, err) &&
+    return upload_scene(r->gpu, &params, r->buffers, err) &&
            create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err) && film_create(r, err) &&
            frame_create(r, err) && create_fitting_wave_state(r, err) &&
            gpu_commands_create(r->gpu, &r->commands, err);

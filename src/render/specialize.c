@@ -570,6 +570,8 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
         return (s->features & FEATURE_NEE) || s->pending_rays > 0;
     case BINDING_ENVIRONMENT:
         return s->features & FEATURE_ENVIRONMENT_IMAGE;
+    case BINDING_SORT:
+        return s->sort_rays;
     case BINDING_SUSPENDED:
         return s->features & FEATURE_SUSPEND;
     default:

@@ -48,9 +48,11 @@ struct specialization {
 _Static_assert(offsetof(struct specialization, class_lobes) == 4 * CONSTANT_COUNT,
                "one word a constant");
 
-// Storage buffers that shading binds at most where scenes are not read as texels: all of a scene's
-// but the nodes, and those of paths, shadow rays, radiance, queues and counters.
-#define SHADING_STORAGE (BINDING_TEXELS + 5)
+// Storage buffers that a kernel binds at most: of the state of paths as many as Vulkan guarantees
+// (shading those of paths, shadow rays, radiance and queues), and where scenes are not read as
+// texels all of a scene's but the nodes.
+#define STATE_STORAGE 4
+#define SHADING_STORAGE (BINDING_TEXELS + STATE_STORAGE)
 
 // Rays of earlier bounces are in order enough: "Rays sorted by octant and cell" in
 // docs/performance.md.

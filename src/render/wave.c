@@ -135,7 +135,7 @@ static bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, 
         r->push.first_item = first;
         gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
         gpu_dispatch_indirect(r->gpu, &r->commands, &r->kernels[kernel],
-                              &r->buffers[BINDING_COUNTERS], at);
+                              &r->buffers[BINDING_QUEUES], at);
         r->barrier_is_due = true;
         if (r->gpu->params.validation)
             barrier(r);

@@ -163,9 +163,3 @@ bool run_kernel(struct renderer *r, const struct gpu_kernel *kernel, uint32_t it
     gpu_barrier(r->gpu, &r->commands);
     return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err);
 }
-
-uint64_t queue_offset(const struct renderer *r, uint32_t queue)
-{
-    uint32_t below = r->specialization.queues & ((1u << queue) - 1u);
-    return (uint64_t)__builtin_popcount(below) * r->frame.wave_slots * sizeof(uint32_t);
-}

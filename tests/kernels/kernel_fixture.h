@@ -5,6 +5,7 @@
 
 #include "base/maths.h"
 #include "open_gpu.h"
+#include "render/counters.h"
 #include "render/render.h"
 
 // --- random numbers ------------------------------------------------------------------------------
@@ -72,7 +73,5 @@ void setup_close(struct setup *setup); // the scene, too
 // Runs `kernel` over `items` items with renderer->push as it is, and waits.
 bool run_kernel(struct renderer *r, const struct gpu_kernel *kernel, uint32_t items,
                 struct err *err);
-// Where a queue begins in the queues' buffer, in bytes: those that are not needed have no row.
-uint64_t queue_offset(const struct renderer *r, uint32_t queue);
 
 #endif

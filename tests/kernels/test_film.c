@@ -162,7 +162,7 @@ TEST(accumulate_leaves_void_waves_alone)
     r->push.sample_shift = 0;
     r->counters->unfinished = 1;
     fill_radiance(&random);
-    bool ok = gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+    bool ok = gpu_upload(r->gpu, &r->buffers[BINDING_QUEUES], 0, r->counters, sizeof *r->counters,
                          &err) &&
               accumulate(r, PIXELS, &err);
     REQUIRE(ok, "%s", err.msg);

@@ -61,11 +61,12 @@ static bool generate(struct renderer *r, uint32_t part, struct err *err)
     memset(queue, 0xa5, sizeof queue);
     memset(r->counters, 0xa5, sizeof *r->counters);
     struct gpu_buffer *buffers = r->buffers;
+    uint64_t row = queue_offset(r, QUEUE_RAYS);
     bool ok =
         gpu_upload(r->gpu, &buffers[BINDING_PATHS], 0, paths, sizeof paths, err) &&
         gpu_upload(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
-        gpu_upload(r->gpu, &buffers[BINDING_QUEUES], 0, queue, sizeof queue, err) &&
-        gpu_upload(r->gpu, &buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters, err);
+        gpu_upload(r->gpu, &buffers[BINDING_QUEUES], row, queue, sizeof queue, err) &&
+        gpu_upload(r->gpu, &buffers[BINDING_QUEUES], 0, r->counters, sizeof *r->counters, err);
     r->push.part_items = part;
     for (uint32_t first = 0; first < count && ok; first += part) {
         r->push.first_item = first;
@@ -74,9 +75,8 @@ static bool generate(struct renderer *r, uint32_t part, struct err *err)
     }
     return ok && gpu_download(r->gpu, &buffers[BINDING_PATHS], 0, paths, sizeof paths, err) &&
            gpu_download(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
-           gpu_download(r->gpu, &buffers[BINDING_QUEUES], 0, queue, sizeof queue, err) &&
-           gpu_download(r->gpu, &buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
-                        err);
+           gpu_download(r->gpu, &buffers[BINDING_QUEUES], row, queue, sizeof queue, err) &&
+           gpu_download(r->gpu, &buffers[BINDING_QUEUES], 0, r->counters, sizeof *r->counters, err);
 }
 
 // All but the direction is exact. A coordinate in the image has some 13 roundings of 2^-24 (a

@@ -52,7 +52,8 @@
     M(steps)                                                                                       \
     M(unfinished)                                                                                  \
     M(suspended)                                                                                   \
-    M(nonfinite) M(nonfinite_records) M(sparse) M(branches) M(dispatch) M(nonfinite_record)
+    M(nonfinite)                                                                                   \
+    M(nonfinite_records) M(sparse) M(branches) M(dispatch) M(nonfinite_record) M(align_counters)
 #define FRAME(M)                                                                                   \
     M(camera_position)                                                                             \
     M(width)                                                                                       \
@@ -83,10 +84,11 @@
     M(filter_radius)                                                                               \
     M(ao_distance)                                                                                 \
     M(metre)                                                                                       \
-    M(environment_reach) M(ambient) M(pending_rays) M(instances) M(sdfs) M(sdf_code)               \
-        M(camera_start) M(lens_at_start) M(small_triangles) M(pixel_strata) M(mis_exponent)        \
-            M(min_density) M(split_lobes) M(align_frame) M(align_frame_1) M(cells_begin)           \
-                M(align_cells) M(cells_a_length) M(align_cells_1)
+    M(environment_reach)                                                                           \
+    M(ambient) M(pending_rays) M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start)   \
+        M(small_triangles) M(pixel_strata) M(mis_exponent) M(min_density) M(split_lobes)           \
+            M(align_frame) M(align_frame_1) M(cells_begin) M(align_cells) M(cells_a_length)        \
+                M(align_cells_1)
 #define SORT(M) M(count) M(place)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
@@ -207,6 +209,15 @@ static void check_members(const char *module, const struct spirv_layout *layout,
     }
 }
 
+// Slot indices are behind the counters, in the same buffer.
+static void check_queues(const char *module, const struct spirv_id *block)
+{
+    const struct spirv_member *slots = &block->member[block->member_count - 1];
+    CHECK(strcmp(slots->name, "queue_slots") == 0 && slots->offset == QUEUES_OFFSET,
+          "%s: %s is at %u in GLSL, at %zu in C", module, slots->name, slots->offset,
+          QUEUES_OFFSET);
+}
+
 // Compares each structure of the module that is one of the records and is laid out in memory
 // (copies in registers have no offsets). Returns the records seen, as bits; *strides: those of
 // which there is an array.
@@ -221,6 +232,8 @@ static uint32_t check_module(const char *module, const uint32_t *words, size_t b
     for (uint32_t i = 0; ok && i < layout.bound; i++) {
         const struct spirv_id *id = &layout.ids[i];
         const struct spirv_id *element = &layout.ids[id->element];
+        if (id->member_count && id->name && strcmp(id->name, "queues_block") == 0)
+            check_queues(module, id);
         for (int r = 0; r < RECORD_COUNT; r++) {
             if (id->member_count && id->name && strcmp(id->name, records[r].name) == 0 &&
                 id->member[0].offset != UINT32_MAX) {

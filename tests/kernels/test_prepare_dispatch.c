@@ -64,9 +64,9 @@ static void check(struct renderer *r, uint32_t mask, uint32_t count, uint32_t pa
     r->push.queue = mask;
     r->push.part_items = part_items;
     bool ok =
-        gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, &expected, sizeof expected, &err) &&
+        gpu_upload(r->gpu, &r->buffers[BINDING_QUEUES], 0, &expected, sizeof expected, &err) &&
         run_kernel(r, &r->kernels[KERNEL_prepare_dispatch], QUEUE_COUNT, &err) &&
-        gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+        gpu_download(r->gpu, &r->buffers[BINDING_QUEUES], 0, r->counters, sizeof *r->counters,
                      &err);
     REQUIRE(ok, "%s", err.msg);
     expect(&expected, mask, r->specialization.workgroup, part_items, r->frame.wave_slots);

@@ -24,12 +24,10 @@ static bool shade(struct renderer *r, uint32_t count, struct err *err)
     return gpu_upload(r->gpu, &buffers[BINDING_PATHS], 0, paths, sizeof paths, err) &&
            gpu_upload(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
            gpu_upload(r->gpu, &buffers[BINDING_QUEUES], row, queue, count * sizeof *queue, err) &&
-           gpu_upload(r->gpu, &buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
-                      err) &&
+           gpu_upload(r->gpu, &buffers[BINDING_QUEUES], 0, r->counters, sizeof *r->counters, err) &&
            run_kernel(r, &r->kernels[KERNEL_shade_miss], SLOTS, err) &&
            gpu_download(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
-           gpu_download(r->gpu, &buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
-                        err);
+           gpu_download(r->gpu, &buffers[BINDING_QUEUES], 0, r->counters, sizeof *r->counters, err);
 }
 
 static void clear(void)

@@ -117,7 +117,7 @@ static bool shade(struct renderer *r, uint32_t bounce, struct err *err)
            run_kernel(r, &r->kernels[KERNEL_shade_surface], SLOTS, err) &&
            gpu_download(r->gpu, &buffers[BINDING_PATHS], 0, after, sizeof after, err) &&
            gpu_download(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
-           gpu_download(r->gpu, &buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+           gpu_download(r->gpu, &buffers[BINDING_QUEUES], 0, r->counters, sizeof *r->counters,
                         err) &&
            read_queue(r, next, goes_on, err) &&
            (!nee ||

@@ -299,7 +299,7 @@ static struct inventory take_inventory(const struct renderer *r)
         out.buffers |= created ? BIT(b) : 0;
         out.planned |= r->plan.buffers[b].name ? BIT(b) : 0;
     }
-    out.queue_rows = r->buffers[BINDING_QUEUES].bytes / (4 * (uint64_t)r->plan.wave_slots);
+    out.queue_rows = (r->buffers[BINDING_QUEUES].bytes - QUEUES_OFFSET) / (4 * r->plan.wave_slots);
     return out;
 }
 
@@ -520,6 +520,7 @@ TEST(no_feature_is_forgotten)
      FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA |               \
      FEATURE_NORMAL_MAPS | FEATURE_TILES)
 #define OTHER_KERNELS (BIT(KERNEL_shade_ao) | BIT(KERNEL_shade_whitted)) // of other integrators
+#define SORT_KERNELS (BIT(KERNEL_sort_count) | BIT(KERNEL_sort_scan) | BIT(KERNEL_sort_scatter))
 #define CLASS_KERNELS (((1u << CLASS_COUNT) - 1u) << KERNEL_shade_diffuse)
 
 TEST(everything_is_created_on_demand)
@@ -536,8 +537,8 @@ TEST(everything_is_created_on_demand)
         // A choice, and one that doubles the code.
         uint64_t by_setting = FEATURE_SPLIT_LOBES;
         uint64_t named = named_bits() & ~by_shape & ~by_setting;
-        uint32_t buffers = (BIT(BINDING_COUNT) - 1) & ~BIT(BINDING_SUSPENDED);
-        CHECK(all.kernels == (BIT(KERNEL_COUNT) - 1) - CLASS_KERNELS - OTHER_KERNELS,
+        uint32_t buffers = (BIT(BINDING_COUNT) - 1) & ~(BIT(BINDING_SUSPENDED) | BIT(BINDING_SORT));
+        CHECK(all.kernels == (BIT(KERNEL_COUNT) - 1) - CLASS_KERNELS - OTHER_KERNELS - SORT_KERNELS,
               "kernels 0x%x", all.kernels);
         CHECK(all.buffers == (buffers & ~BIT(BINDING_TEXELS)), "buffers 0x%x", all.buffers);
         CHECK(all.features == (named & ~(uint64_t)WITH_DATA), "features 0x%llx",
@@ -754,40 +755,6 @@ TEST(everything_changes_no_bit)
     gpu_close(&gpu);
 }
 
-// --- devices that bind few buffers ---------------------------------------------------------------
-
-static bool reads_texels(struct gpu *gpu, const struct scene *scene)
-{
-    struct renderer r;
-    struct err err = {0};
-    bool ok = renderer_prepare(&(struct renderer_params){.gpu = gpu, .scene = scene}, &r, &err);
-    CHECK(ok, "%s", err.msg);
-    bool reads = ok && (r.specialization.features & FEATURE_TEXEL_SCENE);
-    renderer_finish(&r);
-    return reads;
-}
-
-// Other devices than those on the processor read scenes as texels where shading may need more
-// storage buffers than a kernel may bind, 12 (bindings.h), and the scenes are short enough.
-TEST(texels_replace_storage_buffers)
-{
-    struct gpu gpu;
-    OPEN_GPU(&gpu, .validation = false);
-    struct scene scene;
-    make_scene(QUAD | SPHERE | SKY, &scene);
-    if (gpu.max_texel_elements >= 65536) {
-        gpu.info.is_cpu = false;
-        gpu.storage_count = 12;
-        CHECK(!reads_texels(&gpu, &scene));
-        gpu.storage_count = 11;
-        CHECK(reads_texels(&gpu, &scene));
-        gpu.max_texel_elements = 1;
-        CHECK(!reads_texels(&gpu, &scene));
-    }
-    scene_finish(&scene);
-    gpu_close(&gpu);
-}
-
 // --- suspended traversals ------------------------------------------------------------------------
 
 // More identical triangles than a ray's budget: only then are there a buffer and two queues for
@@ -840,5 +807,5 @@ TEST(suspended_traversals_are_made_when_needed)
 
 TEST_MAIN(TEST_CASE(each_need), TEST_CASE(no_feature_is_forgotten), TEST_CASE(lobes),
           TEST_CASE(stacks_fit_into_shared_memory), TEST_CASE(everything_is_created_on_demand),
-          TEST_CASE(everything_changes_no_bit), TEST_CASE(texels_replace_storage_buffers),
+          TEST_CASE(everything_changes_no_bit),
           TEST_CASE(suspended_traversals_are_made_when_needed))

@@ -293,7 +293,7 @@ TEST(carry)
     for (int i = 0; i < 100; i++)
         ups[i] = (struct probe_ray){{0, 0, 0}, {0, 1, 0}};
     trace(&s.r, KERNEL_intersect_closest, ups, 100);
-    struct gpu_buffer *counters = &s.r.buffers[BINDING_COUNTERS];
+    struct gpu_buffer *counters = &s.r.buffers[BINDING_QUEUES];
     s.r.counters->steps[STEPS_CLOSEST][0] = UINT32_MAX - 30;
     s.r.counters->steps[STEPS_CLOSEST][1] = 6;
     bool ok = gpu_upload(&s.gpu, counters, 0, s.r.counters, sizeof *s.r.counters, &err) &&

@@ -1,5 +1,6 @@
 // Rays sorted by octant and cell: each ray is traced once, where its key says. That no bit of a
 // picture changes is in `render same bits`.
+#include "render/counters.h"
 #include "render/wave.h"
 #include "render_fixture.h"
 #include <math.h>
@@ -43,10 +44,9 @@ static bool read_queue(struct setup *s, uint32_t queue, uint32_t **slots, struct
 {
     struct renderer *r = &s->r;
     uint64_t bytes = s->ray_count * sizeof **slots;
-    uint32_t row = (uint32_t)__builtin_popcount(r->specialization.queues & ((1u << queue) - 1u));
     *slots = ARENA_NEW(&s->arena, uint32_t, s->ray_count + 1);
-    return *slots ? gpu_download(r->gpu, &r->buffers[BINDING_QUEUES],
-                                 (uint64_t)row * r->plan.wave_slots * 4, *slots, bytes, err)
+    return *slots ? gpu_download(r->gpu, &r->buffers[BINDING_QUEUES], queue_offset(r, queue),
+                                 *slots, bytes, err)
                   : err_memory(err, "queue", bytes);
 }
 
@@ -197,9 +197,9 @@ static void check_choice(struct setup *s, const char *what, uint32_t max_bounces
     for (int id = KERNEL_sort_count; id <= KERNEL_sort_scatter; id++)
         CHECK(specialization_needs_kernel(&r.specialization, (enum kernel_id)id) == expected,
               "%s: kernel %d", what, id);
-    uint64_t bytes = r.plan.buffers[BINDING_COUNTERS].bytes;
-    CHECK(bytes == sizeof(struct gpu_counters) + (expected ? sizeof(struct gpu_sort) : 0),
-          "%s: %llu bytes of counters", what, (unsigned long long)bytes);
+    uint64_t bytes = r.plan.buffers[BINDING_SORT].bytes;
+    CHECK(bytes == (expected ? sizeof(struct gpu_sort) : 0), "%s: %llu bytes to sort with", what,
+          (unsigned long long)bytes);
     renderer_finish(&r);
 }
 

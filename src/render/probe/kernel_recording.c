@@ -7,29 +7,28 @@
 
 #define SHADING                                                                                    \
     (1u << BINDING_PATHS | 1u << BINDING_RADIANCE | 1u << BINDING_SHADOW_RAYS |                    \
-     1u << BINDING_QUEUES | 1u << BINDING_COUNTERS)
+     1u << BINDING_QUEUES)
 
 // Returns the bindings that a kernel writes, as bits.
 static uint32_t written(enum kernel_id kernel)
 {
     switch (kernel) {
     case KERNEL_generate_rays:
-        return 1u << BINDING_PATHS | 1u << BINDING_RADIANCE | 1u << BINDING_QUEUES |
-               1u << BINDING_COUNTERS;
+        return 1u << BINDING_PATHS | 1u << BINDING_RADIANCE | 1u << BINDING_QUEUES;
     case KERNEL_intersect_closest:
-        return 1u << BINDING_PATHS | 1u << BINDING_QUEUES | 1u << BINDING_COUNTERS;
+        return 1u << BINDING_PATHS | 1u << BINDING_QUEUES;
     case KERNEL_shade_miss:
     case KERNEL_intersect_shadow:
-        return 1u << BINDING_RADIANCE | 1u << BINDING_COUNTERS;
+        return 1u << BINDING_RADIANCE | 1u << BINDING_QUEUES;
     case KERNEL_sort_count:
-        return 1u << BINDING_PATHS | 1u << BINDING_COUNTERS;
+        return 1u << BINDING_PATHS | 1u << BINDING_SORT;
+    case KERNEL_sort_scan:
     case KERNEL_sort_scatter:
-        return 1u << BINDING_QUEUES | 1u << BINDING_COUNTERS;
+        return 1u << BINDING_QUEUES | 1u << BINDING_SORT;
     case KERNEL_accumulate:
         return 1u << BINDING_FILM;
     case KERNEL_prepare_dispatch:
-    case KERNEL_sort_scan:
-        return 1u << BINDING_COUNTERS;
+        return 1u << BINDING_QUEUES;
     case KERNEL_resolve:
         return 1u << BINDING_RESOLVED;
     default:
@@ -67,15 +66,15 @@ static uint64_t hash_queue(const uint32_t *slots, uint32_t count)
     return sum;
 }
 
-static uint64_t hash_queues(const struct renderer *r, const uint32_t *slots, uint64_t hash)
+static uint64_t hash_queues(const struct renderer *r, const uint8_t *buffer, uint64_t hash)
 {
     for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++) {
         if (!(r->specialization.queues >> queue & 1u))
             continue;
+        const uint32_t *slots = (const uint32_t *)(buffer + queue_offset(r, queue));
         uint32_t count = r->counters->queue[queue].count;
         uint64_t sum = hash_queue(slots, count < r->plan.wave_slots ? count : r->plan.wave_slots);
         hash = hash_bytes(hash, &sum, sizeof sum);
-        slots += r->plan.wave_slots;
     }
     return hash;
 }
@@ -107,16 +106,12 @@ static bool hash_state(struct renderer *r, const struct kernel_recording *rec, u
         const struct gpu_buffer *buffer = buffer_of(r, rec, b);
         if (!is_kept(r, rec, b))
             continue;
-        if (b == BINDING_COUNTERS) {
-            *hash = hash_counters(r->counters, *hash); // read back after each submission
-            continue;
-        }
         uint64_t *copy = arena_alloc(&scratch, buffer->bytes / 8 + 1, sizeof *copy);
         if (!copy)
             ok = err_memory(err, "a kernel's results", buffer->bytes);
         ok = ok && gpu_download(r->gpu, buffer, 0, copy, buffer->bytes, err);
-        if (ok && b == BINDING_QUEUES)
-            *hash = hash_queues(r, (const uint32_t *)copy, *hash);
+        if (ok && b == BINDING_QUEUES) // the counters were read back after the submission
+            *hash = hash_counters(r->counters, hash_queues(r, (const uint8_t *)copy, *hash));
         else if (ok)
             *hash = hash_words(*hash, copy, buffer->bytes);
         arena_finish(&scratch);

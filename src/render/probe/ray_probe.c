@@ -110,11 +110,9 @@ static bool upload_queue(struct renderer *r, uint32_t queue, uint32_t count, str
         return err_memory(err, "queue", count * sizeof *slots);
     for (uint32_t i = 0; i < count; i++)
         slots[i] = i;
-    uint32_t row = (uint32_t)__builtin_popcount(r->specialization.queues & ((1u << queue) - 1u));
     memset(r->counters, 0, sizeof *r->counters);
     r->counters->dispatch[queue * DISPATCH_PARTS].items = count;
-    return gpu_upload(r->gpu, &r->buffers[BINDING_QUEUES],
-                      (uint64_t)row * r->plan.wave_slots * sizeof *slots, slots,
+    return gpu_upload(r->gpu, &r->buffers[BINDING_QUEUES], queue_offset(r, queue), slots,
                       count * sizeof *slots, err) &&
            counters_write(r, err);
 }
