@@ -1,5 +1,6 @@
 // One thread turns one pixel of the film into what the filter works on: reflected light without the
 // colours of surfaces, what its half-buffers say of the variance, and the first surface as guide.
+// DENOISE_GATHER_* say what of that is written.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -10,6 +11,7 @@
 #include "lib/film_sums.glsl"
 
 layout(constant_id = DENOISE_CONSTANT_AOVS) const uint AOVS = 0u;
+layout(constant_id = DENOISE_CONSTANT_GATHER) const uint GATHERED = DENOISE_GATHER_ALL;
 
 layout(std430, set = 0, binding = DENOISE_FILM) readonly buffer film_block {
     uvec4 film_words[]; // gpu_film_pixel, and see shared/aov.h
@@ -99,6 +101,23 @@ float find_motion(uint at)
     return 0.0;
 }
 
+void store_filtered(uint pixel, vec4 guide, vec4 light, vec4 modulation)
+{
+    if ((GATHERED & DENOISE_GATHER_LIGHT) != 0u) {
+        store_guides(pixel, guide);
+        store_to(pixel, light);
+        store_modulation(pixel, modulation);
+    }
+}
+
+void store_seen(uint pixel, vec4 picture, vec4 emission)
+{
+    if ((GATHERED & DENOISE_GATHER_PICTURE) != 0u) {
+        store_picture(pixel, picture);
+        store_emission(pixel, emission);
+    }
+}
+
 void main()
 {
     uint item = (push.first_group + gl_WorkGroupID.x) * DENOISE_WORKGROUP + gl_LocalInvocationIndex;
@@ -108,11 +127,8 @@ void main()
     uint at = item * AOV_FILM_WORDS(AOVS);
     uint samples = film_words[at].w;
     if (samples == 0u) {
-        store_guides(pixel, vec4(0.0, 0.0, 0.0, DENOISE_EMPTY));
-        store_to(pixel, vec4(0.0));
-        store_modulation(pixel, vec4(1.0));
-        store_picture(pixel, vec4(0.0));
-        store_emission(pixel, vec4(0.0));
+        store_filtered(pixel, vec4(0.0, 0.0, 0.0, DENOISE_EMPTY), vec4(0.0), vec4(1.0));
+        store_seen(pixel, vec4(0.0), vec4(0.0));
         return;
     }
     float n = float(samples);
@@ -126,10 +142,8 @@ void main()
     vec3 divisor = alpha > 0.0 ? max(albedo, vec3(LEAST_ALBEDO * alpha)) : vec3(1.0);
     float first = float(samples_of_first_half(samples));
     bool both = first > 0.0 && first < n;
-    store_guides(pixel, make_guide(alpha, pixel));
     float deviation = both ? halves_deviation(at, first, n - first, divisor) : 0.0;
-    store_to(pixel, vec4((mean - emission) / divisor, deviation));
-    store_modulation(pixel, vec4(divisor, both ? 1.0 : 0.0));
-    store_picture(pixel, vec4(mean, n));
-    store_emission(pixel, vec4(emission, find_motion(at)));
+    store_filtered(pixel, make_guide(alpha, pixel), vec4((mean - emission) / divisor, deviation),
+                   vec4(divisor, both ? 1.0 : 0.0));
+    store_seen(pixel, vec4(mean, n), vec4(emission, find_motion(at)));
 }

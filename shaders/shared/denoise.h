@@ -40,7 +40,14 @@
 #define DENOISE_CONSTANT_AOVS 1    // AOV_* that the film has
 #define DENOISE_CONSTANT_WAVELET 2 // DENOISE_WAVELET_*
 #define DENOISE_CONSTANT_HISTORY 3 // DENOISE_HISTORY_*
-#define DENOISE_CONSTANT_COUNT 4
+#define DENOISE_CONSTANT_GATHER 4  // DENOISE_GATHER_*, as bits
+#define DENOISE_CONSTANT_COUNT 5
+
+// What is gathered from the film: all at once, or in two runs where a device binds too few buffers.
+#define DENOISE_GATHER_LIGHT 1u // guides, light and its factors
+#define DENOISE_GATHER_PICTURE 2u // radiance and emission
+#define DENOISE_GATHER_ALL 3u
+#define DENOISE_GATHER_STORAGE 6 // storage buffers that gathering all binds
 
 // Levels of the wavelet. The last one leaves what is judged by; a linear one has no regard for
 // luminances, so that its mean is biased by none.

@@ -168,6 +168,31 @@ class Faults(Case):
                   'set view.aov radiance\nwait 1 samples\n', '--spp', '1', '--frame-ms', '4',
                   size='320x180')
 
+    def denoise(self, limits, *script):
+        """After a box has moved, so that what is seen is compared with the history."""
+        scene = os.path.join(ROOT, 'tests', 'render', 'scenes', 'moved_box.json')
+        env = dict(os.environ, LAMPYRIS_LIMITS=limits)
+        return self.view('set view.denoise on\nwait 4 samples\nset view.pause on\nset object.2 on\n'
+                         'set object.position 0.4,0.5,0\nwait 1 frames\nwait 1 samples\nwait 3 frames\n'
+                         'hash hash.jsonl\n' + '\n'.join(script) + '\n', scene=scene, size='64x43', env=env)
+
+    def test_denoiser_on_a_small_device(self):
+        """Where it binds more buffers than the device takes it is switched off, and all else goes on."""
+        for limits in ('', 'storage-count=4', 'no-texel,storage-count=11'):
+            result = self.denoise(limits, 'expect item.view.denoise == on', 'exr seen.exr a denoised')
+            self.assertNotIn('denoising', result.err)
+            if not limits:
+                os.rename(self.path('seen.exr'), self.path('expected.exr'))
+                continue
+            error = self.compare(self.path('seen.exr'), self.path('expected.exr'))
+            self.assertEqual(error['mse'], 0)
+        for limits in ('no-texel,storage-count=10', 'storage-count=4,texel-elements=2048'):
+            result = self.denoise(limits, 'expect item.view.denoise == off', 'exr seen.exr')
+            self.assertRegex(result.err, r'warning: denoising is switched off: kernel denoise_\w+: \d+ '
+                             'storage buffers bound at once are above the limit')
+        hashes = [line['image_hash'] for line in result.hashes()]
+        self.assertEqual((len(hashes), len(set(hashes))), (5, 1))
+
     def test_without_a_scene(self):
         self.view('wait 3 frames\nexpect has_scene == false\nscreenshot a.png panel\n'
                   f'drop {CORNELL}\nwait 5 frames\nwait 2 samples\n'

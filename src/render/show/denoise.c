@@ -22,6 +22,8 @@ struct layers {
 
 enum kernel {
     GATHER,
+    GATHER_LIGHT,
+    GATHER_PICTURE,
     BLEND,
     BLEND_HISTORY,
     BLEND_COMPARED,
@@ -60,9 +62,11 @@ static const struct code {
     const uint32_t *spirv;
     size_t bytes;
     enum denoise_pass pass; // to which its time counts
-    uint32_t history, wavelet;
+    uint32_t history, wavelet, gather;
 } codes[KERNELS] = {
-    [GATHER] = {CODE(gather), DENOISE_PASS_gather},
+    [GATHER] = {CODE(gather), DENOISE_PASS_gather, .gather = DENOISE_GATHER_ALL},
+    [GATHER_LIGHT] = {CODE(gather), DENOISE_PASS_gather, .gather = DENOISE_GATHER_LIGHT},
+    [GATHER_PICTURE] = {CODE(gather), DENOISE_PASS_gather, .gather = DENOISE_GATHER_PICTURE},
     [BLEND] = {CODE(blend), DENOISE_PASS_blend},
     [BLEND_HISTORY] = {CODE(blend), DENOISE_PASS_blend, DENOISE_HISTORY_MIXED},
     [BLEND_COMPARED] = {CODE(blend), DENOISE_PASS_blend, DENOISE_HISTORY_COMPARED},
@@ -96,20 +100,38 @@ static void finish_kernels(struct denoiser *d)
     d->own->has_kernels = false;
 }
 
+// Gathering all at once is the only kernel that binds more than Vulkan guarantees, where images are
+// read as texels.
+static bool gathers_in_two(const struct denoiser *d)
+{
+    return d->gpu->storage_count < DENOISE_GATHER_STORAGE;
+}
+
+static bool needs_kernel(const struct denoiser *d, int kernel)
+{
+    bool is_half = kernel == GATHER_LIGHT || kernel == GATHER_PICTURE;
+    return kernel == GATHER ? !gathers_in_two(d) : !is_half || gathers_in_two(d);
+}
+
 static bool prepare_kernels(struct denoiser *d, const struct renderer *r, struct err *err)
 {
     struct denoiser_state *own = d->own;
-    bool texel = (r->specialization.features & FEATURE_TEXEL_STATE) != 0 &&
-                 own->light[0].texel_view != VK_NULL_HANDLE;
+    // Either says that the device had better read texels.
+    const uint32_t texels = FEATURE_TEXEL_STATE | FEATURE_TEXEL_SCENE;
+    bool texel =
+        (r->specialization.features & texels) != 0 && own->light[0].texel_view != VK_NULL_HANDLE;
     if (own->has_kernels && own->texel == texel && own->aovs == r->specialization.aovs)
         return true;
     finish_kernels(d);
     for (int i = 0; i < KERNELS; i++) {
+        if (!needs_kernel(d, i))
+            continue;
         const uint32_t constants[DENOISE_CONSTANT_COUNT] = {
             [DENOISE_CONSTANT_TEXEL] = texel,
             [DENOISE_CONSTANT_AOVS] = r->specialization.aovs,
             [DENOISE_CONSTANT_WAVELET] = codes[i].wavelet,
             [DENOISE_CONSTANT_HISTORY] = codes[i].history,
+            [DENOISE_CONSTANT_GATHER] = codes[i].gather,
         };
         const struct gpu_kernel_params params = {
             .name = codes[i].name,
@@ -367,9 +389,8 @@ static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
     return left < r->plan.film_chunk_pixels ? left : r->plan.film_chunk_pixels;
 }
 
-// Leaves the film's light in light[0].
-static bool gather(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films,
-                   struct err *err)
+static bool gather_by(struct denoiser *d, enum kernel kernel, const struct renderer *r,
+                      struct gpu_bindings *films, struct err *err)
 {
     for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
         uint64_t pixels = chunk_pixels(r, chunk);
@@ -378,10 +399,19 @@ static bool gather(struct denoiser *d, const struct renderer *r, struct gpu_bind
             .pixel_count = (uint32_t)pixels,
         };
         uint64_t groups = (pixels + DENOISE_WORKGROUP - 1) / DENOISE_WORKGROUP;
-        if (!dispatch(d, GATHER, &films[chunk], push, groups, err))
+        if (!dispatch(d, kernel, &films[chunk], push, groups, err))
             return false;
     }
     return true;
+}
+
+// Leaves the film's light in light[0].
+static bool gather(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films,
+                   struct err *err)
+{
+    if (!gathers_in_two(d))
+        return gather_by(d, GATHER, r, films, err);
+    return gather_by(d, GATHER_LIGHT, r, films, err) && gather_by(d, GATHER_PICTURE, r, films, err);
 }
 
 // Leaves by how much the history differs from the film in light[1], and the film's light in

@@ -37,22 +37,46 @@ void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change chang
     viewer->stage.is_resting = false;
 }
 
+// --- denoising -----------------------------------------------------------------------------------
+
+static void finish_denoiser(struct view *view)
+{
+    denoiser_finish(&view->denoiser);
+    view->denoiser = (struct denoiser){0};
+    view->denoised_samples = 0;
+}
+
+bool viewer_stop_denoising(struct viewer *viewer, struct err *err)
+{
+    struct stage *stage = &viewer->stage;
+    if (stage->gpu.lost || err->code != ERR_GPU)
+        return false;
+    viewer_message(viewer, MESSAGE_WARNING, "denoising is switched off: %s", err->msg);
+    *err = (struct err){0};
+    stage->gpu.out_of_memory = false;
+    stage->shown.denoise = 0;
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        finish_denoiser(&stage->sides[side]);
+    stage->last_call.side_count = 0;
+    viewer_changed(viewer, CHANGE_SHOWN);
+    return true;
+}
+
 // --- sides ---------------------------------------------------------------------------------------
 
 void viewer_close_side(struct viewer *viewer, uint32_t side)
 {
     struct view *view = &viewer->stage.sides[side];
-    denoiser_finish(&view->denoiser);
+    finish_denoiser(view);
     motion_finish(&view->motion);
     job_finish(&view->job);
-    view->denoiser = (struct denoiser){0};
     view->is_ready = view->is_preview = false;
     viewer->stage.last_call.side_count = 0;
     view_begin(view);
 }
 
 // What is seen becomes what the denoiser remembers.
-static bool keep_history(const struct viewer *viewer, struct view *view, struct err *err)
+static bool keep_history(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct denoise_call call = view_denoise_call(viewer, view);
     // While another picture is shown the renderer has not what denoising needs.
@@ -63,7 +87,7 @@ static bool keep_history(const struct viewer *viewer, struct view *view, struct 
     if (view->is_preview && view->motion.has_changed && view->denoiser.has_history)
         return true;
     if (!denoiser_keep(&view->denoiser, &call, err))
-        return false;
+        return viewer_stop_denoising(viewer, err);
     motion_keep(&view->motion);
     return true;
 }
@@ -180,12 +204,12 @@ static bool update_denoiser(struct viewer *viewer, struct view *view, enum chang
                             struct err *err)
 {
     if (!viewer->stage.shown.denoise) {
-        denoiser_finish(&view->denoiser);
-        view->denoiser = (struct denoiser){0};
+        finish_denoiser(view);
         return true;
     }
     if (!view->denoiser.gpu)
-        return denoiser_create(&viewer->stage.gpu, &view->denoiser, err);
+        return denoiser_create(&viewer->stage.gpu, &view->denoiser, err) ||
+               viewer_stop_denoising(viewer, err);
     // Objects that moved are followed; what else changed is not.
     if (change >= CHANGE_METHOD && change != CHANGE_GEOMETRY)
         denoiser_forget(&view->denoiser);

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/signals.h"
+#include "viewer/core/changes.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/viewer.h"
 #include <math.h>
@@ -276,7 +277,7 @@ static bool denoise_side(struct viewer *viewer, struct view *view, struct err *e
     const struct gpu_frame *frame = &view->job.renderer.frame;
     uint64_t start = clock_ns();
     if (!denoiser_run(&view->denoiser, &call, err))
-        return false;
+        return viewer_stop_denoising(viewer, err);
     view->denoising_seconds = clock_seconds_since(start);
     view->denoised_seconds = viewer_seconds(viewer);
     view->denoised_samples = view_samples(view);
