@@ -67,7 +67,13 @@ def write_sky(path):
     exr.write(path, width, height, planes)
 
 
-# Meshes by the name of their file; made when a scene asks for them.
+def write_even(path):
+    """Radiance 1 from everywhere, in which a surface shows its albedo."""
+    exr.write(path, 16, 8, [array.array('f', [1] * (16 * 8)) for _ in range(3)])
+
+
+# Environments and meshes by the name of their file; made when a scene asks for them.
+ENVIRONMENTS = {'sky.exr': write_sky, 'even.exr': write_even}
 MESHES = {
     'floor.ply': lambda: geometry.quad((-60, 0, 60), (120, 0, 0), (0, 0, -120)),
     'white.ply': lambda: geometry.joined(
@@ -188,15 +194,15 @@ def describe(name):
 
 
 def write_files(description, folder):
-    """The meshes and the sky that are not in the folder yet, then the description; returns what identifies the scene."""
+    """The meshes and the environment that are not in the folder yet, then the description; returns what identifies the scene."""
     files = list(description['meshes'].values())
     if description['environment']:
         files.append(description['environment'])
     for file in files:
         path = os.path.join(folder, file)
         if not os.path.exists(path):
-            if file == 'sky.exr':
-                write_sky(path + '.part')
+            if file in ENVIRONMENTS:
+                ENVIRONMENTS[file](path + '.part')
             else:
                 geometry.write_ply(path + '.part', MESHES[file]())
             os.replace(path + '.part', path)

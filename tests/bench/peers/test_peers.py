@@ -3,8 +3,8 @@
 
     test_peers.py LAMPYRIS [CLASS...]
 
-Estimates and Files need neither program, Scenes needs a device. Means needs Blender, too, and is skipped without: it is no
-package that the tests ask for.
+Estimates and Files need neither program, Scenes needs a device. Materials and Means need Blender, too, and are skipped without:
+it is no package that the tests ask for.
 """
 import array
 import json
@@ -170,18 +170,15 @@ class Scenes(unittest.TestCase):
         self.assertTrue(json.loads(result.stdout)['equal'])
 
 
-class Means(unittest.TestCase):
-    """Both renderers solve the same problem."""
-
-    # Samples per pixel of each of two references of 48 x 48 pixels, and what the half-width of the interval is to be.
-    cases = {'box': (128, .01), 'glass': (256, .015), 'mesh': (64, .015), 'plates': (1024, .06), 'spheres': (256, .05)}
-    z = 3.9  # of five intervals, one in two thousand misses by chance
+class Both(unittest.TestCase):
+    """What is rendered by both renderers."""
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
     def references(self, renderer, description, spp):
+        scenes.write_files(description, self.folder.name)
         renderer.open(description, self.folder.name, 48)
         try:
             pictures = []
@@ -193,18 +190,55 @@ class Means(unittest.TestCase):
         finally:
             renderer.close()
 
-    def interval(self, name, change=None):
-        """Of the ratio of means. change is made to the description after Lampyris has had it."""
-        description, spp = scenes.describe(name), self.cases[name][0]
-        scenes.write_files(description, self.folder.name)
+    def ratio(self, description, spp, change=None):
+        """Of means, with its ends. change is made to the description after Lampyris has had it."""
         ours = self.references(renderers.Lampyris('Lampyris', LAMPYRIS), description, spp)
         if change:
             change(description)
-            scenes.write_files(description, self.folder.name)
         theirs = self.references(renderers.Cycles('blender'), description, spp)
-        value, low, high = estimate.ratio_of_means(ours, theirs)
-        print('%-8s %.4f [%.4f, %.4f], relMSE between the means %.1e' % (
-            name, value, low, high, estimate.difference(ours, theirs)))
+        found = estimate.ratio_of_means(ours, theirs)
+        print('%-8s %.5f [%.5f, %.5f], relMSE between the means %.1e' % (
+            description['name'], *found, estimate.difference(ours, theirs)))
+        return found
+
+
+class Materials(Both):
+    """A ball of each material in even light: its albedo is the same in both, to what single precision does to it."""
+
+    cases = {'diffuse': {'kind': 'diffuse', 'color': (.5, .2, .1)}, 'glass': {'kind': 'glass', 'ior': 1.5},
+             'plastic': {'kind': 'plastic', 'color': (.5, .2, .1), 'ior': 1.5},
+             'smooth': {'kind': 'metal', 'color': (.9, .7, .4), 'roughness': .08},
+             'middle': {'kind': 'metal', 'color': (.9, .7, .4), 'roughness': .3},
+             'rough': {'kind': 'metal', 'color': (.9, .7, .4), 'roughness': .5}}
+
+    def of(self, name, change=None):
+        value, low, high = self.ratio({
+            'name': name, 'max_bounces': 9, 'camera': {'position': (0, 0, 5), 'target': (0, 0, 0), 'fov_degrees': 30},
+            'materials': {'it': dict(self.cases[name])}, 'meshes': {'pebble': 'pebble.ply'}, 'quad_lights': [],
+            'objects': [{'mesh': 'pebble', 'material': 'it', 'matrix': None}], 'environment': 'even.exr'}, 256, change)
+        self.assertLess(high - low, 4e-4)
+        return abs(value - 1)
+
+    def test_albedos_agree(self):
+        for name in self.cases:
+            with self.subTest(name):
+                self.assertLess(self.of(name), 5e-4)
+
+    def test_a_difference_would_be_found(self):
+        def rougher(description):
+            description['materials']['it']['roughness'] += .01
+        self.assertGreater(self.of('rough', rougher), 1e-3)
+
+
+class Means(Both):
+    """Both renderers solve the same problem."""
+
+    # Samples per pixel of each of two references of 48 x 48 pixels, and what the half-width of the interval is to be.
+    cases = {'box': (128, .01), 'glass': (256, .015), 'mesh': (64, .015), 'plates': (1024, .06), 'spheres': (256, .05)}
+    z = 3.9  # of five intervals, one in two thousand misses by chance
+
+    def interval(self, name, change=None):
+        value, low, high = self.ratio(scenes.describe(name), self.cases[name][0], change)
         half = (high - low) / 2 * self.z / 1.96
         return value - half, value + half
 
@@ -241,9 +275,9 @@ class Means(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    if {'Scenes', 'Means'} & set(sys.argv[1:]):
+    if {'Scenes', 'Materials', 'Means'} & set(sys.argv[1:]):
         need_device(LAMPYRIS)
-    if 'Means' in sys.argv and not shutil.which('blender'):
+    if {'Materials', 'Means'} & set(sys.argv[1:]) and not shutil.which('blender'):
         print('Blender is not installed')
         sys.exit(77)
     unittest.main()
