@@ -49,9 +49,11 @@ void store_key(uint slot, uint key)
     store_path(slot, PATH_HIT, uvec4(key, 0u, 0u, NO_PRIMITIVE));
 }
 
+// Within the keys whatever is there: `render order of kernels` leaves out the barrier that keeps hits
+// from being written first.
 uint load_key(uint slot)
 {
-    return load_path(slot, PATH_HIT).x;
+    return load_path(slot, PATH_HIT).x & (SORT_KEYS - 1u);
 }
 
 #endif
