@@ -90,8 +90,10 @@ class LostDevice(unittest.TestCase):
         self.assertEqual((report['ended_by'], report['pixels_without_samples']), ('device', 0))
         return report, result.stderr
 
+    @by_the_clock
     def test_in_the_middle_of_a_pass(self):
-        # Of 16 samples of each of many waves; the first copy cannot wait for its end.
+        # Of 16 samples of each of many waves; the first copy cannot wait for its end, or another
+        # program delays it.
         report, messages = self.rescued('--size', '128x128', '--wave', '512', '--spp', '17',
                                         '--lose-device', '400')
         self.assertEqual((report['spp'], report['spp_most']), (1, 17))
