@@ -6,6 +6,7 @@
 
 #include "lib/halves.glsl"
 #include "lib/queue.glsl"
+#include "lib/radiance.glsl"
 
 layout(std430, set = 0, binding = BINDING_FILM) buffer film_block {
     uvec4 film_words[];
@@ -78,6 +79,55 @@ void add_aovs(uint item, uint at)
     }
 }
 
+// What each class of --error-by has brought, in sums of the samples of either half. `first`: the
+// number of the pixel's samples before.
+void add_classes(uint item, uint at, uint first)
+{
+    uint samples = 1u << push.sample_shift;
+    for (uint number = 0u; number < AOV_CLASSES(AOVS); number++) {
+        uint word = at + AOV_FILM_CLASSES_AT(AOVS) + 4u * number;
+        compensated halves[2];
+        for (uint h = 0u; h < 2u; h++)
+            halves[h] = compensated(uintBitsToFloat(film_words[word + 2u * h].xyz),
+                                    uintBitsToFloat(film_words[word + 2u * h + 1u].xyz));
+        for (uint i = 0u; i < samples; i++) {
+            vec3 light = load_sample((item << push.sample_shift) + i,
+                                     AOV_SLOT_CLASSES_AT(AOVS) + number).rgb;
+            if (half_of_sample(first + i) == 0u)
+                add(halves[0], light);
+            else
+                add(halves[1], light);
+        }
+        for (uint h = 0u; h < 2u; h++) {
+            film_words[word + 2u * h] = uvec4(floatBitsToUint(halves[h].sum), 0u);
+            film_words[word + 2u * h + 1u] = uvec4(floatBitsToUint(halves[h].lost), 0u);
+        }
+    }
+}
+
+// Keeps the brightest contribution; of some that are as bright that of the lowest sample, and of
+// its first branch.
+void keep_brightest_sample(uint item, uint at)
+{
+    uint word = at + AOV_FILM_BRIGHTEST_AT(AOVS);
+    uvec4 brightest = film_words[word];
+    uint its_sample = film_words[word + 1u].x;
+    float most = brightness(uintBitsToFloat(brightest.rgb));
+    uint slots = slots_a_sample() << push.sample_shift;
+    uint first = first_slot(item << push.sample_shift);
+    for (uint slot = first; slot < first + slots; slot++) {
+        uvec4 found = load_radiance(slot * SLOT_WORDS + AOV_SLOT_BRIGHTEST_AT(AOVS));
+        float bright = brightness(uintBitsToFloat(found.rgb));
+        if (bright > most) {
+            most = bright;
+            brightest = found;
+            its_sample = slot_sample(slot);
+        }
+    }
+    film_words[word] = brightest;
+    film_words[word + 1u] = uvec4(its_sample, 0u, 0u, 0u);
+}
+
 void main()
 {
     uint item = item_index();
@@ -111,6 +161,10 @@ void main()
 
     if (HAS_AOV(AOVS_SUMMED))
         add_aovs(item, at);
+    if (HAS_AOV(AOVS_BY)) {
+        add_classes(item, at, words[0].w);
+        keep_brightest_sample(item, at);
+    }
     // The ids are those of the first sample that the pixel gets.
     if (HAS_AOV(AOV_IDS) && words[0].w == 0u)
         film_words[at + PIXEL_WORDS - 1u] =

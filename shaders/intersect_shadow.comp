@@ -4,8 +4,23 @@
 #extension GL_GOOGLE_include_directive : require
 
 #define ANY_HIT
+#include "lib/material_header.glsl"
 #include "lib/queue.glsl"
+#include "lib/radiance.glsl"
 #include "lib/suspend.glsl"
+
+// What the light of a shadow ray counts to, by the word of what it leads to: BY_EMITTER_*.
+uint emitter_of_connection(uint word)
+{
+    if (word == PRIMITIVE_ENVIRONMENT || word == NO_PRIMITIVE)
+        return BY_EMITTER_ENVIRONMENT;
+    if ((word & PRIMITIVE_LIGHT) == 0u || (word & PRIMITIVE_SHAPE) != 0u)
+        return emitter_of_primitive(word);
+    if (!HAS_EMITTER(EMITTER_SUNS))
+        return BY_EMITTER_LIGHTS;
+    uint light = lights_begin() + (word & ~PRIMITIVE_LIGHT) * LIGHT_WORDS;
+    return load_materials_float(light + 3u).w > 0.0 ? BY_EMITTER_SUNS : BY_EMITTER_LIGHTS;
+}
 
 void main()
 {
@@ -29,6 +44,10 @@ void main()
     trace_hit hit = trace_hit(1.0, vec2(0.0), NO_PRIMITIVE, 0u, NO_INSTANCE);
     bool done = trace_or_suspend(slot, valid, ray, hit);
 
-    if (done && hit.primitive == NO_PRIMITIVE)
-        add_radiance(slot, radiance, SITE_SHADOW);
+    if (done && hit.primitive == NO_PRIMITIVE) {
+        uint emitter = 0u;
+        if (HAS_AOV(AOVS_BY))
+            emitter = emitter_of_connection(load_shadow_ray(slot, push.light_ray, 1u).w);
+        add_radiance(slot, radiance, SITE_SHADOW, emitter);
+    }
 }

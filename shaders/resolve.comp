@@ -48,6 +48,16 @@ void main()
             resolved_words[to + RESOLVED_WORDS + word] =
                 floatBitsToUint(mean(sums + word, sums + SUM_WORDS + word, samples));
     }
+    for (uint number = 0u; number < AOV_CLASSES(AOVS); number++) {
+        uint word = at + AOV_FILM_CLASSES_AT(AOVS) + 4u * number;
+        uint mean_of_class = to + AOV_RESOLVED_CLASSES_AT(AOVS) + number;
+        resolved_words[mean_of_class] = floatBitsToUint(mean(word, word + 1u, samples_a));
+        resolved_words[mean_of_class + AOV_CLASSES(AOVS)] =
+            floatBitsToUint(mean(word + 2u, word + 3u, samples_b));
+    }
+    for (uint i = 0u; i < 2u * AOV_HAS_CLASSES(AOVS); i++)
+        resolved_words[to + AOV_RESOLVED_BRIGHTEST_AT(AOVS) + i] =
+            film_words[at + AOV_FILM_BRIGHTEST_AT(AOVS) + i];
     if (HAS_AOV(AOV_IDS))
         resolved_words[to + AOV_RESOLVED_WORDS(AOVS) - 1u] =
             film_words[at + AOV_FILM_WORDS(AOVS) - 1u];

@@ -7,6 +7,7 @@
 #include "lib/media.glsl"
 #include "lib/nee.glsl"
 #include "lib/queue.glsl"
+#include "lib/radiance.glsl"
 #include "lib/sun.glsl"
 
 // The weight of what a scattered ray has found, given the density with which it would have been
@@ -42,6 +43,12 @@ vec3 found_suns(vec3 direction, float bsdf_pdf)
     return radiance;
 }
 
+// Of what was added for `radiance`, the part that `light` has in it.
+vec3 part_of_light(vec3 added, vec3 light, vec3 radiance)
+{
+    return mix(vec3(0.0), added * (light / radiance), greaterThan(radiance, vec3(0.0)));
+}
+
 void main()
 {
     uint item = item_index();
@@ -49,7 +56,8 @@ void main()
         return;
     uint slot = queue_slot(push.queue, item);
     vec4 ray = uintBitsToFloat(load_path(slot, PATH_DIRECTION));
-    vec3 radiance = found_environment(ray.xyz, ray.w);
+    vec3 environment = found_environment(ray.xyz, ray.w);
+    vec3 radiance = environment;
     if (HAS_EMITTER(EMITTER_SUNS))
         radiance += found_suns(ray.xyz, ray.w);
     uvec4 words = load_path(slot, PATH_THROUGHPUT);
@@ -59,5 +67,12 @@ void main()
         vec3 extinction = load_medium(media_current(words.a)).extinction;
         throughput *= vec3(equal(extinction, vec3(0.0)));
     }
-    add_radiance(slot, throughput * radiance, SITE_MISS);
+    bool sees_suns = HAS_EMITTER(EMITTER_SUNS) && any(notEqual(radiance, environment));
+    vec3 added = add_radiance(slot, throughput * radiance, SITE_MISS,
+                              sees_suns ? BY_EMITTER_SUNS : BY_EMITTER_ENVIRONMENT);
+    if (HAS_EMITTER(EMITTER_SUNS) && HAS_AOV(AOV_BY_EMITTER)) {
+        if (sees_suns)
+            move_to_emitter(slot, BY_EMITTER_SUNS, BY_EMITTER_ENVIRONMENT,
+                            part_of_light(added, environment, radiance));
+    }
 }

@@ -11,6 +11,7 @@
 #include "lib/environment.glsl"
 #include "lib/interface.glsl"
 #include "lib/queue.glsl"
+#include "lib/radiance.glsl"
 #include "lib/texture.glsl"
 #include "lib/whitted.glsl"
 
@@ -23,7 +24,7 @@ void add_surroundings(vertex v, vec3 direction, uint stack)
     }
     vec3 radiance = v.throughput * environment_radiance(direction);
     if (any(greaterThan(radiance, vec3(0.0))))
-        add_radiance(v.slot, radiance, SITE_MISS);
+        add_radiance(v.slot, radiance, SITE_MISS, BY_EMITTER_ENVIRONMENT);
 }
 
 void load_vertex(inout vertex v, vec3 origin, vec3 direction, vec3 hit, uint primitive)
@@ -121,7 +122,7 @@ bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, 
 
     vec3 emission = v.throughput * material_emission(v.m);
     if (HAS(FEATURE_EMISSION) && any(greaterThan(emission, vec3(0.0))))
-        add_radiance(v.slot, emission, SITE_EMISSION);
+        add_radiance(v.slot, emission, SITE_EMISSION, emitter_of_primitive(v.primitive));
     if ((state & 0xffffu) >= frame.max_bounces)
         return false;
     whitted_surface w =
@@ -132,7 +133,7 @@ bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, 
     if (any(greaterThan(local, vec3(0.0)))) {
         vec3 ambient = v.throughput * local * frame.ambient;
         if (HAS(FEATURE_ENVIRONMENT) && any(greaterThan(ambient, vec3(0.0))))
-            add_radiance(v.slot, ambient, SITE_MISS);
+            add_radiance(v.slot, ambient, SITE_MISS, BY_EMITTER_ENVIRONMENT);
         if (HAS(FEATURE_NEE))
             shadow = whitted_lights(v, w);
     }

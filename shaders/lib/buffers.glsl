@@ -180,18 +180,6 @@ void add_aov_vector(uint slot, const uint aov, vec3 value)
     }
 }
 
-// By how often light was scattered on its way: in the kernels that find emitters that is the number
-// of the bounce, and shadow rays are traced in the bounce after the one that sends them.
-void add_part(uint slot, vec3 contribution)
-{
-    if (HAS_AOV(AOV_EMISSION) && push.bounce == 0u)
-        add_aov_vector(slot, AOV_EMISSION, contribution);
-    if (HAS_AOV(AOV_DIRECT) && push.bounce == 1u)
-        add_aov_vector(slot, AOV_DIRECT, contribution);
-    if (HAS_AOV(AOV_INDIRECT) && push.bounce > 1u)
-        add_aov_vector(slot, AOV_INDIRECT, contribution);
-}
-
 // By bit pattern: drivers may assume that floats are finite.
 bool is_finite(vec3 v)
 {
@@ -212,44 +200,6 @@ void report_nonfinite(uint slot, uint site)
         counters.nonfinite_record[record * 4u + 2u] = site;
         counters.nonfinite_record[record * 4u + 3u] = push.bounce;
     }
-}
-
-// Scales a contribution down to the largest component that is allowed. Counts that, and the
-// luminance (BT.709) that is lost: whole numbers of CLAMP_UNITS a limit, whose sum has no order.
-vec3 clamp_contribution(vec3 contribution)
-{
-    float largest = max(contribution.r, max(contribution.g, contribution.b));
-    if (!(largest > frame.clamp_limit) || !is_finite(contribution))
-        return contribution;
-    vec3 kept = contribution * (frame.clamp_limit / largest);
-    vec3 lost = (contribution - kept) / frame.clamp_limit;
-    float units = min(CLAMP_UNITS * dot(lost, vec3(0.2126, 0.7152, 0.0722)) + 0.5,
-                      CLAMP_UNITS_MOST);
-    uint high = uint(units * 2.3283064365386963e-10); // 2^-32
-    uint low = uint(units - float(high) * 4294967296.0);
-    uint before = atomicAdd(counters.clamped_light[0], low);
-    high += before + low < before ? 1u : 0u;
-    if (high > 0u)
-        atomicAdd(counters.clamped_light[1], high);
-    atomicAdd(counters.clamped, 1u);
-    return kept;
-}
-
-// Adds to the slot's radiance, in the order of the dispatches, unless the sum would not be finite.
-// w marks that something was dropped.
-void add_radiance(uint slot, vec3 contribution, uint site)
-{
-    if (HAS(FEATURE_CLAMP))
-        contribution = clamp_contribution(contribution);
-    vec4 radiance = uintBitsToFloat(radiance_words[slot * SLOT_WORDS]); // maybe just written
-    vec3 sum = radiance.rgb + contribution;
-    if (!is_finite(sum)) {
-        report_nonfinite(slot, site);
-        return;
-    }
-    radiance_words[slot * SLOT_WORDS] = floatBitsToUint(vec4(sum, radiance.w));
-    if (HAS_AOV(AOVS_OF_PARTS))
-        add_part(slot, contribution);
 }
 
 #endif

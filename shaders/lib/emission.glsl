@@ -4,6 +4,7 @@
 
 #include "lib/light.glsl"
 #include "lib/nee.glsl"
+#include "lib/radiance.glsl"
 #include "lib/vertex.glsl"
 
 // Emission as seen by the path, weighted against next-event estimation.
@@ -22,7 +23,8 @@ void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float b
     }
     vec3 emission = material_emission(v.m);
     if (weight > 0.0 && any(greaterThan(emission, vec3(0.0))))
-        add_radiance(v.slot, v.throughput * emission * weight, SITE_EMISSION);
+        add_radiance(v.slot, v.throughput * emission * weight, SITE_EMISSION,
+                     emitter_of_primitive(v.primitive));
 }
 
 #endif

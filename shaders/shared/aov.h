@@ -39,10 +39,49 @@
 // the world itself. z is its material, plus 1.
 #define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
 
+// What each class of --error-by brings to the radiance, a word of four a class and half: the parts
+// first, then the bounces, then the emitters, as far as they are asked for.
+#define BY_PART_COUNT 3u   // after no, one and more scattering events
+#define BY_BOUNCE_COUNT 8u // after so many events; the last one stands for all that have more
+#define BY_EMITTER_TRIANGLES 0u
+#define BY_EMITTER_SHAPES 1u
+#define BY_EMITTER_LIGHTS 2u // delta lights: point, spot and directional
+#define BY_EMITTER_SUNS 3u
+#define BY_EMITTER_ENVIRONMENT 4u
+#define BY_EMITTER_COUNT 5u
+#define AOVS_BY (AOV_BY_PART | AOV_BY_BOUNCE | AOV_BY_EMITTER)
+// The first class of each kind, and how many there are in all.
+#define AOV_BOUNCES_AT(aovs) (((aovs)&AOV_BY_PART) != 0u ? BY_PART_COUNT : 0u)
+#define AOV_EMITTERS_AT(aovs)                                                                      \
+    (AOV_BOUNCES_AT(aovs) + (((aovs)&AOV_BY_BOUNCE) != 0u ? BY_BOUNCE_COUNT : 0u))
+#define AOV_CLASSES(aovs)                                                                          \
+    (AOV_EMITTERS_AT(aovs) + (((aovs)&AOV_BY_EMITTER) != 0u ? BY_EMITTER_COUNT : 0u))
+#define AOV_HAS_CLASSES(aovs) (((aovs)&AOVS_BY) != 0u ? 1u : 0u)
+
+// The brightest contribution besides: of a slot a word of four, r, g, b and where it comes from; of
+// the film one more, whose x is the number of its sample. All 0: no light.
+#define BRIGHTEST_ORIGIN(bounce, site, emitter)                                                    \
+    ((bounce) | (site) << BRIGHTEST_SITE_SHIFT | (emitter) << BRIGHTEST_EMITTER_SHIFT)
+#define BRIGHTEST_BOUNCE_MASK 0xffffffu // scattering events
+#define BRIGHTEST_SITE_SHIFT 24         // SITE_*
+#define BRIGHTEST_EMITTER_SHIFT 28      // BY_EMITTER_*
+#define BRIGHTEST_FIELD_MASK 15u        // of the last two
+
 // Records in words of four: of a slot, the radiance first, of the film behind gpu_film_pixel (sums,
-// then what they lost), and of what is read back behind gpu_resolved_pixel.
-#define AOV_SLOT_WORDS(aovs) (1u + AOV_SUM_WORDS(aovs) + AOV_ID_WORDS(aovs))
-#define AOV_FILM_WORDS(aovs) (FILM_WORDS + 2u * AOV_SUM_WORDS(aovs) + AOV_ID_WORDS(aovs))
-#define AOV_RESOLVED_WORDS(aovs) (RESOLVED_WORDS + AOV_SUM_WORDS(aovs) + AOV_ID_WORDS(aovs))
+// then what they lost), and of what is read back behind gpu_resolved_pixel. The classes and the
+// brightest contribution follow the sums; of the film a class has four words, the sums of half A,
+// what they lost, and the same of half B; of what is read back the means of half A, then of half B.
+#define AOV_SLOT_CLASSES_AT(aovs) (1u + AOV_SUM_WORDS(aovs))
+#define AOV_SLOT_BRIGHTEST_AT(aovs) (AOV_SLOT_CLASSES_AT(aovs) + AOV_CLASSES(aovs))
+#define AOV_SLOT_WORDS(aovs)                                                                       \
+    (AOV_SLOT_BRIGHTEST_AT(aovs) + AOV_HAS_CLASSES(aovs) + AOV_ID_WORDS(aovs))
+#define AOV_FILM_CLASSES_AT(aovs) (FILM_WORDS + 2u * AOV_SUM_WORDS(aovs))
+#define AOV_FILM_BRIGHTEST_AT(aovs) (AOV_FILM_CLASSES_AT(aovs) + 4u * AOV_CLASSES(aovs))
+#define AOV_FILM_WORDS(aovs)                                                                       \
+    (AOV_FILM_BRIGHTEST_AT(aovs) + 2u * AOV_HAS_CLASSES(aovs) + AOV_ID_WORDS(aovs))
+#define AOV_RESOLVED_CLASSES_AT(aovs) (RESOLVED_WORDS + AOV_SUM_WORDS(aovs))
+#define AOV_RESOLVED_BRIGHTEST_AT(aovs) (AOV_RESOLVED_CLASSES_AT(aovs) + 2u * AOV_CLASSES(aovs))
+#define AOV_RESOLVED_WORDS(aovs)                                                                   \
+    (AOV_RESOLVED_BRIGHTEST_AT(aovs) + 2u * AOV_HAS_CLASSES(aovs) + AOV_ID_WORDS(aovs))
 
 #endif

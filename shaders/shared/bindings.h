@@ -169,5 +169,9 @@
 // This is measured on camera rays themselves.
 #define AOV_STEPS (1u << 13) // nodes visited and primitives tested until the first hit
 #define AOV_END (1u << 14)
+// No pictures: what --error-by asks for, see aov.h.
+#define AOV_BY_PART (1u << 14)
+#define AOV_BY_BOUNCE (1u << 15)
+#define AOV_BY_EMITTER (1u << 16)
 
 #endif

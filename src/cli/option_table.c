@@ -333,6 +333,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "noise. Exit with 1 where something is slower.",
         FIELD(bench.baseline),
     },
+    [OPTION_ERROR_BY] = {
+        .name = "error-by", .argument = "part,bounce,emitter", .type = VALUE_KINDS,
+        .group = "Report", .commands = FOR_RENDER, .fallback = "none",
+        .help = "Say where the error comes from, by some of these or by all: by part (emission seen "
+                "directly, direct and indirect light), by the number of scattering events, by the "
+                "kind of emitter; and the ten brightest contributions, each with the command that "
+                "follows its path. The picture is the same.", FIELD(error_by),
+    },
     [OPTION_EXPLAIN] = {
         .name = "explain", .type = VALUE_FLAG, .group = "Report", .commands = FOR_RENDER,
         .help = "List what this render leaves out: each feature, lobe, kind of light, kernel and "

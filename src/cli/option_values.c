@@ -5,6 +5,7 @@
 #include "shared/bindings.h"
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -343,10 +344,13 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
     return true;
 }
 
-static const struct {
+// A name that stands for bits.
+struct bits_word {
     const char *name;
     uint32_t bits;
-} aov_words[] = {
+};
+
+static const struct bits_word aov_words[] = {
     {"albedo", AOV_ALBEDO},
     {"normal", AOV_NORMAL},
     {"normal_geometric", AOV_NORMAL_GEOMETRIC},
@@ -362,24 +366,42 @@ static const struct {
     {"alpha", AOV_ALPHA},
     {"steps", AOV_STEPS},
     {"all", AOV_END - 1u},
+    {NULL},
 };
 
-static bool store_aovs(const struct option_def *def, const char *text, struct options *options,
-                       struct err *err)
+static const struct bits_word error_words[] = {
+    {"part", AOV_BY_PART},
+    {"bounce", AOV_BY_BOUNCE},
+    {"emitter", AOV_BY_EMITTER},
+    {"all", AOV_BY_PART | AOV_BY_BOUNCE | AOV_BY_EMITTER},
+    {NULL},
+};
+
+static bool err_unknown_word(const char *word, size_t length, const struct bits_word *words,
+                             struct err *err)
 {
-    uint32_t bits = options->render.aovs;
+    char known[200] = "";
+    for (size_t i = 0; words[i].name; i++)
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "",
+                 words[i].name);
+    return err_set(err, ERR_USAGE, "\"%.*s\" is unknown; expected some of %s", (int)length, word,
+                   known);
+}
+
+// Words separated by commas, all of whose bits are added to the option's.
+static bool store_bits(const struct option_def *def, const struct bits_word *words,
+                       const char *text, struct options *options, struct err *err)
+{
+    uint32_t bits;
+    memcpy(&bits, (const char *)options + def->offset, sizeof bits);
     for (const char *word = text; word;) {
-        size_t length = strcspn(word, ","), i = 0, count = sizeof aov_words / sizeof *aov_words;
-        while (i < count && (strlen(aov_words[i].name) != length ||
-                             memcmp(aov_words[i].name, word, length) != 0))
+        size_t length = strcspn(word, ","), i = 0;
+        while (words[i].name &&
+               (strlen(words[i].name) != length || memcmp(words[i].name, word, length) != 0))
             i++;
-        if (i == count)
-            return err_set(err, ERR_USAGE,
-                           "\"%.*s\" is unknown; expected some of albedo, normal, "
-                           "normal_geometric, depth, position, ids, emission, direct, indirect, "
-                           "samples, variance, halves, alpha, all",
-                           (int)length, word);
-        bits |= aov_words[i].bits;
+        if (!words[i].name)
+            return err_unknown_word(word, length, words, err);
+        bits |= words[i].bits;
         word = word[length] ? word + length + 1 : NULL;
     }
     store(options, def, &bits);
@@ -436,7 +458,9 @@ bool option_store(const struct option_def *def, const char *text, struct options
     case VALUE_RAYS:
         return store_rays(text, options, err);
     case VALUE_AOVS:
-        return store_aovs(def, text, options, err);
+        return store_bits(def, aov_words, text, options, err);
+    case VALUE_KINDS:
+        return store_bits(def, error_words, text, options, err);
     }
     return err_set(err, ERR_BUG, "an option of unknown type");
 }

@@ -300,17 +300,21 @@ char *options_quote(const char *word, char *out)
     return put(out, "'");
 }
 
-// How many arguments from this one on belong to an option of one run only.
-static int passing_arguments(const char *argument)
+// Options that belong to one run only: what ends it, and what it tells besides the picture. Whoever
+// follows one of its paths leaves out all but the first.
+static const enum option_id passing[] = {OPTION_ERROR,  OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
+                                         OPTION_RESUME, OPTION_TRACE,      OPTION_REFERENCE,
+                                         OPTION_TEV,    OPTION_EXPLAIN,    OPTION_ERROR_BY};
+enum { PASSING_COUNT = sizeof passing / sizeof passing[0] };
+
+// How many arguments from this one on belong to one of those, from number `first` on.
+static int passing_arguments(const char *argument, size_t first)
 {
-    static const enum option_id passing[] = {
-        OPTION_ERROR,     OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY, OPTION_RESUME, OPTION_TRACE,
-        OPTION_REFERENCE, OPTION_TEV,        OPTION_EXPLAIN};
     if (strncmp(argument, "--", 2) != 0)
         return 0;
     const char *name = argument + 2;
     size_t length = strcspn(name, "=");
-    for (size_t i = 0; i < sizeof passing / sizeof passing[0]; i++) {
+    for (size_t i = first; i < PASSING_COUNT; i++) {
         const struct option_def *def = &option_table[passing[i]];
         if (strlen(def->name) == length && memcmp(def->name, name, length) == 0)
             return def->type == VALUE_FLAG || name[length] ? 1 : 2;
@@ -318,8 +322,9 @@ static int passing_arguments(const char *argument)
     return 0;
 }
 
+// Without the passing options from number `first_passing` on.
 static const char *make_line(struct arena *arena, size_t size, int argc, char **argv,
-                             bool repeatable)
+                             size_t first_passing)
 {
     char *line = ARENA_NEW(arena, char, size);
     if (!line)
@@ -327,7 +332,7 @@ static const char *make_line(struct arena *arena, size_t size, int argc, char **
     char *end = put(line, "lampyris");
     bool only_arguments = false;
     for (int i = 1; i < argc; i++) {
-        int left_out = repeatable && !only_arguments ? passing_arguments(argv[i]) : 0;
+        int left_out = only_arguments ? 0 : passing_arguments(argv[i], first_passing);
         only_arguments |= strcmp(argv[i], "--") == 0;
         if (left_out > 0) {
             i += left_out - 1;
@@ -344,9 +349,11 @@ static bool keep_command_line(struct options *options, int argc, char **argv, st
     size_t size = 16;
     for (int i = 1; i < argc; i++)
         size += 4 * strlen(argv[i]) + 4;
-    options->command_line = make_line(&options->arena, size, argc, argv, false);
-    options->render.repeatable_line = make_line(&options->arena, size, argc, argv, true);
-    return (options->command_line && options->render.repeatable_line) ||
+    options->command_line = make_line(&options->arena, size, argc, argv, PASSING_COUNT);
+    options->render.repeatable_line = make_line(&options->arena, size, argc, argv, 0);
+    options->render.following_line = make_line(&options->arena, size, argc, argv, 1);
+    return (options->command_line && options->render.repeatable_line &&
+            options->render.following_line) ||
            err_memory(err, "the command line", size);
 }
 

@@ -69,6 +69,7 @@ enum option_id {
     OPTION_RAYS,
     OPTION_DEPTH,
     OPTION_BASELINE,
+    OPTION_ERROR_BY,
     OPTION_EXPLAIN,
     OPTION_TRACE,
     OPTION_TEV,
@@ -141,6 +142,7 @@ enum option_type {
     VALUE_VARY,   // KEY=A,B,...
     VALUE_CURVE,  // "KEY=VALUE KEY=VALUE"
     VALUE_AOVS,   // names separated by commas; bits of AOV_*
+    VALUE_KINDS,  // the same; bits of AOVS_BY
     // Lists of their own, not repeatable:
     VALUE_TIMES,  // S,T,...
     VALUE_DEPTHS, // N,M,...
@@ -209,6 +211,8 @@ struct render_options {
     // The command line without what belongs to one run: --error, --checkpoint and what goes with
     // it.
     const char *repeatable_line;
+    // The command line that follows a path when --pixel and --sample are added.
+    const char *following_line;
 };
 
 // Variants of renders that are measured beside each other: converge and bench.
@@ -278,6 +282,7 @@ struct options {
     enum log_level log_level;
     const struct progress *progress; // where to report, and who asks to stop; set by main
     uint64_t memory;       // budget of the host's memory, bytes; 0: what the machine leaves
+    uint32_t error_by;     // AOVS_BY: what the error is split by
     const char *reference; // file, "auto" or "none"; NULL: auto, of render none
 
     struct scene_options scene;

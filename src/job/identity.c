@@ -3,6 +3,7 @@
 
 #include "render/kernels.h"
 #include "render/sampling_plan.h"
+#include "shared/aov.h"
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -88,7 +89,9 @@ static const char *make_identity(struct job *job)
     static const char *const instancing_names[] = {
         [INSTANCING_AUTO] = "auto", [INSTANCING_ON] = "on", [INSTANCING_OFF] = "off"};
     add(&text, "--instances=%s", instancing_names[job->params.renderer.instancing]);
-    add(&text, "--aov=0x%x", job->params.renderer.aovs);
+    add(&text, "--aov=0x%x", job->params.renderer.aovs & ~AOVS_BY);
+    if (job->params.renderer.aovs & AOVS_BY)
+        add(&text, "--error-by=0x%x", job->params.renderer.aovs & AOVS_BY);
     add(&text, "--adaptive=%s", goal->adaptive ? "on" : "off");
     if (goal->adaptive)
         add(&text, "samples a round=%u", job->round_samples);

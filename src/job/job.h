@@ -13,6 +13,7 @@
 #ifndef LAMPYRIS_JOB_JOB_H
 #define LAMPYRIS_JOB_JOB_H
 
+#include "job/error_sources.h"
 #include "job/film_error.h"
 #include "job/reference.h"
 #include "metrics/forecast.h"
@@ -179,6 +180,7 @@ struct job {
     struct arena film_arena;
     struct film_image film;
     struct half_error error;
+    struct error_sources sources;    // where it comes from, if that was asked for
     struct reference_errors against; // NAN without a reference
     struct forecast_bias bias;       // what of that local relMSE is no noise
     uint64_t image_hash;             // of the mean's bits

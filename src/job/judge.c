@@ -132,7 +132,8 @@ bool job_judge_film(struct job *job, struct err *err)
     if (!job_estimate_error(job, 0.0, &job->error, err))
         return false;
     start = clock_ns();
-    bool ok = !job->params.reference || compare(job, err);
+    bool ok = error_sources_find(job, &job->sources, err) &&
+              (!job->params.reference || compare(job, err));
     job->seconds.judge += clock_seconds_since(start);
     return ok;
 }

@@ -107,6 +107,7 @@ struct estimator {
     struct tile *tiles;
     struct local_window *windows; // one a thread
     unsigned threads;
+    double (*weights)[3]; // of pixels, where these are asked for in place of the tiles; else NULL
 };
 
 static uint32_t tiles_along(uint32_t length, uint32_t side)
@@ -248,6 +249,17 @@ static void add_pixel(struct tile *tile, const struct half_error_params *params,
     add_variance(&tile->spread, error * error);
 }
 
+// The weights of a pixel's D^2, as add_noise() has them.
+static void find_weights(const float a[3], const float b[3], const struct local_mean *around,
+                         double out[3])
+{
+    bool is_finite = pixel_is_finite(a) && pixel_is_finite(b);
+    for (int c = 0; c < 3; c++) {
+        double own = median(a[c], b[c], find_near(a[c], b[c], around, c));
+        out[c] = is_finite ? local_weigh(own, around, c).value : 0;
+    }
+}
+
 static void add_row(const struct estimator *estimator, struct local_window *window, uint32_t y)
 {
     const struct half_error_params *params = estimator->params;
@@ -260,6 +272,11 @@ static void add_row(const struct estimator *estimator, struct local_window *wind
     for (uint32_t x = 0; x < params->width; x++) {
         struct local_mean around;
         local_mean_at(window, x, &around);
+        if (estimator->weights) {
+            find_weights(params->half_a[first + x], params->half_b[first + x], &around,
+                         estimator->weights[first + x]);
+            continue;
+        }
         bool has_light = light < end && light->y == y && light->x == x;
         add_pixel(&tiles[x / side], params, first + x, has_light ? light : NULL, &around);
         light += has_light;
@@ -446,6 +463,17 @@ bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, 
         const struct tile *tile = &estimator.tiles[i];
         out[i] = tile->pixels > 0 ? tile->error / tile->pixels : 0;
     }
+    estimator_finish(&estimator);
+    return ok;
+}
+
+bool metrics_half_error_weights(const struct half_error_params *params, double (*out)[3])
+{
+    struct estimator estimator;
+    bool ok = estimator_init(&estimator, params, TILE_SIDE);
+    estimator.weights = out;
+    if (ok)
+        add_pixels(&estimator);
     estimator_finish(&estimator);
     return ok;
 }

@@ -129,6 +129,11 @@ bool metrics_half_error(const struct half_error_params *params, struct half_erro
 // judged.
 bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, double *out);
 
+// Computes the weights by which metrics_half_error() adds a pixel's (A-B)^2 / 4 up, but for pixels
+// with a small emitter in view: the sum over channels is the pixel's error. 0 where a pixel is not
+// finite.
+bool metrics_half_error_weights(const struct half_error_params *params, double (*out)[3]);
+
 // --- when to stop -------------------------------------------------------------------------------
 // A render that ends when its error is small enough stops at the first look whose one-sided bound,
 // half_error.at_most of LOOKS_CONFIDENCE, is below the limit. Several looks may err where one may,

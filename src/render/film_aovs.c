@@ -26,12 +26,14 @@ enum { PLANE_COUNT = sizeof planes / sizeof *planes };
 
 uint32_t film_aovs_of_device(uint32_t wanted)
 {
-    return (wanted & AOVS_OF_SLOTS) | (wanted & AOVS_OF_PLACES ? AOV_ALPHA : 0u);
+    return (wanted & (AOVS_OF_SLOTS | AOVS_BY)) | (wanted & AOVS_OF_PLACES ? AOV_ALPHA : 0u);
 }
 
 uint32_t film_aovs_bytes(uint32_t wanted)
 {
     uint32_t bytes = wanted & AOV_IDS ? 12 : 0;
+    bytes += AOV_CLASSES(wanted) * 2 * 12;
+    bytes += AOV_HAS_CLASSES(wanted) * (uint32_t)sizeof(struct film_brightest);
     bytes += wanted & AOV_VARIANCE ? 12 : 0;
     for (int i = 0; i < PLANE_COUNT; i++)
         if (wanted & planes[i].aov)
@@ -44,6 +46,20 @@ static float *plane_of(const struct film_aovs *aovs, const struct plane *plane)
     float *floats;
     memcpy(&floats, (const char *)aovs + plane->member, sizeof floats);
     return floats;
+}
+
+static bool allocate_classes(uint32_t wanted, uint64_t pixels, struct arena *arena,
+                             struct film_aovs *out, struct err *err)
+{
+    out->class_count = AOV_CLASSES(wanted);
+    if (out->class_count == 0)
+        return true;
+    uint64_t count = pixels * out->class_count;
+    out->class_a = arena_alloc(arena, count, sizeof *out->class_a);
+    out->class_b = arena_alloc(arena, count, sizeof *out->class_b);
+    out->brightest = arena_alloc(arena, pixels, sizeof *out->brightest);
+    return (out->class_a && out->class_b && out->brightest) ||
+           err_memory(err, "the halves of --error-by", count * 2 * sizeof *out->class_a);
 }
 
 bool film_aovs_allocate(uint32_t wanted, uint64_t pixels, struct arena *arena,
@@ -64,7 +80,7 @@ bool film_aovs_allocate(uint32_t wanted, uint64_t pixels, struct arena *arena,
         out->variance = arena_alloc(arena, pixels, sizeof *out->variance);
     if ((!out->ids && (wanted & AOV_IDS)) || (!out->variance && (wanted & AOV_VARIANCE)))
         return err_memory(err, "layers", pixels * sizeof *out->ids);
-    return true;
+    return allocate_classes(wanted, pixels, arena, out, err);
 }
 
 static uint32_t float_at(uint32_t device, const struct plane *plane)
@@ -98,6 +114,21 @@ static void read_ids(const uint32_t words[2], const struct flat_scene *flat, uin
     ids[2] = triangle + 1;
 }
 
+// `words`: where the classes of the pixel begin in its record.
+static void read_classes(const struct film_aovs *aovs, uint64_t at, const uint32_t *words)
+{
+    const uint32_t count = aovs->class_count;
+    const uint32_t *brightest = words + 4 * 2 * count;
+    struct film_brightest *to = &aovs->brightest[at];
+    for (uint32_t i = 0; i < count; i++) {
+        memcpy(aovs->class_a[at * count + i], &words[4 * i], sizeof *aovs->class_a);
+        memcpy(aovs->class_b[at * count + i], &words[4 * (count + i)], sizeof *aovs->class_b);
+    }
+    memcpy(to->radiance, brightest, sizeof to->radiance);
+    to->origin = brightest[3];
+    to->sample = brightest[4];
+}
+
 void film_aovs_read(const struct film_aovs *aovs, uint64_t at, const uint32_t *words,
                     uint32_t device, const struct flat_scene *flat)
 {
@@ -117,6 +148,9 @@ void film_aovs_read(const struct film_aovs *aovs, uint64_t at, const uint32_t *w
         for (uint32_t c = 0; c < 3 && plane->aov == AOV_POSITION && share > 0.0f; c++)
             to[c] = (float)((double)to[c] + flat->origin[c]);
     }
+    if (aovs->class_count > 0)
+        read_classes(aovs, at, &words[4 * (AOV_RESOLVED_CLASSES_AT(device) - RESOLVED_WORDS)]);
     if (aovs->ids)
-        read_ids(&words[4 * AOV_SUM_WORDS(device)], flat, aovs->ids[at]);
+        read_ids(&words[4 * (AOV_RESOLVED_WORDS(device) - RESOLVED_WORDS - 1u)], flat,
+                 aovs->ids[at]);
 }

@@ -7,6 +7,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+// The brightest contribution to a pixel. All 0: it has no light.
+struct film_brightest {
+    float radiance[3]; // as it was added to the sample's, which may be clamped
+    uint32_t origin;   // BRIGHTEST_ORIGIN()
+    uint32_t sample;   // of the lowest number, where several are as bright
+};
+
 // Pixels in rows from the top; NULL where it was not asked for. Of the first surface that camera
 // rays meet, glass and mirrors too: means over all samples, of which those that meet none count as
 // 0, but for depth and position, which are means over the samples that meet one.
@@ -25,6 +32,11 @@ struct film_aovs {
     // Parts of the radiance: after no, one and more scattering events.
     float (*emission)[3], (*direct)[3], (*indirect)[3];
     float (*variance)[3]; // of the radiance's mean, from the half-buffers; infinite where unknown
+    // With AOVS_BY: what each class brings to the means of both half-buffers, the classes of a
+    // pixel beside each other (shared/aov.h).
+    uint32_t class_count;
+    float (*class_a)[3], (*class_b)[3];
+    struct film_brightest *brightest;
 };
 
 // What the device has to know of those wanted: AOV_*, without those that the film has anyway, with

@@ -13,6 +13,7 @@
 #include "render/sampling_plan.h"
 #include "render/upload.h"
 #include "render/wave.h"
+#include "shared/aov.h"
 #include <math.h>
 #include <string.h>
 
@@ -500,7 +501,8 @@ static uint32_t fitting_shift(const struct renderer *r)
 {
     uint64_t samples = pace_samples(&r->pace, &r->plan) / picture_pixels(r);
     uint32_t shift = samples ? 63u - (uint32_t)__builtin_clzll(samples) : 0;
-    return shift < MAX_SAMPLE_SHIFT ? shift : MAX_SAMPLE_SHIFT;
+    uint32_t most = r->aovs & AOVS_BY ? MAX_SAMPLE_SHIFT_OF_CLASSES : MAX_SAMPLE_SHIFT;
+    return shift < most ? shift : most;
 }
 
 // A pass of more than the usual samples is one wave: it is never left half done, so that whoever

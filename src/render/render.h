@@ -32,6 +32,8 @@
 // accumulates all of a pixel's: with every AOV these are 8 * 2^this iterations, half of the 65,535
 // after which lavapipe ends loops silently.
 #define MAX_SAMPLE_SHIFT 12u
+// The same with the classes of --error-by, for which there are up to 17 iterations a sample more.
+#define MAX_SAMPLE_SHIFT_OF_CLASSES 10u
 
 struct renderer_params {
     struct gpu *gpu;           // must outlive the renderer

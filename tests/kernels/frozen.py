@@ -512,16 +512,23 @@ AOVS = {
     "intersect_closest": {"STEPS": ["store_steps()", "[radiance]"]},
     "shade_surface": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION IDS ALPHA": [
         "store_first_hit()", "albedo_color()", "store_aov_scalar()"],
-        "EMISSION DIRECT INDIRECT": ["add_part()", "add_aov_vector()"]},
-    "shade_miss": {"EMISSION DIRECT INDIRECT": ["add_part()"]},
-    "intersect_shadow": {"EMISSION DIRECT INDIRECT": ["add_part()"]},
+        "EMISSION DIRECT INDIRECT": ["add_part()", "add_aov_vector()"],
+        "BY_PART BY_BOUNCE BY_EMITTER": ["add_to_classes()", "keep_brightest()"]},
+    "shade_miss": {"EMISSION DIRECT INDIRECT": ["add_part()"], "BY_EMITTER": ["move_to_emitter()"],
+                   "BY_PART BY_BOUNCE BY_EMITTER": ["add_to_classes()", "keep_brightest()"]},
+    "intersect_shadow": {
+        "EMISSION DIRECT INDIRECT": ["add_part()"],
+        "BY_PART BY_BOUNCE BY_EMITTER": ["add_to_classes()", "keep_brightest()",
+                                         "emitter_of_connection()"]},
     "accumulate": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION ALPHA EMISSION DIRECT INDIRECT "
-                   "STEPS": ["add_aovs()"]},
+                   "STEPS": ["add_aovs()"],
+                   "BY_PART BY_BOUNCE BY_EMITTER": ["add_classes()", "keep_brightest_sample()"]},
     "resolve": {},
 }
 
 
 def check_aovs(aovs, bits, lobes, kernels, folder):
+    aovs = {name: bit for name, bit in aovs.items() if name != "END"}
     features = sum(bits.values()) & ~bits["TEXEL_SCENE"] & ~bits["TEXEL_STATE"]
     for kernel, kinds in AOVS.items():
         on = freeze(kernels[kernel], features, lobes, folder, sum(aovs.values()))

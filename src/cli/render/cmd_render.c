@@ -64,7 +64,7 @@ static bool init_job(struct render_run *run, struct err *err)
         .progress = render_progress(run),
         .reopens = options->render.reopens,
     };
-    params.renderer.aovs = options->render.aovs;
+    params.renderer.aovs = options->render.aovs | options->error_by;
     if (!follows_path(options)) {
         params.checkpoint = (struct job_checkpoint_params){
             options->render.checkpoint, options->render.checkpoint_seconds, options->render.resume};

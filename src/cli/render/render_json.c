@@ -1,5 +1,6 @@
 // Reports a render to machines: as one JSON object, described by docs/render.schema.json.
 #include "base/memory.h"
+#include "cli/error_sources_out.h"
 #include "cli/render/render_report.h"
 #include "cli/sharing.h"
 #include "job/bias.h"
@@ -231,6 +232,8 @@ bool render_print_json(const struct render_run *run, struct err *err)
     json_object_set_new(object, "bias", biases_json(run));
     json_object_set_new(object, "reference", reference_json(run));
     json_object_set_new(object, "forecast", forecast_json(run));
+    json_object_set_new(object, "error_by",
+                        error_sources_json(&run->job.sources, render_following_command(run)));
     json_object_set_new(object, "trace",
                         run->options->render.trace ? json_words(run->options->render.trace)
                                                    : json_null());

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "cli/error_sources_out.h"
 #include "cli/sharing.h"
 #include "job/bias.h"
 #include "job/film_error.h"
@@ -23,14 +24,20 @@ static const char *site_name(int site)
     return names[site];
 }
 
+const char *render_following_command(const struct render_run *run)
+{
+    bool splits = run->job.renderer.specialization.split_lobes > 0;
+    return splits ? NULL : run->options->render.following_line;
+}
+
 const char *render_reproducing_command(struct render_run *run)
 {
     const struct nonfinite_stats *stats = &run->job.renderer.stats.nonfinite;
     if (!stats->recorded)
         return NULL;
-    return arena_printf(&run->arena, "%s --pixel %u,%u --sample %u", run->options->command_line,
-                        stats->pixel % run->job.film.width, stats->pixel / run->job.film.width,
-                        stats->sample);
+    return arena_printf(&run->arena, "%s --pixel %u,%u --sample %u",
+                        run->options->render.following_line, stats->pixel % run->job.film.width,
+                        stats->pixel / run->job.film.width, stats->sample);
 }
 
 // --- for people ----------------------------------------------------------------------------------
@@ -295,6 +302,7 @@ void render_print_summary(struct render_run *run)
     print_against(run);
     print_forecast(run);
     print_biases(run);
+    error_sources_print(&run->job.sources, render_following_command(run));
     print_ending(run);
     print_times(run);
     print_nonfinite(run);

@@ -67,6 +67,9 @@ void render_release_outputs(struct render_run *run);
 // --- render_report.c ---
 void render_print_summary(struct render_run *run);
 bool render_print_json(const struct render_run *run, struct err *err);
+// The command to which --pixel and --sample are to be added to follow a path; NULL where paths
+// split, which cannot be followed.
+const char *render_following_command(const struct render_run *run);
 // The command that follows the path of a dropped contribution, or NULL; lives in the run's arena.
 const char *render_reproducing_command(struct render_run *run);
 

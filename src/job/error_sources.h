@@ -1,0 +1,47 @@
+// Where the error of a film comes from, as --error-by asks: its classes of light, and the brightest
+// contributions, each with the sample whose path brought it.
+#ifndef LAMPYRIS_JOB_ERROR_SOURCES_H
+#define LAMPYRIS_JOB_ERROR_SOURCES_H
+
+#include "metrics/error_by.h"
+#include "render/render.h"
+
+// What classes are told apart by.
+enum error_kind { ERROR_BY_PART, ERROR_BY_BOUNCE, ERROR_BY_EMITTER, ERROR_KIND_COUNT };
+extern const char *const error_kind_names[ERROR_KIND_COUNT]; // as in the option
+// "direct", "7 and more", "suns" ...
+const char *error_class_name(enum error_kind kind, uint32_t class);
+// AOV_BY_* of it.
+uint32_t error_kind_aov(enum error_kind kind);
+
+#define BRIGHT_PATHS_MAX 10
+
+// The brightest contribution to a pixel.
+struct bright_path {
+    uint32_t x, y, sample;
+    uint32_t scattering_events;
+    uint32_t emitter;   // of the classes of ERROR_BY_EMITTER
+    bool is_connection; // found by a shadow ray; else by a ray that met the emitter
+    float radiance[3];  // as it was added to the sample's
+    // How far it is above the pixel's mean, against the brightness around the pixel as the error
+    // has it: the root of the mean over channels of (x - M)^2 / (L^2 + 1e-2), x above M.
+    double excess;
+    double share; // of the picture's error, that is in its pixel; NAN where there is no error
+};
+
+struct error_sources {
+    uint32_t kinds;     // AOV_BY_*; 0: nobody asked
+    const char *reason; // why the shares are not known; NULL where they are
+    bool has_intervals; // else pixels depend on each other, and the shares have none
+    struct error_by by[ERROR_KIND_COUNT]; // those of `kinds`
+    // The brightest contributions of pixels, those that have most excess: in that order, and of
+    // equal ones in the order of pixels. None where the shares are not known.
+    struct bright_path brightest[BRIGHT_PATHS_MAX];
+    uint32_t brightest_count;
+};
+
+struct job;
+// Of the job's film. Does nothing where nobody asked. False only when out of memory.
+bool error_sources_find(const struct job *job, struct error_sources *out, struct err *err);
+
+#endif
