@@ -468,3 +468,19 @@ bool memory_plan_make(const struct memory_plan_params *p, struct specialization 
     s->part_shift = out->parts ? out->part_shift : 0;
     return true;
 }
+
+bool memory_plan_refused(const struct memory_plan *plan, const struct gpu *gpu, struct err *err)
+{
+    bool is_short = gpu->storage_count < SHADING_STORAGE && gpu->max_texel_elements > 0;
+    if (!is_short || gpu->lost || gpu->out_of_memory)
+        return false;
+    for (uint32_t b = 0; b <= BINDING_TEXELS; b++)
+        if (!gpu_texel_fits(gpu, plan->buffers[b].bytes))
+            return err_prepend(err,
+                               "the scene is read from storage buffers, since its %s would be "
+                               "%" PRIu64 " texels, and a texel buffer of the device has at most "
+                               "%" PRIu64 " (maxTexelBufferElements)",
+                               binding_name(b), (plan->buffers[b].bytes + 15) / 16,
+                               gpu->max_texel_elements);
+    return false;
+}

@@ -733,7 +733,7 @@ bool wave_create_kernels(struct renderer *r, struct err *err)
         bool ok = gpu_kernel_create(r->gpu, &source.params, &r->kernels[id], err);
         free(source.made);
         if (!ok)
-            return false;
+            return memory_plan_refused(&r->plan, r->gpu, err);
     }
     return true;
 }
