@@ -154,8 +154,10 @@ def set_world(scene, description, folder):
     texture.image.colorspace_settings.name = 'Linear'
     texture.interpolation = 'Linear'
     world.node_tree.links.new(texture.outputs['Color'], background.inputs['Color'])
+    # The map is constant in each of its cells, and what it stands for is bilinear: with the image's own resolution, the
+    # default, light from the sun's limb has next to no chance, and the error on the mesh is ten times as large.
     world.cycles.sampling_method = 'MANUAL'
-    world.cycles.sample_map_resolution = texture.image.size[0]
+    world.cycles.sample_map_resolution = 4 * texture.image.size[0]
     world.cycles.max_bounces = 1024
 
 

@@ -13,6 +13,13 @@ import subprocess
 
 import lampyris_scene
 
+SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'cycles_scene.py')
+
+
+def _hash(path):
+    with open(path, 'rb') as file:
+        return hashlib.sha256(file.read()).hexdigest()[:12]
+
 
 class Failure(Exception):
     """A renderer ended with an error; the message is what it said."""
@@ -30,8 +37,8 @@ class Lampyris:
 
     def __init__(self, name, program, options=()):
         self.name, self.program, self.options = name, os.path.abspath(program), list(options)
-        with open(self.program, 'rb') as file:
-            self.version = ' '.join([hashlib.sha256(file.read()).hexdigest()[:16], *self.options])
+        # Rows are of one program and of one way to make scenes.
+        self.version = ' '.join([_hash(self.program), _hash(lampyris_scene.__file__), *self.options])
         self.scene = None
 
     def open(self, description, folder, size):
@@ -63,14 +70,13 @@ class Cycles:
         self.environment = dict(os.environ, PATH='/usr/bin:/bin')
         self.environment.pop('PYTHONPATH', None)
         words = subprocess.run([blender, '--version'], stdout=subprocess.PIPE, text=True, check=True).stdout.split()
-        self.version = ' '.join(words[:2])
+        self.version = ' '.join([*words[:2], _hash(SCRIPT)])
         self.process = None
 
     def open(self, description, folder, size):
         self.size, self.log = size, []
-        script = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'cycles_scene.py')
         self.process = subprocess.Popen(
-            [self.blender, '-b', '--factory-startup', '--python-exit-code', '1', '--python', script, '--', folder,
+            [self.blender, '-b', '--factory-startup', '--python-exit-code', '1', '--python', SCRIPT, '--', folder,
              description['name']], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
             env=self.environment)
         self.about = self._answer()
