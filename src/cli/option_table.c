@@ -335,11 +335,11 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_ERROR_BY] = {
         .name = "error-by", .argument = "part,bounce,emitter", .type = VALUE_KINDS,
-        .group = "Report", .commands = FOR_RENDER, .fallback = "none",
+        .group = "Report", .commands = FOR_RENDER | FOR_CONVERGE, .fallback = "none",
         .help = "Say where the error comes from, by some of these or by all: by part (emission seen "
                 "directly, direct and indirect light), by the number of scattering events, by the "
-                "kind of emitter; and the ten brightest contributions, each with the command that "
-                "follows its path. The picture is the same.", FIELD(error_by),
+                "kind of emitter. Of a render also the ten brightest contributions, each with the "
+                "command that follows its path. The picture is the same.", FIELD(error_by),
     },
     [OPTION_EXPLAIN] = {
         .name = "explain", .type = VALUE_FLAG, .group = "Report", .commands = FOR_RENDER,

@@ -130,3 +130,46 @@ void metrics_error_by(const struct error_by_params *p, struct error_by *out)
             to->share.low = fmax(to->share.low, 0);
     }
 }
+
+// --- several pictures ----------------------------------------------------------------------------
+
+// Class k, or behind the last one what they have in common.
+static const struct error_share *share_at(const struct error_by *by, uint32_t k)
+{
+    return k < by->count ? &by->classes[k] : &by->together;
+}
+
+static struct error_share pool_share(const struct error_by *pictures, uint32_t count, uint32_t k,
+                                     double whole)
+{
+    double error = 0, squares = 0;
+    for (uint32_t i = 0; i < count; i++)
+        error += share_at(&pictures[i], k)->error / count;
+    double share = whole > 0 ? error / whole : NAN;
+    for (uint32_t i = 0; i < count; i++) {
+        double off = share_at(&pictures[i], k)->error - share * pictures[i].error;
+        squares += off * off;
+    }
+    // The variance of the ratio of two means, as above.
+    double reach = NAN;
+    if (count > 1)
+        reach = sqrt(squares / ((double)count * (count - 1))) / whole *
+                stats_t_quantile(0.975, count - 1.0);
+    return (struct error_share){error, {share, share - reach, share + reach}};
+}
+
+void metrics_error_by_pool(const struct error_by *pictures, uint32_t count, struct error_by *out)
+{
+    *out = (struct error_by){.count = pictures[0].count};
+    for (uint32_t i = 0; i < count; i++) {
+        out->error += pictures[i].error / count;
+        for (uint32_t k = 0; k < out->count; k++)
+            out->light[k] += pictures[i].light[k] / count;
+    }
+    for (uint32_t k = 0; k < out->count; k++) {
+        out->classes[k] = pool_share(pictures, count, k, out->error);
+        if (count > 1)
+            out->classes[k].share.low = fmax(out->classes[k].share.low, 0);
+    }
+    out->together = pool_share(pictures, count, out->count, out->error);
+}

@@ -48,4 +48,8 @@ double metrics_error_sum(const struct error_by_params *params);
 
 void metrics_error_by(const struct error_by_params *params, struct error_by *out);
 
+// What `count` independent pictures of the same classes say together: means of errors and of light,
+// and shares of the mean error, with intervals as the pictures differ; NAN of one picture alone.
+void metrics_error_by_pool(const struct error_by *pictures, uint32_t count, struct error_by *out);
+
 #endif

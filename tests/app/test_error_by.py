@@ -152,6 +152,34 @@ class Report(Base):
         self.assertIn('error-by', refused)
 
 
+class Converge(Base):
+    def converge(self, *arguments):
+        import jsonschema
+        result = subprocess.run(
+            [LAMPYRIS, 'converge', CORNELL, '--size', '16x16', '--spp', '8', '--spp-from', '4',
+             '--replicates', '4', '--json', '-q', *arguments],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = json.loads(result.stdout)
+        with open(os.path.join(ROOT, 'docs', 'converge.schema.json'), encoding='utf-8') as file:
+            jsonschema.validate(told, json.load(file))
+        return told['curves'][0]
+
+    def test_replicates_together(self):
+        plain = self.converge('--reference', 'none')
+        curve = self.converge('--reference', 'none', '--error-by', 'part', '--roulette', 'frame')
+        self.assertIsNone(plain['error_by'])
+        by = curve['error_by']['part']
+        self.assertIsNone(curve['error_by']['emitter'])
+        self.assertNotIn('--error-by', curve['command'])
+        classes = by['classes'] + [by['together']]
+        self.assertAlmostEqual(sum(c['local_relmse'] for c in classes), by['local_relmse'], delta=1e-7)
+        for c in classes:
+            # Replicates are independent, whatever pixels share.
+            self.assertLess(c['share']['ci_low'], c['share']['value'])
+            self.assertLess(c['share']['value'], c['share']['ci_high'])
+
+
 if __name__ == '__main__':
     need_device(LAMPYRIS)
     unittest.main()

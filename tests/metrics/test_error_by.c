@@ -126,6 +126,36 @@ TEST(classes_that_take_turns)
     check_shares((const double[]){0.01, 0.02, 0.03}, (const double[]){0.05, -0.04, 0});
 }
 
+// Shares of the mean error of several pictures, whose intervals follow from how they differ.
+TEST(pictures_together)
+{
+    enum { COUNT = 3, TRIALS = 100 };
+    const double deviation[] = {0.05, 0.03, 0.02}, common[] = {0, 0, 0}, whole = 0.0038;
+    struct picture p = picture_create();
+    int held = 0;
+    for (int t = 0; t < TRIALS; t++) {
+        struct error_by pictures[COUNT], by;
+        double sum = 0;
+        for (int i = 0; i < COUNT; i++) {
+            fill(&p, deviation, common);
+            pictures[i] = split(&p);
+            sum += pictures[i].classes[0].error;
+        }
+        metrics_error_by_pool(pictures, COUNT, &by);
+        CHECK(fabs(by.classes[0].error - sum / COUNT) < 1e-12 * sum &&
+              fabs(by.light[1] - 1.0 / 3) < 1e-3);
+        for (int k = 0; k < CLASSES; k++) {
+            double expected = deviation[k] * deviation[k] / whole;
+            held += by.classes[k].share.low <= expected && by.classes[k].share.high >= expected;
+        }
+        metrics_error_by_pool(pictures, 1, &by);
+        CHECK(by.error == pictures[0].error && isnan(by.classes[0].share.low));
+    }
+    printf("  intervals held in %.1f %%\n", 100.0 * held / (TRIALS * CLASSES));
+    CHECK(held >= 0.9 * TRIALS * CLASSES, "intervals held in %d of %d", held, TRIALS * CLASSES);
+    picture_finish(&p);
+}
+
 TEST(nothing_to_split)
 {
     struct picture p = picture_create();
@@ -152,4 +182,5 @@ TEST(nothing_to_split)
 }
 
 TEST_MAIN(TEST_CASE(independent_classes), TEST_CASE(classes_that_come_together),
-          TEST_CASE(classes_that_take_turns), TEST_CASE(nothing_to_split))
+          TEST_CASE(classes_that_take_turns), TEST_CASE(pictures_together),
+          TEST_CASE(nothing_to_split))

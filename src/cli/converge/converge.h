@@ -59,6 +59,7 @@ struct converge_curve {
     struct converge_sample *samples; // replicate * points + point
     float (**pictures)[3];           // of the last point, one a replicate; NULL: not kept
     double start_seconds;            // load, BVH, upload and compile
+    struct error_sources *sources;   // of the last point, one a replicate; NULL without --error-by
     struct job_speed speed;          // what a number of samples is planned from
 
     // These follow from the samples.
@@ -69,8 +70,9 @@ struct converge_curve {
     struct interval bias;           // what of relMSE stays; NAN without a reference
     struct interval *ratios;        // of efficiencies, to each curve of the scene
     struct converge_target targets[CONVERGE_TARGETS];
-    uint64_t image_hash; // of the first replicate's picture
-    const char *command; // that renders it
+    struct error_sources pooled; // what the replicates' sources say together
+    uint64_t image_hash;         // of the first replicate's picture
+    const char *command;         // that renders it
 };
 
 struct converge {
@@ -133,6 +135,12 @@ bool converge_is_biased(const struct converge_curve *curve);
 #define CONVERGE_NOTES 6
 #define CONVERGE_NOTE_SIZE 160
 uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZE]);
+
+// --- converge_error_by.c ---
+// Splits the error of the picture that the curve's job has. Nothing without --error-by, nor below.
+bool converge_split_error(struct converge *c, struct converge_curve *curve, uint32_t replicate,
+                          struct err *err);
+bool converge_pool_sources(struct converge *c, struct converge_curve *curve, struct err *err);
 
 // --- converge_command.c ---
 // The command that renders the curve's first picture again; in the run's arena.

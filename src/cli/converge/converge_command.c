@@ -15,6 +15,7 @@ static bool is_kept(const struct option_def *def)
     case OPTION_SPP:
     case OPTION_SEED:
     case OPTION_REFERENCE:
+    case OPTION_ERROR_BY:
     case OPTION_JSON:
     case OPTION_QUIET:
     case OPTION_LOG_LEVEL:

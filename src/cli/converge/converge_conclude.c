@@ -265,7 +265,7 @@ static bool conclude_curve(struct converge *c, struct converge_curve *curve,
         conclude_point(c, curve, p, columns->values);
     find_slope(c, curve, columns);
     find_efficiency(c, curve, columns);
-    if (!find_bias(c, curve, err))
+    if (!find_bias(c, curve, err) || !converge_pool_sources(c, curve, err))
         return false;
     find_targets(c, curve, columns);
     size_t pixels = (size_t)settings->width * settings->height;

@@ -73,6 +73,8 @@ bool converge_measure_point(struct converge *c, struct converge_curve *curve, ui
                      &c->progress, sample->metric, err);
     else if (ok)
         ok = estimate(job, sample, err);
+    if (ok && point + 1 == c->point_count)
+        ok = converge_split_error(c, curve, replicate, err);
     // The mean of all tells the bias.
     bool is_needed = reference->name || replicate == 0 || c->options->converge.images;
     if (ok && point + 1 == c->point_count && is_needed)

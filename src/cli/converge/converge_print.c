@@ -1,6 +1,8 @@
 // Prints what `lampyris converge` says on the terminal.
 #include "cli/converge/converge.h"
 
+#include "cli/error_sources_out.h"
+
 #include "report/text_out.h"
 #include <inttypes.h>
 #include <math.h>
@@ -124,6 +126,7 @@ void converge_print(const struct converge *c)
         printf("  %s\n", is_first ? "" : converge_verdict(curve->ratios[0]));
         print_metrics(c, curve);
         print_targets(curve);
+        error_sources_print(&curve->pooled, NULL);
         print_verdict(c, curve, CURVE_BETTER, "      faster than");
         print_verdict(c, curve, CURVE_WORSE, "      slower than");
     }

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/file_inputs.h"
+#include "cli/error_sources_out.h"
 #include "cli/exit_code.h"
 #include "image/image.h"
 #include "report/csv_out.h"
@@ -125,6 +126,10 @@ static json_t *result_json(const struct converge *c)
     for (uint32_t i = 0; i < c->curve_count; i++) {
         json_t *curve = curve_json(c, &c->curves[i]);
         json_object_set_new(curve, "command", json_words(c->curves[i].command));
+        // Which paths are brightest is told of single pictures.
+        json_t *sources = error_sources_json(&c->curves[i].pooled, NULL);
+        json_object_del(sources, "brightest");
+        json_object_set_new(curve, "error_by", sources);
         json_array_append_new(curves, curve);
     }
     return json_pack("{s:s, s:o, s:o, s:i, s:b, s:s, s:o, s:o, s:o, s:o}", "version",

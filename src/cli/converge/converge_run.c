@@ -57,12 +57,13 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
         return err_memory(err, "samples", count * sizeof *curve->samples);
     if (!options_load_scene(&options->scene, &c->progress, &curve->scene_data, &camera, err))
         return false;
-    const struct job_params params = {
+    struct job_params params = {
         .renderer = options_renderer_params(&options->device, &c->gpu, &curve->scene_data, camera),
         .scene = &curve->scene_data,
         .goal.samples = c->spp ? c->spp[c->point_count - 1] : 1,
         .progress = &c->progress,
     };
+    params.renderer.aovs = c->options->error_by;
     if (!job_start(&params, &curve->job, err))
         return false;
     curve->start_seconds = clock_seconds_since(start);
