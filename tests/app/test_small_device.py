@@ -20,7 +20,7 @@ SCENES = os.path.abspath(sys.argv.pop(1))
 
 # What shading binds: of the state of paths, which is what Vulkan guarantees, and with scenes in storage
 # buffers or as texels.
-STATE, SCENE_STORAGE, SCENE_TEXELS = 4, {'cornell': 9, 'all_classes': 10}, {'all_classes': 7}
+STATE, SCENE_STORAGE, SCENE_TEXELS = 4, {'cornell': 9, 'all_classes': 10}, {'cornell': 6}
 LEAST = 'storage-count=%d' % STATE
 
 
