@@ -51,7 +51,7 @@ class SlowDevice(unittest.TestCase):
         launches = [self.launches('group-ns=%d,watchdog-ms=250' % ns)
                     for ns in (10000, 100000, 1000000, 3000000)]
         self.assertEqual(launches, sorted(launches))
-        self.assertGreater(launches[3], 10 * launches[0])
+        self.assertGreater(launches[3], 5 * launches[0])  # by the size of waves
 
     def test_other_kernels(self):
         self.launches('group-ns=1000000,watchdog-ms=250', scene='all_classes')
