@@ -81,14 +81,14 @@ def _table(head, rows):
 
 
 def _renderers_table(found):
-    head = ['scene', 'renderer', 'Msamples/s', 'a processor s', 'relMSE', 'relMSE x s', 'processor s',
+    head = ['scene', 'renderer', 'turns', 'Msamples/s', 'a processor s', 'relMSE', 'relMSE x s', 'processor s',
             'relMSE x processor s']
     keys = ('msamples_per_s', 'msamples_per_processor_s', 'relmse', 'relmse_seconds', 'processor_seconds',
             'relmse_processor_seconds')
     rows = []
     for scene in found['scenes']:
         for one in scene['renderers']:
-            rows.append([scene['scene'], one['renderer'], *(_number(one[key]) for key in keys)])
+            rows.append([scene['scene'], one['renderer'], str(one['turns']), *(_number(one[key]) for key in keys)])
     return _table(head, rows)
 
 
@@ -110,9 +110,9 @@ def _ratios_table(found):
 def text(found):
     loads = [one['load'] for scene in found['scenes'] for one in scene['renderers']]
     versions = {one['renderer']: one['version'] for scene in found['scenes'] for one in scene['renderers']}
-    lines = ['%d x %d pixels, %d samples per pixel, %d scattering events, %d turns; two references of %d samples per pixel. '
-             'The machine\'s load was %.1f to %.1f.' % (found['size'], found['size'], found['spp'], found['max_bounces'],
-                                                       found['turns'], found['reference_spp'], min(loads), max(loads)),
+    lines = ['%d x %d pixels, %d samples per pixel, %d scattering events; two references of %d samples per pixel. The '
+             'machine\'s load was %.1f to %.1f.' % (found['size'], found['size'], found['spp'], found['max_bounces'],
+                                                   found['reference_spp'], min(loads), max(loads)),
              '', ', '.join('%s: %s' % item for item in versions.items()), '',
              *_renderers_table(found), '', *_ratios_table(found), '']
     return '\n'.join(lines)
