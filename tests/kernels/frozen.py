@@ -226,7 +226,7 @@ FEATURES = {
     "pixel jitter": (["JITTER", "LENS"], {"generate_rays": ["random_4d()", "pcg4d()", "frame.seed"]}),
     "sample counts by tile": (["TILES"], {
         "generate_rays": ["listed()"],
-        "accumulate": ["listed()", "[queues]"],
+        "accumulate": ["listed()"],
     }),
     "lens": (["LENS"], {
         "generate_rays": ["ray_through_lens()", "sample_aperture()", "frame.lens_radius"],
