@@ -674,35 +674,6 @@ TEST(lobes)
     gpu_close(&gpu);
 }
 
-// --- stacks --------------------------------------------------------------------------------------
-
-// GPUs have 12 entries of a stack in shared memory, or what there is room for; CPU drivers none,
-// but where they are asked to.
-TEST(stacks_fit_into_shared_memory)
-{
-    static const struct {
-        bool is_cpu, forced;
-        uint64_t bytes;
-        uint32_t workgroup, entries, expected;
-    } cases[] = {
-        {true, false, 32768, 128, 41, 0},  {true, true, 16384, 128, 41, 12},
-        {false, false, 32768, 64, 41, 12}, {false, false, 32768, 64, 3, 5},
-        {false, false, 16384, 512, 41, 7}, {false, false, 16384, 1024, 41, 3},
-        {false, false, 1024, 64, 41, 3},   {false, false, 200, 64, 41, 0},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const struct gpu gpu = {
-            .info.is_cpu = cases[i].is_cpu,
-            .params.limits.shared_stack = cases[i].forced,
-            .max_shared_bytes = cases[i].bytes,
-        };
-        struct specialization s = {.stack_entries = cases[i].entries};
-        specialization_set_workgroup(&s, &gpu, cases[i].workgroup);
-        CHECK(s.workgroup == cases[i].workgroup && s.stack_shared == cases[i].expected,
-              "case %zu: %u entries, expected %u", i, s.stack_shared, cases[i].expected);
-    }
-}
-
 // --- the same picture ----------------------------------------------------------------------------
 
 static bool render(struct gpu *gpu, const struct scene *scene, bool compile_all,
@@ -806,6 +777,5 @@ TEST(suspended_traversals_are_made_when_needed)
 }
 
 TEST_MAIN(TEST_CASE(each_need), TEST_CASE(no_feature_is_forgotten), TEST_CASE(lobes),
-          TEST_CASE(stacks_fit_into_shared_memory), TEST_CASE(everything_is_created_on_demand),
-          TEST_CASE(everything_changes_no_bit),
+          TEST_CASE(everything_is_created_on_demand), TEST_CASE(everything_changes_no_bit),
           TEST_CASE(suspended_traversals_are_made_when_needed))

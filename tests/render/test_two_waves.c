@@ -39,6 +39,13 @@ static bool setup_create(struct setup *s, const struct method *method, struct er
     return true;
 }
 
+// The usual scene with waves that are small, for two of them.
+static bool create_usual(struct setup *s, struct renderer *r, struct err *err)
+{
+    const struct renderer_params params = {.gpu = &s->gpu, .scene = &s->scene, .wave = WAVE};
+    return setup_create(s, &usual, err) && renderer_create(&params, r, err);
+}
+
 static void setup_finish(struct setup *s)
 {
     scene_finish(&s->scene);
@@ -113,9 +120,7 @@ static void check_disturbed(bool replays)
     struct renderer r;
     struct err err = {0};
     OPEN_GPU(&s.gpu, 0);
-    REQUIRE_OK(setup_create(&s, &usual, &err));
-    const struct renderer_params params = {.gpu = &s.gpu, .scene = &s.scene, .wave = WAVE};
-    REQUIRE_OK(renderer_create(&params, &r, &err));
+    REQUIRE_OK(create_usual(&s, &r, &err));
     struct disturbance d = {.r = &r, .replays = replays};
     while (r.next_sample < SAMPLES) {
         const struct render_call call = {.samples = SAMPLES - r.next_sample,
@@ -149,9 +154,7 @@ TEST(void_waves)
     struct renderer r;
     struct err err = {0};
     OPEN_GPU(&s.gpu, 0);
-    REQUIRE_OK(setup_create(&s, &usual, &err));
-    const struct renderer_params params = {.gpu = &s.gpu, .scene = &s.scene, .wave = WAVE};
-    REQUIRE_OK(renderer_create(&params, &r, &err));
+    REQUIRE_OK(create_usual(&s, &r, &err));
     r.specialization.iteration_budget = 8;
     REQUIRE_OK(renderer_resize(&r, WAVE, r.specialization.workgroup, &err));
     REQUIRE_OK(renderer_render(&r, &(struct render_call){.samples = SAMPLES}, &err));
@@ -164,7 +167,7 @@ TEST(void_waves)
     setup_finish(&s);
 }
 
-// Waves in flight that a renderer plans, nothing of which reaches the device.
+// Checks how many waves in flight a renderer plans; nothing of that reaches the device.
 static void check_choice(struct setup *s, const char *what, uint32_t wave, bool tiles,
                          uint32_t expected)
 {
