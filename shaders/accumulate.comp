@@ -79,8 +79,8 @@ void add_aovs(uint item, uint at)
     }
 }
 
-// What each class of --error-by has brought, in sums of the samples of either half. `first`: the
-// number of the pixel's samples before.
+// Adds what each class of --error-by has brought, in sums of the samples of either half. `first` is
+// the number of samples that the pixel had before.
 void add_classes(uint item, uint at, uint first)
 {
     uint samples = 1u << push.sample_shift;

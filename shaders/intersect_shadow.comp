@@ -9,7 +9,8 @@
 #include "lib/radiance.glsl"
 #include "lib/suspend.glsl"
 
-// What the light of a shadow ray counts to, by the word of what it leads to: BY_EMITTER_*.
+// Returns the class (BY_EMITTER_*) that the light of a shadow ray counts to. `word` names what the
+// ray leads to.
 uint emitter_of_connection(uint word)
 {
     if (word == PRIMITIVE_ENVIRONMENT || word == NO_PRIMITIVE)

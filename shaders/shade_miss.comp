@@ -43,7 +43,7 @@ vec3 found_suns(vec3 direction, float bsdf_pdf)
     return radiance;
 }
 
-// Of what was added for `radiance`, the part that `light` has in it.
+// Returns the part of `added` that is due to `light`, where it was added for all of `radiance`.
 vec3 part_of_light(vec3 added, vec3 light, vec3 radiance)
 {
     return mix(vec3(0.0), added * (light / radiance), greaterThan(radiance, vec3(0.0)));

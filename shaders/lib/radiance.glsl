@@ -62,13 +62,13 @@ void add_to_classes(uint slot, vec3 contribution, uint emitter)
         add_to_class(slot, AOV_EMITTERS_AT(AOVS) + emitter, contribution);
 }
 
-// What a surface's emission counts to: BY_EMITTER_*.
+// Returns the class (BY_EMITTER_*) that a surface's emission counts to.
 uint emitter_of_primitive(uint primitive)
 {
     return IS_SHAPE(primitive) ? BY_EMITTER_SHAPES : BY_EMITTER_TRIANGLES;
 }
 
-// What was counted to `from` and is part of another emitter's.
+// Counts to the class `to` what was counted to `from`, though another emitter brought it.
 void move_to_emitter(uint slot, uint from, uint to, vec3 contribution)
 {
     add_to_class(slot, AOV_EMITTERS_AT(AOVS) + from, -contribution);
@@ -82,7 +82,7 @@ float brightness(vec3 radiance)
     return sum;
 }
 
-// Of two that are as bright the first one is kept.
+// Keeps the brightest contribution of the slot: the first one, if several are equally bright.
 void keep_brightest(uint slot, vec3 contribution, uint site, uint emitter)
 {
     uint word = slot * SLOT_WORDS + AOV_SLOT_BRIGHTEST_AT(AOVS);

@@ -67,7 +67,7 @@
 #define CONSTANT_NORMALS 27
 #define CONSTANT_RADIANCE_SCALING 28 // whether refraction scales radiance
 #define CONSTANT_ACCUMULATION 29
-#define CONSTANT_ROUNDING 30 // ROUNDING_*
+#define CONSTANT_ROUNDING 30     // ROUNDING_*
 #define CONSTANT_STACK_SHARED 31 // entries of a thread's stack in shared memory: lib/stack.glsl
 #define CONSTANT_COUNT 32
 

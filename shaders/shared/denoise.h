@@ -43,8 +43,9 @@
 #define DENOISE_CONSTANT_GATHER 4  // DENOISE_GATHER_*, as bits
 #define DENOISE_CONSTANT_COUNT 5
 
-// What is gathered from the film: all at once, or in two runs where a device binds too few buffers.
-#define DENOISE_GATHER_LIGHT 1u // guides, light and its factors
+// These parts are gathered from the film at once, or in two runs where a device binds too few
+// buffers.
+#define DENOISE_GATHER_LIGHT 1u   // guides, light and its factors
 #define DENOISE_GATHER_PICTURE 2u // radiance and emission
 #define DENOISE_GATHER_ALL 3u
 #define DENOISE_GATHER_STORAGE 6 // storage buffers that gathering all binds

@@ -372,7 +372,8 @@ SHARED_STATIC_ASSERT_SIZE(gpu_counters, 12288);
 // Bytes before the slot indices in the buffer of BINDING_QUEUES.
 #define QUEUES_OFFSET sizeof(struct gpu_counters)
 
-// Where rays are sorted: lib/sort.glsl. The cells along each axis are 2^this.
+// The counts and places of a sort of rays (lib/sort.glsl), which has 2^SORT_CELL_BITS cells along
+// each axis.
 #define SORT_CELL_BITS 3
 #define SORT_KEYS (8 << 3 * SORT_CELL_BITS) // 8 octants of so many cells
 struct gpu_sort {

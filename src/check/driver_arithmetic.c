@@ -64,7 +64,7 @@ static double error_of_product(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], in->f[0] * in->f[1]);
 }
 
-// Rounded to either neighbour.
+// The sum may be rounded to either neighbour.
 static double either_sum(const driver_item *in, const driver_item *out)
 {
     return ulps(out->f[0], (double)in->f[0] + (double)in->f[1]);
@@ -86,7 +86,7 @@ static double rest_of_product(const driver_item *in, const driver_item *out)
     return (double)out->f[0] + (double)out->f[1] == (double)in->f[0] * (double)in->f[1] ? 0.0 : 1.0;
 }
 
-// What is left of the greatest number in units of 2^-46 of it (lib/double_float.glsl).
+// The error is counted in units of 2^-46 of the greater number (lib/double_float.glsl).
 static double about_sum(const driver_item *in, const driver_item *out)
 {
     double sum = (double)in->f[0] + (double)in->f[1];
@@ -115,7 +115,7 @@ static double error_of_precise(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], product + in->f[2]);
 }
 
-// Two roundings to either neighbour: of the product, and of a sum of 2^-10 of it.
+// Two results may be rounded to either neighbour: the product, and a sum of 2^-10 of it.
 static double either_precise(const driver_item *in, const driver_item *out)
 {
     double product = (double)in->f[0] * (double)in->f[1];
@@ -218,7 +218,7 @@ static float value_of_half(uint32_t half)
     return half & 0x8000u ? -value : value;
 }
 
-// A denormal one may be flushed.
+// A denormal half may be flushed to 0.
 static double error_of_half(uint32_t half, float value)
 {
     bool is_denormal = (half >> 10 & 31u) == 0;

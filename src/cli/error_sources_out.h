@@ -6,8 +6,9 @@
 
 #include <jansson.h>
 
-// Lines of text, or null, where nobody asked. `command`: the render's, to which --pixel and
-// --sample are added to follow a path; NULL where that cannot be done.
+// Print lines of text, or return an object; nothing, or null, without --error-by. `command` is the
+// render's command, to which --pixel and --sample are added to follow a path; NULL where a path
+// cannot be followed.
 void error_sources_print(const struct error_sources *sources, const char *command);
 json_t *error_sources_json(const struct error_sources *sources, const char *command);
 

@@ -307,7 +307,8 @@ static const enum option_id passing[] = {OPTION_ERROR,  OPTION_CHECKPOINT, OPTIO
                                          OPTION_TEV,    OPTION_EXPLAIN,    OPTION_ERROR_BY};
 enum { PASSING_COUNT = sizeof passing / sizeof passing[0] };
 
-// How many arguments from this one on belong to one of those, from number `first` on.
+// Returns how many arguments, from this one on, belong to one of the passing options whose number
+// is at least `first`.
 static int passing_arguments(const char *argument, size_t first)
 {
     if (strncmp(argument, "--", 2) != 0)
@@ -322,7 +323,7 @@ static int passing_arguments(const char *argument, size_t first)
     return 0;
 }
 
-// Without the passing options from number `first_passing` on.
+// Makes the command line without the passing options from number `first_passing` on.
 static const char *make_line(struct arena *arena, size_t size, int argc, char **argv,
                              size_t first_passing)
 {

@@ -6,12 +6,12 @@
 #include "metrics/error_by.h"
 #include "render/render.h"
 
-// What classes are told apart by.
+// The ways in which light is divided into classes.
 enum error_kind { ERROR_BY_PART, ERROR_BY_BOUNCE, ERROR_BY_EMITTER, ERROR_KIND_COUNT };
 extern const char *const error_kind_names[ERROR_KIND_COUNT]; // as in the option
 // "direct", "7 and more", "suns" ...
 const char *error_class_name(enum error_kind kind, uint32_t class);
-// AOV_BY_* of it.
+// Returns the AOV_BY_* bit of a kind.
 uint32_t error_kind_aov(enum error_kind kind);
 
 #define BRIGHT_PATHS_MAX 10
@@ -41,7 +41,8 @@ struct error_sources {
 };
 
 struct job;
-// Of the job's film. Does nothing where nobody asked. False only when out of memory.
+// Finds the sources of the error of the job's film. Does nothing without --error-by. Returns false
+// only when out of memory.
 bool error_sources_find(const struct job *job, struct error_sources *out, struct err *err);
 
 #endif

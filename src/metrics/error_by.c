@@ -11,7 +11,7 @@
 
 enum { TERMS_MAX = ERROR_BY_CLASSES_MAX + 1 }; // the classes, and what they have in common
 
-// Of one pixel, or summed over pixels.
+// The terms of one pixel, or their sums over pixels.
 struct terms {
     double whole, parts[TERMS_MAX];
 };
@@ -133,7 +133,7 @@ void metrics_error_by(const struct error_by_params *p, struct error_by *out)
 
 // --- several pictures ----------------------------------------------------------------------------
 
-// Class k, or behind the last one what they have in common.
+// Returns the share of class k, or, behind the last class, of what all classes have in common.
 static const struct error_share *share_at(const struct error_by *by, uint32_t k)
 {
     return k < by->count ? &by->classes[k] : &by->together;

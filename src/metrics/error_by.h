@@ -20,17 +20,17 @@
 struct error_by_params {
     const struct half_error_params *halves; // of the picture
     const double (*weights)[3];             // of metrics_half_error_weights()
-    // Of the classes: pixel p has those of number p * stride + k, k < count, at most
-    // ERROR_BY_CLASSES_MAX.
+    // The half-buffers of the classes: those of class k at pixel p have the index p * stride + k.
+    // k < count, which is at most ERROR_BY_CLASSES_MAX.
     const float (*class_a)[3], (*class_b)[3];
     uint32_t count, stride;
 };
 
-// A part of the error.
+// The part of the error that one class has.
 struct error_share {
     double error; // of the local relMSE
-    // Of the whole error, with a 95 % interval: what other seeds would tell. NAN where there is no
-    // error; above 1 where others take it off.
+    // The share of the whole error, with the 95 % interval in which other seeds would find it. NAN
+    // where there is no error; above 1 where other classes cancel a part of it.
     struct interval share;
 };
 
@@ -42,7 +42,8 @@ struct error_by {
     struct error_share together;                      // the rest: twice the covariances
 };
 
-// A pixel's weighted D^2, and the sum of all pixels'. Of the params, the classes are of no account.
+// Return a pixel's weighted D^2, and the sum over all pixels. The classes of the params are not
+// used.
 double metrics_error_of_pixel(const struct error_by_params *params, uint64_t pixel);
 double metrics_error_sum(const struct error_by_params *params);
 

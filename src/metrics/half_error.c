@@ -249,7 +249,7 @@ static void add_pixel(struct tile *tile, const struct half_error_params *params,
     add_variance(&tile->spread, error * error);
 }
 
-// The weights of a pixel's D^2, as add_noise() has them.
+// Computes the weights of a pixel's D^2 that add_noise() uses.
 static void find_weights(const float a[3], const float b[3], const struct local_mean *around,
                          double out[3])
 {

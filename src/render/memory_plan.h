@@ -60,7 +60,7 @@ uint64_t memory_plan_bytes(const struct memory_plan_params *params, uint32_t slo
 // where that is why they bind so many storage buffers. Returns false.
 bool memory_plan_refused(const struct memory_plan *plan, const struct gpu *gpu, struct err *err);
 
-// Whether each wave in flight has a buffer of its own for this binding.
+// Returns whether each wave in flight has a buffer of its own for this binding.
 bool memory_plan_is_of_wave(const struct specialization *specialization, uint32_t binding);
 
 // Returns what is said behind the number of a wave's paths: nothing where one wave is in flight.

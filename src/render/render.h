@@ -131,7 +131,7 @@ struct in_view {
     uint8_t *mask; // a byte a pixel
 };
 
-// What a second wave in flight has of its own, as the first one has it in struct renderer: they
+// A second wave in flight has these of its own, as the first one has them in struct renderer. Both
 // are exchanged whenever the other wave is meant.
 struct other_wave {
     struct gpu_buffer buffers[BINDING_COUNT]; // those of memory_plan_is_of_wave()

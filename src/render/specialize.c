@@ -396,7 +396,7 @@ void specialization_count_steps(struct specialization *s, bool on)
 #define SDF_FRACTALS                                                                               \
     (SDF_BIT(SDF_MANDELBULB) | SDF_BIT(SDF_MENGER) | SDF_BIT(SDF_APOLLONIAN) | SDF_BIT(SDF_PYRAMID))
 
-// What sorting takes is a tenth of what a GPU takes to trace, but a good part of that on
+// A sort should take a tenth of the time that a GPU takes to trace, but takes a good part of it on
 // processors: "Rays sorted by octant and cell" in docs/performance.md.
 static bool sorts_rays(const struct specialization *s, const struct gpu *gpu,
                        const struct settings *settings)

@@ -63,8 +63,7 @@ static void dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups,
     r->barrier_is_due = true;
 }
 
-// --- recording in submissions that are not too long
-// -----------------------------------------------
+// --- recording in submissions that are not too long ----------------------------------------------
 
 struct loop {
     struct renderer *r;
@@ -673,7 +672,7 @@ bool wave_run_step(struct renderer *r, const struct wave *wave, const struct wav
     return true;
 }
 
-// --- kernels -------------------------------------------------------------------------------------
+// --- compiling -----------------------------------------------------------------------------------
 
 // All counters zeroed: the kernels below find nothing to do.
 bool wave_clear_counters(struct renderer *r, struct err *err)

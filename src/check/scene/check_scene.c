@@ -27,10 +27,11 @@ static void shrink_picture(struct settings *settings, double pixels)
 #define RENDER_SECONDS 30.0
 #define LEAST_PIXELS 256.0
 
-// That a sample of all pixels may take.
+// The time that one sample of all pixels may take.
 #define SAMPLE_SECONDS (RENDER_SECONDS / RENDERED_SAMPLES)
 
-// The fastest of a few samples: the first one warms up, and others may have met a busy machine.
+// The fastest of a few samples counts: the first one warms up, and others may have met a busy
+// machine.
 #define TIMED_SAMPLES 5u
 #define TIMED_SECONDS 3.0 // after which the second one decides
 
@@ -102,7 +103,8 @@ static bool plan_memory(struct survey *survey, const struct renderer_params *par
     return true;
 }
 
-// The film at the scene's own size, and waves as large as the device turned out to have room for.
+// Returns the bytes of a film at the scene's own size, and of waves as large as the device turned
+// out to have room for.
 static uint64_t device_bytes(const struct survey *survey)
 {
     uint64_t bytes = 0;
@@ -146,7 +148,8 @@ static bool prepare(struct survey *survey, struct err *err)
     return sightlines_take_view(survey, err);
 }
 
-// Its film is kept. What the device's memory holds is all for the render that follows.
+// Closes the render of the small picture but keeps its film, so that the renders that follow have
+// all of the device's memory.
 static bool end_job(struct survey *survey, struct err *err)
 {
     const struct film_image *film = &survey->job.film;

@@ -10,8 +10,8 @@
 
 // --- all -----------------------------------------------------------------------------------------
 
-// Whether the texture leaves all three channels of the base colour as they are, in more than half
-// of its texels.
+// Returns whether the texture leaves all three channels of the base colour as they are in more
+// than half of its texels.
 static bool keeps_white(const struct scene *scene, const struct texture *texture)
 {
     const struct texture_image *image = &scene->images[texture->image];
@@ -158,7 +158,7 @@ static bool lies_alike(const struct texture *a, const struct texture *b)
     return alike;
 }
 
-// An even image of what the texture has at a place.
+// Adds an image whose texels all have what the texture has at a place.
 static bool add_even_image(struct scene *scene, const struct texture_image *from,
                            const double *place, uint32_t *index, struct err *err)
 {
@@ -183,8 +183,8 @@ static bool add_even_image(struct scene *scene, const struct texture_image *from
     return true;
 }
 
-// Textures of the sphere: even ones, of what those of the source have where the leading one is
-// brightest; their means where they lie in another way.
+// Gives the sphere textures whose texels are all equal: what the source's textures have where the
+// leading one is brightest, or their means where they are mapped in another way.
 static bool add_textures(struct furnace *furnace, const struct scene *from,
                          const struct material *source, struct material *material, struct err *err)
 {
@@ -219,7 +219,8 @@ static void raise_to_corners(float most[3], const struct flat_scene *flat, uint3
         raise_color(most, flat->colors[triangle][corner]);
 }
 
-// The greatest vertex colours that each material is used with: 1 on shapes. Colours are there.
+// Finds the greatest vertex colours that each material is used with, which are 1 on shapes. The
+// scene must have vertex colours.
 static bool list_colors(struct survey *survey, float (**out)[3], struct err *err)
 {
     static const float white[3] = {1.0f, 1.0f, 1.0f};
@@ -249,7 +250,7 @@ static bool list_colors(struct survey *survey, float (**out)[3], struct err *err
     return true;
 }
 
-// As vertex colours make the spheres at most.
+// Scales the spheres' colours by the greatest vertex colours of their materials.
 static bool color_spheres(struct survey *survey, struct furnace *furnace, struct err *err)
 {
     float(*most)[3];

@@ -62,9 +62,9 @@ static void list_lamps(const struct survey *survey, struct targets *out)
             out->items[out->count++] = (struct target){.part = {EMITTER_TRIANGLE, i}};
 }
 
-// Directions as many as light comes from them, as the renderer's table draws them. Where the
-// radiance is k times the mean, the table draws k times as often as scattering paths do, whose
-// estimate has a variance of about k squares of that light.
+// So many directions to the environment are drawn in proportion to its radiance, as the renderer's
+// table draws them. Where the radiance is k times the mean, the table draws k times as often as
+// scattering paths do, whose estimate has a variance of about k squares of that light.
 #define SKY_TARGETS 1000u
 #define RARE_MIN 16.0
 
@@ -147,7 +147,7 @@ static void aim_at(const struct survey *survey, const struct target *target, con
         line->direction[c] = way[c];
 }
 
-// What a line of the camera ends on, where lights can light it, or NULL.
+// Returns the surface on which a line of the camera ends, or NULL where lights cannot light it.
 static const struct sighting *lit_place(const struct survey *survey, const struct sightline *seen)
 {
     if (seen->count == 0 || seen->is_open)
@@ -157,13 +157,15 @@ static const struct sighting *lit_place(const struct survey *survey, const struc
     return material_lets_through(material) || material_emits(material) ? NULL : at;
 }
 
-// A line to a target: that one is not rare, and the camera's line that leads to where it begins.
+// A line to a target: whether that target is common, and the number of the camera's line that leads
+// to where it begins.
 struct aimed {
     bool is_common;
     uint32_t from;
 };
 
-// A line from there to one of the targets; false where that is on its other side.
+// Begins a line from a surface to one of the targets. Returns false where the target is on the
+// surface's other side.
 static bool begin_line(const struct survey *survey, const struct sighting *at, uint32_t number,
                        const struct targets *targets, struct sightline *line, struct aimed *aimed)
 {
@@ -187,7 +189,7 @@ static bool is_behind_glass(const struct survey *survey, const struct sightline 
     return line->count > 1 && material_emits(&survey->scene->materials[last->material]);
 }
 
-// What lines to targets have met.
+// Counts of what lines to targets have met.
 struct tally {
     uint32_t places; // that can be lit
     uint32_t open;   // lines that nothing opaque ends
@@ -196,7 +198,7 @@ struct tally {
     uint8_t *touched; // flags of places that they begin at
 };
 
-// One line from each place that can be lit; `buffer` and `aimed` have room for them.
+// Traces one line from each place that can be lit. `buffer` and `aimed` must have room for them.
 static bool count_behind_glass(struct survey *survey, const struct targets *targets, uint32_t round,
                                struct sightline *buffer, struct aimed *aimed, struct tally *tally,
                                struct err *err)
@@ -221,9 +223,9 @@ static bool count_behind_glass(struct survey *survey, const struct targets *targ
     return true;
 }
 
-// Of all lines those behind glass are the part of the picture that lamps are hidden from. Of the
-// environment most is hidden in every room: there the part counts of what comes in at all, by more
-// lines, some of which find a window.
+// The lines that are behind glass, as a share of all lines, are the part of the picture that lamps
+// are hidden from. In a room most of the environment is hidden anyway: there the share is that of
+// the lines that get out at all, and more lines are traced, so that some find a window.
 #define SKY_ROUNDS 8u
 #define SKY_LINES_MIN 10u
 
@@ -251,7 +253,7 @@ static bool share_behind_glass(struct survey *survey, enum aim aim, const struct
 // Less of the picture is the shadow of some small thing.
 #define SHARE_MIN 0.01
 
-// What is said of those behind glass.
+// The words of a finding about light behind glass.
 static const struct words {
     const char *name;
     enum finding_level level;

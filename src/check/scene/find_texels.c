@@ -30,7 +30,8 @@ static bool reads_image(const struct survey *survey, const struct sighting *at, 
     return false;
 }
 
-// Channels of the image, as bits, that scale what may not be above 1 in a material that is used.
+// Returns, as bits, the channels of the image that scale what may not be above 1 in a material that
+// is used.
 static uint32_t list_cut_channels(const struct survey *survey, uint32_t index)
 {
     const struct scene *scene = survey->scene;

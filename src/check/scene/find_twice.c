@@ -19,7 +19,8 @@ struct identity {
     uint32_t object;
 };
 
-// The same for meshes of the same triangles: a file that is named twice is loaded twice.
+// The form is the same for meshes of the same triangles: a file that is named twice is loaded
+// twice.
 static uint64_t form_of_mesh(const struct mesh *mesh)
 {
     struct hash128 parts[] = {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Contributions that were not finite.
+// Returns the number of contributions that were not finite.
 static uint64_t count_dropped(const struct survey *survey)
 {
     uint64_t dropped = 0;
@@ -142,7 +142,7 @@ static const char *describe_path(struct survey *survey, const struct replay *rep
     return text && by_shadow_ray ? arena_printf(survey->arena, "%s and a shadow ray", text) : text;
 }
 
-// The pixels that have one of them.
+// Flags the pixels that have one of the outliers.
 static const uint8_t *touched_by_tail(struct survey *survey, const struct outlier *outliers)
 {
     uint8_t *flags = survey_flags(survey);

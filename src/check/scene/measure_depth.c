@@ -39,7 +39,7 @@ struct cut {
     double least; // the same less two standard errors
 };
 
-// The pixels that lack more than CUT_MAX of theirs.
+// Flags the pixels that lack more than CUT_MAX of their light.
 static const uint8_t *touched_by_cut(struct survey *survey, const double *shallow,
                                      const double *deep)
 {

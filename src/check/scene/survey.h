@@ -83,13 +83,13 @@ struct probe_ray sighting_leave(const struct sighting *at, const double directio
 // Whether light goes through its surfaces, refracted or not.
 bool material_lets_through(const struct material *material);
 
-// Flags of the camera's lines, and so of the picture's pixels, none of which is set; in
-// survey->arena. NULL without memory, of which check_scene() tells.
+// Allocates one flag for each of the camera's lines, and so for each pixel of the picture, in
+// survey->arena; none is set. NULL without memory, which check_scene() reports.
 uint8_t *survey_flags(struct survey *survey);
-// The part that is set; 0 of NULL.
+// Returns the share of flags that are set, or 0 for NULL.
 double survey_share(const struct survey *survey, const uint8_t *flags);
-// Flags of those lines that meet a surface of which `meets` is true, in front or behind what
-// transmits.
+// Flags the lines that meet a surface for which `meets` returns true, in front of what transmits or
+// behind it.
 typedef bool (*sighting_fn)(const struct survey *survey, const struct sighting *at,
                             const void *context);
 const uint8_t *survey_touched(struct survey *survey, sighting_fn meets, const void *context);

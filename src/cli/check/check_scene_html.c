@@ -8,7 +8,8 @@
 #include "report/html.h"
 #include <math.h>
 
-// The picture in grey, half as bright; in red what a finding touches. white: what is shown as 1.
+// Draws the picture in grey, half as bright, and in red the pixels that a finding touches.
+// `white` is the radiance that is shown as 1.
 static void mark_pixels(const struct image *picture, const uint8_t *flags, float white,
                         float (*out)[3])
 {

@@ -2,7 +2,7 @@
 
 #include "cli/converge/converge.h"
 
-// What was measured before the device failed is reported.
+// Reports what was measured before the device failed.
 static bool measure(struct converge *c, struct err *err)
 {
     if (converge_measure(c, err))

@@ -36,7 +36,7 @@ bool material_is_missing(const struct material *material);
 bool material_add_texture(struct scene *scene, struct material *material,
                           const struct texture *texture, struct err *err);
 
-// RGBA of a texel, counted by rows from the top.
+// Returns in `out` the RGBA of a texel. Texels are counted by rows from the top.
 void texture_texel(const struct texture_image *image, uint64_t index, float out[4]);
 
 // Flags of a texture that scales parameters of a group: component i of the group by channel c[i] of

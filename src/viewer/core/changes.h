@@ -14,8 +14,8 @@ void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change chang
 bool viewer_apply_changes(struct viewer *viewer, struct err *err);
 // AOV_* that renderers have to have for it, and no others.
 uint32_t viewer_aovs(const struct shown *shown);
-// After a failure of the denoiser, which is but a preview: switches it off, and says why. False
-// where the device is lost, or it was no failure of the device's.
+// Switches the denoiser off after it failed, and says why, since it is only a preview. Returns false
+// where the device is lost, or where it was no failure of the device's.
 bool viewer_stop_denoising(struct viewer *viewer, struct err *err);
 // Gives back what a side has on the device.
 void viewer_close_side(struct viewer *viewer, uint32_t side);
