@@ -52,6 +52,19 @@ def write_exr(path, width, height, texels):
                 file.write(struct.pack(f'<{width}f', *(texel[channel] for texel in row)))
 
 
+def write_png(path, width, height, texels):
+    """8 bits a channel; texels: rows of (r, g, b, a)."""
+    def chunk(kind, data):
+        return (struct.pack('>I', len(data)) + kind + data
+                + struct.pack('>I', zlib.crc32(kind + data)))
+    with open(path, 'wb') as file:
+        file.write(b'\x89PNG\r\n\x1a\n'
+                   + chunk(b'IHDR', struct.pack('>IIBBBBB', width, height, 8, 6, 0, 0, 0))
+                   + chunk(b'IDAT', zlib.compress(b''.join(
+                       b'\0' + b''.join(bytes(texel) for texel in row) for row in texels)))
+                   + chunk(b'IEND', b''))
+
+
 def box(low, high, faces='abcdef', inside_out=False):
     """An OBJ file of a box whose corners run counter-clockwise seen from outside; of some faces."""
     corners = [(x, y, z) for z in (low[2], high[2]) for y in (low[1], high[1])
@@ -177,6 +190,37 @@ class Geometry(Checks):
         changed = {name for name, finding in found.items() if finding['change']}
         self.assertEqual(changed, {'singular-transform', 'object-twice'})
         self.assertEqual(set(self.check_file(fixed)), set(found) - changed)
+
+
+class Gaps(Checks):
+    """Objects at one place whose materials have gaps: each is seen where the other is not."""
+
+    def scene(self, second, first=None):
+        for name, left, right in (('left.png', 255, 0), ('right.png', 0, 255)):
+            texels = [(255, 255, 255, left), (255, 255, 255, right)]
+            write_png(os.path.join(self.folder.name, name), 2, 1, [texels])
+
+        def mask(name, color):
+            return {'base_color': color, 'alpha': 'mask', 'textures': [
+                {'file': name, 'filter': 'nearest', 'parameters': {'opacity': 'a'}}]}
+        return {'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+                'materials': {'grey': GREY, 'left': mask('left.png', [0.6, 0.1, 0.1]),
+                              'right': mask('right.png', [0.1, 0.6, 0.1]),
+                              'veil': {'base_color': [0.1, 0.1, 0.6], 'opacity': 0.5}},
+                'shapes': [{'type': 'quad', 'material': material, 'corner': [-1, -1, 0],
+                            'u': [2, 0, 0], 'v': [0, 2, 0]} for material in (first or 'left', second)]}
+
+    def test_are_no_twins(self):
+        fixed = os.path.join(self.folder.name, 'fixed.json')
+        for second, first in (('right', None), ('veil', None), ('grey', None), ('grey', 'veil')):
+            self.assert_found(self.check(self.scene(second, first), '--fix', fixed), {})
+
+    def test_are_twins(self):
+        self.assert_found(self.check(self.scene('left')), {'object-twice': 'remark'})
+        fixed = os.path.join(self.folder.name, 'fixed.json')
+        found = self.check(self.scene('veil', 'veil'), '--fix', fixed)
+        self.assertEqual(found['object-twice']['level'], 'wrong')
+        self.assert_found(self.check_file(fixed), {})
 
 
 class Coarse(Checks):

@@ -62,13 +62,21 @@ static bool *hidden_of(struct scene *scene, uint32_t object)
                                           : &scene->shapes[object - scene->instance_count].hidden;
 }
 
-static uint32_t material_of(const struct scene *scene, uint32_t object)
+static const struct mesh *mesh_of(const struct scene *scene, uint32_t object)
+{
+    return object < scene->instance_count ? &scene->meshes[scene->instances[object].mesh] : NULL;
+}
+
+// Of one of its triangles; shapes have one material.
+static uint32_t material_of(const struct scene *scene, uint32_t object, uint32_t triangle)
 {
     if (object >= scene->instance_count)
         return scene->shapes[object - scene->instance_count].material;
-    const struct instance *instance = &scene->instances[object];
-    return instance->material != SCENE_NONE ? instance->material
-                                            : scene->meshes[instance->mesh].material;
+    const struct mesh *mesh = mesh_of(scene, object);
+    uint32_t material = scene->instances[object].material;
+    return material != SCENE_NONE    ? material
+           : mesh->triangle_material ? mesh->triangle_material[triangle]
+                                     : mesh->material;
 }
 
 #define IDENTITY_BYTES offsetof(struct identity, object)
@@ -83,8 +91,14 @@ static int compare(const void *a, const void *b)
 struct twins {
     uint32_t count, first, second; // objects that are there again; the first pair
     bool *marked;                  // of all objects, those that are there twice
+    uint32_t *places;              // a number for each object, the same for those at one place
     bool matter;                   // what is there twice counts twice, or is of two materials
 };
+
+static bool has_gaps(const struct survey *survey, uint32_t material)
+{
+    return survey->scene->materials[material].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
+}
 
 // Whether two surfaces at one place differ from one. Lamps do where light is looked for twice.
 static bool matters(const struct survey *survey, uint32_t a, uint32_t b)
@@ -95,14 +109,64 @@ static bool matters(const struct survey *survey, uint32_t a, uint32_t b)
            (m->flags & MATERIAL_ALPHA_BLEND);
 }
 
+static bool is_same(const void *a, const void *b, size_t bytes)
+{
+    return a == b || (a && b && memcmp(a, b, bytes) == 0);
+}
+
+// Whether textures and colours lie alike on two meshes of the same triangles.
+static bool looks_alike(const struct mesh *a, const struct mesh *b)
+{
+    size_t count = a->vertex_count;
+    return a == b || (a->vertex_count == b->vertex_count &&
+                      is_same(a->uvs[0], b->uvs[0], count * sizeof *a->uvs[0]) &&
+                      is_same(a->uvs[1], b->uvs[1], count * sizeof *a->uvs[1]) &&
+                      is_same(a->colors, b->colors, count * sizeof *a->colors));
+}
+
+// Two objects at one place.
+struct twin_pair {
+    bool shares_place; // one of them has gaps, through which the other, which differs, is seen
+    bool matters;
+};
+
+static struct twin_pair pair_of(const struct survey *survey, uint32_t a, uint32_t b)
+{
+    const struct scene *scene = survey->scene;
+    const struct mesh *of_a = mesh_of(scene, a), *of_b = mesh_of(scene, b);
+    bool differs = of_a && !looks_alike(of_a, of_b), gaps = false;
+    struct twin_pair pair = {0};
+    for (uint32_t i = 0; i < (of_a ? of_a->triangle_count : 1); i++) {
+        uint32_t first = material_of(scene, a, i), second = material_of(scene, b, i);
+        differs |= first != second;
+        gaps |= has_gaps(survey, first) || has_gaps(survey, second);
+        pair.matters |= matters(survey, first, second);
+    }
+    pair.shares_place = differs && gaps;
+    return pair;
+}
+
+// Of those in front of `at` that are at its place, the one that it repeats; `at`: none.
+static uint32_t find_twin(const struct survey *survey, const struct identity *list, uint32_t first,
+                          uint32_t at, struct twin_pair *pair)
+{
+    for (uint32_t i = first; i < at; i++) {
+        *pair = pair_of(survey, list[i].object, list[at].object);
+        if (!pair->shares_place)
+            return i;
+    }
+    return at;
+}
+
 static bool find_twins(struct survey *survey, struct twins *twins, struct err *err)
 {
     struct scene *scene = survey->scene;
     uint32_t all = survey_object_count(survey), count = 0;
     struct identity *list = ARENA_NEW(&survey->scratch, struct identity, all);
     twins->marked = ARENA_NEW(&survey->scratch, bool, all);
+    twins->places = ARENA_NEW(&survey->scratch, uint32_t, all);
     uint64_t *forms = ARENA_NEW(&survey->scratch, uint64_t, scene->mesh_count);
-    if (!list || !twins->marked || !forms)
+    if (!list || !twins->marked || !twins->places || !forms)
         return err_memory(err, "objects", all * sizeof *list);
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         forms[i] = form_of_mesh(&scene->meshes[i]);
@@ -113,43 +177,44 @@ static bool find_twins(struct survey *survey, struct twins *twins, struct err *e
     for (uint32_t i = 0, first = 0; i < count; i++) {
         if (memcmp(&list[first], &list[i], IDENTITY_BYTES) != 0)
             first = i;
-        if (first == i)
+        twins->places[list[i].object] = first;
+        struct twin_pair pair;
+        uint32_t twin = find_twin(survey, list, first, i, &pair);
+        if (twin == i)
             continue;
-        uint32_t a = list[first].object, b = list[i].object;
-        bool pair_matters = matters(survey, material_of(scene, a), material_of(scene, b));
-        if (twins->count++ == 0 || (pair_matters && !twins->matter)) {
+        uint32_t a = list[twin].object, b = list[i].object;
+        if (twins->count++ == 0 || (pair.matters && !twins->matter)) {
             twins->first = a;
             twins->second = b;
         }
-        twins->matter |= pair_matters;
+        twins->matter |= pair.matters;
         twins->marked[a] = twins->marked[b] = true;
         *hidden_of(scene, b) |= survey->params->fixes;
     }
     return true;
 }
 
-static bool find_same_objects(struct survey *survey, struct err *err)
+static bool find_same_objects(struct survey *survey, struct twins *twins, struct err *err)
 {
-    struct twins twins = {0};
-    if (!find_twins(survey, &twins, err))
+    if (!find_twins(survey, twins, err))
         return false;
-    if (twins.count == 0)
+    if (twins->count == 0)
         return true;
     struct arena *arena = survey->arena;
-    const char *a = survey_object_name(survey, twins.first);
-    const char *b = survey_object_name(survey, twins.second);
-    const uint8_t *touched = survey_touched_by_objects(survey, twins.marked);
+    const char *a = survey_object_name(survey, twins->first);
+    const char *b = survey_object_name(survey, twins->second);
+    const uint8_t *touched = survey_touched_by_objects(survey, twins->marked);
     return survey_add(
         survey,
         &(struct scene_finding){
             .name = "object-twice",
-            .level = twins.matter ? FINDING_WRONG : FINDING_REMARK,
+            .level = twins->matter ? FINDING_WRONG : FINDING_REMARK,
             .place = a && b ? arena_printf(arena, "%s, and %s", a, b) : NULL,
-            .figure = arena_printf(arena, "%u object%s at the very place of another", twins.count,
-                                   twins.count == 1 ? "" : "s"),
-            .consequence = twins.matter ? "What emits or lets light through counts twice there, "
-                                          "and of two materials the first one is seen."
-                                        : "They cost memory and time, and change nothing.",
+            .figure = arena_printf(arena, "%u object%s at the very place of another", twins->count,
+                                   twins->count == 1 ? "" : "s"),
+            .consequence = twins->matter ? "What emits or lets light through counts twice there, "
+                                           "and of two materials the first one is seen."
+                                         : "They cost memory and time, and change nothing.",
             .remedy = "Remove or hide the second one.",
             .share = survey_share(survey, touched),
             .pixels = touched,
@@ -209,10 +274,21 @@ struct pairs {
     struct sighting first[2];
 };
 
+// Whether one has gaps for the other to be seen through: both, or one of two objects at one place,
+// of which rounding finds the first one first. Of one material all is alike.
+static bool is_seen_through(const struct survey *survey, const struct twins *twins,
+                            const struct sighting *a, const struct sighting *b)
+{
+    bool gaps_of_a = has_gaps(survey, a->material), gaps_of_b = has_gaps(survey, b->material);
+    bool is_one_place = twins->places[a->object] == twins->places[b->object];
+    return a->material != b->material &&
+           ((gaps_of_a && gaps_of_b) || (is_one_place && (gaps_of_a || gaps_of_b)));
+}
+
 // Whether what is met lies upon what the ray was dropped onto.
-static bool lies_upon(const struct survey *survey, const struct drop *drop,
-                      const struct probe_ray *ray, const struct probe_hit *hit,
-                      struct sighting *other)
+static bool lies_upon(const struct survey *survey, const struct twins *twins,
+                      const struct drop *drop, const struct probe_ray *ray,
+                      const struct probe_hit *hit, struct sighting *other)
 {
     double origin[3];
     if (hit->primitive == NO_PRIMITIVE || fabs((double)hit->t - drop->height) > drop->tolerance ||
@@ -222,10 +298,12 @@ static bool lies_upon(const struct survey *survey, const struct drop *drop,
     sighting_find(survey, hit, origin, drop->direction, other);
     // Not a neighbour at an edge: the same plane.
     return fabs(vec3_dot(other->normal, drop->at->normal)) > 1.0 - 1e-6 &&
-           matters(survey, drop->at->material, other->material);
+           matters(survey, drop->at->material, other->material) &&
+           !is_seen_through(survey, twins, drop->at, other);
 }
 
-static bool drop_rays(struct survey *survey, struct pairs *pairs, struct err *err)
+static bool drop_rays(struct survey *survey, const struct twins *twins, struct pairs *pairs,
+                      struct err *err)
 {
     struct arena scratch = {0};
     uint32_t most = survey->job.renderer.plan.wave_slots, count = 0;
@@ -249,7 +327,7 @@ static bool drop_rays(struct survey *survey, struct pairs *pairs, struct err *er
                             &complete, err);
     for (uint32_t i = 0; ok && i < count; i++) {
         struct sighting other;
-        if (!lies_upon(survey, &drops[i], &rays[i], &hits[i], &other))
+        if (!lies_upon(survey, twins, &drops[i], &rays[i], &hits[i], &other))
             continue;
         pairs->touched[drops[i].line] = 1;
         if (pairs->count++ == 0) {
@@ -264,10 +342,10 @@ static bool drop_rays(struct survey *survey, struct pairs *pairs, struct err *er
 // Of lines that a shared edge happens to be hit by there are fewer.
 #define PAIRS_MIN 2
 
-static bool find_same_faces(struct survey *survey, struct err *err)
+static bool find_same_faces(struct survey *survey, const struct twins *twins, struct err *err)
 {
     struct pairs pairs = {0};
-    if (!drop_rays(survey, &pairs, err))
+    if (!drop_rays(survey, twins, &pairs, err))
         return false;
     if (pairs.count < PAIRS_MIN)
         return true;
@@ -301,5 +379,6 @@ static bool find_same_faces(struct survey *survey, struct err *err)
 
 bool find_twice(struct survey *survey, struct err *err)
 {
-    return find_same_objects(survey, err) && find_same_faces(survey, err);
+    struct twins twins = {0};
+    return find_same_objects(survey, &twins, err) && find_same_faces(survey, &twins, err);
 }
