@@ -331,6 +331,40 @@ class Light(Checks):
         self.assert_found(self.check(self.scene(False), '--max-bounces', '64'), {})
 
 
+class Lost(Checks):
+    """A light over a floor, with a pane of glass in between, and a lamp beside it."""
+
+    def found(self, *lights, lamp=1):
+        self.write('up.ies', 'IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 0\n'
+                   '0 45 90\n0\n1000 1000 0\n')
+        return self.check({
+            'film': {'width': 24, 'height': 24},
+            'camera': {'position': [0, 6, 6], 'target': [0, 0, 0], 'fov_degrees': 40},
+            'materials': {'grey': GREY, 'glass': {'type': 'dielectric'},
+                          'lamp': {'base_color': [0, 0, 0], 'emission': [lamp] * 3}},
+            'lights': [{'type': 'point', 'position': [0, 2, -3], 'intensity': [1, 1, 1], **light}
+                       for light in lights],
+            'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-3, 0, 3], 'u': [6, 0, 0],
+                        'v': [0, 0, -6]},
+                       {'type': 'box', 'material': 'glass', 'min': [-9, 1.5, -3.5], 'max': [9, 1.6, -2]},
+                       {'type': 'quad', 'material': 'lamp', 'corner': [-4, 0.1, 3], 'u': [0, 1, 0],
+                        'v': [0, 0, -6]}]})
+
+    def test_by_what_is_sent(self):
+        def spot(y):
+            return {'type': 'spot', 'direction': [0, y, 0], 'outer_degrees': 60}
+
+        def profile(y):
+            return {'profile': 'up.ies', 'direction': [0, y, 0]}
+        for lost, sends_nothing in (({'range': 9}, {'range': 0.4}), (spot(-1), spot(1)),
+                                    (profile(-1), profile(1)), ({}, {'intensity': [1e-9] * 3})):
+            self.assertEqual(self.found(lost)['light-lost']['level'], 'wrong', lost)
+            self.assertNotIn('light-lost', self.found(sends_nothing), sends_nothing)
+        many = 99 * [{'range': 0.4}]
+        self.assertEqual(self.found(*many, {'intensity': [9, 9, 9]})['light-lost']['level'], 'wrong')
+        self.assertNotIn('light-lost', self.found(*many))
+
+
 class Window(Checks):
     """Eight suns of two texels each in an image, whose light falls into a room by its open side."""
 

@@ -164,13 +164,48 @@ struct aimed {
     uint32_t from;
 };
 
+// The most delta lights that are asked what they send to a place.
+#define ASKED_MOST 64u
+// Where their light would be less than this share of a pixel's, none of it is missed.
+#define MISSED_MIN 0.01
+
+// Draws one of the delta lights in proportion to what they send to a place that is seen in a pixel.
+// Returns NULL where even a white surface there would add next to nothing to the pixel's light.
+static const struct target *choose_light(const struct survey *survey, const struct sighting *at,
+                                         uint32_t pixel, uint32_t seed,
+                                         const struct targets *targets)
+{
+    uint32_t asked = targets->count < ASKED_MOST ? targets->count : ASKED_MOST, chosen = 0;
+    double sums[ASKED_MOST], sum = 0.0, place[3], side = at->is_front ? 1.0 : -1.0;
+    flat_to_world(survey->flat, at->point, place);
+    for (uint32_t i = 0; i < asked; i++) {
+        const struct target *target = &targets->items[(seed + i) % targets->count];
+        double towards[3] = {0};
+        double sent = light_sent(&survey->scene->lights[target->light], place, towards);
+        sum += sent * fmax(side * vec3_dot(towards, at->normal), 0.0);
+        sums[i] = sum;
+    }
+    double added = sum / asked * targets->count / M_PI;
+    double seen = luminance(survey->job.film.mean[pixel]);
+    if (!(added > MISSED_MIN * (added + seen)))
+        return NULL;
+    double point = sum * (seed % 65536u + 0.5) / 65536.0;
+    while (chosen + 1 < asked && sums[chosen] < point)
+        chosen++;
+    return &targets->items[(seed + chosen) % targets->count];
+}
+
 // Begins a line from a surface to one of the targets. Returns false where the target is on the
-// surface's other side.
+// surface's other side, or sends nothing there that counts.
 static bool begin_line(const struct survey *survey, const struct sighting *at, uint32_t number,
                        const struct targets *targets, struct sightline *line, struct aimed *aimed)
 {
     uint32_t seed = (uint32_t)(hash_bytes(HASH_INIT, &number, sizeof number) >> 16);
     const struct target *target = &targets->items[seed % targets->count];
+    if (target->is_delta)
+        target = choose_light(survey, at, number % survey->line_count, seed, targets);
+    if (!target)
+        return false;
     *line = (struct sightline){.from = at};
     *aimed = (struct aimed){target->is_common, number % survey->line_count};
     aim_at(survey, target, at->point, seed / 16, line);

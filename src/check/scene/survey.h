@@ -97,6 +97,13 @@ const uint8_t *survey_touched_by_object(struct survey *survey, uint32_t object);
 const uint8_t *survey_touched_by_objects(struct survey *survey, const bool *marked); // one for each
 const uint8_t *survey_touched_by_material(struct survey *survey, uint32_t material);
 
+// --- light_sent.c --------------------------------------------------------------------------------
+
+// The luminance of what a light without extent sends to a place of the world, W/m^2 on a surface
+// that faces it, as if nothing were in between: by its distance, range, cone and profile. In which
+// direction it is seen from there, unit, where that is not 0.
+double light_sent(const struct light *light, const double place[3], double towards[3]);
+
 // --- searches: each adds what it finds -----------------------------------------------------------
 
 bool find_coarse(struct survey *survey, struct err *err);  // objects, meshes, cameras
