@@ -300,6 +300,18 @@ class Media(Checks):
         self.assertEqual([f['level'] for f in overlaps], ['remark'])
 
 
+class Pane(Checks):
+    def test_closed(self):
+        """A pane in front of all: no line to the inside runs along its face, the first one's neither."""
+        for shift in (0, 0.3):
+            self.assert_found(self.check({
+                'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+                'film': {'width': 16, 'height': 16},
+                'materials': {'glass': {'type': 'dielectric'}},
+                'shapes': [{'type': 'box', 'material': 'glass', 'min': [-4 + shift, -4, 1],
+                            'max': [4, 4 + shift, 1.05]}]}), {})
+
+
 class Light(Checks):
     def scene(self, planted):
         white = [1, 1, 1] if planted else [0.8, 0.8, 0.8]

@@ -172,16 +172,19 @@ struct branch {
     struct stack stack;
 };
 
-// Evenly over the hemisphere about a unit normal: a point of Roberts's sequence (2018) on it.
+// By the cosine over the hemisphere about a unit normal: a point of Roberts's sequence (2018) on a
+// sphere that touches the surface. Never along the surface: which side such a line is on, rounding
+// decides.
 static void choose_direction(const double normal[3], uint32_t number, double out[3])
 {
     double turn = 2.0 * M_PI * fmod(0.5 + number * 0.7548776662466927, 1.0);
     double height = 2.0 * fmod(0.5 + number * 0.5698402909980532, 1.0) - 1.0;
     double across = sqrt(1.0 - height * height);
     const double sphere[3] = {across * cos(turn), across * sin(turn), height};
-    double side = copysign(1.0, vec3_dot(sphere, normal));
     for (int c = 0; c < 3; c++)
-        out[c] = side * sphere[c];
+        out[c] = sphere[c] + normal[c];
+    if (!vec3_normalize(out))
+        memcpy(out, normal, 3 * sizeof *out);
 }
 
 static bool begin_branch(struct media_search *search, uint32_t number, struct branch *branch,
@@ -238,13 +241,17 @@ static const uint8_t *lines_that_lost(const struct media_search *search, enum lo
     return flags;
 }
 
+// A line may leave by an edge that rounding has opened; two do not.
+#define OPEN_LINES_MIN 2u
+
 static bool add_unclosed(struct media_search *search, enum loss_kind kind, struct err *err)
 {
     struct survey *survey = search->survey;
     const struct losses *losses = &search->losses[kind];
     bool is_left = kind == LOSS_LEFT;
     // The renders so far have counted what paths have left without having entered.
-    bool is_confirmed = !is_left || survey->job.renderer.stats.media_lost > 0;
+    bool is_confirmed =
+        is_left ? survey->job.renderer.stats.media_lost > 0 : losses->count >= OPEN_LINES_MIN;
     if (losses->count == 0 || !is_confirmed)
         return true;
     const uint8_t *touched = lines_that_lost(search, kind);
