@@ -93,6 +93,7 @@ bool bits_render(struct gpu *gpu, const struct scene *scene, const struct bits_v
     if (!gpu_open(&params, &limited, err))
         return false;
     bool ok = render_on(&limited, scene, variant, arena, film, err);
+    gpu->lost |= limited.lost;
     gpu_close(&limited);
     gpu->validation_messages += limited.validation_messages;
     return ok;

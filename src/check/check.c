@@ -20,7 +20,8 @@ bool check_run(const struct check *check, const struct check_case *this_case,
     if (progress_should_stop(check->progress))
         ok = err_set(err, ERR_STOPPED, "stopped");
     if (!ok && err->code != ERR_STOPPED) {
-        result->outcome = CHECK_FAILED;
+        result->is_lost = check->gpu->lost;
+        result->outcome = result->is_lost ? CHECK_NOT_RUN : CHECK_FAILED;
         snprintf(result->why, sizeof result->why, "%s", err->msg);
     }
     uint32_t told = check->gpu->validation_messages - messages;

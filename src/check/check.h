@@ -33,6 +33,7 @@ struct check_result {
     char expected[CHECK_TEXT_MAX]; // the value; "": the case's own words say it
     char seen[CHECK_TEXT_MAX];
     char why[512]; // it failed, or was not run
+    bool is_lost;  // the device was, meanwhile: it was not run
     struct check_picture picture;
     double seconds;
 };
@@ -55,7 +56,8 @@ struct check_group {
     size_t count;
 };
 
-// Runs the case and takes its time. An error of the device is a failure of the case, which says so.
+// Runs the case and takes its time. An error of the device is a failure of the case, which says so;
+// where the device is lost, the case was not run.
 // False: err is ERR_STOPPED.
 bool check_run(const struct check *check, const struct check_case *this_case,
                struct check_result *result, struct err *err);

@@ -81,17 +81,33 @@ class Check(unittest.TestCase):
         self.assertGreaterEqual(page.count('data:image/png'), 3)
 
     def test_a_lost_device(self):
-        """The case that loses it fails, and says why; the next one has it again."""
+        """The case that loses it is run again; for good it was not run; the next one has it again."""
         lost = run(LAMPYRIS, 'check', '--only', 'B6', '--json', '--lose-device', '1')
         once = run(LAMPYRIS, 'check', '--only', 'B6', '--json', '--lose-device', '1',
                    '--lose-devices', '1')
-        self.assertEqual((lost.returncode, once.returncode), (1, 1), lost.stderr + once.stderr)
+        self.assertEqual((lost.returncode, once.returncode), (3, 0), lost.stderr + once.stderr)
+        self.assertIn('device lost', lost.stderr)
         outcomes = [[case['outcome'] for case in json.loads(result.stdout)['cases']]
                     for result in (lost, once)]
-        self.assertEqual(outcomes, [['fail'] * 3, ['fail', 'pass', 'pass']])
-        self.assertIn('device lost', json.loads(once.stdout)['cases'][0]['why'])
+        self.assertEqual(outcomes, [['not run'] * 3, ['pass'] * 3])
+        for result, why in ((lost, 'device lost'), (once, 'was lost, and opened again')):
+            self.assertIn(why, json.loads(result.stdout)['cases'][0]['why'])
+
+    def test_a_lost_device_has_no_other_bits(self):
+        for words, code in ((['--lose-devices', '1'], 0), ([], 3)):
+            result = run(LAMPYRIS, 'check', '--reproducible', '-q', '--lose-device', '100', *words)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertNotIn('the others do not', result.stdout)
+            self.assertEqual('could not be rendered' in result.stdout, code == 3)
+
+    def test_a_lost_device_that_checks_a_scene(self):
         scene = os.path.join(ROOT, 'scenes', 'cornell.json')
-        self.assertEqual(run(LAMPYRIS, 'check', scene, '-q', '--lose-device', '5').returncode, 3)
+        check = [LAMPYRIS, 'check', scene, '--size', '24x24', '--json', '--lose-device']
+        self.assertEqual(run(*check, '5').returncode, 3)
+        once = run(*check, '5', '--lose-devices', '1')
+        self.assertEqual(once.returncode, 0, once.stderr)
+        self.assertEqual(once.stderr.count('opening the device again'), 1)
+        self.assertEqual(json.loads(once.stdout)['findings'], [])
 
     def test_reports_that_cannot_be_written(self):
         """Found before a device is opened: here is none. A scene that is checked is not written over."""

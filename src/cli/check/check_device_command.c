@@ -6,6 +6,7 @@
 #include "cli/check/device_check.h"
 #include "cli/commands.h"
 #include "report/html.h"
+#include <stdio.h>
 #include <string.h>
 
 size_t device_check_outcomes(const struct device_check *d, enum check_outcome outcome)
@@ -47,12 +48,32 @@ static bool choose_cases(struct device_check *d, struct err *err)
                    d->options->check.only);
 }
 
-// A case may have lost the device: it is opened again for the next one.
+// Cases are run again so often, of all together, as renders go on (--reopen).
+#define REOPENS_MOST 2u
+
+// A case may have lost the device: it is opened again.
 static bool provide_device(struct device_check *d, struct err *err)
 {
     if (d->gpu.lost)
         return gpu_reopen(&d->gpu, err);
     return d->gpu.device || gpu_open(&d->options->device.gpu, &d->gpu, err);
+}
+
+static bool run_case(struct device_check *d, const struct check *check, struct check_row *row,
+                     struct err *err)
+{
+    bool was_lost = false;
+    for (;;) {
+        if (!provide_device(d, err) || !check_run(check, row->this_case, &row->result, err))
+            return false;
+        struct check_result *result = &row->result;
+        if (was_lost && !*result->why)
+            snprintf(result->why, sizeof result->why, "the device was lost, and opened again");
+        if (!result->is_lost || d->reopened == REOPENS_MOST)
+            return true;
+        d->reopened++;
+        was_lost = true;
+    }
 }
 
 static bool run_cases(struct device_check *d, struct err *err)
@@ -70,7 +91,7 @@ static bool run_cases(struct device_check *d, struct err *err)
     for (size_t i = 0; i < d->count && ok; i++) {
         struct check_row *row = &d->rows[i];
         progress_report(listener, "Checking", (double)i / (double)d->count);
-        ok = provide_device(d, err) && check_run(&check, row->this_case, &row->result, err);
+        ok = run_case(d, &check, row, err);
         if (!ok)
             break;
         d->done++;
@@ -80,6 +101,22 @@ static bool run_cases(struct device_check *d, struct err *err)
     }
     d->seconds = clock_seconds_since(start);
     return ok || err->code == ERR_STOPPED;
+}
+
+// Nothing is known of cases that a device that stays lost has left.
+static int fail_if_lost(const struct device_check *d)
+{
+    struct err err;
+    size_t count = 0, last = 0;
+    for (size_t i = 0; i < d->done; i++) {
+        count += d->rows[i].result.is_lost;
+        last = d->rows[i].result.is_lost ? i : last;
+    }
+    if (count == 0)
+        return EXIT_CODE_OK;
+    err_set(&err, ERR_GPU, "%s; %zu case%s not run", d->rows[last].result.why, count,
+            count == 1 ? " was" : "s were");
+    return command_fail(&err);
 }
 
 static int tell(struct device_check *d, struct err *err)
@@ -95,7 +132,7 @@ static int tell(struct device_check *d, struct err *err)
         code = command_fail(err);
     if (code == EXIT_CODE_OK && device_check_outcomes(d, CHECK_FAILED) > 0)
         code = EXIT_CODE_CHECK_FAILED;
-    return code;
+    return code == EXIT_CODE_OK ? fail_if_lost(d) : code;
 }
 
 int check_device_command(const struct options *options)

@@ -40,13 +40,21 @@ void device_check_print_row(const struct device_check *d, size_t row)
 // For a paper: what was the same, and where. The first case is the same picture again.
 static void print_reproducible(const struct device_check *d)
 {
-    size_t same = device_check_outcomes(d, CHECK_PASSED);
-    size_t others = device_check_outcomes(d, CHECK_FAILED);
+    size_t same = device_check_outcomes(d, CHECK_PASSED), others = 0, broken = 0;
+    const char *hash = "";
+    for (size_t i = 0; i < d->done; i++) {
+        const struct check_result *r = &d->rows[i].result;
+        others += r->outcome == CHECK_FAILED && *r->seen;
+        broken += r->is_lost || (r->outcome == CHECK_FAILED && !*r->seen);
+        hash = *hash ? hash : r->expected;
+    }
     printf("lampyris %s on %s (%s): %zu of %zu renders with other waves, splits of the samples, "
-           "features and limits have the same bits, hash %s%s.\n",
+           "features and limits have the same bits, hash %s%s",
            LAMPYRIS_VERSION, d->gpu.info.name, d->gpu.info.driver, same, same + others,
-           d->done > 0 ? d->rows[0].result.expected : "not known",
-           others > 0 ? "; the others do not" : "");
+           *hash ? hash : "not known", others > 0 ? "; the others do not" : "");
+    if (broken > 0)
+        printf("; %zu could not be rendered", broken);
+    puts(".");
 }
 
 void device_check_print_end(const struct device_check *d)

@@ -1,6 +1,7 @@
 // `lampyris check SCENE`: what in a scene is stiff or extreme, for people and for machines.
 #include "cli/check/check_command.h"
 
+#include "base/log.h"
 #include "cli/check/scene_check.h"
 #include "cli/commands.h"
 #include "cli/scene_options.h"
@@ -161,7 +162,7 @@ static bool run(struct scene_check *check, struct err *err)
         .is_outside = &check->is_outside,
     };
     if ((fix && !scene_write_check(&fixed, err)) || !html_check_file(options->study.report, err) ||
-        !gpu_open(&options->device.gpu, &check->gpu, err))
+        !(check->gpu.device || gpu_open(&options->device.gpu, &check->gpu, err)))
         return false;
     struct check_scene_params params = {
         .renderer = options_renderer_params(&options->device, &check->gpu, &check->scene, camera),
@@ -174,12 +175,32 @@ static bool run(struct scene_check *check, struct err *err)
            (!fix || scene_write(&fixed, err));
 }
 
+// So often a device that is lost is opened again, as for renders (--reopen).
+#define REOPENS_MOST 2u
+
+// What a lost device has left half done is begun again: it takes some seconds.
+static bool run_again(struct scene_check *check, uint32_t reopened, struct err *err)
+{
+    struct err failure;
+    if (!check->gpu.lost || err->code != ERR_GPU || reopened == REOPENS_MOST)
+        return false;
+    log_warn("%s: opening the device again, to check from the beginning", err->msg);
+    if (!gpu_reopen(&check->gpu, &failure))
+        return err_set(err, ERR_GPU, "%s; it could not be opened again: %s", err->msg, failure.msg);
+    scene_finish(&check->scene);
+    arena_finish(&check->arena);
+    check->findings = (struct scene_findings){0};
+    return true;
+}
+
 int check_scene_command(const struct options *options)
 {
     struct scene_check check = {.options = options};
     struct err err = {0};
     int code = EXIT_CODE_OK;
     bool ok = run(&check, &err);
+    for (uint32_t i = 0; !ok && run_again(&check, i, &err); i++)
+        ok = run(&check, &err);
     progress_end(options->progress);
     if (!ok)
         code = command_fail(&err);

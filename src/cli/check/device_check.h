@@ -20,8 +20,9 @@ struct device_check {
     struct gpu gpu;
     struct arena arena; // of the rows and of pictures
     struct check_row *rows;
-    size_t count; // that were chosen
-    size_t done;  // of them, from the first: fewer where a signal has ended it
+    size_t count;      // that were chosen
+    size_t done;       // of them, from the first: fewer where a signal has ended it
+    uint32_t reopened; // how often a case was run again on a lost device that was opened again
     double seconds;
 };
 
