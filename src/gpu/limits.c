@@ -39,6 +39,7 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
     const struct {
         const char *name;
         uint64_t *number;
+        uint64_t most; // 0: any
     } numbers[] = {
         {"storage-range=", &limits->storage_range},
         {"storage-count=", &limits->storage_count},
@@ -50,7 +51,7 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         {"memory-budget=", &limits->memory_budget},
         {"group-ns=", &limits->group_ns},
         {"watchdog-ms=", &limits->watchdog_ms},
-        {"waves=", &limits->waves},
+        {"waves=", &limits->waves, 2},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         size_t name_length = strlen(numbers[i].name);
@@ -61,7 +62,7 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         uint64_t number = strtoull(word + name_length, &end, 10);
         // strtoull would take a sign, and make -1 the largest number.
         if (!isdigit((unsigned char)word[name_length]) || end != word + length || errno ||
-            number == 0)
+            number == 0 || (numbers[i].most > 0 && number > numbers[i].most))
             return false;
         if (*numbers[i].number == 0)
             *numbers[i].number = number;
@@ -83,7 +84,7 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
                 "no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, "
                 "sort-rays, storage-range=BYTES, storage-count=N, texel-count=N, texel-elements=N, "
                 "allocation=BYTES, shared-memory=BYTES, memory=BYTES, "
-                "memory-budget=BYTES, group-ns=N, watchdog-ms=N or waves=N",
+                "memory-budget=BYTES, group-ns=N, watchdog-ms=N, waves=1 or waves=2",
                 (int)length, word);
         word += length + (word[length] == ',');
     }

@@ -343,6 +343,23 @@ class Light(Checks):
         self.assert_found(self.check(self.scene(False), '--max-bounces', '64'), {})
 
 
+class Many(Checks):
+    def test_gains_of_all_materials(self):
+        """More of them than a furnace holds at once: the last one is looked at, too."""
+        def ball(name, i):
+            return {'type': 'sphere', 'material': name, 'center': [i % 20 - 10, i // 20 - 7, 0],
+                    'radius': 0.4}
+        last = {'type': 'microfacet', 'base_color': [0.9] * 3, 'roughness': 0.1,
+                'specular_color': [0.04] * 3, 'diffuse': 'uncoupled'}
+        plain = {f'm{i}': {'type': 'principled', 'base_color': [i / 400] * 3} for i in range(280)}
+        found = self.check({
+            'camera': {**FRONT, 'height': 24}, 'environment': {'radiance': [1, 1, 1]},
+            'film': {'width': 24, 'height': 24}, 'materials': {**plain, 'varnish': last},
+            'shapes': [*(ball(f'm{i}', i) for i in range(280)), ball('varnish', 285)]})
+        self.assert_found(found, {'gains-light': 'wrong'})
+        self.assertIn('varnish', found['gains-light']['place'])
+
+
 class Lost(Checks):
     """A light over a floor, with a pane of glass in between, and a lamp beside it."""
 

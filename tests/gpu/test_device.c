@@ -229,6 +229,7 @@ TEST(environment_lowers_limits)
                                       "allocation= 1",
                                       "storage-range=12k",
                                       "texel-elements=99999999999999999999",
+                                      "waves=3",
                                       ","};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         setenv("LAMPYRIS_LIMITS", bad[i], 1);

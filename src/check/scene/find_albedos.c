@@ -93,7 +93,7 @@ static bool find_white(struct survey *survey, struct err *err)
 #define FURNACE_CELL 16u    // pixels of a sphere's square
 #define FURNACE_COLUMNS 16u // squares in a row
 #define FURNACE_RINGS 8u    // of equal area, from the middle to the rim
-#define FURNACE_MOST 256u   // materials
+#define FURNACE_MOST 256u   // materials at once
 #define FURNACE_DEPTH                                                                              \
     8.0               // from one sphere to the next along the line of sight: none lights another
 #define GAIN_MIN 0.01 // beyond the noise
@@ -293,12 +293,15 @@ static bool add_sphere(struct furnace *furnace, const struct scene *from, uint32
     return true;
 }
 
-static bool build_furnace(struct survey *survey, struct furnace *furnace, struct err *err)
+// Of the materials from *next on, as many as have room; *next is then the one that comes after
+// them.
+static bool build_furnace(struct survey *survey, uint32_t *next, struct furnace *furnace,
+                          struct err *err)
 {
     struct scene *scene = &furnace->scene;
     scene->path = survey->scene->path;
-    for (uint32_t i = 0; i < survey->scene->material_count && furnace->count < FURNACE_MOST; i++)
-        if (may_gain(survey, i) && !add_sphere(furnace, survey->scene, i, err))
+    for (; *next < survey->scene->material_count && furnace->count < FURNACE_MOST; ++*next)
+        if (may_gain(survey, *next) && !add_sphere(furnace, survey->scene, *next, err))
             return false;
     if (!color_spheres(survey, furnace, err))
         return false;
@@ -416,11 +419,21 @@ static bool heat_furnace(struct survey *survey, struct furnace *furnace, struct 
     return ok;
 }
 
-bool find_albedos(struct survey *survey, struct err *err)
+static bool find_gains(struct survey *survey, uint32_t *next, struct err *err)
 {
     struct furnace furnace = {.scene = {.path = ""}};
-    bool ok = find_white(survey, err) && build_furnace(survey, &furnace, err) &&
+    bool ok = build_furnace(survey, next, &furnace, err) &&
               (furnace.count == 0 || heat_furnace(survey, &furnace, err));
     scene_finish(&furnace.scene);
+    return ok;
+}
+
+bool find_albedos(struct survey *survey, struct err *err)
+{
+    uint32_t next = 0;
+    bool ok = find_white(survey, err);
+    while (ok && next < survey->scene->material_count &&
+           !progress_should_stop(survey->params->renderer.progress))
+        ok = find_gains(survey, &next, err);
     return ok;
 }
