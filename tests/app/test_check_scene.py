@@ -562,6 +562,14 @@ class Noise(Checks):
         self.assert_found(self.check(self.scene(0.3)), {})
 
 
+class TinyPictures(Checks):
+    def test_pixels_are_no_lamps(self):
+        """A lamp of some pixels has edges of less than a pixel."""
+        path = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        for size in ('8x8', '12x12', '16x16'):
+            self.assertNotIn('tiny-lights', self.check_file(path, '--size', size))
+
+
 class Outlook(Checks):
     def lines(self, radius):
         """Of a floor onto which a mirror ball throws the light of a lamp that is not in the picture."""

@@ -276,19 +276,93 @@ static const uint8_t *touched_by_small_lights(struct survey *survey,
     return flags;
 }
 
+// Pixels beside each other, of one radiance, see one lamp: a pixel at its edge is no lamp of its
+// own.
+struct small_lamps {
+    const struct unseen_light *unseen;
+    uint32_t width, height;
+    uint32_t *at;   // by pixels, those of `unseen` plus 1; 0: none
+    uint32_t *open; // a stack of those whose neighbours are to be looked at
+    bool *known;
+    uint32_t count;   // of lamps
+    double least;     // part of a pixel that one covers where it covers most
+    double brightest; // luminance of their radiance
+};
+
+// Those around a pixel that see the lamp that is seen there, itself included.
+static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index, uint32_t out[9])
+{
+    const struct small_light *own = &lamps->unseen->small[index];
+    uint32_t count = 0;
+    for (uint32_t y = own->y > 0 ? own->y - 1 : 0; y <= own->y + 1 && y < lamps->height; y++)
+        for (uint32_t x = own->x > 0 ? own->x - 1 : 0; x <= own->x + 1 && x < lamps->width; x++) {
+            uint32_t other = lamps->at[(size_t)y * lamps->width + x];
+            if (other > 0 && memcmp(lamps->unseen->small[other - 1].radiance, own->radiance,
+                                    sizeof own->radiance) == 0)
+                out[count++] = other - 1;
+        }
+    return count;
+}
+
+// All pixels of the lamp that is seen in one of them.
+static void look_at_lamp(struct small_lamps *lamps, uint32_t first)
+{
+    double most = 0.0;
+    uint32_t left = 0;
+    lamps->open[left++] = first;
+    lamps->known[first] = true;
+    while (left > 0) {
+        uint32_t near[9], count = list_neighbours(lamps, lamps->open[--left], near);
+        double part = 0.0;
+        for (uint32_t i = 0; i < count; i++) {
+            part += (double)lamps->unseen->small[near[i]].part;
+            if (!lamps->known[near[i]])
+                lamps->open[left++] = near[i];
+            lamps->known[near[i]] = true;
+        }
+        most = fmax(most, part);
+    }
+    lamps->count++;
+    lamps->least = fmin(lamps->least, most);
+    lamps->brightest = fmax(lamps->brightest, luminance(lamps->unseen->small[first].radiance));
+}
+
+static bool list_small_lamps(struct survey *survey, const struct unseen_light *unseen,
+                             struct small_lamps *lamps, struct err *err)
+{
+    const struct gpu_frame *frame = &survey->job.renderer.frame;
+    size_t pixels = (size_t)frame->width * frame->height;
+    *lamps = (struct small_lamps){
+        .unseen = unseen,
+        .width = frame->width,
+        .height = frame->height,
+        .at = ARENA_NEW(&survey->scratch, uint32_t, pixels),
+        .open = ARENA_NEW(&survey->scratch, uint32_t, unseen->small_count),
+        .known = ARENA_NEW(&survey->scratch, bool, unseen->small_count),
+        .least = INFINITY,
+    };
+    if (!lamps->at || !lamps->open || !lamps->known)
+        return err_memory(err, "lamps in view", pixels * sizeof *lamps->at);
+    for (uint32_t i = 0; i < unseen->small_count; i++)
+        lamps->at[(size_t)unseen->small[i].y * lamps->width + unseen->small[i].x] = i + 1;
+    for (uint32_t i = 0; i < unseen->small_count; i++)
+        if (!lamps->known[i])
+            look_at_lamp(lamps, i);
+    return true;
+}
+
 static bool find_small_lights(struct survey *survey, const struct unseen_light *unseen,
                               struct err *err)
 {
-    float least = 1.0f;
-    double brightest = 0.0;
-    for (size_t i = 0; i < unseen->small_count; i++) {
-        least = fminf(least, unseen->small[i].part);
-        brightest = fmax(brightest, luminance(unseen->small[i].radiance));
-    }
+    struct small_lamps lamps;
+    if (unseen->small_count == 0)
+        return true;
+    if (!list_small_lamps(survey, unseen, &lamps, err))
+        return false;
     // Of a small picture: a pixel of the whole one is smaller.
     double pixels = (double)survey->settings.width * survey->settings.height / survey->line_count;
-    double part = (double)least * pixels;
-    if (unseen->small_count == 0 || part >= 1.0 / 16.0)
+    double part = lamps.least * pixels;
+    if (part >= 1.0 / 16.0)
         return true;
     const uint8_t *touched = touched_by_small_lights(survey, unseen);
     return survey_add(
@@ -298,9 +372,9 @@ static bool find_small_lights(struct survey *survey, const struct unseen_light *
             .level = FINDING_SLOW,
             .place = "lamps that the camera sees",
             .figure = arena_printf(survey->arena,
-                                   "%zu, the smallest of which covers %.2g of a pixel, with a "
+                                   "%u, the smallest of which covers %.2g of a pixel, with a "
                                    "radiance of up to %.3g",
-                                   unseen->small_count, part, brightest),
+                                   lamps.count, part, lamps.brightest),
             .consequence = "Samples meet them by chance: bright dots that come late.",
             .remedy = "Make the lamps larger, or hide them from the camera and light by a point "
                       "light.",
