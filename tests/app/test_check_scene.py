@@ -192,6 +192,36 @@ class Geometry(Checks):
         self.assertEqual(set(self.check_file(fixed)), set(found) - changed)
 
 
+class Upon(Checks):
+    def found(self, *shapes):
+        return self.check({
+            'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+            'materials': {'grey': GREY, 'red': {'base_color': [0.6, 0.1, 0.1]},
+                          'glass': {'type': 'dielectric'}},
+            'shapes': [{'material': 'grey', **shape} for shape in shapes]})
+
+    def test_behind_glass(self):
+        """Faces in one plane, behind a pane."""
+        for gap, expected in ((0, {'coincident-faces': 'wrong'}), (0.1, {})):
+            self.assert_found(self.found(
+                {'type': 'quad', 'corner': [-3, -3, 0], 'u': [6, 0, 0], 'v': [0, 6, 0]},
+                {'type': 'quad', 'material': 'red', 'corner': [-1, -1, gap], 'u': [2, 0, 0],
+                 'v': [0, 2, 0]},
+                {'type': 'box', 'material': 'glass', 'min': [-4, -4, 1], 'max': [4, 4, 1.1]}), expected)
+
+    def test_curved(self):
+        for near, expected in ((1e-14, {'coincident-faces': 'wrong'}), (1e-3, {})):
+            found = self.found(
+                {'type': 'sphere', 'center': [-1.5, 0, 0], 'radius': 1},
+                {'type': 'sphere', 'material': 'red', 'center': [-1.5, near, 0], 'radius': 1},
+                {'type': 'cylinder', 'from': [1.5, -1, 0], 'to': [1.5, 1, 0], 'radius': 0.5},
+                {'type': 'cylinder', 'material': 'red', 'from': [1.5, 0, 0], 'to': [1.5, 2, 0],
+                 'radius': 0.5 + near})
+            self.assert_found(found, expected)
+            if found:  # the disc of one, and what the cylinders share
+                self.assertAlmostEqual(found['coincident-faces']['share'], (3.14159 + 1) / 36, delta=0.01)
+
+
 class Gaps(Checks):
     """Objects at one place whose materials have gaps: each is seen where the other is not."""
 

@@ -269,10 +269,21 @@ static struct probe_ray ray_of(const struct drop *drop)
 }
 
 struct pairs {
-    uint32_t count;
+    uint32_t count; // of lines
     uint8_t *touched;
     struct sighting first[2];
 };
+
+static void note_pair(struct pairs *pairs, uint32_t line, const struct sighting *a,
+                      const struct sighting *b)
+{
+    if (pairs->count == 0) {
+        pairs->first[0] = *a;
+        pairs->first[1] = *b;
+    }
+    pairs->count += !pairs->touched[line];
+    pairs->touched[line] = 1;
+}
 
 // Whether one has gaps for the other to be seen through: both, or one of two objects at one place,
 // of which rounding finds the first one first. Of one material all is alike.
@@ -306,22 +317,24 @@ static bool drop_rays(struct survey *survey, const struct twins *twins, struct p
                       struct err *err)
 {
     struct arena scratch = {0};
-    uint32_t most = survey->job.renderer.plan.wave_slots, count = 0;
-    struct drop *drops = ARENA_NEW(&scratch, struct drop, survey->line_count);
-    struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, survey->line_count);
-    struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, survey->line_count);
+    uint32_t most = survey->job.renderer.plan.wave_slots, count = 0, steps = 0;
+    for (uint32_t i = 0; i < survey->line_count; i++)
+        steps += survey->lines[i].count;
+    struct drop *drops = ARENA_NEW(&scratch, struct drop, steps);
+    struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, steps);
+    struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, steps);
     pairs->touched = survey_flags(survey);
     bool complete, ok = drops && rays && hits && pairs->touched;
     if (!ok)
-        err_memory(err, "rays", survey->line_count * sizeof *rays);
-    for (uint32_t i = 0; ok && i < survey->line_count; i++) {
-        const struct sightline *line = &survey->lines[i];
-        if (line->count == 0 || !is_planar(survey, &line->steps[0]))
-            continue;
-        drops[count] = drop_onto(&line->steps[0], i);
-        rays[count] = ray_of(&drops[count]);
-        count++;
-    }
+        err_memory(err, "rays", steps * sizeof *rays);
+    for (uint32_t i = 0; ok && i < survey->line_count; i++)
+        for (uint32_t k = 0; k < survey->lines[i].count; k++) {
+            if (!is_planar(survey, &survey->lines[i].steps[k]))
+                continue;
+            drops[count] = drop_onto(&survey->lines[i].steps[k], i);
+            rays[count] = ray_of(&drops[count]);
+            count++;
+        }
     for (uint32_t i = 0; ok && i < count; i += most)
         ok = job_trace_rays(&survey->job, &rays[i], count - i < most ? count - i : most, &hits[i],
                             &complete, err);
@@ -329,14 +342,79 @@ static bool drop_rays(struct survey *survey, const struct twins *twins, struct p
         struct sighting other;
         if (!lies_upon(survey, twins, &drops[i], &rays[i], &hits[i], &other))
             continue;
-        pairs->touched[drops[i].line] = 1;
-        if (pairs->count++ == 0) {
-            pairs->first[0] = *drops[i].at;
-            pairs->first[1] = other;
-        }
+        note_pair(pairs, drops[i].line, drops[i].at, &other);
     }
     arena_finish(&scratch);
     return ok;
+}
+
+// Curved ones are compared with each other by what they are, as no ray ignores them: where the
+// point of a line lies on both.
+static bool is_curved(const struct flat_shape *shape)
+{
+    return shape->kind == SHAPE_SPHERE || shape->kind == SHAPE_CYLINDER ||
+           shape->kind == SHAPE_TUBE;
+}
+
+// From a sphere's surface, or a cylinder's side; *normal points away from its middle. INFINITY: the
+// point is beside the cylinder.
+static double distance_from(const struct flat_shape *shape, const double point[3], double normal[3])
+{
+    double axis[3];
+    for (int c = 0; c < 3; c++)
+        normal[c] = point[c] - (double)shape->center[c];
+    if (shape->kind != SHAPE_SPHERE) {
+        vec3_widen(shape->axes[0], axis);
+        double along = vec3_dot(normal, axis) / vec3_dot(axis, axis);
+        if (fabs(along) > 1.0)
+            return INFINITY;
+        for (int c = 0; c < 3; c++)
+            normal[c] -= along * axis[c];
+    }
+    double length = vec3_length(normal);
+    vec3_normalize(normal);
+    return length - (double)shape->radius;
+}
+
+// Whether the point lies on another shape, too, to the tolerance of dropped rays.
+static bool lies_on(const struct survey *survey, const struct twins *twins,
+                    const struct sighting *at, const struct flat_shape *own,
+                    const struct flat_shape *shape, struct sighting *other)
+{
+    double normals[2][3], tolerance = drop_onto(at, 0).tolerance;
+    double away = distance_from(own, at->point, normals[0]);
+    *other = (struct sighting){.object = survey->scene->instance_count + shape->source,
+                               .material = shape->material};
+    return shape != own && twins->places[at->object] != twins->places[other->object] &&
+           fabs(distance_from(shape, at->point, normals[1]) - away) <= tolerance &&
+           vec3_dot(normals[0], normals[1]) > 1.0 - 1e-6 &&
+           fabs(vec3_dot(normals[0], at->normal)) > 1.0 - 1e-6 && // no cap of a cylinder
+           matters(survey, at->material, other->material) &&
+           !is_seen_through(survey, twins, at, other);
+}
+
+// So many comparisons take a second: of very many shapes some lines stand for all.
+#define COMPARED_MOST 1e8
+
+static void compare_curved(struct survey *survey, const struct twins *twins, struct pairs *pairs)
+{
+    const struct flat_scene *flat = survey->flat;
+    double compared = (double)survey->line_count * flat->shape_count;
+    uint32_t every = (uint32_t)(compared / COMPARED_MOST) + 1;
+    for (uint32_t i = 0; i < survey->line_count; i += every)
+        for (uint32_t k = 0; k < survey->lines[i].count; k++) {
+            const struct sighting *at = &survey->lines[i].steps[k];
+            uint32_t primitive = at->hit.primitive;
+            if (!(primitive & PRIMITIVE_SHAPE) ||
+                !is_curved(&flat->shapes[primitive & ~PRIMITIVE_SHAPE]))
+                continue;
+            struct sighting other;
+            for (uint32_t s = 0; s < flat->shape_count; s++)
+                if (is_curved(&flat->shapes[s]) &&
+                    lies_on(survey, twins, at, &flat->shapes[primitive & ~PRIMITIVE_SHAPE],
+                            &flat->shapes[s], &other))
+                    note_pair(pairs, i, at, &other);
+        }
 }
 
 // Of lines that a shared edge happens to be hit by there are fewer.
@@ -347,6 +425,7 @@ static bool find_same_faces(struct survey *survey, const struct twins *twins, st
     struct pairs pairs = {0};
     if (!drop_rays(survey, twins, &pairs, err))
         return false;
+    compare_curved(survey, twins, &pairs);
     if (pairs.count < PAIRS_MIN)
         return true;
     struct arena *arena = survey->arena;
@@ -365,7 +444,7 @@ static bool find_same_faces(struct survey *survey, const struct twins *twins, st
                           .level = FINDING_WRONG,
                           .place = arena_printf(arena, "%s (%s) and %s (%s)", objects[0],
                                                 materials[0], objects[1], materials[1]),
-                          .figure = arena_printf(arena, "in one plane at (%.4g, %.4g, %.4g)",
+                          .figure = arena_printf(arena, "upon each other at (%.4g, %.4g, %.4g)",
                                                  world[0], world[1], world[2]),
                           .consequence =
                               "Rounding decides which one is seen, and lamps or glass there count "
