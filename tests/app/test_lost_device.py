@@ -152,10 +152,12 @@ class LostDevice(unittest.TestCase):
         self.assertEqual(json.loads(lost.stdout)['image_hash'], whole['image_hash'])
 
     def test_memory_that_is_too_small(self):
-        arguments = ['--spp', '16', '--wave', '64k']
+        arguments = ['--spp', '16', '--wave', '16k']
         whole = json.loads(self.render('whole.exr', *arguments).stdout)
+        needed = whole['memory']['device_bytes']
         # What the device does not have, or tells beforehand that it has not.
-        for limits in 'memory=3000000', 'memory-budget=3000000', 'memory=400000':
+        for limits in ('memory=%d' % (needed // 3), 'memory-budget=%d' % (needed // 3),
+                       'memory=%d' % (needed // 10)):
             result = self.render('lost.exr', *arguments, limits=limits)
             self.assertEqual(result.returncode, 0, result.stderr)
             small = json.loads(result.stdout)

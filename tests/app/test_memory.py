@@ -109,9 +109,8 @@ class Base(unittest.TestCase):
 class Budget(Base):
     """What exceeds it is refused before it is taken."""
 
-    def refuse(self, *arguments, memory='64M', peak=64 * MIB + 40 * MIB, thing='', limit=None,
-               seconds=None):
-        arguments = [*arguments, *(['--memory', memory] if memory else [])]
+    def measure(self, *arguments, limit=None):
+        """Returns the exit code, the most bytes, the processor seconds and what was said."""
         # glibc fills what it hands out, so that whatever is allocated counts, used or not.
         environment = {**os.environ, 'MALLOC_PERTURB_': '165'}
         stderr = subprocess.run([sys.executable, '-ISc', MEASURE, self.path('measured'),
@@ -119,7 +118,13 @@ class Budget(Base):
                                 text=True, stdout=subprocess.DEVNULL, cwd=self.folder,
                                 env=environment).stderr
         with open(self.path('measured'), encoding='ascii') as file:
-            code, bytes_taken, seconds_taken = json.load(file)
+            return *json.load(file), stderr
+
+    def refuse(self, *arguments, memory='64M', peak=None, thing='', limit=None, seconds=None):
+        """peak: in bytes; by default 40 MiB besides what the driver takes."""
+        arguments = [*arguments, *(['--memory', memory] if memory else [])]
+        code, bytes_taken, seconds_taken, stderr = self.measure(*arguments, limit=limit)
+        peak = peak or self.measure('devices')[1] + 40 * MIB
         self.assertEqual(code, 2, stderr)
         self.assertRegex(stderr, r'out of memory for .*: [0-9.]+ \wiB are needed, but .* left of the '
                                  r'budget of .*--memory')
