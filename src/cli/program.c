@@ -41,14 +41,15 @@ static int fail_parsing(const struct options *options, const struct err *err)
     return code;
 }
 
-// A result that did not arrive is a failure. A reader who has seen enough needs no message.
+// A result that did not arrive is a failure, and one to look into before what the result says. A
+// reader who has seen enough needs no message.
 static int finish_stdout(int code)
 {
     if (fflush(stdout) == 0 && !ferror(stdout))
         return code;
     if (errno != EPIPE)
         log_message(LOG_ERROR, "standard output: cannot write: %s", strerror(errno));
-    return code == EXIT_CODE_OK ? EXIT_CODE_OUTPUT : code;
+    return code == EXIT_CODE_OK || code == EXIT_CODE_CHECK_FAILED ? EXIT_CODE_OUTPUT : code;
 }
 
 int program_run(int argc, char **argv, program_command_fn command)

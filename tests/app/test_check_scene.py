@@ -756,6 +756,20 @@ class Words(Checks):
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(f'{arguments[0]} is of devices', result.stderr)
 
+    @unittest.skipUnless(os.path.exists('/dev/full'), 'there is no /dev/full')
+    def test_a_finding_that_cannot_be_written(self):
+        """What has not arrived is told, not what it would have said."""
+        quad = {'type': 'quad', 'corner': [-1, -1, 0], 'u': [2, 0, 0], 'v': [0, 2, 0]}
+        path = self.write('twice.json', {
+            'lampyris': 1, 'film': FILM, 'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+            'materials': {'grey': GREY, 'red': {'base_color': [0.6, 0.1, 0.1]}},
+            'shapes': [{**quad, 'material': 'grey'}, {**quad, 'material': 'red'}]})
+        for out, code in (('/dev/null', 1), ('/dev/full', 4)):
+            with open(out, 'w', encoding='utf-8') as file:
+                result = subprocess.run([LAMPYRIS, 'check', path, '-q'], stdout=file, text=True,
+                                        stderr=subprocess.PIPE, timeout=600)
+            self.assertEqual(result.returncode, code, result.stderr)
+
     def test_a_clean_scene_is_one_line(self):
         path = os.path.join(SOURCE, 'scenes', 'cornell.json')
         result = subprocess.run([LAMPYRIS, 'check', path, '--size', '48x48', '-q'], text=True,
