@@ -119,6 +119,8 @@ struct furnace {
 static const struct texture *find_leading(const struct scene *scene, const struct material *m)
 {
     static const uint32_t groups[] = {GROUP_BASE, GROUP_SPECULAR};
+    if (m->texture_count == 0)
+        return NULL;
     const struct texture *textures = &scene->textures[m->first_texture], *any = NULL;
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)
         for (uint32_t i = 0; i < m->texture_count; i++)
@@ -293,8 +295,8 @@ static bool add_sphere(struct furnace *furnace, const struct scene *from, uint32
     return true;
 }
 
-// Of the materials from *next on, as many as have room; *next is then the one that comes after
-// them.
+// Adds spheres of the materials from *next on, as many as have room. *next is then the first
+// material that is left.
 static bool build_furnace(struct survey *survey, uint32_t *next, struct furnace *furnace,
                           struct err *err)
 {
