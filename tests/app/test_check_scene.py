@@ -197,7 +197,8 @@ class Upon(Checks):
         return self.check({
             'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
             'materials': {'grey': GREY, 'red': {'base_color': [0.6, 0.1, 0.1]},
-                          'glass': {'type': 'dielectric'}},
+                          'glass': {'type': 'dielectric'},
+                          'water': {'type': 'dielectric', 'ior': 1.33}},
             'shapes': [{'material': 'grey', **shape} for shape in shapes]})
 
     def test_behind_glass(self):
@@ -220,6 +221,40 @@ class Upon(Checks):
             self.assert_found(found, expected)
             if found:  # the disc of one, and what the cylinders share
                 self.assertAlmostEqual(found['coincident-faces']['share'], (3.14159 + 1) / 36, delta=0.01)
+
+
+    def test_boxes(self):
+        """Faces of boxes and caps that no ray ignores, on a wall, on each other and under a quad."""
+        def box(low, high, material='grey', form='analytic'):
+            return {'type': 'box', 'as': form, 'material': material, 'min': low, 'max': high}
+        sheet = {'type': 'quad', 'as': 'analytic', 'material': 'red', 'u': [0.5, 0, 0], 'v': [0, 0.5, 0]}
+        pairs = {
+            'boxes': lambda gap: [box([0, 0, 0], [1, 1, 1]), box([0.3, 0.3, 0.5], [2, 2, 1 + gap], 'red')],
+            'side by side': lambda gap: [box([0, 0, 0], [1, 1, 1], 'glass'),
+                                         box([0, 0, -1], [1, 1, -gap], 'glass')],
+            'a box and a quad': lambda gap: [box([0, 0, 0], [1, 1, 1]),
+                                             {**sheet, 'corner': [0.2, 0.2, 1 + gap]}],
+            'a quad and a box': lambda gap: [{**sheet, 'corner': [0.2, 0.2, 1]},
+                                             box([0, 0, 0], [1, 1, 1 - gap])],
+            'a box and triangles': lambda gap: [box([0, 0, 0], [1, 1, 1]),
+                                                box([0.5, 0.5, 0], [2, 2, 1 + gap], 'red', 'triangles')],
+            'a cap and a box': lambda gap: [
+                {'type': 'cylinder', 'from': [0, 0, 0], 'to': [0, 0, 1], 'radius': 1},
+                box([0, 0, 0], [2, 2, 1 + gap], 'red')],
+        }
+        for name, pair in pairs.items():
+            with self.subTest(name):
+                self.assert_found(self.found(*pair(0)), {'coincident-faces': 'wrong'})
+                self.assert_found(self.found(*pair(0.01)), {})
+
+    def test_media(self):
+        """Glass and water that share a face are closed, each of them."""
+        for form in ('triangles', 'analytic'):
+            for gap, expected in ((0, {'coincident-faces': 'wrong'}), (0.1, {})):
+                self.assert_found(self.found(
+                    {'type': 'box', 'as': form, 'material': 'glass', 'min': [-1, -1, 0.4], 'max': [1, 1, 0.5]},
+                    {'type': 'box', 'as': form, 'material': 'water', 'min': [-1, -1, -1],
+                     'max': [1, 1, 0.4 - gap]}), expected)
 
 
 class Gaps(Checks):

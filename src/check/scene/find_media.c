@@ -1,5 +1,6 @@
 // Surfaces that bound a medium without closing it, face the wrong way or overlap, as lines from the
-// camera and from what it sees meet them.
+// camera and from what it sees meet them. Lines by way of glass that lies upon another surface tell
+// nothing of media: rounding decides there what they enter and leave (find_coincident.c).
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -172,9 +173,9 @@ struct branch {
     struct stack stack;
 };
 
-// By the cosine over the hemisphere about a unit normal: a point of Roberts's sequence (2018) on a
-// sphere that touches the surface. Never along the surface: which side such a line is on, rounding
-// decides.
+// Directions are distributed by the cosine over the hemisphere about a unit normal: points of
+// Roberts's sequence (2018) on a sphere that touches the surface. None runs along the surface,
+// where rounding would decide which side the line is on.
 static void choose_direction(const double normal[3], uint32_t number, double out[3])
 {
     double turn = 2.0 * M_PI * fmod(0.5 + number * 0.7548776662466927, 1.0);
@@ -192,7 +193,8 @@ static bool begin_branch(struct media_search *search, uint32_t number, struct br
 {
     const struct sightline *seen = &search->survey->lines[number];
     const struct sighting *at = seen->steps;
-    if (seen->count == 0 || search->materials[at->material].medium == 0 || !at->is_front)
+    if (seen->count == 0 || search->materials[at->material].medium == 0 || !at->is_front ||
+        search->survey->through_faces[number])
         return false;
     double inwards[3];
     for (int c = 0; c < 3; c++)
@@ -216,11 +218,19 @@ static bool look_aside(struct media_search *search, struct err *err)
         return err_memory(err, "sight lines", survey->line_count * sizeof *lines);
     for (uint32_t i = 0; i < survey->line_count; i++)
         count += begin_branch(search, i, &branches[count], &lines[count]);
-    if (!sightlines_trace(survey, lines, count, err))
+    struct coincidences upon;
+    uint8_t *touched = survey_flags(survey);
+    if (!sightlines_trace(survey, lines, count, err) ||
+        !coincidences_find(survey, lines, count, &upon, err))
         return false;
-    for (uint32_t i = 0; i < count; i++)
-        look_at_line(search, &lines[i], &branches[i].stack, &search->lost[branches[i].line]);
-    return true;
+    if (!touched)
+        return err_memory(err, "sight lines", survey->line_count);
+    for (uint32_t i = 0; i < count; i++) {
+        touched[branches[i].line] |= upon.touched[i];
+        if (!upon.through[i])
+            look_at_line(search, &lines[i], &branches[i].stack, &search->lost[branches[i].line]);
+    }
+    return coincidences_add(survey, &upon, touched, err);
 }
 
 // --- what is said --------------------------------------------------------------------------------
@@ -351,6 +361,8 @@ bool find_media(struct survey *survey, struct err *err)
         return err_memory(err, "sight lines", survey->line_count * sizeof *search.lost);
     for (uint32_t i = 0; i < survey->line_count; i++) {
         struct stack stack;
+        if (survey->through_faces[i])
+            continue;
         begin(&survey->lines[i], &stack);
         look_at_line(&search, &survey->lines[i], &stack, &search.lost[i]);
     }

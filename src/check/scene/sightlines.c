@@ -81,8 +81,8 @@ static void put_on_sphere(const struct flat_shape *shape, const double normal[3]
         point[c] = (double)shape->center[c] + normal[c] * (double)shape->radius / length;
 }
 
-static void shape_normal(const struct survey *survey, const struct flat_shape *shape,
-                         const double point[3], double normal[3])
+void sighting_shape_normal(const struct survey *survey, const struct flat_shape *shape,
+                           const double point[3], double normal[3])
 {
     double from[3], u[3], v[3];
     for (int c = 0; c < 3; c++)
@@ -151,7 +151,7 @@ void sighting_find(const struct survey *survey, const struct probe_hit *hit, con
         const struct flat_shape *shape = &survey->flat->shapes[hit->primitive & ~PRIMITIVE_SHAPE];
         for (int c = 0; c < 3; c++)
             out->point[c] = origin[c] + (double)hit->t * direction[c];
-        shape_normal(survey, shape, out->point, out->normal);
+        sighting_shape_normal(survey, shape, out->point, out->normal);
         if (shape->kind == SHAPE_SPHERE)
             put_on_sphere(shape, out->normal, out->point);
         out->object = survey->scene->instance_count + shape->source;

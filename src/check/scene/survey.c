@@ -39,3 +39,16 @@ const char *survey_material_name(const struct survey *survey, uint32_t material)
     return *name ? arena_printf(survey->arena, "material \"%s\"", name)
                  : arena_printf(survey->arena, "material %u", material);
 }
+
+bool survey_has_gaps(const struct survey *survey, uint32_t material)
+{
+    return survey->scene->materials[material].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
+}
+
+bool survey_differs_doubled(const struct survey *survey, uint32_t a, uint32_t b)
+{
+    const struct material *m = &survey->scene->materials[a];
+    bool lights = survey->settings.nee && survey->settings.max_bounces > 0;
+    return a != b || (lights && material_emits(m)) || material_lets_through(m) ||
+           (m->flags & MATERIAL_ALPHA_BLEND);
+}

@@ -46,6 +46,9 @@ struct survey {
     struct job job;           // that render, until the last two searches begin others
     struct sightline *lines;  // one a pixel of it
     uint32_t line_count;
+    uint32_t *places; // by find_twice(): a number for each object, the same for those at one place
+    const uint8_t *through_faces; // by find_coincident(): flags of the lines; see there
+    bool names_faces;             // faces that lie upon each other are among the findings
     struct scene_findings *out;
     bool lacks_memory; // for flags
 };
@@ -58,6 +61,12 @@ bool survey_add(struct survey *survey, const struct scene_finding *finding, stru
 // "material \"glass\"".
 const char *survey_object_name(const struct survey *survey, uint32_t object);
 const char *survey_material_name(const struct survey *survey, uint32_t material);
+// Returns whether a surface of the material may be looked through where it is not: by a mask or by
+// blending.
+bool survey_has_gaps(const struct survey *survey, uint32_t material);
+// Returns whether two surfaces at one place look different from one. Lamps do where shadow rays are
+// sent to both.
+bool survey_differs_doubled(const struct survey *survey, uint32_t material_a, uint32_t material_b);
 static inline uint32_t survey_object_count(const struct survey *survey)
 {
     return survey->scene->instance_count + survey->scene->shape_count;
@@ -78,6 +87,9 @@ bool sightlines_take_view(struct survey *survey, struct err *err);
 // Fills in what a ray has met; hit->primitive is not NO_PRIMITIVE.
 void sighting_find(const struct survey *survey, const struct probe_hit *hit, const double origin[3],
                    const double direction[3], struct sighting *out);
+// The normal of a shape at the point of its surface that is nearest, to the outside; not unit.
+void sighting_shape_normal(const struct survey *survey, const struct flat_shape *shape,
+                           const double point[3], double normal[3]);
 // A ray that goes on from a surface to the side that the direction points to.
 struct probe_ray sighting_leave(const struct sighting *at, const double direction[3]);
 // Whether light goes through its surfaces, refracted or not.
@@ -97,6 +109,25 @@ const uint8_t *survey_touched_by_object(struct survey *survey, uint32_t object);
 const uint8_t *survey_touched_by_objects(struct survey *survey, const bool *marked); // one for each
 const uint8_t *survey_touched_by_material(struct survey *survey, uint32_t material);
 
+// --- find_coincident.c ---------------------------------------------------------------------------
+
+// Lines that meet surfaces which lie upon each other.
+struct coincidences {
+    uint8_t *through; // flags of lines: one of the two lets light through, so that rounding decides
+                      // whether the line enters or leaves there
+    uint8_t *touched; // flags of lines: two surfaces there are another picture than one
+    uint32_t count;   // of lines that are touched
+    struct sighting pair[2]; // the first two surfaces
+};
+
+// Looks at no more lines than survey->line_count.
+bool coincidences_find(struct survey *survey, const struct sightline *lines, uint32_t count,
+                       struct coincidences *out, struct err *err);
+// Adds the finding, unless there are too few or they are named already. `pixels` are flags of the
+// camera's lines.
+bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
+                      const uint8_t *pixels, struct err *err);
+
 // --- light_sent.c --------------------------------------------------------------------------------
 
 // The luminance of what a light without extent sends to a place of the world, W/m^2 on a surface
@@ -106,13 +137,14 @@ double light_sent(const struct light *light, const double place[3], double towar
 
 // --- searches: each adds what it finds -----------------------------------------------------------
 
-bool find_coarse(struct survey *survey, struct err *err);  // objects, meshes, cameras
-bool find_thin(struct survey *survey, struct err *err);    // slivers, zero areas, no volume
-bool find_twice(struct survey *survey, struct err *err);   // faces and objects at one place
-bool find_normals(struct survey *survey, struct err *err); // those that contradict the surface
-bool find_media(struct survey *survey, struct err *err);   // open, inside-out, overlapping
-bool find_albedos(struct survey *survey, struct err *err); // 1 and above
-bool find_texels(struct survey *survey, struct err *err);  // missing, unusable, one-texel suns
+bool find_coarse(struct survey *survey, struct err *err);     // objects, meshes, cameras
+bool find_thin(struct survey *survey, struct err *err);       // slivers, zero areas, no volume
+bool find_twice(struct survey *survey, struct err *err);      // objects at one place
+bool find_coincident(struct survey *survey, struct err *err); // faces upon each other
+bool find_normals(struct survey *survey, struct err *err);    // those that contradict the surface
+bool find_media(struct survey *survey, struct err *err);      // open, inside-out, overlapping
+bool find_albedos(struct survey *survey, struct err *err);    // 1 and above
+bool find_texels(struct survey *survey, struct err *err);     // missing, unusable, one-texel suns
 bool find_hidden_lights(struct survey *survey, struct err *err); // behind glass, and by chance
 bool find_biases(struct survey *survey, struct err *err);        // that settings ask for
 // Those that measure: each renders into the job's film.

@@ -1,0 +1,367 @@
+// Surfaces of different objects, or of one, that lie upon each other.
+//
+// Lines see where: each place on a line is looked at once more by a ray that falls onto it from a
+// small height, and, where it is on a shape, compared with the other shapes. So the search takes
+// time by the picture's pixels; of a scene's triangles a ray's way through the BVH depends, and
+// comparisons with many shapes are bounded by their number (COMPARED_MOST).
+#include "check/scene/survey.h"
+
+#include "base/maths.h"
+#include "shared/types.h"
+#include <float.h>
+
+// Points of surfaces are known to that many roundings of their largest coordinate: faces count as
+// upon each other where they are nearer than twice the kernels' own bound of where they are.
+static double tolerance_at(const double point[3])
+{
+    double largest = fmax(fmax(fabs(point[0]), fabs(point[1])), fabs(point[2]));
+    return 8.0 * (double)FLT_EPSILON * largest;
+}
+
+// Returns whether two unit normals belong to one plane, rather than to neighbours at an edge.
+static bool is_parallel(const double a[3], const double b[3])
+{
+    return fabs(vec3_dot(a, b)) > 1.0 - 1e-6;
+}
+
+// --- what is noted -------------------------------------------------------------------------------
+
+static bool lets_through(const struct survey *survey, const struct sighting *at)
+{
+    return material_lets_through(&survey->scene->materials[at->material]);
+}
+
+// Returns whether that is no finding: two objects at one place are another one, and of two surfaces
+// with gaps each is seen where the other is not.
+static bool is_no_finding(const struct survey *survey, const struct sighting *a,
+                          const struct sighting *b)
+{
+    bool is_twin = a->object != b->object && survey->places[a->object] == survey->places[b->object];
+    bool share_place = a->material != b->material && survey_has_gaps(survey, a->material) &&
+                       survey_has_gaps(survey, b->material);
+    return is_twin || share_place || !survey_differs_doubled(survey, a->material, b->material);
+}
+
+static void note_pair(const struct survey *survey, struct coincidences *out, uint32_t line,
+                      const struct sighting *a, const struct sighting *b)
+{
+    out->through[line] |= lets_through(survey, a) || lets_through(survey, b);
+    if (is_no_finding(survey, a, b))
+        return;
+    if (out->count == 0) {
+        out->pair[0] = *a;
+        out->pair[1] = *b;
+    }
+    out->count += !out->touched[line];
+    out->touched[line] = 1;
+}
+
+// --- rays that fall onto surfaces ----------------------------------------------------------------
+
+struct drop {
+    const struct sighting *at;
+    uint32_t line;
+    double direction[3], height;
+};
+
+// Returns whether rays are dropped onto the surface. Only flat ones can share more than a line with
+// triangles; two curved shapes are compared.
+static bool may_be_flat(const struct survey *survey, const struct sighting *at)
+{
+    if (!(at->hit.primitive & PRIMITIVE_SHAPE))
+        return true;
+    uint32_t kind = survey->flat->shapes[at->hit.primitive & ~PRIMITIVE_SHAPE].kind;
+    return kind != SHAPE_SPHERE && kind != SHAPE_TUBE && kind != SHAPE_SDF;
+}
+
+// Of such a height rounding leaves 6 digits in binary.
+#define HEIGHT_IN_TOLERANCES 64.0
+
+static struct drop drop_onto(const struct sighting *at, uint32_t line)
+{
+    struct drop drop = {
+        .at = at, .line = line, .height = HEIGHT_IN_TOLERANCES * tolerance_at(at->point)};
+    for (int c = 0; c < 3; c++)
+        drop.direction[c] = at->is_front ? -at->normal[c] : at->normal[c];
+    return drop;
+}
+
+static struct probe_ray ray_of(const struct drop *drop)
+{
+    struct probe_ray ray = {
+        .leaves = true, .from = drop->at->hit.primitive, .from_instance = drop->at->hit.instance};
+    for (int c = 0; c < 3; c++) {
+        ray.origin[c] = (float)(drop->at->point[c] - drop->height * drop->direction[c]);
+        ray.direction[c] = (float)drop->direction[c];
+    }
+    return ray;
+}
+
+// Returns whether the surface that a ray met lies upon the one that it was dropped onto. Kernels
+// ignore triangles and flat shapes that a ray starts on; of others the ray may meet either surface
+// first, and where many rays fall, some meet the other one.
+static bool lies_upon(const struct survey *survey, const struct drop *drop,
+                      const struct probe_ray *ray, const struct probe_hit *hit,
+                      struct sighting *other)
+{
+    double origin[3];
+    if (hit->primitive == NO_PRIMITIVE || hit->primitive == drop->at->hit.primitive ||
+        fabs((double)hit->t - drop->height) > drop->height / HEIGHT_IN_TOLERANCES)
+        return false;
+    vec3_widen(ray->origin, origin);
+    sighting_find(survey, hit, origin, drop->direction, other);
+    return is_parallel(other->normal, drop->at->normal);
+}
+
+static bool drop_rays(struct survey *survey, const struct sightline *lines, uint32_t line_count,
+                      struct coincidences *out, struct err *err)
+{
+    struct arena scratch = {0};
+    uint32_t most = survey->job.renderer.plan.wave_slots, steps = 0, count = 0;
+    for (uint32_t i = 0; i < line_count; i++)
+        steps += lines[i].count;
+    struct drop *drops = ARENA_NEW(&scratch, struct drop, steps);
+    struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, steps);
+    struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, steps);
+    bool complete, ok = drops && rays && hits;
+    if (!ok)
+        err_memory(err, "rays", steps * sizeof *rays);
+    for (uint32_t i = 0; ok && i < line_count; i++)
+        for (uint32_t k = 0; k < lines[i].count; k++) {
+            if (!may_be_flat(survey, &lines[i].steps[k]))
+                continue;
+            drops[count] = drop_onto(&lines[i].steps[k], i);
+            rays[count] = ray_of(&drops[count]);
+            count++;
+        }
+    for (uint32_t i = 0; ok && i < count; i += most)
+        ok = job_trace_rays(&survey->job, &rays[i], count - i < most ? count - i : most, &hits[i],
+                            &complete, err);
+    for (uint32_t i = 0; ok && i < count; i++) {
+        struct sighting other;
+        if (lies_upon(survey, &drops[i], &rays[i], &hits[i], &other))
+            note_pair(survey, out, drops[i].line, drops[i].at, &other);
+    }
+    arena_finish(&scratch);
+    return ok;
+}
+
+// --- comparisons of shapes -----------------------------------------------------------------------
+
+// The part of a shape's surface that is nearest to a point.
+struct patch {
+    double normal[3]; // unit
+    double away;      // the point's distance from it, along the normal
+    bool is_flat;
+};
+
+// Returns whether a + x u + y v is within the parallelogram of these half edges, all of them in the
+// plane of a unit normal.
+static bool is_within(const double a[3], const double u[3], const double v[3],
+                      const double normal[3])
+{
+    double whole[3], by_u[3], by_v[3];
+    vec3_cross(u, v, whole);
+    vec3_cross(a, v, by_u);
+    vec3_cross(u, a, by_v);
+    double area = fabs(vec3_dot(whole, normal));
+    return fabs(vec3_dot(by_u, normal)) <= area && fabs(vec3_dot(by_v, normal)) <= area;
+}
+
+static bool find_patch_of_box(const double axes[3][3], const double from[3], struct patch *patch)
+{
+    int face = 0;
+    for (int i = 1; i < 3; i++)
+        if (fabs(vec3_dot(axes[i], patch->normal)) > fabs(vec3_dot(axes[face], patch->normal)))
+            face = i;
+    patch->away -= fabs(vec3_dot(axes[face], patch->normal));
+    return is_within(from, axes[(face + 1) % 3], axes[(face + 2) % 3], patch->normal);
+}
+
+static bool find_patch_of_cylinder(const struct flat_shape *shape, const double axis[3],
+                                   const double from[3], struct patch *patch)
+{
+    double along = vec3_dot(from, axis) / vec3_dot(axis, axis), cap = vec3_dot(axis, patch->normal);
+    double square = vec3_dot(from, from) - along * along * vec3_dot(axis, axis);
+    double radius = (double)shape->radius;
+    patch->is_flat = fabs(cap) > 0.5 * vec3_norm(axis);
+    patch->away -= patch->is_flat ? fabs(cap) : radius;
+    return patch->is_flat ? square <= radius * radius : fabs(along) <= 1.0;
+}
+
+// Returns false where the point is beside the patch, or the shape has none that can be compared.
+static bool find_patch(const struct survey *survey, const struct flat_shape *shape,
+                       const double point[3], struct patch *patch)
+{
+    double from[3], axes[3][3], radius = (double)shape->radius;
+    for (int c = 0; c < 3; c++)
+        from[c] = point[c] - (double)shape->center[c];
+    for (int i = 0; i < 3; i++)
+        vec3_widen(shape->axes[i], axes[i]);
+    if (shape->kind == SHAPE_SDF)
+        return false;
+    sighting_shape_normal(survey, shape, point, patch->normal);
+    vec3_normalize(patch->normal);
+    patch->away = vec3_dot(from, patch->normal);
+    patch->is_flat = shape->kind != SHAPE_SPHERE;
+    switch (shape->kind) {
+    case SHAPE_SPHERE:
+        patch->away -= radius;
+        return true;
+    case SHAPE_CYLINDER:
+    case SHAPE_TUBE:
+        return find_patch_of_cylinder(shape, axes[0], from, patch);
+    case SHAPE_BOX:
+        return find_patch_of_box(axes, from, patch);
+    case SHAPE_QUAD:
+        return is_within(from, axes[0], axes[1], patch->normal);
+    case SHAPE_DISC:
+        return vec3_dot(from, from) - patch->away * patch->away <= radius * radius;
+    default:
+        return true;
+    }
+}
+
+// Flat parts may face each other, as those of two boxes side by side do. Curved ones that do touch
+// at a point.
+static bool is_one_patch(const struct patch *a, const struct patch *b, double tolerance)
+{
+    double turn = vec3_dot(a->normal, b->normal);
+    double apart = turn < 0.0 ? a->away + b->away : a->away - b->away;
+    return a->is_flat == b->is_flat && fabs(apart) <= tolerance && (a->is_flat || turn > 0.0) &&
+           is_parallel(a->normal, b->normal);
+}
+
+// The shapes, with the radius of a sphere that each one is within.
+struct shapes {
+    const struct flat_shape *items;
+    double *reach;
+    uint32_t count;
+};
+
+static bool list_shapes(struct survey *survey, struct shapes *out, struct err *err)
+{
+    *out = (struct shapes){.items = survey->flat->shapes, .count = survey->flat->shape_count};
+    out->reach = ARENA_NEW(&survey->scratch, double, out->count);
+    if (!out->reach)
+        return err_memory(err, "shapes", out->count * sizeof *out->reach);
+    for (uint32_t i = 0; i < out->count; i++) {
+        const struct flat_shape *shape = &out->items[i];
+        out->reach[i] = shape->kind == SHAPE_PLANE ? INFINITY : (double)shape->radius;
+        for (int k = 0; k < 3; k++) {
+            double axis[3];
+            vec3_widen(shape->axes[k], axis);
+            out->reach[i] += vec3_norm(axis);
+        }
+    }
+    return true;
+}
+
+static bool is_near(const struct shapes *shapes, uint32_t i, const double point[3],
+                    double tolerance)
+{
+    double reach = shapes->reach[i] + tolerance, square = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double away = point[c] - (double)shapes->items[i].center[c];
+        square += away * away;
+    }
+    return square <= reach * reach;
+}
+
+static void compare_with_shapes(struct survey *survey, const struct shapes *shapes,
+                                const struct sighting *at, uint32_t line, struct coincidences *out)
+{
+    uint32_t own = at->hit.primitive & ~PRIMITIVE_SHAPE;
+    double tolerance = tolerance_at(at->point);
+    struct patch patch, others;
+    if (!find_patch(survey, &shapes->items[own], at->point, &patch))
+        return;
+    for (uint32_t i = 0; i < shapes->count; i++) {
+        if (i == own || !is_near(shapes, i, at->point, tolerance) ||
+            !find_patch(survey, &shapes->items[i], at->point, &others) ||
+            !is_one_patch(&patch, &others, tolerance))
+            continue;
+        const struct sighting other = {.object =
+                                           survey->scene->instance_count + shapes->items[i].source,
+                                       .material = shapes->items[i].material};
+        note_pair(survey, out, line, at, &other);
+    }
+}
+
+// That many comparisons take a second or less: of very many shapes some lines stand for all.
+#define COMPARED_MOST 1e8
+
+static bool compare_shapes(struct survey *survey, const struct sightline *lines,
+                           uint32_t line_count, struct coincidences *out, struct err *err)
+{
+    struct shapes shapes;
+    double steps = 0.0;
+    if (!list_shapes(survey, &shapes, err))
+        return false;
+    for (uint32_t i = 0; i < line_count; i++)
+        steps += lines[i].count;
+    uint32_t every = (uint32_t)(steps * shapes.count / COMPARED_MOST) + 1;
+    for (uint32_t i = 0; i < line_count; i += every)
+        for (uint32_t k = 0; k < lines[i].count; k++)
+            if (lines[i].steps[k].hit.primitive & PRIMITIVE_SHAPE)
+                compare_with_shapes(survey, &shapes, &lines[i].steps[k], i, out);
+    return true;
+}
+
+// --- the finding ---------------------------------------------------------------------------------
+
+bool coincidences_find(struct survey *survey, const struct sightline *lines, uint32_t count,
+                       struct coincidences *out, struct err *err)
+{
+    *out = (struct coincidences){.through = survey_flags(survey), .touched = survey_flags(survey)};
+    if (!out->through || !out->touched)
+        return err_memory(err, "faces", survey->line_count);
+    return drop_rays(survey, lines, count, out, err) &&
+           compare_shapes(survey, lines, count, out, err);
+}
+
+// Fewer lines than these happen to hit an edge that two surfaces share.
+#define LINES_MIN 2
+
+bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
+                      const uint8_t *pixels, struct err *err)
+{
+    if (coincidences->count < LINES_MIN || survey->names_faces)
+        return true;
+    survey->names_faces = true;
+    struct arena *arena = survey->arena;
+    const char *objects[2], *materials[2];
+    double world[3];
+    flat_to_world(survey->flat, coincidences->pair[0].point, world);
+    for (int i = 0; i < 2; i++) {
+        objects[i] = survey_object_name(survey, coincidences->pair[i].object);
+        materials[i] = survey_material_name(survey, coincidences->pair[i].material);
+        if (!objects[i] || !materials[i])
+            return err_memory(err, "names", 0);
+    }
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "coincident-faces",
+                          .level = FINDING_WRONG,
+                          .place = arena_printf(arena, "%s (%s) and %s (%s)", objects[0],
+                                                materials[0], objects[1], materials[1]),
+                          .figure = arena_printf(arena, "upon each other at (%.4g, %.4g, %.4g)",
+                                                 world[0], world[1], world[2]),
+                          .consequence =
+                              "Rounding decides which one is seen, and lamps or glass there count "
+                              "twice or not at all.",
+                          .remedy = "Move one of them by a visible distance, or remove it.",
+                          .share = survey_share(survey, pixels),
+                          .pixels = pixels,
+                      },
+                      err);
+}
+
+bool find_coincident(struct survey *survey, struct err *err)
+{
+    struct coincidences found;
+    if (!coincidences_find(survey, survey->lines, survey->line_count, &found, err))
+        return false;
+    survey->through_faces = found.through;
+    return coincidences_add(survey, &found, found.touched, err);
+}
