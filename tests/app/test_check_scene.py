@@ -459,6 +459,47 @@ class Lost(Checks):
         self.assertNotIn('light-lost', self.found(*many))
 
 
+class Chance(Checks):
+    """Lamps over a floor, one of them behind glass: by what they send there, not by their number."""
+
+    def found(self, glass, *lamps, more=()):
+        return self.check({
+            'film': {'width': 24, 'height': 24},
+            'camera': {'position': [0, 6, 6], 'target': [0, 0, 0], 'fov_degrees': 40},
+            'materials': {'grey': GREY, 'glass': {'type': 'dielectric'},
+                          **{f'lamp{i}': {'base_color': [0, 0, 0], 'emission': [radiance] * 3}
+                             for i, (_, radiance) in enumerate(lamps)}},
+            'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-3, 0, 3], 'u': [6, 0, 0],
+                        'v': [0, 0, -6]}, {**glass, 'material': 'glass'},
+                       *({**shape, 'material': f'lamp{i}'} for i, (shape, _) in enumerate(lamps)), *more]})
+
+    def test_of_bulbs(self):
+        ball = {'type': 'sphere', 'center': [-0.5, 2, -2], 'radius': 0.3}
+        bulb = {**ball, 'radius': 0.05}
+        open_lamps = [{'type': 'sphere', 'center': [(i % 20 - 10) / 4, 2.5, -3 - (i // 20) / 4], 'radius': 0.02}
+                      for i in range(199)]
+        dim = [(lamp, 1e-6) for lamp in open_lamps]
+        found = self.found(ball, (bulb, 10), *dim)
+        self.assertEqual(found['light-by-chance']['level'], 'slow')
+        self.assertGreater(found['light-by-chance']['share'], 0.5)
+        self.assertRegex(found['light-by-chance']['figure'], r'^200 lamps.* (99\.\d|100) % of the light')
+        self.assertNotIn('light-by-chance', self.found(ball, (bulb, 1e-6), *dim[1:], (open_lamps[0], 10)))
+        # Half of the light, from a lamp of the same power in the open.
+        figure = self.found(ball, (bulb, 10), ({**bulb, 'center': [0.5, 2, -2]}, 10))['light-by-chance']['figure']
+        self.assertAlmostEqual(float(re.search(r'and ([\d.]+) %', figure)[1]), 50, delta=5)
+
+    def test_of_large_lamps(self):
+        """A panel of many triangles that paths find easily, and one that they do not."""
+        pane = {'type': 'box', 'min': [-4, 2, -4], 'max': [4, 2.1, 0]}
+        for size, expected in ((0.3, True), (6, False)):
+            self.write('panel.obj', ''.join(f'v {size * (i / 8 - 0.5)} {4} {size * (j / 8 - 0.5) - 2}\n'
+                                            for j in range(9) for i in range(9))
+                       + ''.join(f'f {k} {k + 1} {k + 10} {k + 9}\n' for j in range(8)
+                                 for k in range(9 * j + 1, 9 * j + 9)))
+            found = self.found(pane, ({'type': 'mesh', 'file': 'panel.obj'}, 1))
+            self.assertEqual('light-by-chance' in found, expected, found)
+
+
 class Window(Checks):
     """Eight suns of two texels each in an image, whose light falls into a room by its open side."""
 

@@ -6,6 +6,7 @@
 #include "base/maths.h"
 #include "flatten/flatten_census.h"
 #include "render/probe/emitter_shape.h"
+#include "render/tables/emitter_power.h"
 #include "render/tables/emitters.h"
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
@@ -19,14 +20,18 @@ enum aim {
 
 // What may be aimed at.
 struct target {
-    bool is_delta;  // a light of the scene, without extent
-    bool is_common; // paths that scatter anywhere find it about as often as shadow rays do
-    uint32_t light;
+    bool is_delta;   // a light of the scene, without extent
+    bool is_common;  // of the sky: paths that scatter find it about as often as shadow rays do
+    uint32_t light;  // of the scene, or SCENE_NONE
+    double power;    // as in emitter_power.h, of all those that it stands for; not of texels
+    double radiance; // the mean luminance; INFINITY of lights without extent
+    double each;     // the number of surfaces that it stands for
     struct emitter_part part;
 };
 
 struct targets {
     struct target *items;
+    double *sums; // of the powers up to each one, that one included
     uint32_t count;
     uint32_t rare; // those that are not common
 };
@@ -39,10 +44,31 @@ static void list_lights(const struct survey *survey, bool delta, struct targets 
     const struct scene *scene = survey->scene;
     for (uint32_t i = 0; i < scene->light_count; i++) {
         bool is_sun = light_is_sun(&scene->lights[i]);
-        if (!scene->lights[i].hidden && is_sun != delta && luminance(scene->lights[i].radiant) > 0)
-            out->items[out->count++] =
-                (struct target){.is_delta = !is_sun, .light = i, .part = {EMITTER_SUN, i}};
+        if (scene->lights[i].hidden || is_sun == delta ||
+            !(luminance(scene->lights[i].radiant) > 0))
+            continue;
+        const struct light light = flat_light(survey->flat, &scene->lights[i]);
+        double angle = 2.0 * M_PI * versine(light.angular_radius);
+        out->items[out->count++] =
+            (struct target){.is_delta = !is_sun,
+                            .light = i,
+                            .power = light_power(&light, survey->flat),
+                            .radiance = is_sun ? luminance(light.radiant) / angle : INFINITY,
+                            .each = 1.0,
+                            .part = {EMITTER_SUN, i}};
     }
+}
+
+// Adds a lamp's surface that stands for `each` of its size.
+static void add_surface(const struct survey *survey, enum emitter_kind kind, uint32_t index,
+                        uint32_t material, double area, uint32_t each, struct targets *out)
+{
+    double radiance = mean_radiance(survey->scene, &survey->scene->materials[material]);
+    out->items[out->count++] = (struct target){.light = SCENE_NONE,
+                                               .power = each * radiance * area,
+                                               .radiance = radiance,
+                                               .each = each,
+                                               .part = {kind, index}};
 }
 
 static void list_lamps(const struct survey *survey, struct targets *out)
@@ -53,13 +79,15 @@ static void list_lamps(const struct survey *survey, struct targets *out)
     for (uint32_t i = 0; i < flat->shape_count; i++)
         if (flatten_emits(scene, flat->shapes[i].material) &&
             shape_is_emitter(flat->shapes[i].kind))
-            out->items[out->count++] = (struct target){.part = {EMITTER_SHAPE, i}};
+            add_surface(survey, EMITTER_SHAPE, i, flat->shapes[i].material,
+                        shape_area(&flat->shapes[i]), 1, out);
     for (uint32_t i = 0; i < flat->world_triangle_count; i++)
         emissive += flatten_emits(scene, flat->triangles[i].material);
     uint32_t every = emissive / TRIANGLES_MAX + 1;
     for (uint32_t i = 0; i < flat->world_triangle_count && emissive > 0; i++)
         if (flatten_emits(scene, flat->triangles[i].material) && k++ % every == 0)
-            out->items[out->count++] = (struct target){.part = {EMITTER_TRIANGLE, i}};
+            add_surface(survey, EMITTER_TRIANGLE, i, flat->triangles[i].material,
+                        triangle_area(flat, i), every, out);
 }
 
 // So many directions to the environment are drawn in proportion to its radiance, as the renderer's
@@ -97,8 +125,10 @@ static bool list_targets(struct survey *survey, enum aim aim, struct targets *ou
 {
     const struct scene *scene = survey->scene;
     uint32_t most = scene->light_count + survey->flat->shape_count + TRIANGLES_MAX + SKY_TARGETS;
+    double sum = 0.0;
     out->items = ARENA_NEW(&survey->scratch, struct target, most);
-    if (!out->items)
+    out->sums = ARENA_NEW(&survey->scratch, double, most);
+    if (!out->items || !out->sums)
         return err_memory(err, "lights", most * sizeof *out->items);
     if (aim != AIM_AT_SKY)
         list_lights(survey, aim == AIM_AT_POINTS, out);
@@ -106,8 +136,10 @@ static bool list_targets(struct survey *survey, enum aim aim, struct targets *ou
         list_lamps(survey, out);
     if (aim == AIM_AT_SKY && emitters_count(scene, survey->flat).environment > 0)
         list_sky(survey, out);
-    for (uint32_t i = 0; i < out->count; i++)
+    for (uint32_t i = 0; i < out->count; i++) {
         out->rare += !out->items[i].is_common;
+        out->sums[i] = sum += out->items[i].power;
+    }
     return true;
 }
 
@@ -157,71 +189,129 @@ static const struct sighting *lit_place(const struct survey *survey, const struc
     return material_lets_through(material) || material_emits(material) ? NULL : at;
 }
 
-// A line to a target: whether that target is common, and the number of the camera's line that leads
-// to where it begins.
-struct aimed {
-    bool is_common;
-    uint32_t from;
-};
+// --- which one is aimed at -----------------------------------------------------------------------
 
-// The most delta lights that are asked what they send to a place.
+// Returns the luminance that a lamp's surface sends to a place, as if nothing were in between: by
+// the solid angle of its middle, and by the cosine there, or by half of what is above the horizon
+// where that runs through the lamp.
+static double sent_by_surface(const struct survey *survey, const struct target *target,
+                              const struct sighting *at)
+{
+    const struct renderer *r = &survey->job.renderer;
+    double center[3], way[3], side = at->is_front ? 1.0 : -1.0;
+    emitter_center(r, target->part, center);
+    vec3_subtract(center, at->point, way);
+    double distance = vec3_length(way);
+    if (!vec3_normalize(way))
+        return 0.0;
+    double angle = emitter_area(r, target->part, way) / (distance * distance);
+    double cosine = side * vec3_dot(way, at->normal);
+    double above = fmin(cosine + fmin(emitter_radius(r, target->part) / distance, 1.0), 1.0);
+    return target->each * target->radiance * fmin(angle, 2.0 * M_PI) *
+           fmax(fmax(cosine, 0.5 * above), 0.0);
+}
+
+static double sent_by(const struct survey *survey, const struct target *target,
+                      const struct sighting *at)
+{
+    double place[3], towards[3] = {0}, side = at->is_front ? 1.0 : -1.0;
+    if (target->light == SCENE_NONE)
+        return sent_by_surface(survey, target, at);
+    flat_to_world(survey->flat, at->point, place);
+    double sent = light_sent(&survey->scene->lights[target->light], place, towards);
+    return sent * fmax(side * vec3_dot(towards, at->normal), 0.0);
+}
+
+// Returns the target at a part of the sum of all powers, in [0, 1).
+static uint32_t target_at(const struct targets *targets, double part)
+{
+    double power = part * targets->sums[targets->count - 1];
+    uint32_t low = 0, high = targets->count - 1;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (targets->sums[middle] > power)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+// The most targets that are asked what they send to a place. Of more, so many are drawn by their
+// powers.
 #define ASKED_MOST 64u
 // Where their light would be less than this share of a pixel's, none of it is missed.
 #define MISSED_MIN 0.01
 
-// Draws one of the delta lights in proportion to what they send to a place that is seen in a pixel.
-// Returns NULL where even a white surface there would add next to nothing to the pixel's light.
-static const struct target *choose_light(const struct survey *survey, const struct sighting *at,
-                                         uint32_t pixel, uint32_t seed,
-                                         const struct targets *targets)
+// What is aimed at from a place.
+struct aimed {
+    const struct target *target;
+    bool is_common; // paths that scatter there find the light about as often as shadow rays do
+    double sent;    // the light that this target stands for
+    uint32_t from;  // the number of the camera's line that leads to the place
+};
+
+// Draws one of the targets in proportion to what they send to a place that is seen in a pixel, and
+// estimates the sum of that: resampled importance sampling (Talbot, Cline, Egbert 2005, eq. 4).
+// Scattered by the cosine, a path finds the radiance L with a probability p: the variance of its
+// estimate is sum(p L^2) / sum(p L)^2 squares of that light. Returns false where even a white
+// surface there would add next to nothing to the pixel's light.
+static bool choose_target(const struct survey *survey, const struct sighting *at, uint32_t seed,
+                          const struct targets *targets, struct aimed *aimed)
 {
-    uint32_t asked = targets->count < ASKED_MOST ? targets->count : ASKED_MOST, chosen = 0;
-    double sums[ASKED_MOST], sum = 0.0, place[3], side = at->is_front ? 1.0 : -1.0;
-    flat_to_world(survey->flat, at->point, place);
+    bool asks_all = targets->count <= ASKED_MOST;
+    uint32_t asked = asks_all ? targets->count : ASKED_MOST, chosen = 0, numbers[ASKED_MOST];
+    double sums[ASKED_MOST], sum = 0.0, squares = 0.0, part = (seed % 65536u + 0.5) / 65536.0;
+    double total = targets->sums[targets->count - 1];
     for (uint32_t i = 0; i < asked; i++) {
-        const struct target *target = &targets->items[(seed + i) % targets->count];
-        double towards[3] = {0};
-        double sent = light_sent(&survey->scene->lights[target->light], place, towards);
-        sum += sent * fmax(side * vec3_dot(towards, at->normal), 0.0);
+        numbers[i] = asks_all ? i : target_at(targets, (i + part) / asked);
+        const struct target *target = &targets->items[numbers[i]];
+        double density = asks_all ? 1.0 : asked * target->power / total;
+        double sent = density > 0.0 ? sent_by(survey, target, at) / density : 0.0;
+        squares += sent > 0.0 ? sent * target->radiance : 0.0;
+        sum += sent;
         sums[i] = sum;
     }
-    double added = sum / asked * targets->count / M_PI;
-    double seen = luminance(survey->job.film.mean[pixel]);
-    if (!(added > MISSED_MIN * (added + seen)))
-        return NULL;
-    double point = sum * (seed % 65536u + 0.5) / 65536.0;
+    double seen = luminance(survey->job.film.mean[aimed->from]);
+    if (!(sum / M_PI > MISSED_MIN * (sum / M_PI + seen)))
+        return false;
+    double point = sum * (seed / 65536u + 0.5) / 65536.0;
     while (chosen + 1 < asked && sums[chosen] < point)
         chosen++;
-    return &targets->items[(seed + chosen) % targets->count];
+    aimed->target = &targets->items[numbers[chosen]];
+    aimed->is_common = squares * M_PI < RARE_MIN * sum * sum;
+    aimed->sent = sum;
+    return true;
 }
+
+// --- what is in between --------------------------------------------------------------------------
 
 // Begins a line from a surface to one of the targets. Returns false where the target is on the
 // surface's other side, or sends nothing there that counts.
-static bool begin_line(const struct survey *survey, const struct sighting *at, uint32_t number,
-                       const struct targets *targets, struct sightline *line, struct aimed *aimed)
+static bool begin_line(const struct survey *survey, enum aim aim, const struct sighting *at,
+                       uint32_t number, const struct targets *targets, struct sightline *line,
+                       struct aimed *aimed)
 {
     uint32_t seed = (uint32_t)(hash_bytes(HASH_INIT, &number, sizeof number) >> 16);
     const struct target *target = &targets->items[seed % targets->count];
-    if (target->is_delta)
-        target = choose_light(survey, at, number % survey->line_count, seed, targets);
-    if (!target)
+    // The sky's targets are drawn by their light.
+    *aimed = (struct aimed){target, target->is_common, 1.0, number % survey->line_count};
+    if (aim != AIM_AT_SKY && !choose_target(survey, at, seed, targets, aimed))
         return false;
     *line = (struct sightline){.from = at};
-    *aimed = (struct aimed){target->is_common, number % survey->line_count};
-    aim_at(survey, target, at->point, seed / 16, line);
+    aim_at(survey, aimed->target, at->point, seed / 16, line);
     // Both sides reflect, that which is seen does.
     double side = at->is_front ? 1.0 : -1.0;
     return side * vec3_dot(line->direction, at->normal) > 0.0;
 }
 
-// Whether a line reaches what it was sent to by way of glass. Points on spheres are aimed at
-// where they are seen, so that the lamp itself may be met before.
-static bool is_behind_glass(const struct survey *survey, const struct sightline *line)
+// Returns whether a line reaches what it was sent to, and by way of how many surfaces. Points on
+// spheres are aimed at where they are seen, so that the lamp itself may be met before.
+static bool arrives(const struct survey *survey, const struct sightline *line, uint32_t *surfaces)
 {
-    if (line->is_open)
-        return line->count > 0;
-    const struct sighting *last = &line->steps[line->count - 1];
-    return line->count > 1 && material_emits(&survey->scene->materials[last->material]);
+    *surfaces = line->is_open ? line->count : line->count - 1;
+    return line->is_open ||
+           material_emits(&survey->scene->materials[line->steps[*surfaces].material]);
 }
 
 // Counts of what lines to targets have met.
@@ -229,28 +319,34 @@ struct tally {
     uint32_t places; // that can be lit
     uint32_t open;   // lines that nothing opaque ends
     uint32_t behind; // lines to rare targets by way of glass
+    double sent;     // the light of all lines that arrive
+    double hidden;   // that of those behind glass
     struct sighting glass;
     uint8_t *touched; // flags of places that they begin at
 };
 
 // Traces one line from each place that can be lit. `buffer` and `aimed` must have room for them.
-static bool count_behind_glass(struct survey *survey, const struct targets *targets, uint32_t round,
-                               struct sightline *buffer, struct aimed *aimed, struct tally *tally,
-                               struct err *err)
+static bool count_behind_glass(struct survey *survey, enum aim aim, const struct targets *targets,
+                               uint32_t round, struct sightline *buffer, struct aimed *aimed,
+                               struct tally *tally, struct err *err)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < survey->line_count; i++) {
         const struct sighting *at = lit_place(survey, &survey->lines[i]);
         tally->places += at != NULL;
-        count += at && begin_line(survey, at, round * survey->line_count + i, targets,
+        count += at && begin_line(survey, aim, at, round * survey->line_count + i, targets,
                                   &buffer[count], &aimed[count]);
     }
     if (!sightlines_trace(survey, buffer, count, err))
         return false;
     for (uint32_t i = 0; i < count; i++) {
+        uint32_t surfaces;
+        bool is_there = arrives(survey, &buffer[i], &surfaces);
         tally->open += buffer[i].is_open;
-        if (aimed[i].is_common || !is_behind_glass(survey, &buffer[i]))
+        tally->sent += is_there ? aimed[i].sent : 0.0;
+        if (aimed[i].is_common || !is_there || surfaces == 0)
             continue;
+        tally->hidden += aimed[i].sent;
         tally->touched[aimed[i].from] = 1;
         if (tally->behind++ == 0)
             tally->glass = buffer[i].steps[0];
@@ -274,7 +370,7 @@ static bool share_behind_glass(struct survey *survey, enum aim aim, const struct
     if (!lines || !aimed || !tally->touched)
         return err_memory(err, "lines to lights", survey->line_count * sizeof *lines);
     for (uint32_t i = 0; i < rounds; i++)
-        if (!count_behind_glass(survey, targets, i, lines, aimed, tally, err))
+        if (!count_behind_glass(survey, aim, targets, i, lines, aimed, tally, err))
             return false;
     *share = (double)tally->behind / survey->line_count;
     if (aim == AIM_AT_SKY)
@@ -309,17 +405,16 @@ static const struct words {
 };
 
 static const char *describe_targets(struct survey *survey, enum aim aim,
-                                    const struct targets *targets)
+                                    const struct targets *targets, const struct tally *tally)
 {
     const char *plural = targets->count == 1 ? "" : "s";
-    switch (aim) {
-    case AIM_AT_POINTS:
-        return arena_printf(survey->arena, "%u light%s without extent", targets->count, plural);
-    case AIM_AT_LAMPS:
-        return arena_printf(survey->arena, "%u lamp%s, or parts of such", targets->count, plural);
-    case AIM_AT_SKY:
-        break;
-    }
+    if (aim != AIM_AT_SKY)
+        return arena_printf(survey->arena,
+                            "%u %s%s%s, and %.3g %% of the light that would come from there "
+                            "straight to what is seen is behind glass",
+                            targets->count, aim == AIM_AT_POINTS ? "light" : "lamp", plural,
+                            aim == AIM_AT_POINTS ? " without extent" : " or parts of such",
+                            100.0 * tally->hidden / tally->sent);
     return arena_printf(survey->arena,
                         "%.0f %% of the environment's light come from directions %.0f times as "
                         "bright as its mean, or brighter",
@@ -349,7 +444,7 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
                           .place = object && material ? arena_printf(survey->arena, "behind %s, %s",
                                                                      object, material)
                                                       : NULL,
-                          .figure = describe_targets(survey, aim, &targets),
+                          .figure = describe_targets(survey, aim, &targets, &tally),
                           .consequence = words->consequence,
                           .remedy = words->remedy,
                           .share = share,

@@ -130,9 +130,10 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
 
 // --- light_sent.c --------------------------------------------------------------------------------
 
-// The luminance of what a light without extent sends to a place of the world, W/m^2 on a surface
-// that faces it, as if nothing were in between: by its distance, range, cone and profile. In which
-// direction it is seen from there, unit, where that is not 0.
+// Returns the luminance of what one of the scene's lights sends to a place of the world, in W/m^2
+// on a surface that faces it, as if nothing were in between: by its distance, range, cone and
+// profile. Where that is not 0, `towards` is the unit direction in which the light's middle is
+// seen.
 double light_sent(const struct light *light, const double place[3], double towards[3]);
 
 // --- searches: each adds what it finds -----------------------------------------------------------
