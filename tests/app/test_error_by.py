@@ -167,7 +167,8 @@ class Converge(Base):
 
     def test_replicates_together(self):
         plain = self.converge('--reference', 'none')
-        curve = self.converge('--reference', 'none', '--error-by', 'part', '--roulette', 'frame')
+        curve = self.converge('--reference', 'none', '--error-by', 'part', '--roulette', 'frame', '--report',
+                              self.path('report'))
         self.assertIsNone(plain['error_by'])
         by = curve['error_by']['part']
         self.assertIsNone(curve['error_by']['emitter'])
@@ -178,6 +179,10 @@ class Converge(Base):
             # Replicates are independent, whatever pixels share.
             self.assertLess(c['share']['ci_low'], c['share']['value'])
             self.assertLess(c['share']['value'], c['share']['ci_high'])
+        with open(self.path('report/report.html'), encoding='utf-8') as file:
+            page = file.read()
+        for c in by['classes']:
+            self.assertRegex(page, '<tr><th>%s</th><td>%.1f' % (c['name'], 100 * c['share']['value']))
 
 
 if __name__ == '__main__':

@@ -244,6 +244,53 @@ static void put_targets(struct page *page, uint32_t first, uint32_t count)
     fputs("</table></div>\n", out);
 }
 
+static void put_share(struct page *page, const char *name, const struct error_share *share)
+{
+    fputs("<tr><th>", page->html.out);
+    html_text(&page->html, name);
+    fputs("</th>", page->html.out);
+    const struct interval percent = {100.0 * share->share.value, 100.0 * share->share.low,
+                                     100.0 * share->share.high};
+    html_interval(&page->html, percent, "%.1f");
+    html_number(&page->html, share->error, "%.3g");
+}
+
+static void put_kind(struct page *page, const struct error_by *by, enum error_kind kind)
+{
+    FILE *out = page->html.out;
+    fprintf(out,
+            "<div class=\"wide\"><table><tr><th>%s</th><th>share of the error, %%</th>"
+            "<th>local relMSE</th><th>share of the light, %%</th></tr>\n",
+            error_kind_names[kind]);
+    for (uint32_t i = 0; i < by->count; i++) {
+        put_share(page, error_class_name(kind, i), &by->classes[i]);
+        html_number(&page->html, 100.0 * by->light[i], "%.1f");
+        fputs("</tr>\n", out);
+    }
+    put_share(page, "together", &by->together);
+    fputs("<td></td></tr>\n</table></div>\n", out);
+}
+
+// --error-by, of the last pictures of each curve.
+static void put_sources(struct page *page, uint32_t first, uint32_t count)
+{
+    FILE *out = page->html.out;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct converge_curve *curve = &page->c->curves[first + i];
+        const struct error_sources *sources = &curve->pooled;
+        if (!sources->kinds)
+            continue;
+        fputs("<h3>Where the error comes from: ", out);
+        html_text(&page->html, converge_label(curve));
+        fputs("</h3>\n", out);
+        if (sources->reason)
+            fprintf(out, "<p class=\"note\">It is not known: %s.</p>\n", sources->reason);
+        for (int kind = 0; kind < ERROR_KIND_COUNT && !sources->reason; kind++)
+            if (sources->kinds & error_kind_aov((enum error_kind)kind))
+                put_kind(page, &sources->by[kind], (enum error_kind)kind);
+    }
+}
+
 static void put_matrix(struct page *page, uint32_t first, uint32_t count)
 {
     FILE *out = page->html.out;
@@ -328,6 +375,7 @@ static bool put_scene(struct page *page, uint32_t scene, struct err *err)
     put_targets(page, first, count);
     put_metrics(page, first, count);
     put_matrix(page, first, count);
+    put_sources(page, first, count);
     return put_pictures(page, scene, first, count, err);
 }
 
