@@ -37,25 +37,26 @@ uint32_t error_kind_aov(enum error_kind kind)
 
 // --- shares --------------------------------------------------------------------------------------
 
-static const char *why_unknown(const struct job *job)
+static const char *why_unknown(const struct film_image *film,
+                               const struct error_sources_params *params)
 {
-    const struct film_image *film = &job->film;
     if (film->least_samples < 2)
         return "fewer than two samples per pixel";
-    if (halves_are_contiguous(&job->renderer) && film->least_samples != job->renderer.frame.samples)
+    if (params->is_contiguous && film->least_samples != params->planned)
         return "with contiguous halves the error is known when all planned samples are done";
     return NULL;
 }
 
-static struct error_by_params params_of(const struct job *job, enum error_kind kind,
+static struct error_by_params params_of(const struct film_image *film, uint32_t rendered,
+                                        enum error_kind kind,
                                         const struct half_error_params *halves,
                                         const double (*weights)[3])
 {
     static const uint32_t counts[ERROR_KIND_COUNT] = {BY_PART_COUNT, BY_BOUNCE_COUNT,
                                                       BY_EMITTER_COUNT};
-    const uint32_t first[ERROR_KIND_COUNT] = {0, AOV_BOUNCES_AT(job->renderer.aovs),
-                                              AOV_EMITTERS_AT(job->renderer.aovs)};
-    const struct film_aovs *aovs = &job->film.aovs;
+    const uint32_t first[ERROR_KIND_COUNT] = {0, AOV_BOUNCES_AT(rendered),
+                                              AOV_EMITTERS_AT(rendered)};
+    const struct film_aovs *aovs = &film->aovs;
     return (struct error_by_params){
         .halves = halves,
         .weights = weights,
@@ -125,35 +126,46 @@ static void find_brightest(const struct film_image *film, const double (*weights
 
 // -------------------------------------------------------------------------------------------------
 
-static void find_shares(const struct job *job, const struct half_error_params *halves,
-                        const double (*weights)[3], struct error_sources *out)
+static void find_shares(const struct film_image *film, uint32_t rendered,
+                        const struct half_error_params *halves, const double (*weights)[3],
+                        struct error_sources *out)
 {
     struct error_by_params params = {.halves = halves, .weights = weights};
     double whole = metrics_error_sum(&params);
     for (int kind = 0; kind < ERROR_KIND_COUNT; kind++) {
         if (!(out->kinds & error_kind_aov((enum error_kind)kind)))
             continue;
-        params = params_of(job, (enum error_kind)kind, halves, weights);
+        params = params_of(film, rendered, (enum error_kind)kind, halves, weights);
         metrics_error_by(&params, &out->by[kind]);
     }
     for (uint32_t i = 0; i < out->brightest_count && whole > 0; i++) {
         struct bright_path *path = &out->brightest[i];
-        uint64_t pixel = (uint64_t)path->y * job->film.width + path->x;
+        uint64_t pixel = (uint64_t)path->y * film->width + path->x;
         path->share = metrics_error_of_pixel(&params, pixel) / whole;
     }
 }
 
-bool error_sources_find(const struct job *job, struct error_sources *out, struct err *err)
+void error_sources_prepare(const struct job *job, struct error_sources_params *out)
 {
-    const struct film_image *film = &job->film;
+    *out = (struct error_sources_params){
+        .aovs = job->renderer.aovs,
+        .shares_depths = job_shares_depths(job),
+        .is_contiguous = halves_are_contiguous(&job->renderer),
+        .planned = job->renderer.frame.samples,
+    };
+}
+
+bool error_sources_find(const struct film_image *film, const struct error_sources_params *params,
+                        struct error_sources *out, struct err *err)
+{
     uint64_t pixels = (uint64_t)film->width * film->height;
     *out = (struct error_sources){
-        .kinds = job->renderer.aovs & AOVS_BY,
-        .has_intervals = !job_shares_depths(job),
+        .kinds = params->aovs & AOVS_BY,
+        .has_intervals = !params->shares_depths,
     };
     if (!out->kinds)
         return true;
-    out->reason = why_unknown(job);
+    out->reason = why_unknown(film, params);
     if (out->reason)
         return true;
     const struct half_error_params halves = {
@@ -167,7 +179,7 @@ bool error_sources_find(const struct job *job, struct error_sources *out, struct
     bool ok = weights && metrics_half_error_weights(&halves, weights);
     if (ok) {
         find_brightest(film, (const double(*)[3])weights, out);
-        find_shares(job, &halves, (const double(*)[3])weights, out);
+        find_shares(film, params->aovs, &halves, (const double(*)[3])weights, out);
     }
     free(weights);
     return ok || err_memory(err, "where the error comes from", pixels * sizeof *weights);

@@ -40,9 +40,19 @@ struct error_sources {
     uint32_t brightest_count;
 };
 
+// What is to be known of a job besides its film.
+struct error_sources_params {
+    uint32_t aovs;      // of the renderer
+    bool shares_depths; // all pixels' paths do, so that their errors depend on each other
+    bool is_contiguous; // the halves are, which tell an error only when all samples are done
+    uint64_t planned;   // samples
+};
+
 struct job;
-// Finds the sources of the error of the job's film. Does nothing without --error-by. Returns false
-// only when out of memory.
-bool error_sources_find(const struct job *job, struct error_sources *out, struct err *err);
+void error_sources_prepare(const struct job *job, struct error_sources_params *out);
+// Finds the sources of the error of a film of the job. Does nothing without --error-by. Returns
+// false only when out of memory. Any thread may call it.
+bool error_sources_find(const struct film_image *film, const struct error_sources_params *params,
+                        struct error_sources *out, struct err *err);
 
 #endif

@@ -275,6 +275,8 @@ bool job_trace_rays(struct job *job, const struct probe_ray *rays, uint32_t coun
 
 // Reads the film.
 bool job_fetch_film(struct job *job, struct err *err);
+// Finds where the error of the film that was read last comes from.
+bool job_find_sources(const struct job *job, struct error_sources *out, struct err *err);
 // Estimates the error of the film as it was read last, compares it with the reference, if there is
 // one, and finds its hash.
 bool job_judge_film(struct job *job, struct err *err);
@@ -285,13 +287,16 @@ bool job_read_film(struct job *job, struct err *err);
 // Judges the finished film: the rescued one, or that of now, which is read.
 bool job_judge_end(struct job *job, struct err *err);
 
-// The error of the film as it is now, in two parts: only the first needs the renderer, so that
-// another thread may do the second, which takes longer. The arena is the caller's to finish.
+// The error of the film as it is now, and where it comes from if that was asked for, in two parts:
+// only the first needs the renderer, so that another thread may do the second, which takes longer.
+// The arena is the caller's to finish.
 struct job_estimate {
     struct arena arena;
     struct film_image film;
     struct film_error_params params;
+    struct error_sources_params sources_params;
     struct half_error error;
+    struct error_sources sources;
 };
 bool job_estimate_begin(struct job *job, struct job_estimate *out, struct err *err);
 bool job_estimate_end(struct job_estimate *estimate, struct err *err); // any thread

@@ -77,6 +77,7 @@ bool job_prepare_estimates(struct job *job, struct err *err)
 bool job_estimate_begin(struct job *job, struct job_estimate *out, struct err *err)
 {
     *out = (struct job_estimate){0};
+    error_sources_prepare(job, &out->sources_params);
     return renderer_read(&job->renderer, &out->arena, &out->film, err) &&
            film_error_prepare(&job->renderer, out->film.least_samples, &out->arena, &out->params,
                               err);
@@ -84,7 +85,8 @@ bool job_estimate_begin(struct job *job, struct job_estimate *out, struct err *e
 
 bool job_estimate_end(struct job_estimate *estimate, struct err *err)
 {
-    return film_error(&estimate->film, &estimate->params, &estimate->error, err);
+    return film_error(&estimate->film, &estimate->params, &estimate->error, err) &&
+           error_sources_find(&estimate->film, &estimate->sources_params, &estimate->sources, err);
 }
 
 // The true error, and what of it is bias: told by the halves, where they are independent.
@@ -119,6 +121,13 @@ bool job_read_film(struct job *job, struct err *err)
     return job_fetch_film(job, err) && job_judge_film(job, err);
 }
 
+bool job_find_sources(const struct job *job, struct error_sources *out, struct err *err)
+{
+    struct error_sources_params params;
+    error_sources_prepare(job, &params);
+    return error_sources_find(&job->film, &params, out, err);
+}
+
 bool job_judge_film(struct job *job, struct err *err)
 {
     uint64_t start = clock_ns();
@@ -132,8 +141,8 @@ bool job_judge_film(struct job *job, struct err *err)
     if (!job_estimate_error(job, 0.0, &job->error, err))
         return false;
     start = clock_ns();
-    bool ok = error_sources_find(job, &job->sources, err) &&
-              (!job->params.reference || compare(job, err));
+    bool ok =
+        job_find_sources(job, &job->sources, err) && (!job->params.reference || compare(job, err));
     job->seconds.judge += clock_seconds_since(start);
     return ok;
 }

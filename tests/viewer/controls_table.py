@@ -43,6 +43,8 @@ VIEW = [
     ('renderer.side', 'A', 'state', None),
     ('view.swap', '', 'picture'),
     ('view.split', 'off', 'result', None),
+    ('statistics.error_by', 'part', 'result', None),
+    ('statistics.error_by', 'off', 'none', None),
     ('view.frame_ms', '50', 'state', '33'),
     ('view.pause', 'on', 'state', 'off'),
     ('view.undocked', 'on', 'state', None),

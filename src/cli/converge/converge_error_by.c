@@ -10,7 +10,7 @@ bool converge_split_error(struct converge *c, struct converge_curve *curve, uint
         curve->sources = ARENA_NEW(&c->arena, struct error_sources, c->replicate_count);
     if (!curve->sources)
         return err_memory(err, "shares of the error", c->replicate_count * sizeof *curve->sources);
-    return error_sources_find(&curve->job, &curve->sources[replicate], err);
+    return job_find_sources(&curve->job, &curve->sources[replicate], err);
 }
 
 // All replicates of a curve have as many samples, or each has a reason of its own.

@@ -19,7 +19,8 @@
 uint32_t viewer_aovs(const struct shown *shown)
 {
     bool denoises = shown->denoise && shown->what == SHOWN_RADIANCE;
-    return display_aovs(shown->what) | (denoises ? DENOISE_AOVS : 0);
+    uint32_t split = shown->error_by ? error_kind_aov((enum error_kind)(shown->error_by - 1)) : 0;
+    return display_aovs(shown->what) | (denoises ? DENOISE_AOVS : 0) | split;
 }
 
 void viewer_changed(struct viewer *viewer, enum change change)

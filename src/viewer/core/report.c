@@ -2,6 +2,7 @@
 #include "viewer/core/report.h"
 
 #include "base/clock.h"
+#include "cli/error_sources_out.h"
 #include "cli/exit_code.h"
 #include "cli/options.h"
 #include "job/film_error.h"
@@ -146,13 +147,15 @@ static json_t *side_json(const struct view *view)
 {
     const struct job_look look = view_newest_look(view);
     const struct half_error *error = &look.error;
-    return json_pack(
-        "{s:I, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "samples", (json_int_t)view_samples(view),
-        "render_seconds", view->seconds, "local_relmse", json_number(error->local_relmse), "ci_low",
-        json_number(error->ci_low), "ci_high", json_number(error->ci_high), "at_most",
-        json_number(error->at_most), "relmse_at_most", json_number(error->relmse_at_most),
-        "error_samples", json_number(view->look_count > 0 ? look.samples : NAN), "reason",
-        error->reason ? json_string(error->reason) : json_null());
+    return json_pack("{s:I, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "samples",
+                     (json_int_t)view_samples(view), "render_seconds", view->seconds,
+                     "local_relmse", json_number(error->local_relmse), "ci_low",
+                     json_number(error->ci_low), "ci_high", json_number(error->ci_high), "at_most",
+                     json_number(error->at_most), "relmse_at_most",
+                     json_number(error->relmse_at_most), "error_samples",
+                     json_number(view->look_count > 0 ? look.samples : NAN), "reason",
+                     error->reason ? json_string(error->reason) : json_null(), "error_by",
+                     error_sources_json(&view->sources, NULL));
 }
 
 static void print_json(struct viewer *viewer)
@@ -199,6 +202,8 @@ static void print_side(const struct viewer *viewer, uint32_t index)
                error->known ? " (blind to bias)" : ": ", error->known ? "" : error->reason);
     else
         printf("; its error is not known: %s\n", error->reason);
+    bool splits = view->job.renderer.specialization.split_lobes > 0;
+    error_sources_print(&view->sources, splits ? NULL : "lampyris render SAVED.json");
 }
 
 static void print_text(struct viewer *viewer)

@@ -23,6 +23,7 @@ struct shown {
     uint32_t nearest;
     uint32_t spp_limit;        // samples of a pixel after which the picture rests; 0: none
     uint32_t exposure_is_auto; // 1: found from the picture
+    uint32_t error_by;         // 0: nothing; else 1 + enum error_kind: what its error is split by
 };
 
 // Figures of the last frames for the panel.

@@ -21,6 +21,7 @@ void view_begin(struct view *view)
     view->seconds = 0.0;
     view->first_sample = view->denoised_samples = 0;
     view->look_count = 0;
+    view->sources = (struct error_sources){0};
     view->next_look = FIRST_LOOK;
 }
 
@@ -83,6 +84,7 @@ static void add_look(struct view *view, const struct look_job *job)
         .samples = job->samples,
         .error = job->estimate.error,
     };
+    view->sources = job->estimate.sources;
 }
 
 struct job_look view_newest_look(const struct view *view)

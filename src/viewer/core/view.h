@@ -46,6 +46,7 @@ struct view {
     struct job_look looks[VIEW_LOOKS_MAX];
     uint32_t look_count;
     double next_look; // samples at which the error is to be found again
+    struct error_sources sources; // of the newest look's error
 };
 
 struct viewer;

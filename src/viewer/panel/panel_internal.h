@@ -79,6 +79,7 @@ void panel_overlay(struct panel *panel, const struct document *document, const s
                    const struct viewpoint *view, const struct shell *shell); // over the picture
 void panel_statistics(struct panel *panel, const struct document *document,
                       const struct stage *stage);
+void panel_error_by(struct panel *panel, const struct stage *stage); // within the statistics
 void panel_renderer(struct panel *panel, const struct document *document, struct stage *stage);
 void panel_view(struct panel *panel, struct stage *stage, struct viewpoint *view);
 void panel_camera(struct panel *panel, const struct document *document, struct viewpoint *view);

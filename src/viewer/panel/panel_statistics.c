@@ -227,6 +227,7 @@ void panel_statistics(struct panel *panel, const struct document *document,
             error_lines(panel, stage, side);
         error_curves(panel, stage);
     }
+    panel_error_by(panel, stage);
     gui_group_begin(gui, "statistics.frame", "Frame", "Where the time of the last frame went.",
                     true);
     if (gui_is_drawn(gui))

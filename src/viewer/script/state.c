@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "cli/error_sources_out.h"
 #include "render/parts.h"
 #include "viewer/core/frame.h"
 #include "viewer/core/messages.h"
@@ -72,14 +73,15 @@ static json_t *side_json(const struct view *view)
     if (view->is_ready)
         parts_visit(&view->job.renderer, list_kept, kept);
     const struct renderer *r = &view->job.renderer;
-    return json_pack("{s:b, s:i, s:i, s:I, s:o, s:o, s:o, s:i, s:i, s:b, s:o}", "ready",
+    return json_pack("{s:b, s:i, s:i, s:I, s:o, s:o, s:o, s:i, s:i, s:b, s:o, s:o}", "ready",
                      view->is_ready, "width", r->frame.width, "height", r->frame.height, "samples",
                      (json_int_t)(view->is_ready ? view_samples(view) : 0), "local_relmse",
                      json_number(look.error.local_relmse), "at_most",
                      json_number(look.error.at_most), "error_samples",
                      json_number(view->look_count > 0 ? look.samples : NAN), "wave",
                      r->plan.wave_slots, "workgroup", r->specialization.workgroup, "denoised",
-                     view->denoiser.gpu != NULL, "kept", kept);
+                     view->denoiser.gpu != NULL, "kept", kept, "error_by",
+                     error_sources_json(&view->sources, NULL));
 }
 
 static json_t *sides_json(const struct viewer *viewer)
