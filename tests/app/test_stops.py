@@ -122,15 +122,16 @@ class Stops(unittest.TestCase):
 
     def test_the_limit_of_a_files_size(self):
         def limit():
-            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, resource.RLIM_INFINITY))
+            # More than the 64 KiB that a driver may write for its machine code.
+            resource.setrlimit(resource.RLIMIT_FSIZE, (100000, resource.RLIM_INFINITY))
             os.environ['TMPDIR'] = self.folder.name
-        process = self.render('--size', '64x64', '--spp', '2', prepare=limit)
+        process = self.render('--size', '256x192', '--spp', '2', prepare=limit)
         _, messages = process.communicate(timeout=100)
         self.assertEqual(process.returncode, 4, messages)
         self.assertIn('File too large', messages)
         saved = messages.split('the picture was saved as ')[1].split('\n')[0]
         self.assertEqual(os.path.dirname(os.path.dirname(saved)), self.folder.name)
-        whole = self.render('--size', '64x64', '--spp', '2')
+        whole = self.render('--size', '256x192', '--spp', '2')
         whole.communicate(timeout=100)
         self.assertEqual(whole.returncode, 0)
         result = subprocess.run([LAMPYRIS, 'compare', saved, self.path('out.exr'), '--max',
@@ -139,7 +140,7 @@ class Stops(unittest.TestCase):
 
     def test_the_hard_limit_of_a_files_size(self):
         """Between the sizes of a picture with 32 and with 16 bits a value; then below both."""
-        size = ['--size', '64x64', '--spp', '2']
+        size = ['--size', '256x192', '--spp', '2']
         sizes = []
         for more in ([], ['--half']):
             self.assertEqual((process := self.render(*size, *more)).communicate(timeout=100) and
@@ -164,7 +165,7 @@ class Stops(unittest.TestCase):
         _, messages = process.communicate(timeout=100)
         self.assertEqual(process.returncode, 4, messages)
         self.assertIn('at most %d bytes' % limit, messages)
-        self.assertIn('%d before compression' % (64 * 64 * 3 * 4), messages)
+        self.assertIn('%d before compression' % (256 * 192 * 3 * 4), messages)
         self.assertIn('could not be saved in', messages)
 
     # --- a sample of every pixel ---

@@ -253,11 +253,11 @@ class Explain(Base):
     def test_the_bytes_are_those_of_the_buffers(self):
         def taken(*arguments):
             values = self.json(scene('cornell'), *arguments)
-            self.assertEqual(values['wave'], 65536)
+            self.assertEqual(values['wave'], 16384)
             return sum(part['bytes'] for part in values['features']['kept']
                        if part['kind'] == 'buffer')
-        size, _, _ = self.explained('--wave', '65536')[1]['feature', 'environment']
-        self.assertEqual(taken('--wave', '65536', '--env', '1,1,1') - taken('--wave', '65536'), size)
+        size, _, _ = self.explained('--wave', '16384')[1]['feature', 'environment']
+        self.assertEqual(taken('--wave', '16384', '--env', '1,1,1') - taken('--wave', '16384'), size)
 
     def test_reasons_follow_the_settings(self):
         self.assertEqual(self.explained('--nee', 'off')[1]['feature', 'next-event estimation'][2],
