@@ -488,6 +488,16 @@ class Chance(Checks):
         figure = self.found(ball, (bulb, 10), ({**bulb, 'center': [0.5, 2, -2]}, 10))['light-by-chance']['figure']
         self.assertAlmostEqual(float(re.search(r'and ([\d.]+) %', figure)[1]), 50, delta=5)
 
+    def test_of_two_rooms(self):
+        """A bulb in a glass ball in one, and a lamp of 16 times its light in the other: all of the first
+        room's light comes by chance."""
+        ball = {'type': 'sphere', 'center': [-2, 3, -1], 'radius': 0.2}
+        wall = {'type': 'box', 'material': 'grey', 'min': [-0.01, 0, -4], 'max': [0.01, 9, 4]}
+        found = self.found(ball, ({**ball, 'radius': 0.05}, 10),
+                           ({**ball, 'center': [2, 3, -1]}, 10), more=[wall])
+        self.assertGreater(found['light-by-chance']['share'], 0.2)
+        self.assertLess(found['light-by-chance']['share'], 0.5)
+
     def test_of_large_lamps(self):
         """A panel of many triangles that paths find easily, and one that they do not."""
         pane = {'type': 'box', 'min': [-4, 2, -4], 'max': [4, 2.1, 0]}

@@ -237,69 +237,131 @@ static uint32_t target_at(const struct targets *targets, double part)
     return low;
 }
 
-// The most targets that are asked what they send to a place. Of more, so many are drawn by their
-// powers.
+// Targets that are asked what they send to a place. Of more, so many are drawn by their powers.
 #define ASKED_MOST 64u
-// Where their light would be less than this share of a pixel's, none of it is missed.
-#define MISSED_MIN 0.01
 
-// What is aimed at from a place.
-struct aimed {
-    const struct target *target;
-    bool is_common; // paths that scatter there find the light about as often as shadow rays do
-    double sent;    // the light that this target stands for
-    uint32_t from;  // the number of the camera's line that leads to the place
+// What some of the targets send to a place, with that of the others in proportion; in all, `sum`.
+struct candidates {
+    uint32_t numbers[ASKED_MOST], count; // of the targets
+    double sent[ASKED_MOST], sum;
 };
 
-// Draws one of the targets in proportion to what they send to a place that is seen in a pixel, and
-// estimates the sum of that: resampled importance sampling (Talbot, Cline, Egbert 2005, eq. 4).
-// Scattered by the cosine, a path finds the radiance L with a probability p: the variance of its
-// estimate is sum(p L^2) / sum(p L)^2 squares of that light. Returns false where even a white
-// surface there would add next to nothing to the pixel's light.
-static bool choose_target(const struct survey *survey, const struct sighting *at, uint32_t seed,
-                          const struct targets *targets, struct aimed *aimed)
+static void add_candidate(struct candidates *list, uint32_t number, double sent)
+{
+    if (!(sent > 0.0))
+        return;
+    bool is_again = list->count > 0 && list->numbers[list->count - 1] == number;
+    uint32_t at = is_again ? list->count - 1 : list->count;
+    list->numbers[at] = number;
+    list->sent[at] = (is_again ? list->sent[at] : 0.0) + sent;
+    list->count = at + 1;
+    list->sum += sent;
+}
+
+static void list_candidates(const struct survey *survey, const struct sighting *at, double random,
+                            const struct targets *targets, struct candidates *out)
 {
     bool asks_all = targets->count <= ASKED_MOST;
-    uint32_t asked = asks_all ? targets->count : ASKED_MOST, chosen = 0, numbers[ASKED_MOST];
-    double sums[ASKED_MOST], sum = 0.0, squares = 0.0, part = (seed % 65536u + 0.5) / 65536.0;
+    uint32_t asked = asks_all ? targets->count : ASKED_MOST;
     double total = targets->sums[targets->count - 1];
+    *out = (struct candidates){0};
     for (uint32_t i = 0; i < asked; i++) {
-        numbers[i] = asks_all ? i : target_at(targets, (i + part) / asked);
-        const struct target *target = &targets->items[numbers[i]];
+        uint32_t number = asks_all ? i : target_at(targets, (i + random) / asked);
+        const struct target *target = &targets->items[number];
         double density = asks_all ? 1.0 : asked * target->power / total;
-        double sent = density > 0.0 ? sent_by(survey, target, at) / density : 0.0;
-        squares += sent > 0.0 ? sent * target->radiance : 0.0;
-        sum += sent;
-        sums[i] = sum;
+        if (density > 0.0)
+            add_candidate(out, number, sent_by(survey, target, at) / density);
     }
-    double seen = luminance(survey->job.film.mean[aimed->from]);
-    if (!(sum / M_PI > MISSED_MIN * (sum / M_PI + seen)))
-        return false;
-    double point = sum * (seed / 65536u + 0.5) / 65536.0;
-    while (chosen + 1 < asked && sums[chosen] < point)
-        chosen++;
-    aimed->target = &targets->items[numbers[chosen]];
-    aimed->is_common = squares * M_PI < RARE_MIN * sum * sum;
-    aimed->sent = sum;
-    return true;
+}
+
+// In [0, 1), the same for the same numbers.
+static double random_of(uint32_t pixel, uint32_t number)
+{
+    const uint32_t key[2] = {pixel, number};
+    return (double)(hash_bytes(HASH_INIT, key, sizeof key) >> 11) * 0x1p-53;
+}
+
+// Returns which candidate comes at a place of an order that is random, but in which those that send
+// more tend to come first: that of drawing without replacement (Efraimidis, Spirakis 2006,
+// "Weighted random sampling with a reservoir", algorithm A). list->count: there are not so many.
+static uint32_t candidate_at(const struct candidates *list, uint32_t pixel, uint32_t rank)
+{
+    double keys[ASKED_MOST];
+    uint32_t first = list->count;
+    for (uint32_t i = 0; i < list->count; i++)
+        keys[i] = log(1.0 - random_of(pixel, list->numbers[i])) / list->sent[i];
+    for (uint32_t k = 0; k <= rank && k < list->count; k++) {
+        first = 0;
+        for (uint32_t i = 1; i < list->count; i++)
+            if (keys[i] > keys[first])
+                first = i;
+        if (k < rank)
+            keys[first] = -INFINITY;
+    }
+    return rank < list->count ? first : list->count;
 }
 
 // --- what is in between --------------------------------------------------------------------------
 
-// Begins a line from a surface to one of the targets. Returns false where the target is on the
-// surface's other side, or sends nothing there that counts.
-static bool begin_line(const struct survey *survey, enum aim aim, const struct sighting *at,
-                       uint32_t number, const struct targets *targets, struct sightline *line,
-                       struct aimed *aimed)
+// What is known of a place that can be lit, in one unit of light for all.
+struct place {
+    double sent;    // what all targets send there
+    double asked;   // what those send that lines went to
+    double arrived; // of that, what nothing opaque stops
+    double hidden;  // of that, what is behind glass
+    double squares; // of that, the sum of light times radiance
+    struct sighting glass;
+};
+
+// A line to a target: how much light it stands for, and the number of the camera's line that leads
+// to where it begins.
+struct aimed {
+    const struct target *target;
+    double sent;
+    uint32_t from;
+};
+
+// Counts of what lines to targets have met.
+struct tally {
+    uint32_t places;        // that can be lit, in all rounds
+    uint32_t open;          // lines that nothing opaque ends
+    uint32_t behind;        // lines to rare targets by way of glass, or of lamps the places
+    double arrived, hidden; // light of lamps: see struct place
+    struct sighting glass;
+    uint8_t *touched; // flags of places
+    struct place *at; // one for each of the camera's lines
+};
+
+// Chooses a target for a line from a place: another one in each round. Returns false where there is
+// none left. The sky's targets are drawn by their light.
+static bool choose_target(const struct survey *survey, enum aim aim, const struct sighting *at,
+                          uint32_t round, const struct targets *targets, struct place *place,
+                          struct aimed *aimed)
 {
-    uint32_t seed = (uint32_t)(hash_bytes(HASH_INIT, &number, sizeof number) >> 16);
-    const struct target *target = &targets->items[seed % targets->count];
-    // The sky's targets are drawn by their light.
-    *aimed = (struct aimed){target, target->is_common, 1.0, number % survey->line_count};
-    if (aim != AIM_AT_SKY && !choose_target(survey, at, seed, targets, aimed))
+    struct candidates list;
+    if (aim == AIM_AT_SKY) {
+        uint32_t number = (uint32_t)(random_of(aimed->from, round) * targets->count);
+        aimed->target = &targets->items[number];
+        return true;
+    }
+    list_candidates(survey, at, random_of(aimed->from, UINT32_MAX), targets, &list);
+    uint32_t chosen = candidate_at(&list, aimed->from, round);
+    place->sent = list.sum;
+    if (chosen == list.count)
         return false;
+    aimed->target = &targets->items[list.numbers[chosen]];
+    aimed->sent = list.sent[chosen];
+    place->asked += aimed->sent;
+    return true;
+}
+
+// Begins a line from a place. Returns false where the target is on the surface's other side.
+static bool begin_line(const struct survey *survey, const struct sighting *at, uint32_t round,
+                       const struct aimed *aimed, struct sightline *line)
+{
     *line = (struct sightline){.from = at};
-    aim_at(survey, aimed->target, at->point, seed / 16, line);
+    aim_at(survey, aimed->target, at->point, (uint32_t)(16.0 * random_of(round, aimed->from)),
+           line);
     // Both sides reflect, that which is seen does.
     double side = at->is_front ? 1.0 : -1.0;
     return side * vec3_dot(line->direction, at->normal) > 0.0;
@@ -314,70 +376,108 @@ static bool arrives(const struct survey *survey, const struct sightline *line, u
            material_emits(&survey->scene->materials[line->steps[*surfaces].material]);
 }
 
-// Counts of what lines to targets have met.
-struct tally {
-    uint32_t places; // that can be lit
-    uint32_t open;   // lines that nothing opaque ends
-    uint32_t behind; // lines to rare targets by way of glass
-    double sent;     // the light of all lines that arrive
-    double hidden;   // that of those behind glass
-    struct sighting glass;
-    uint8_t *touched; // flags of places that they begin at
-};
+static void note_line(const struct survey *survey, const struct sightline *line,
+                      const struct aimed *aimed, struct tally *tally)
+{
+    struct place *place = &tally->at[aimed->from];
+    uint32_t surfaces;
+    tally->open += line->is_open;
+    if (!arrives(survey, line, &surfaces))
+        return;
+    place->arrived += aimed->sent;
+    if (surfaces == 0 || aimed->target->is_common)
+        return;
+    if (place->hidden == 0.0)
+        place->glass = line->steps[0];
+    place->hidden += aimed->sent;
+    place->squares += aimed->sent * aimed->target->radiance;
+}
 
-// Traces one line from each place that can be lit. `buffer` and `aimed` must have room for them.
-static bool count_behind_glass(struct survey *survey, enum aim aim, const struct targets *targets,
-                               uint32_t round, struct sightline *buffer, struct aimed *aimed,
-                               struct tally *tally, struct err *err)
+// Traces a line from each place that can be lit. `lines` and `aimed` must have room for them.
+static bool trace_round(struct survey *survey, enum aim aim, const struct targets *targets,
+                        uint32_t round, struct sightline *lines, struct aimed *aimed,
+                        struct tally *tally, struct err *err)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < survey->line_count; i++) {
         const struct sighting *at = lit_place(survey, &survey->lines[i]);
         tally->places += at != NULL;
-        count += at && begin_line(survey, aim, at, round * survey->line_count + i, targets,
-                                  &buffer[count], &aimed[count]);
+        aimed[count] = (struct aimed){.sent = 1.0, .from = i};
+        count += at &&
+                 choose_target(survey, aim, at, round, targets, &tally->at[i], &aimed[count]) &&
+                 begin_line(survey, at, round, &aimed[count], &lines[count]);
     }
-    if (!sightlines_trace(survey, buffer, count, err))
+    if (!sightlines_trace(survey, lines, count, err))
         return false;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t surfaces;
-        bool is_there = arrives(survey, &buffer[i], &surfaces);
-        tally->open += buffer[i].is_open;
-        tally->sent += is_there ? aimed[i].sent : 0.0;
-        if (aimed[i].is_common || !is_there || surfaces == 0)
-            continue;
-        tally->hidden += aimed[i].sent;
-        tally->touched[aimed[i].from] = 1;
-        if (tally->behind++ == 0)
-            tally->glass = buffer[i].steps[0];
-    }
+    for (uint32_t i = 0; i < count; i++)
+        note_line(survey, &lines[i], &aimed[i], tally);
     return true;
 }
 
-// The lines that are behind glass, as a share of all lines, are the part of the picture that lamps
-// are hidden from. In a room most of the environment is hidden anyway: there the share is that of
-// the lines that get out at all, and more lines are traced, so that some find a window.
-#define SKY_ROUNDS 8u
+static void touch(struct tally *tally, uint32_t place, uint32_t count)
+{
+    if (tally->behind == 0)
+        tally->glass = tally->at[place].glass;
+    tally->behind += count;
+    tally->touched[place] = 1;
+}
+
+// Where a white surface would have less than this share of its light from behind glass, none is
+// missed.
+#define MISSED_MIN 0.01
+
+// A place counts where its light from lamps behind glass is missed, and rare: a path that scatters
+// by the cosine finds the radiance L with a probability p, and the variance of that is sum(p L^2).
+static void count_places(const struct survey *survey, struct tally *tally)
+{
+    for (uint32_t i = 0; i < survey->line_count; i++) {
+        const struct place *place = &tally->at[i];
+        if (!(place->arrived > 0.0))
+            continue;
+        double seen = M_PI * luminance(survey->job.film.mean[i]),
+               scale = place->sent / place->asked;
+        double light = fmax(scale * place->arrived, seen), hidden = scale * place->hidden;
+        tally->arrived += scale * place->arrived;
+        tally->hidden += hidden;
+        if (hidden > MISSED_MIN * (hidden + seen) &&
+            M_PI * scale * place->squares >= RARE_MIN * light * light)
+            touch(tally, i, 1);
+    }
+}
+
+static void count_lines(const struct survey *survey, struct tally *tally)
+{
+    for (uint32_t i = 0; i < survey->line_count; i++)
+        if (tally->at[i].hidden > 0.0)
+            touch(tally, i, (uint32_t)tally->at[i].hidden);
+}
+
+// Lines from each place: in a room most of the environment is hidden anyway, and some are to find a
+// window; of many lamps some stand for all.
+#define ROUNDS 8u
 #define SKY_LINES_MIN 10u
 
+// The places whose light is behind glass are a share of the picture. Of the environment that share
+// is that of the lines that get out at all.
 static bool share_behind_glass(struct survey *survey, enum aim aim, const struct targets *targets,
                                double *share, struct tally *tally, struct err *err)
 {
-    struct sightline *lines = ARENA_NEW(&survey->scratch, struct sightline, survey->line_count);
-    struct aimed *aimed = ARENA_NEW(&survey->scratch, struct aimed, survey->line_count);
-    uint32_t rounds = aim == AIM_AT_SKY ? SKY_ROUNDS : 1;
-    *tally = (struct tally){.touched = survey_flags(survey)};
-    if (!lines || !aimed || !tally->touched)
-        return err_memory(err, "lines to lights", survey->line_count * sizeof *lines);
-    for (uint32_t i = 0; i < rounds; i++)
-        if (!count_behind_glass(survey, aim, targets, i, lines, aimed, tally, err))
+    uint32_t count = survey->line_count;
+    struct sightline *lines = ARENA_NEW(&survey->scratch, struct sightline, count);
+    struct aimed *aimed = ARENA_NEW(&survey->scratch, struct aimed, count + 1);
+    *tally = (struct tally){.touched = survey_flags(survey),
+                            .at = ARENA_NEW(&survey->scratch, struct place, count)};
+    if (!lines || !aimed || !tally->touched || !tally->at)
+        return err_memory(err, "lines to lights", count * sizeof *lines);
+    for (uint32_t i = 0; i < ROUNDS; i++)
+        if (!trace_round(survey, aim, targets, i, lines, aimed, tally, err))
             return false;
-    *share = (double)tally->behind / survey->line_count;
+    (aim == AIM_AT_SKY ? count_lines : count_places)(survey, tally);
+    *share = (double)tally->behind / count;
     if (aim == AIM_AT_SKY)
-        *share = tally->behind < SKY_LINES_MIN
-                     ? 0.0
-                     : (double)tally->places * tally->behind /
-                           ((double)tally->open * rounds * survey->line_count);
+        *share = tally->behind < SKY_LINES_MIN ? 0.0
+                                               : (double)tally->places * tally->behind /
+                                                     ((double)tally->open * ROUNDS * count);
     return true;
 }
 
@@ -414,7 +514,7 @@ static const char *describe_targets(struct survey *survey, enum aim aim,
                             "straight to what is seen is behind glass",
                             targets->count, aim == AIM_AT_POINTS ? "light" : "lamp", plural,
                             aim == AIM_AT_POINTS ? " without extent" : " or parts of such",
-                            100.0 * tally->hidden / tally->sent);
+                            100.0 * tally->hidden / tally->arrived);
     return arena_printf(survey->arena,
                         "%.0f %% of the environment's light come from directions %.0f times as "
                         "bright as its mean, or brighter",
