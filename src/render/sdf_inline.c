@@ -128,7 +128,7 @@ static void put(struct words *words, const uint32_t *from, size_t count)
         words->at = grown ? grown : words->at;
         words->room = grown ? room : words->room;
     }
-    if (words->failed)
+    if (words->failed || count == 0)
         return;
     memcpy(words->at + words->count, from, count * sizeof *from);
     words->count += count;
