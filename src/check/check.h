@@ -33,7 +33,7 @@ struct check_result {
     char expected[CHECK_TEXT_MAX]; // the value; "": the case's own words say it
     char seen[CHECK_TEXT_MAX];
     char why[512]; // it failed, or was not run
-    bool is_lost;  // the device was, meanwhile: it was not run
+    bool is_lost;  // the device was lost meanwhile: the case was not run
     struct check_picture picture;
     double seconds;
 };

@@ -1,17 +1,17 @@
 // Surfaces of different objects, or of one, that lie upon each other.
 //
-// Lines see where: each place on a line is looked at once more by a ray that falls onto it from a
-// small height, and, where it is on a shape, compared with the other shapes. So the search takes
-// time by the picture's pixels; of a scene's triangles a ray's way through the BVH depends, and
-// comparisons with many shapes are bounded by their number (COMPARED_MOST).
+// Each place that a line of sight meets is looked at once more, by a ray that falls onto it from a
+// small height, and is compared with the other shapes where it is on a shape. So the search takes
+// time by the picture's pixels: triangles only make a ray's way through the BVH longer, and the
+// number of comparisons with shapes is bounded (COMPARED_MOST).
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
 #include "shared/types.h"
 #include <float.h>
 
-// Points of surfaces are known to that many roundings of their largest coordinate: faces count as
-// upon each other where they are nearer than twice the kernels' own bound of where they are.
+// Returns twice the kernels' bound of the error of a surface's points, some roundings of their
+// largest coordinate. Faces that are nearer than that lie upon each other.
 static double tolerance_at(const double point[3])
 {
     double largest = fmax(fmax(fabs(point[0]), fabs(point[1])), fabs(point[2]));
@@ -31,8 +31,8 @@ static bool lets_through(const struct survey *survey, const struct sighting *at)
     return material_lets_through(&survey->scene->materials[at->material]);
 }
 
-// Returns whether that is no finding: two objects at one place are another one, and of two surfaces
-// with gaps each is seen where the other is not.
+// Returns whether the pair is left out of this finding: objects at one place are named by
+// find_twice(), and two surfaces with gaps are each seen where the other is not.
 static bool is_no_finding(const struct survey *survey, const struct sighting *a,
                           const struct sighting *b)
 {
@@ -74,7 +74,7 @@ static bool may_be_flat(const struct survey *survey, const struct sighting *at)
     return kind != SHAPE_SPHERE && kind != SHAPE_TUBE && kind != SHAPE_SDF;
 }
 
-// Of such a height rounding leaves 6 digits in binary.
+// Six binary digits of the height are left by rounding.
 #define HEIGHT_IN_TOLERANCES 64.0
 
 static struct drop drop_onto(const struct sighting *at, uint32_t line)
@@ -222,8 +222,8 @@ static bool find_patch(const struct survey *survey, const struct flat_shape *sha
     }
 }
 
-// Flat parts may face each other, as those of two boxes side by side do. Curved ones that do touch
-// at a point.
+// Returns whether two parts are one place. Flat parts may face each other, as those of two boxes
+// side by side do; curved parts that face each other touch at a point only.
 static bool is_one_patch(const struct patch *a, const struct patch *b, double tolerance)
 {
     double turn = vec3_dot(a->normal, b->normal);
@@ -288,7 +288,8 @@ static void compare_with_shapes(struct survey *survey, const struct shapes *shap
     }
 }
 
-// That many comparisons take a second or less: of very many shapes some lines stand for all.
+// The most comparisons, which take a second or less. With very many shapes some lines stand for
+// all.
 #define COMPARED_MOST 1e8
 
 static bool compare_shapes(struct survey *survey, const struct sightline *lines,

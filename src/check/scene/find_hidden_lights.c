@@ -23,15 +23,15 @@ struct target {
     bool is_delta;   // a light of the scene, without extent
     bool is_common;  // of the sky: paths that scatter find it about as often as shadow rays do
     uint32_t light;  // of the scene, or SCENE_NONE
-    double power;    // as in emitter_power.h, of all those that it stands for; not of texels
-    double radiance; // the mean luminance; INFINITY of lights without extent
+    double power;    // as in emitter_power.h, of all surfaces that it stands for; 0 for texels
+    double radiance; // the mean luminance; INFINITY for delta lights
     double each;     // the number of surfaces that it stands for
     struct emitter_part part;
 };
 
 struct targets {
     struct target *items;
-    double *sums; // of the powers up to each one, that one included
+    double *sums; // the powers up to each item, that one included
     uint32_t count;
     uint32_t rare; // those that are not common
 };
@@ -59,7 +59,7 @@ static void list_lights(const struct survey *survey, bool delta, struct targets 
     }
 }
 
-// Adds a lamp's surface that stands for `each` of its size.
+// Adds a lamp's surface, which stands for `each` surfaces like it.
 static void add_surface(const struct survey *survey, enum emitter_kind kind, uint32_t index,
                         uint32_t material, double area, uint32_t each, struct targets *out)
 {
@@ -222,7 +222,7 @@ static double sent_by(const struct survey *survey, const struct target *target,
     return sent * fmax(side * vec3_dot(towards, at->normal), 0.0);
 }
 
-// Returns the target at a part of the sum of all powers, in [0, 1).
+// Returns the target at which the sum of powers reaches a part, in [0, 1), of the whole.
 static uint32_t target_at(const struct targets *targets, double part)
 {
     double power = part * targets->sums[targets->count - 1];
@@ -237,10 +237,12 @@ static uint32_t target_at(const struct targets *targets, double part)
     return low;
 }
 
-// Targets that are asked what they send to a place. Of more, so many are drawn by their powers.
+// The number of targets that are asked what they send to a place. Where there are more, candidates
+// are drawn in proportion to their powers.
 #define ASKED_MOST 64u
 
-// What some of the targets send to a place, with that of the others in proportion; in all, `sum`.
+// Targets that send light to a place. Where they were drawn, each one's light is divided by the
+// expected number of times that it is drawn, so that `sum` is an estimate of all targets' light.
 struct candidates {
     uint32_t numbers[ASKED_MOST], count; // of the targets
     double sent[ASKED_MOST], sum;
@@ -274,16 +276,17 @@ static void list_candidates(const struct survey *survey, const struct sighting *
     }
 }
 
-// In [0, 1), the same for the same numbers.
+// Returns a number in [0, 1), always the same one for the same arguments.
 static double random_of(uint32_t pixel, uint32_t number)
 {
     const uint32_t key[2] = {pixel, number};
     return (double)(hash_bytes(HASH_INIT, key, sizeof key) >> 11) * 0x1p-53;
 }
 
-// Returns which candidate comes at a place of an order that is random, but in which those that send
-// more tend to come first: that of drawing without replacement (Efraimidis, Spirakis 2006,
-// "Weighted random sampling with a reservoir", algorithm A). list->count: there are not so many.
+// Returns which candidate is drawn after `rank` others, without replacement and in proportion to
+// what they send, or list->count where there are no more (Efraimidis, Spirakis 2006, "Weighted
+// random sampling with a reservoir", algorithm A: in the order of u^(1 / weight), of random numbers
+// u).
 static uint32_t candidate_at(const struct candidates *list, uint32_t pixel, uint32_t rank)
 {
     double keys[ASKED_MOST];
@@ -303,13 +306,13 @@ static uint32_t candidate_at(const struct candidates *list, uint32_t pixel, uint
 
 // --- what is in between --------------------------------------------------------------------------
 
-// What is known of a place that can be lit, in one unit of light for all.
+// The light of targets at a place that can be lit.
 struct place {
-    double sent;    // what all targets send there
-    double asked;   // what those send that lines went to
-    double arrived; // of that, what nothing opaque stops
-    double hidden;  // of that, what is behind glass
-    double squares; // of that, the sum of light times radiance
+    double sent;    // by all targets
+    double asked;   // by the targets that lines went to
+    double arrived; // the part of `asked` that nothing opaque stops
+    double hidden;  // the part of `arrived` that comes from behind glass
+    double squares; // the sum of the hidden light times its radiance
     struct sighting glass;
 };
 
@@ -325,8 +328,8 @@ struct aimed {
 struct tally {
     uint32_t places;        // that can be lit, in all rounds
     uint32_t open;          // lines that nothing opaque ends
-    uint32_t behind;        // lines to rare targets by way of glass, or of lamps the places
-    double arrived, hidden; // light of lamps: see struct place
+    uint32_t behind;        // of the sky: lines by way of glass to rare targets; else: places
+    double arrived, hidden; // sums over all places, as in struct place
     struct sighting glass;
     uint8_t *touched; // flags of places
     struct place *at; // one for each of the camera's lines
@@ -426,8 +429,9 @@ static void touch(struct tally *tally, uint32_t place, uint32_t count)
 // missed.
 #define MISSED_MIN 0.01
 
-// A place counts where its light from lamps behind glass is missed, and rare: a path that scatters
-// by the cosine finds the radiance L with a probability p, and the variance of that is sum(p L^2).
+// Counts the places whose light from behind glass is missed, and found by few paths: a path that
+// scatters by the cosine finds the radiance L with a probability p, and its estimate of all such
+// light has a variance of about sum(p L^2).
 static void count_places(const struct survey *survey, struct tally *tally)
 {
     for (uint32_t i = 0; i < survey->line_count; i++) {
@@ -452,13 +456,13 @@ static void count_lines(const struct survey *survey, struct tally *tally)
             touch(tally, i, (uint32_t)tally->at[i].hidden);
 }
 
-// Lines from each place: in a room most of the environment is hidden anyway, and some are to find a
-// window; of many lamps some stand for all.
+// The number of lines from each place. In a room most of the environment is hidden anyway, and some
+// lines are to find a window; where there are more lamps, some stand for all.
 #define ROUNDS 8u
 #define SKY_LINES_MIN 10u
 
-// The places whose light is behind glass are a share of the picture. Of the environment that share
-// is that of the lines that get out at all.
+// Finds the share of the picture whose light is behind glass; of the environment's light it is the
+// share of the lines that get out at all.
 static bool share_behind_glass(struct survey *survey, enum aim aim, const struct targets *targets,
                                double *share, struct tally *tally, struct err *err)
 {

@@ -251,7 +251,7 @@ static const uint8_t *lines_that_lost(const struct media_search *search, enum lo
     return flags;
 }
 
-// A line may leave by an edge that rounding has opened; two do not.
+// One line may leave by an edge that rounding has opened; two hardly do.
 #define OPEN_LINES_MIN 2u
 
 static bool add_unclosed(struct media_search *search, enum loss_kind kind, struct err *err)

@@ -289,7 +289,7 @@ struct small_lamps {
     double brightest; // luminance of their radiance
 };
 
-// Those around a pixel that see the lamp that is seen there, itself included.
+// Lists the pixels around one that see the same lamp, itself included.
 static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index, uint32_t out[9])
 {
     const struct small_light *own = &lamps->unseen->small[index];
@@ -304,7 +304,7 @@ static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index,
     return count;
 }
 
-// All pixels of the lamp that is seen in one of them.
+// Takes all pixels of the lamp that is seen in one of them.
 static void look_at_lamp(struct small_lamps *lamps, uint32_t first)
 {
     double most = 0.0;

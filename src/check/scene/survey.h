@@ -87,7 +87,7 @@ bool sightlines_take_view(struct survey *survey, struct err *err);
 // Fills in what a ray has met; hit->primitive is not NO_PRIMITIVE.
 void sighting_find(const struct survey *survey, const struct probe_hit *hit, const double origin[3],
                    const double direction[3], struct sighting *out);
-// The normal of a shape at the point of its surface that is nearest, to the outside; not unit.
+// Finds the outward normal of a shape at the point of its surface that is nearest; it is not unit.
 void sighting_shape_normal(const struct survey *survey, const struct flat_shape *shape,
                            const double point[3], double normal[3]);
 // A ray that goes on from a surface to the side that the direction points to.
@@ -113,10 +113,10 @@ const uint8_t *survey_touched_by_material(struct survey *survey, uint32_t materi
 
 // Lines that meet surfaces which lie upon each other.
 struct coincidences {
-    uint8_t *through; // flags of lines: one of the two lets light through, so that rounding decides
-                      // whether the line enters or leaves there
-    uint8_t *touched; // flags of lines: two surfaces there are another picture than one
-    uint32_t count;   // of lines that are touched
+    uint8_t *through; // flags of lines: one of the two surfaces lets light through, so that
+                      // rounding decides whether the line enters or leaves there
+    uint8_t *touched;        // flags of lines: the two surfaces look different from one
+    uint32_t count;          // of lines that are touched
     struct sighting pair[2]; // the first two surfaces
 };
 

@@ -48,7 +48,8 @@ static bool choose_cases(struct device_check *d, struct err *err)
                    d->options->check.only);
 }
 
-// Cases are run again so often, of all together, as renders go on (--reopen).
+// How often a case is run again on a device that was opened again, of all cases together: as often
+// as a render goes on (--reopen).
 #define REOPENS_MOST 2u
 
 // A case may have lost the device: it is opened again.
@@ -103,7 +104,7 @@ static bool run_cases(struct device_check *d, struct err *err)
     return ok || err->code == ERR_STOPPED;
 }
 
-// Nothing is known of cases that a device that stays lost has left.
+// Fails where cases were not run since the device stayed lost.
 static int fail_if_lost(const struct device_check *d)
 {
     struct err err;

@@ -175,10 +175,11 @@ static bool run(struct scene_check *check, struct err *err)
            (!fix || scene_write(&fixed, err));
 }
 
-// So often a device that is lost is opened again, as for renders (--reopen).
+// How often a lost device is opened again: as often as for a render (--reopen).
 #define REOPENS_MOST 2u
 
-// What a lost device has left half done is begun again: it takes some seconds.
+// Prepares to check from the beginning, which takes some seconds, where the device was lost.
+// Returns false where that is not what failed, or was tried often enough.
 static bool run_again(struct scene_check *check, uint32_t reopened, struct err *err)
 {
     struct err failure;
