@@ -454,6 +454,9 @@ class Lost(Checks):
                                     (profile(-1), profile(1)), ({}, {'intensity': [1e-9] * 3})):
             self.assertEqual(self.found(lost)['light-lost']['level'], 'wrong', lost)
             self.assertNotIn('light-lost', self.found(sends_nothing), sends_nothing)
+        # One of 200 behind glass: a thousandth of the light.
+        grid = [{'position': [5 / 14 * (i % 14 - 7), 1.2, 5 / 14 * (i // 14 - 7)]} for i in range(199)]
+        self.assertNotIn('light-lost', self.found(*grid, {'intensity': [2, 2, 2]}))
         many = 99 * [{'range': 0.4}]
         self.assertEqual(self.found(*many, {'intensity': [9, 9, 9]})['light-lost']['level'], 'wrong')
         self.assertNotIn('light-lost', self.found(*many))

@@ -313,6 +313,7 @@ struct place {
     double arrived; // the part of `asked` that nothing opaque stops
     double hidden;  // the part of `arrived` that comes from behind glass
     double squares; // the sum of the hidden light times its radiance
+    bool is_known;  // lines go to all targets that send light there
     struct sighting glass;
 };
 
@@ -330,10 +331,14 @@ struct tally {
     uint32_t open;          // lines that nothing opaque ends
     uint32_t behind;        // of the sky: lines by way of glass to rare targets; else: places
     double arrived, hidden; // sums over all places, as in struct place
-    struct sighting glass;
-    uint8_t *touched; // flags of places
-    struct place *at; // one for each of the camera's lines
+    struct sighting glass;  // in front of one of the places that count, or of any place
+    uint8_t *touched;       // flags of places
+    struct place *at;       // one for each of the camera's lines
 };
+
+// The number of lines from each place. In a room most of the environment is hidden anyway, and some
+// lines are to find a window; where there are more lamps, some stand for all.
+#define ROUNDS 8u
 
 // Chooses a target for a line from a place: another one in each round. Returns false where there is
 // none left. The sky's targets are drawn by their light.
@@ -350,6 +355,7 @@ static bool choose_target(const struct survey *survey, enum aim aim, const struc
     list_candidates(survey, at, random_of(aimed->from, UINT32_MAX), targets, &list);
     uint32_t chosen = candidate_at(&list, aimed->from, round);
     place->sent = list.sum;
+    place->is_known = targets->count <= ASKED_MOST && list.count <= ROUNDS;
     if (chosen == list.count)
         return false;
     aimed->target = &targets->items[list.numbers[chosen]];
@@ -391,7 +397,7 @@ static void note_line(const struct survey *survey, const struct sightline *line,
     if (surfaces == 0 || aimed->target->is_common)
         return;
     if (place->hidden == 0.0)
-        place->glass = line->steps[0];
+        place->glass = tally->glass = line->steps[0];
     place->hidden += aimed->sent;
     place->squares += aimed->sent * aimed->target->radiance;
 }
@@ -419,7 +425,7 @@ static bool trace_round(struct survey *survey, enum aim aim, const struct target
 
 static void touch(struct tally *tally, uint32_t place, uint32_t count)
 {
-    if (tally->behind == 0)
+    if (tally->at[place].hidden > 0.0)
         tally->glass = tally->at[place].glass;
     tally->behind += count;
     tally->touched[place] = 1;
@@ -429,22 +435,57 @@ static void touch(struct tally *tally, uint32_t place, uint32_t count)
 // missed.
 #define MISSED_MIN 0.01
 
+// The light of lamps at a place, or the mean of several, with that of the pixel.
+struct lamp_light {
+    double arrived, hidden, squares, seen;
+    uint32_t count;
+};
+
+static void add_light(const struct survey *survey, const struct tally *tally, uint32_t i,
+                      struct lamp_light *sum)
+{
+    const struct place *place = &tally->at[i];
+    if (!(place->asked > 0.0))
+        return;
+    double scale = place->sent / place->asked;
+    sum->arrived += scale * place->arrived;
+    sum->hidden += scale * place->hidden;
+    sum->squares += scale * place->squares;
+    sum->seen += M_PI * luminance(survey->job.film.mean[i]);
+    sum->count++;
+}
+
+// Where lines go to a few of very many lamps, one of these that is behind glass seems to send a
+// large part of the light. Places up to so many pixels away are then taken together.
+#define NEAR_PIXELS 4u
+
+static struct lamp_light light_at(const struct survey *survey, const struct tally *tally,
+                                  uint32_t i)
+{
+    uint32_t width = survey->job.renderer.frame.width, height = survey->job.renderer.frame.height;
+    uint32_t reach = tally->at[i].is_known ? 0 : NEAR_PIXELS, column = i % width, row = i / width;
+    struct lamp_light sum = {0};
+    for (uint32_t y = row - (row < reach ? row : reach); y <= row + reach && y < height; y++)
+        for (uint32_t x = column - (column < reach ? column : reach);
+             x <= column + reach && x < width; x++)
+            add_light(survey, tally, y * width + x, &sum);
+    return sum;
+}
+
 // Counts the places whose light from behind glass is missed, and found by few paths: a path that
 // scatters by the cosine finds the radiance L with a probability p, and its estimate of all such
 // light has a variance of about sum(p L^2).
 static void count_places(const struct survey *survey, struct tally *tally)
 {
     for (uint32_t i = 0; i < survey->line_count; i++) {
-        const struct place *place = &tally->at[i];
-        if (!(place->arrived > 0.0))
+        const struct lamp_light sum = light_at(survey, tally, i);
+        double light = fmax(sum.arrived, sum.seen);
+        if (!(tally->at[i].arrived > 0.0))
             continue;
-        double seen = M_PI * luminance(survey->job.film.mean[i]),
-               scale = place->sent / place->asked;
-        double light = fmax(scale * place->arrived, seen), hidden = scale * place->hidden;
-        tally->arrived += scale * place->arrived;
-        tally->hidden += hidden;
-        if (hidden > MISSED_MIN * (hidden + seen) &&
-            M_PI * scale * place->squares >= RARE_MIN * light * light)
+        tally->arrived += sum.arrived / sum.count;
+        tally->hidden += sum.hidden / sum.count;
+        if (sum.hidden > MISSED_MIN * (sum.hidden + sum.seen) &&
+            M_PI * sum.squares * sum.count >= RARE_MIN * light * light)
             touch(tally, i, 1);
     }
 }
@@ -456,9 +497,6 @@ static void count_lines(const struct survey *survey, struct tally *tally)
             touch(tally, i, (uint32_t)tally->at[i].hidden);
 }
 
-// The number of lines from each place. In a room most of the environment is hidden anyway, and some
-// lines are to find a window; where there are more lamps, some stand for all.
-#define ROUNDS 8u
 #define SKY_LINES_MIN 10u
 
 // Finds the share of the picture whose light is behind glass; of the environment's light it is the
