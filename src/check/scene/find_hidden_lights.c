@@ -331,7 +331,8 @@ struct tally {
     uint32_t open;          // lines that nothing opaque ends
     uint32_t behind;        // of the sky: lines by way of glass to rare targets; else: places
     double arrived, hidden; // sums over all places, as in struct place
-    struct sighting glass;  // in front of one of the places that count, or of any place
+    struct sighting glass;  // in front of the first place that counts, or of any place
+    bool is_named;          // it is in front of one that counts
     uint8_t *touched;       // flags of places
     struct place *at;       // one for each of the camera's lines
 };
@@ -425,8 +426,9 @@ static bool trace_round(struct survey *survey, enum aim aim, const struct target
 
 static void touch(struct tally *tally, uint32_t place, uint32_t count)
 {
-    if (tally->at[place].hidden > 0.0)
+    if (tally->at[place].hidden > 0.0 && !tally->is_named)
         tally->glass = tally->at[place].glass;
+    tally->is_named |= tally->at[place].hidden > 0.0;
     tally->behind += count;
     tally->touched[place] = 1;
 }
