@@ -462,6 +462,33 @@ class Lost(Checks):
         self.assertNotIn('light-lost', self.found(*many))
 
 
+class Mirrors(Checks):
+    """A light without extent over a floor, before a wall that may be a mirror."""
+
+    def found(self, wall, **light):
+        return self.check({
+            'film': {'width': 32, 'height': 24},
+            'camera': {'position': [0, 1, 5], 'target': [0, 1, 0], 'fov_degrees': 40},
+            'materials': {'grey': GREY, 'wall': wall},
+            'environment': {'radiance': [0.05, 0.05, 0.05]},
+            'lights': [{'type': 'directional', 'direction': [0, -1, -1], 'irradiance': [3, 3, 3],
+                        **light}],
+            'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-5, 0, 5], 'u': [10, 0, 0],
+                        'v': [0, 0, -10]},
+                       {'type': 'quad', 'material': 'wall', 'corner': [-2, 0, -2], 'u': [4, 0, 0],
+                        'v': [0, 3, 0]}]})
+
+    def test_what_they_would_send_on(self):
+        mirror = {'type': 'mirror', 'base_color': [0.95, 0.95, 0.95]}
+        silver = {'type': 'conductor', 'metal': 'silver'}
+        for wall in (mirror, {**silver, 'roughness': 0}):
+            self.assertEqual(self.found(wall)['light-lost']['level'], 'wrong')
+        for wall in (GREY, {**silver, 'roughness': 0.3}):
+            self.assertNotIn('light-lost', self.found(wall))
+        self.assertNotIn('light-lost', self.found(mirror, direction=[0, -1, 1]))  # behind the mirror
+        self.assertNotIn('light-lost', self.found(mirror, angular_diameter_degrees=5))
+
+
 class Chance(Checks):
     """Lamps over a floor, one of them behind glass: by what they send there, not by their number."""
 

@@ -145,9 +145,6 @@ static bool list_targets(struct survey *survey, enum aim aim, struct targets *ou
 
 // --- lines to them -------------------------------------------------------------------------------
 
-// Points are aimed at, but not what is behind them.
-#define SHORT_OF (1.0 - 0x1p-12)
-
 static void aim_at(const struct survey *survey, const struct target *target, const double from[3],
                    uint32_t seed, struct sightline *line)
 {
@@ -173,20 +170,10 @@ static void aim_at(const struct survey *survey, const struct target *target, con
         }
     }
     vec3_subtract(place, from, way);
-    line->length = vec3_length(way) * SHORT_OF;
+    line->length = vec3_length(way) * SIGHTLINE_SHORT_OF;
     vec3_normalize(way);
     for (int c = 0; c < 3; c++)
         line->direction[c] = way[c];
-}
-
-// Returns the surface on which a line of the camera ends, or NULL where lights cannot light it.
-static const struct sighting *lit_place(const struct survey *survey, const struct sightline *seen)
-{
-    if (seen->count == 0 || seen->is_open)
-        return NULL;
-    const struct sighting *at = &seen->steps[seen->count - 1];
-    const struct material *material = &survey->scene->materials[at->material];
-    return material_lets_through(material) || material_emits(material) ? NULL : at;
 }
 
 // --- which one is aimed at -----------------------------------------------------------------------
@@ -410,7 +397,7 @@ static bool trace_round(struct survey *survey, enum aim aim, const struct target
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < survey->line_count; i++) {
-        const struct sighting *at = lit_place(survey, &survey->lines[i]);
+        const struct sighting *at = sightline_lit_place(survey, &survey->lines[i]);
         tally->places += at != NULL;
         aimed[count] = (struct aimed){.sent = 1.0, .from = i};
         count += at &&

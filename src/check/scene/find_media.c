@@ -173,21 +173,6 @@ struct branch {
     struct stack stack;
 };
 
-// Directions are distributed by the cosine over the hemisphere about a unit normal: points of
-// Roberts's sequence (2018) on a sphere that touches the surface. None runs along the surface,
-// where rounding would decide which side the line is on.
-static void choose_direction(const double normal[3], uint32_t number, double out[3])
-{
-    double turn = 2.0 * M_PI * fmod(0.5 + number * 0.7548776662466927, 1.0);
-    double height = 2.0 * fmod(0.5 + number * 0.5698402909980532, 1.0) - 1.0;
-    double across = sqrt(1.0 - height * height);
-    const double sphere[3] = {across * cos(turn), across * sin(turn), height};
-    for (int c = 0; c < 3; c++)
-        out[c] = sphere[c] + normal[c];
-    if (!vec3_normalize(out))
-        memcpy(out, normal, 3 * sizeof *out);
-}
-
 static bool begin_branch(struct media_search *search, uint32_t number, struct branch *branch,
                          struct sightline *line)
 {
@@ -200,7 +185,7 @@ static bool begin_branch(struct media_search *search, uint32_t number, struct br
     for (int c = 0; c < 3; c++)
         inwards[c] = -at->normal[c];
     *line = (struct sightline){.from = at, .length = INFINITY};
-    choose_direction(inwards, number, line->direction);
+    sighting_scatter(inwards, number, line->direction);
     branch->line = number;
     begin(seen, &branch->stack);
     branch->stack.items[branch->stack.count++] =

@@ -183,6 +183,18 @@ struct probe_ray sighting_leave(const struct sighting *at, const double directio
     return ray;
 }
 
+void sighting_scatter(const double normal[3], uint32_t number, double out[3])
+{
+    double turn = 2.0 * M_PI * fmod(0.5 + number * 0.7548776662466927, 1.0);
+    double height = 2.0 * fmod(0.5 + number * 0.5698402909980532, 1.0) - 1.0;
+    double across = sqrt(1.0 - height * height);
+    const double sphere[3] = {across * cos(turn), across * sin(turn), height};
+    for (int c = 0; c < 3; c++)
+        out[c] = sphere[c] + normal[c];
+    if (!vec3_normalize(out))
+        memcpy(out, normal, 3 * sizeof *out);
+}
+
 // --- lines ---------------------------------------------------------------------------------------
 
 // A line that goes on.
@@ -289,6 +301,16 @@ bool sightlines_take_view(struct survey *survey, struct err *err)
         line->media = header->camera_media;
     }
     return sightlines_trace(survey, survey->lines, survey->line_count, err);
+}
+
+const struct sighting *sightline_lit_place(const struct survey *survey,
+                                           const struct sightline *seen)
+{
+    if (seen->count == 0 || seen->is_open)
+        return NULL;
+    const struct sighting *at = &seen->steps[seen->count - 1];
+    const struct material *material = &survey->scene->materials[at->material];
+    return material_lets_through(material) || material_emits(material) ? NULL : at;
 }
 
 // --- what lines touch ----------------------------------------------------------------------------

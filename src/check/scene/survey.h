@@ -92,6 +92,15 @@ void sighting_shape_normal(const struct survey *survey, const struct flat_shape 
                            const double point[3], double normal[3]);
 // A ray that goes on from a surface to the side that the direction points to.
 struct probe_ray sighting_leave(const struct sighting *at, const double direction[3]);
+// Chooses directions by their number. They are distributed by the cosine over the hemisphere about
+// a unit normal: points of Roberts's sequence (2018) on a sphere that touches the surface. None
+// runs along the surface, where rounding would decide which side the line is on.
+void sighting_scatter(const double normal[3], uint32_t number, double out[3]);
+// Returns the surface on which a line of the camera ends, or NULL where lights cannot light it.
+const struct sighting *sightline_lit_place(const struct survey *survey,
+                                           const struct sightline *seen);
+// Points are aimed at, but not what is behind them.
+#define SIGHTLINE_SHORT_OF (1.0 - 0x1p-12)
 // Whether light goes through its surfaces, refracted or not.
 bool material_lets_through(const struct material *material);
 
@@ -113,8 +122,8 @@ const uint8_t *survey_touched_by_material(struct survey *survey, uint32_t materi
 
 // Lines that meet surfaces which lie upon each other.
 struct coincidences {
-    uint8_t *through; // flags of lines: one of the two surfaces lets light through, so that
-                      // rounding decides whether the line enters or leaves there
+    uint8_t *through;        // flags of lines: one of the two surfaces lets light through, so that
+                             // rounding decides whether the line enters or leaves there
     uint8_t *touched;        // flags of lines: the two surfaces look different from one
     uint32_t count;          // of lines that are touched
     struct sighting pair[2]; // the first two surfaces
@@ -146,8 +155,9 @@ bool find_normals(struct survey *survey, struct err *err);    // those that cont
 bool find_media(struct survey *survey, struct err *err);      // open, inside-out, overlapping
 bool find_albedos(struct survey *survey, struct err *err);    // 1 and above
 bool find_texels(struct survey *survey, struct err *err);     // missing, unusable, one-texel suns
-bool find_hidden_lights(struct survey *survey, struct err *err); // behind glass, and by chance
-bool find_biases(struct survey *survey, struct err *err);        // that settings ask for
+bool find_hidden_lights(struct survey *survey, struct err *err);   // behind glass, and by chance
+bool find_mirrored_lights(struct survey *survey, struct err *err); // that only mirrors send on
+bool find_biases(struct survey *survey, struct err *err);          // that settings ask for
 // Those that measure: each renders into the job's film.
 bool measure_noise(struct survey *survey, struct err *err); // its tail, and the outlook
 bool measure_depth(struct survey *survey, struct err *err);

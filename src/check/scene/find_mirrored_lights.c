@@ -1,0 +1,233 @@
+// Lights without extent that a mirror sends on: shadow rays end at the mirror, and no path from it
+// meets a point. Their light is estimated as if they were seen within a small cone from the mirror,
+// which is the regularization of Kaplanyan and Dachsbacher (2013), section 4.
+#include "check/scene/survey.h"
+
+#include "base/maths.h"
+#include "scene/core/light.h"
+#include "shared/types.h"
+
+// Half the angle of the cone, radians, and its solid angle.
+#define CONE 0.07
+#define CONE_SOLID_ANGLE (2.0 * M_PI * versine(CONE))
+// Lines in all, in rounds of one from each place.
+#define LINES (1u << 19)
+// Fewer lines than that tell nothing.
+#define LINES_MIN 10u
+// Less than this share of the picture, and of its light, is not worth mentioning.
+#define SHARE_MIN 0.01
+// Places up to so many pixels from one whose line arrived are lit by the mirror, too.
+#define NEAR_PIXELS 3u
+
+// The luminance that a perfect mirror reflects; 0 for other surfaces.
+static double mirror_reflectance(const struct material *material)
+{
+    double sum = 0.0;
+    bool is_smooth = material->roughness == 0.0f && material->texture_count == 0;
+    switch (material->model) {
+    case MATERIAL_MIRROR:
+        return luminance(material->base_color);
+    case MATERIAL_CONDUCTOR:
+        // Fresnel's equations at normal incidence (Born and Wolf, Principles of Optics, 14.2).
+        for (int c = 0; c < 3; c++) {
+            double eta = (double)material->conductor_eta[c], k = (double)material->conductor_k[c];
+            sum += ((eta - 1.0) * (eta - 1.0) + k * k) / ((eta + 1.0) * (eta + 1.0) + k * k);
+        }
+        return is_smooth ? sum / 3.0 : 0.0;
+    case MATERIAL_PRINCIPLED:
+        return is_smooth ? (double)material->metallic * luminance(material->base_color) : 0.0;
+    default:
+        return 0.0;
+    }
+}
+
+struct mirrored {
+    const struct light **lights; // without extent
+    uint32_t count;
+    struct sightline *scattered, *onwards; // of a round: from places, and from mirrors to lights
+    uint32_t *places;                      // that lines of either kind began at
+    double *sent;                          // by the light at the end of each line onwards
+    double light;                          // of all lines that arrive
+    uint32_t arrived;
+    struct sighting mirror; // the first one
+    uint8_t *touched;
+};
+
+static bool has_mirrors(const struct survey *survey)
+{
+    for (uint32_t i = 0; i < survey->scene->material_count; i++)
+        if (mirror_reflectance(&survey->scene->materials[i]) > 0.0)
+            return true;
+    return false;
+}
+
+static bool begin(struct survey *survey, struct mirrored *out, struct err *err)
+{
+    const struct scene *scene = survey->scene;
+    uint32_t lines = survey->line_count;
+    *out = (struct mirrored){
+        .lights = ARENA_NEW(&survey->scratch, const struct light *, scene->light_count + 1),
+        .scattered = ARENA_NEW(&survey->scratch, struct sightline, lines),
+        .onwards = ARENA_NEW(&survey->scratch, struct sightline, lines),
+        .places = ARENA_NEW(&survey->scratch, uint32_t, lines),
+        .sent = ARENA_NEW(&survey->scratch, double, lines),
+        .touched = survey_flags(survey),
+    };
+    if (!out->lights || !out->scattered || !out->onwards || !out->places || !out->sent ||
+        !out->touched)
+        return err_memory(err, "lines by way of mirrors", lines * sizeof *out->onwards);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (!scene->lights[i].hidden && !light_is_sun(&scene->lights[i]))
+            out->lights[out->count++] = &scene->lights[i];
+    return true;
+}
+
+// Returns the surface that the camera sees there, or NULL where it scatters nothing.
+static const struct sighting *scattering_place(const struct survey *survey, uint32_t i)
+{
+    const struct sighting *at = sightline_lit_place(survey, &survey->lines[i]);
+    return at && mirror_reflectance(&survey->scene->materials[at->material]) == 0.0 ? at : NULL;
+}
+
+static uint32_t scatter(const struct survey *survey, uint32_t round, struct mirrored *m)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < survey->line_count; i++) {
+        const struct sighting *at = scattering_place(survey, i);
+        double normal[3];
+        if (!at)
+            continue;
+        for (int c = 0; c < 3; c++)
+            normal[c] = at->is_front ? at->normal[c] : -at->normal[c];
+        struct sightline *line = &m->scattered[count];
+        *line = (struct sightline){.from = at, .length = INFINITY};
+        sighting_scatter(normal, round * survey->line_count + i, line->direction);
+        m->places[count++] = i;
+    }
+    return count;
+}
+
+// Begins a line from the mirror on which another one ends to one of the lights, if that is within
+// the cone about where the mirror sends it.
+static bool send_on(const struct survey *survey, const struct mirrored *m,
+                    const struct sightline *line, uint32_t number, struct sightline *onwards,
+                    double *sent)
+{
+    if (line->count == 0 || line->is_open)
+        return false;
+    const struct sighting *at = &line->steps[line->count - 1];
+    const struct light *light = m->lights[number % m->count];
+    double reflectance = mirror_reflectance(&survey->scene->materials[at->material]);
+    double place[3], towards[3], position[3], way[3];
+    double along = vec3_dot(line->direction, at->normal);
+    if (!(reflectance > 0.0))
+        return false;
+    flat_to_world(survey->flat, at->point, place);
+    *sent = reflectance * m->count * light_sent(light, place, towards);
+    if (!(*sent > 0.0))
+        return false;
+    *onwards = (struct sightline){.from = at, .length = INFINITY};
+    for (int c = 0; c < 3; c++)
+        way[c] = line->direction[c] - 2.0 * along * at->normal[c];
+    if (vec3_dot(way, towards) < cos(CONE))
+        return false;
+    for (int c = 0; c < 3; c++)
+        onwards->direction[c] = towards[c];
+    if (light->kind == LIGHT_DIRECTIONAL)
+        return true;
+    flat_from_world(survey->flat, light->position, position);
+    vec3_subtract(position, at->point, way);
+    onwards->length = vec3_length(way) * SIGHTLINE_SHORT_OF;
+    return true;
+}
+
+static void touch(const struct survey *survey, uint32_t place, uint8_t *touched)
+{
+    uint32_t width = survey->job.renderer.frame.width, height = survey->job.renderer.frame.height;
+    uint32_t column = place % width, row = place / width;
+    for (uint32_t y = row - (row < NEAR_PIXELS ? row : NEAR_PIXELS);
+         y <= row + NEAR_PIXELS && y < height; y++)
+        for (uint32_t x = column - (column < NEAR_PIXELS ? column : NEAR_PIXELS);
+             x <= column + NEAR_PIXELS && x < width; x++)
+            touched[y * width + x] |= scattering_place(survey, y * width + x) != NULL;
+}
+
+// The reflectance of a place, but for its textures.
+static double reflectance_at(const struct survey *survey, uint32_t place)
+{
+    const struct sighting *at = scattering_place(survey, place);
+    return luminance(survey->scene->materials[at->material].base_color);
+}
+
+static bool trace_round(struct survey *survey, uint32_t round, struct mirrored *m, struct err *err)
+{
+    uint32_t onwards = 0, count = scatter(survey, round, m);
+    if (!sightlines_trace(survey, m->scattered, count, err))
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (send_on(survey, m, &m->scattered[i], round * count + i, &m->onwards[onwards],
+                    &m->sent[onwards]))
+            m->places[onwards++] = m->places[i];
+    if (!sightlines_trace(survey, m->onwards, onwards, err))
+        return false;
+    for (uint32_t i = 0; i < onwards; i++) {
+        if (!m->onwards[i].is_open)
+            continue;
+        if (m->arrived++ == 0)
+            m->mirror = *m->onwards[i].from;
+        // The directions' density is that of the cosine, over pi.
+        m->light += M_PI * m->sent[i] / CONE_SOLID_ANGLE * reflectance_at(survey, m->places[i]);
+        touch(survey, m->places[i], m->touched);
+    }
+    return true;
+}
+
+// Returns the light that all places send, as that on a white surface.
+static double seen_light(const struct survey *survey)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < survey->line_count; i++)
+        if (scattering_place(survey, i))
+            sum += M_PI * luminance(survey->job.film.mean[i]);
+    return sum;
+}
+
+bool find_mirrored_lights(struct survey *survey, struct err *err)
+{
+    struct mirrored m;
+    if (!has_mirrors(survey))
+        return true;
+    if (!begin(survey, &m, err))
+        return false;
+    uint32_t rounds = m.count > 0 ? LINES / survey->line_count + 1 : 0;
+    for (uint32_t i = 0; i < rounds; i++)
+        if (!trace_round(survey, i, &m, err))
+            return false;
+    if (m.arrived < LINES_MIN)
+        return true;
+    double lost = m.light / rounds, part = lost / (lost + seen_light(survey));
+    double share = survey_share(survey, m.touched);
+    if (!(part >= SHARE_MIN) || share < SHARE_MIN)
+        return true;
+    const char *object = survey_object_name(survey, m.mirror.object);
+    const char *material = survey_material_name(survey, m.mirror.material);
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "light-lost",
+            .level = FINDING_WRONG,
+            .place = object && material
+                         ? arena_printf(survey->arena, "by way of %s, %s", object, material)
+                         : NULL,
+            .figure = arena_printf(survey->arena,
+                                   "%u light%s without extent; about %.2g %% of the light on what "
+                                   "is seen would come from there by a perfect mirror",
+                                   m.count, m.count == 1 ? "" : "s", 100.0 * part),
+            .consequence = "Nothing but shadow rays finds these lights, and a mirror stops shadow "
+                           "rays: what it would reflect is missing.",
+            .remedy = "Give the lights an extent: small spheres, or an angular diameter.",
+            .share = share,
+            .pixels = m.touched,
+        },
+        err);
+}
