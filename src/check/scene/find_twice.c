@@ -84,10 +84,14 @@ static int compare(const void *a, const void *b)
     return order ? order : (x->object > y->object) - (x->object < y->object);
 }
 
-struct twins {
-    uint32_t count, first, second; // objects that are there again; the first pair
-    bool *marked;                  // flags of all objects: those that are there twice
-    bool matter;                   // what is there twice counts twice, or is of two materials
+// What it does to a picture that two objects are at one place, in ascending order.
+enum twins {
+    TWINS_IDLE,    // nothing, as hiding one of them would do
+    TWINS_ALIKE,   // nothing: they look as one of them does
+    TWINS_SHARE,   // each is meant to be seen, where the other one has gaps
+    TWINS_DOUBLED, // both count
+    TWINS_CLASH,   // they look different, and one covers the other
+    TWINS_COUNT
 };
 
 static bool is_same(const void *a, const void *b, size_t bytes)
@@ -95,113 +99,188 @@ static bool is_same(const void *a, const void *b, size_t bytes)
     return a == b || (a && b && memcmp(a, b, bytes) == 0);
 }
 
-// Returns whether textures and colours lie alike on two meshes of the same triangles.
+// Returns whether two meshes of the same triangles are shaded alike.
 static bool looks_alike(const struct mesh *a, const struct mesh *b)
 {
     size_t count = a->vertex_count;
     return a == b || (a->vertex_count == b->vertex_count &&
+                      is_same(a->normals, b->normals, count * sizeof *a->normals) &&
+                      is_same(a->tangents, b->tangents, count * sizeof *a->tangents) &&
                       is_same(a->uvs[0], b->uvs[0], count * sizeof *a->uvs[0]) &&
                       is_same(a->uvs[1], b->uvs[1], count * sizeof *a->uvs[1]) &&
                       is_same(a->colors, b->colors, count * sizeof *a->colors));
 }
 
-// Two objects at one place.
-struct twin_pair {
-    bool shares_place; // one of them has gaps, through which the other, which differs, is seen
-    bool matters;
-};
+// Returns whether two materials are equal in all but their names.
+static bool is_one_material(const struct scene *scene, uint32_t first, uint32_t second)
+{
+    const struct material *a = &scene->materials[first], *b = &scene->materials[second];
+    return first == second ||
+           (a->model == b->model && a->flags == b->flags &&
+            is_same(a->parameters, b->parameters, sizeof a->parameters) &&
+            is_same(a->extinction, b->extinction, sizeof a->extinction) &&
+            a->medium_priority == b->medium_priority && a->texture_count == b->texture_count &&
+            is_same(&scene->textures[a->first_texture], &scene->textures[b->first_texture],
+                    a->texture_count * sizeof *scene->textures));
+}
 
-static struct twin_pair pair_of(const struct survey *survey, uint32_t a, uint32_t b)
+// Returns what two equal surfaces of the material do. Glass and thin panes look as one: what goes
+// through starts behind the rounding of its surface, and so behind both.
+static enum twins twins_of_material(const struct survey *survey, uint32_t material)
+{
+    const struct material *m = &survey->scene->materials[material];
+    bool is_opaque = !material_lets_through(m) && !survey_has_gaps(survey, material) &&
+                     m->diffuse_transmission <= 0.0f;
+    if (survey_counts_twice(survey, material))
+        return TWINS_DOUBLED;
+    return is_opaque && !material_emits(m) ? TWINS_IDLE : TWINS_ALIKE;
+}
+
+static enum twins twins_of(const struct survey *survey, uint32_t a, uint32_t b)
 {
     const struct scene *scene = survey->scene;
     const struct mesh *of_a = mesh_of(scene, a), *of_b = mesh_of(scene, b);
-    bool differs = of_a && !looks_alike(of_a, of_b), gaps = false;
-    struct twin_pair pair = {0};
+    bool alike = !of_a || looks_alike(of_a, of_b);
+    enum twins most = TWINS_IDLE;
     for (uint32_t i = 0; i < (of_a ? of_a->triangle_count : 1); i++) {
         uint32_t first = material_of(scene, a, i), second = material_of(scene, b, i);
-        differs |= first != second;
-        gaps |= survey_has_gaps(survey, first) || survey_has_gaps(survey, second);
-        pair.matters |= survey_differs_doubled(survey, first, second);
+        bool gaps = survey_has_gaps(survey, first) && survey_has_gaps(survey, second);
+        enum twins twins = alike && is_one_material(scene, first, second)
+                               ? twins_of_material(survey, first)
+                           : gaps ? TWINS_SHARE
+                                  : TWINS_CLASH;
+        most = twins > most ? twins : most;
     }
-    pair.shares_place = differs && gaps;
-    return pair;
+    return most;
 }
 
-// Returns the object that the one at `at` repeats, among those at its place, which begin at
-// `first`; or `at` where it repeats none.
-static uint32_t find_twin(const struct survey *survey, const struct identity *list, uint32_t first,
-                          uint32_t at, struct twin_pair *pair)
+// Objects that do the same.
+struct twin_list {
+    uint32_t count, first, second; // objects that are there again; the first pair
+    bool *marked;                  // flags of all objects: those that are there twice
+};
+
+// Takes the objects at one place. One of them is hidden only where all of them are equal: which of
+// the others is seen might change.
+static void take_place(struct survey *survey, const struct identity *list, uint32_t count,
+                       struct twin_list *lists)
 {
-    for (uint32_t i = first; i < at; i++) {
-        *pair = pair_of(survey, list[i].object, list[at].object);
-        if (!pair->shares_place)
-            return i;
+    bool is_idle = true;
+    for (uint32_t i = 1; i < count && is_idle; i++)
+        is_idle = twins_of(survey, list[0].object, list[i].object) == TWINS_IDLE;
+    for (uint32_t i = 1; i < count; i++) {
+        enum twins twins = TWINS_SHARE;
+        uint32_t at = 0, object = list[i].object;
+        for (; at < i && twins == TWINS_SHARE; at++)
+            twins = is_idle ? TWINS_IDLE : twins_of(survey, list[at].object, object);
+        if (twins == TWINS_SHARE)
+            continue;
+        struct twin_list *out = &lists[twins == TWINS_IDLE && !is_idle ? TWINS_ALIKE : twins];
+        uint32_t twin = list[at - 1].object;
+        if (out->count++ == 0) {
+            out->first = twin;
+            out->second = object;
+        }
+        out->marked[twin] = out->marked[object] = true;
+        if (is_idle)
+            *hidden_of(survey->scene, object) |= survey->params->fixes;
     }
-    return at;
 }
 
-static bool find_twins(struct survey *survey, struct twins *twins, struct err *err)
+static bool find_twins(struct survey *survey, struct twin_list *lists, struct err *err)
 {
     struct scene *scene = survey->scene;
     uint32_t all = survey_object_count(survey), count = 0;
     struct identity *list = ARENA_NEW(&survey->scratch, struct identity, all);
-    twins->marked = ARENA_NEW(&survey->scratch, bool, all);
+    bool *marked = ARENA_NEW(&survey->scratch, bool, (size_t)all *TWINS_COUNT);
     survey->places = ARENA_NEW(&survey->scratch, uint32_t, all);
     uint64_t *forms = ARENA_NEW(&survey->scratch, uint64_t, scene->mesh_count);
-    if (!list || !twins->marked || !survey->places || !forms)
+    if (!list || !marked || !survey->places || !forms)
         return err_memory(err, "objects", all * sizeof *list);
+    for (uint32_t i = 0; i < TWINS_COUNT; i++)
+        lists[i].marked = &marked[(size_t)i * all];
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         forms[i] = form_of_mesh(&scene->meshes[i]);
     for (uint32_t i = 0; i < all; i++)
         if (!is_hidden(scene, i))
             list[count++] = identity_of(scene, forms, i);
     qsort(list, count, sizeof *list, compare);
-    for (uint32_t i = 0, first = 0; i < count; i++) {
-        if (memcmp(&list[first], &list[i], IDENTITY_BYTES) != 0)
-            first = i;
-        survey->places[list[i].object] = first;
-        struct twin_pair pair;
-        uint32_t twin = find_twin(survey, list, first, i, &pair);
-        if (twin == i)
-            continue;
-        uint32_t a = list[twin].object, b = list[i].object;
-        if (twins->count++ == 0 || (pair.matters && !twins->matter)) {
-            twins->first = a;
-            twins->second = b;
-        }
-        twins->matter |= pair.matters;
-        twins->marked[a] = twins->marked[b] = true;
-        *hidden_of(scene, b) |= survey->params->fixes;
+    for (uint32_t first = 0, end; first < count; first = end) {
+        for (end = first; end < count && !memcmp(&list[first], &list[end], IDENTITY_BYTES); end++)
+            survey->places[list[end].object] = first;
+        take_place(survey, &list[first], end - first, lists);
     }
     return true;
 }
 
+// --- the findings --------------------------------------------------------------------------------
+
+static const struct {
+    enum finding_level level;
+    const char *consequence, *remedy;
+} words[TWINS_COUNT] = {
+    [TWINS_IDLE] = {FINDING_REMARK, "They cost memory and time, and change nothing.",
+                    "Remove or hide the second one."},
+    [TWINS_ALIKE] = {FINDING_REMARK, "They cost memory and time, and change nothing.",
+                     "Remove or hide one of them."},
+    [TWINS_DOUBLED] = {FINDING_WRONG, "What emits or is blended counts twice there.",
+                       "Remove or hide one of them; the picture is another one then."},
+    [TWINS_CLASH] = {FINDING_WRONG,
+                     "Which one of two materials is seen depends on the order of the objects, and "
+                     "light that the other one emits counts all the same.",
+                     "Remove or hide the one that is not to be seen, or move one of them by a "
+                     "visible distance."},
+};
+
+// Returns what --fix does about those of a list: where more than one is hidden, the first one
+// stands for them. NULL without memory.
+static const char *change_of(struct survey *survey, const struct twin_list *list)
+{
+    uint32_t material = material_of(survey->scene, list->second, 0);
+    const char *object = survey_object_name(survey, list->second);
+    const char *name = survey_material_name(survey, material);
+    if (!object || !name)
+        return NULL;
+    return list->count == 1
+               ? arena_printf(survey->arena, "%s (%s) is hidden", object, name)
+               : arena_printf(survey->arena,
+                              "%u objects are hidden, the first one of them is %s (%s)",
+                              list->count, object, name);
+}
+
+static bool add_list(struct survey *survey, enum twins twins, const struct twin_list *list,
+                     struct err *err)
+{
+    struct arena *arena = survey->arena;
+    const char *a = survey_object_name(survey, list->first);
+    const char *b = survey_object_name(survey, list->second);
+    const char *change = twins == TWINS_IDLE ? change_of(survey, list) : NULL;
+    const uint8_t *touched = survey_touched_by_objects(survey, list->marked);
+    if (twins == TWINS_IDLE && !change)
+        return err_memory(err, "names", 0);
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "object-twice",
+                          .level = words[twins].level,
+                          .place = a && b ? arena_printf(arena, "%s, and %s", a, b) : NULL,
+                          .figure = arena_printf(arena, "%u object%s at the very place of another",
+                                                 list->count, list->count == 1 ? "" : "s"),
+                          .consequence = words[twins].consequence,
+                          .remedy = words[twins].remedy,
+                          .share = survey_share(survey, touched),
+                          .pixels = touched,
+                          .change = change,
+                      },
+                      err);
+}
+
 bool find_twice(struct survey *survey, struct err *err)
 {
-    struct twins twins = {0};
-    if (!find_twins(survey, &twins, err))
+    struct twin_list lists[TWINS_COUNT] = {0};
+    if (!find_twins(survey, lists, err))
         return false;
-    if (twins.count == 0)
-        return true;
-    struct arena *arena = survey->arena;
-    const char *a = survey_object_name(survey, twins.first);
-    const char *b = survey_object_name(survey, twins.second);
-    const uint8_t *touched = survey_touched_by_objects(survey, twins.marked);
-    return survey_add(
-        survey,
-        &(struct scene_finding){
-            .name = "object-twice",
-            .level = twins.matter ? FINDING_WRONG : FINDING_REMARK,
-            .place = a && b ? arena_printf(arena, "%s, and %s", a, b) : NULL,
-            .figure = arena_printf(arena, "%u object%s at the very place of another", twins.count,
-                                   twins.count == 1 ? "" : "s"),
-            .consequence = twins.matter ? "What emits or lets light through counts twice there, "
-                                          "and of two materials the first one is seen."
-                                        : "They cost memory and time, and change nothing.",
-            .remedy = "Remove or hide the second one.",
-            .share = survey_share(survey, touched),
-            .pixels = touched,
-            .change = "the second one is hidden",
-        },
-        err);
+    for (enum twins twins = TWINS_IDLE; twins < TWINS_COUNT; twins++)
+        if (lists[twins].count > 0 && !add_list(survey, twins, &lists[twins], err))
+            return false;
+    return true;
 }

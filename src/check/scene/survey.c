@@ -45,10 +45,15 @@ bool survey_has_gaps(const struct survey *survey, uint32_t material)
     return survey->scene->materials[material].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
 }
 
+bool survey_counts_twice(const struct survey *survey, uint32_t material)
+{
+    const struct material *m = &survey->scene->materials[material];
+    bool lights = survey->settings.nee && survey->settings.max_bounces > 0;
+    return (lights && material_emits(m)) || (m->flags & MATERIAL_ALPHA_BLEND);
+}
+
 bool survey_differs_doubled(const struct survey *survey, uint32_t a, uint32_t b)
 {
-    const struct material *m = &survey->scene->materials[a];
-    bool lights = survey->settings.nee && survey->settings.max_bounces > 0;
-    return a != b || (lights && material_emits(m)) || material_lets_through(m) ||
-           (m->flags & MATERIAL_ALPHA_BLEND);
+    return a != b || survey_counts_twice(survey, a) ||
+           material_lets_through(&survey->scene->materials[a]);
 }

@@ -64,8 +64,10 @@ const char *survey_material_name(const struct survey *survey, uint32_t material)
 // Returns whether a surface of the material may be looked through where it is not: by a mask or by
 // blending.
 bool survey_has_gaps(const struct survey *survey, uint32_t material);
-// Returns whether two surfaces at one place look different from one. Lamps do where shadow rays are
-// sent to both.
+// Returns whether two surfaces of the material at one place both count: lamps do where shadow rays
+// are sent to both.
+bool survey_counts_twice(const struct survey *survey, uint32_t material);
+// Returns whether two surfaces at one place may look different from one.
 bool survey_differs_doubled(const struct survey *survey, uint32_t material_a, uint32_t material_b);
 static inline uint32_t survey_object_count(const struct survey *survey)
 {
