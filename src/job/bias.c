@@ -23,7 +23,7 @@ static uint32_t depth_asked_for(const struct settings *settings)
 static struct job_bias *next_bias(struct biases *biases, const char *kind)
 {
     struct job_bias *bias = &biases->list[biases->count++];
-    bias->kind = kind;
+    *bias = (struct job_bias){.kind = kind};
     return bias;
 }
 
@@ -70,6 +70,7 @@ static void find_clamped(const struct job *job, struct biases *biases)
     double lost = stats->clamped_light / (double)stats->paths;
     double all = lost + mean_luminance(&job->film);
     struct job_bias *bias = next_bias(biases, "clamp");
+    bias->is_idle = stats->clamped == 0;
     snprintf(bias->text, sizeof bias->text,
              "%" PRIu64 " contributions scaled down to %g, which takes %.3g of luminance from the "
              "mean (%.3g %%)",
@@ -84,6 +85,7 @@ static void find_sparse(const struct job *job, struct biases *biases)
     if (!(least > 0.0f) || stats->paths == 0)
         return;
     struct job_bias *bias = next_bias(biases, "min-density");
+    bias->is_idle = stats->sparse == 0;
     snprintf(bias->text, sizeof bias->text,
              "%" PRIu64 " of %" PRIu64 " %s ended where the density of their next direction was "
              "below %g per steradian",

@@ -10,6 +10,7 @@ enum { JOB_MAX_BIASES = 8 };
 struct job_bias {
     const char *kind; // the setting that it comes from
     char text[200];
+    bool is_idle; // as counted, it has changed nothing of the picture
 };
 
 // How many there are. That --max-bounces ends paths is no bias but what was asked for.

@@ -341,14 +341,17 @@ class Twice(Checks):
 class Coarse(Checks):
     def test_objects(self):
         def scene(distance):
-            return {'camera': {**FRONT, 'position': [0, 0, 8]}, 'environment': {'radiance': [1, 1, 1]},
+            return {'camera': {'position': [0, 0, 8], 'target': [distance, 0, 0],
+                               'fov_degrees': 200 / distance}, 'environment': {'radiance': [1, 1, 1]},
+                    'film': {'width': 16, 'height': 16},
                     'materials': {'grey': GREY},
                     'shapes': [{'type': 'sphere', 'material': 'grey', 'center': [0, 0, 0], 'radius': 2},
                                {'type': 'sphere', 'material': 'grey', 'center': [distance, 0, 0],
-                                'radius': 2}]}
-        found = self.check(scene(1e8))
+                                'radius': 1}]}
+        found = self.check(scene(1e6))
         self.assert_found(found, {'coarse-object': 'wrong'})
         self.assertIn('shape 1', found['coarse-object']['place'])
+        self.assertGreater(found['coarse-object']['share'], 0.1)
         self.assert_found(self.check(scene(1e3)), {})
 
     def test_meshes_and_cameras(self):

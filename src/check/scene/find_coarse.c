@@ -93,19 +93,80 @@ static void look_at_object(const struct survey *survey, const struct bounds *mes
     coarse->farthest = farthest;
 }
 
-static bool add_objects(struct survey *survey, const struct coarse *coarse, struct err *err)
+// Whether a line of sight comes by the sphere around an object: where rounding leaves nothing of
+// the object to be seen, it should be there.
+static bool comes_by(const struct survey *survey, const struct sightline *line,
+                     const struct bounds *bounds)
+{
+    double middle[3], size[3], from[3];
+    for (int c = 0; c < 3; c++)
+        middle[c] = 0.5 * (bounds->min[c] + bounds->max[c]) - survey->flat->origin[c];
+    vec3_subtract(bounds->max, bounds->min, size);
+    for (int c = 0; c < 3; c++)
+        from[c] = middle[c] * survey->flat->scale - line->origin[c];
+    double radius = 0.5 * vec3_norm(size) * survey->flat->scale;
+    double along = vec3_dot(from, line->direction);
+    double end = INFINITY;
+    if (!line->is_open && line->count > 0) {
+        double way[3];
+        vec3_subtract(line->steps[line->count - 1].point, line->origin, way);
+        end = vec3_dot(way, line->direction);
+    }
+    return along > 0.0 && along - radius < end &&
+           vec3_dot(from, from) - along * along < radius * radius;
+}
+
+static const uint8_t *touched_by_bounds(struct survey *survey, const struct bounds *meshes,
+                                        const bool *marked)
+{
+    uint8_t *flags = survey_flags(survey);
+    for (uint32_t i = 0; flags && i < survey_object_count(survey); i++) {
+        if (!marked[i])
+            continue;
+        const struct bounds bounds = object_bounds(survey, meshes, i);
+        for (uint32_t k = 0; k < survey->line_count && !bounds_is_empty(&bounds); k++)
+            flags[k] |= comes_by(survey, &survey->lines[k], &bounds);
+    }
+    return flags;
+}
+
+// Returns in *touched the pixels that show the objects, or should, or else those that they change
+// by their shadows, by reflections or by the light that they send: NULL where the picture is the
+// same without them.
+static bool find_touched(struct survey *survey, const struct bounds *meshes, const bool *marked,
+                         const uint8_t **touched, struct err *err)
+{
+    double *with, *without;
+    *touched = survey_touched_by_objects(survey, marked);
+    if (survey_share(survey, *touched) > 0.0)
+        return true;
+    *touched = touched_by_bounds(survey, meshes, marked);
+    if (survey_share(survey, *touched) > 0.0)
+        return true;
+    if (!survey_render_again(survey, &with, err) ||
+        !survey_render_without(survey, marked, &without, err))
+        return false;
+    if (survey_difference(survey, with, without, touched) < DIFFERENCE_MIN)
+        *touched = NULL;
+    return true;
+}
+
+static bool add_objects(struct survey *survey, const struct bounds *meshes,
+                        const struct coarse *coarse, struct err *err)
 {
     struct arena *arena = survey->arena;
+    const uint8_t *touched;
     double step = coarse->farthest * (double)FLT_EPSILON;
     if (coarse->count == 0)
         return true;
     const char *place = survey_object_name(survey, coarse->first);
-    const uint8_t *touched = survey_touched_by_objects(survey, coarse->marked);
+    if (!find_touched(survey, meshes, coarse->marked, &touched, err))
+        return false;
     return survey_add(
         survey,
         &(struct scene_finding){
             .name = "coarse-object",
-            .level = FINDING_WRONG,
+            .level = touched ? FINDING_WRONG : FINDING_REMARK,
             .place = coarse->count == 1 || !place
                          ? place
                          : arena_printf(arena, "%s, and %u more", place, coarse->count - 1),
@@ -114,7 +175,10 @@ static bool add_objects(struct survey *survey, const struct coarse *coarse, stru
                              "%g m across, %g m from where coordinates begin: known in steps "
                              "of %.2g m, %.2g %% of its size",
                              coarse->extent, coarse->farthest, step, 100.0 * step / coarse->extent),
-            .consequence = "Its form, its shadows and the light that it sends are wrong.",
+            .consequence =
+                touched ? "Its form, its shadows and the light that it sends are wrong."
+                        : "Its form is wrong; the picture is the same without it, as a render "
+                          "without it says.",
             .remedy = "Move the scene so that what matters is near the origin or near the camera, "
                       "or make the object larger.",
             .share = survey_share(survey, touched),
@@ -123,38 +187,43 @@ static bool add_objects(struct survey *survey, const struct coarse *coarse, stru
         err);
 }
 
-static bool is_of_mesh(const struct survey *survey, const struct sighting *at, const void *context)
-{
-    return survey_is_instance(survey, at->object) &&
-           survey->scene->instances[at->object].mesh == *(const uint32_t *)context;
-}
-
 // A mesh that lost its digits in the file, whose numbers are in single precision.
-static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bounds *bounds,
+static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bounds *meshes,
                          struct err *err)
 {
     const struct scene *scene = survey->scene;
     double extent, farthest;
     uint32_t object = SCENE_NONE;
-    if (scene->meshes[index].exact_positions || !flatten_is_coarse(bounds, &extent, &farthest))
+    const uint8_t *touched;
+    if (scene->meshes[index].exact_positions ||
+        !flatten_is_coarse(&meshes[index], &extent, &farthest))
         return true;
+    bool *marked = ARENA_NEW(&survey->scratch, bool, survey_object_count(survey));
+    if (!marked)
+        return err_memory(err, "marks of objects", survey_object_count(survey));
     for (uint32_t i = scene->instance_count; i-- > 0;)
-        if (scene->instances[i].mesh == index && !scene->instances[i].hidden)
+        if (scene->instances[i].mesh == index && !scene->instances[i].hidden) {
+            marked[i] = true;
             object = i;
+        }
     if (object == SCENE_NONE)
         return true;
-    const uint8_t *touched = survey_touched(survey, is_of_mesh, &index);
+    if (!find_touched(survey, meshes, marked, &touched, err))
+        return false;
     return survey_add(
         survey,
         &(struct scene_finding){
             .name = "coarse-mesh",
-            .level = FINDING_WRONG,
+            .level = touched ? FINDING_WRONG : FINDING_REMARK,
             .place = survey_object_name(survey, object),
             .figure = arena_printf(survey->arena,
                                    "%g in size and %g from its own origin: its file knows it in "
                                    "steps of %.2g",
                                    extent, farthest, farthest * (double)FLT_EPSILON),
-            .consequence = "Its vertices are rounded already: its form is wrong.",
+            .consequence =
+                touched ? "Its vertices are rounded already: its form is wrong."
+                        : "Its vertices are rounded already: its form is wrong; the picture is the "
+                          "same without it, as a render without it says.",
             .remedy = "Export the mesh about its own middle and place it by a transform.",
             .share = survey_share(survey, touched),
             .pixels = touched,
@@ -206,10 +275,10 @@ bool find_coarse(struct survey *survey, struct err *err)
     for (uint32_t i = 0; i < objects; i++)
         if (!is_hidden(survey, i))
             look_at_object(survey, meshes, i, &coarse);
-    if (!add_objects(survey, &coarse, err))
+    if (!add_objects(survey, meshes, &coarse, err))
         return false;
     for (uint32_t i = 0; i < scene->mesh_count; i++)
-        if (!look_at_mesh(survey, i, &meshes[i], err))
+        if (!look_at_mesh(survey, i, meshes, err))
             return false;
     return look_at_camera(survey, err);
 }

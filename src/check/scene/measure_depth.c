@@ -2,10 +2,8 @@
 // beyond is what is missing, so that noise tells little against it.
 #include "check/scene/survey.h"
 
-#include "base/maths.h"
-#include <string.h>
+#include <math.h>
 
-#define DEPTH_SAMPLES 16u
 #define DEPTH_STEPS 4u // each has four times the bounces of the one before
 #define DEPTH_MOST 4096u
 // Of the picture's light: what may be missing, and what may be missing afterwards.
@@ -15,23 +13,8 @@
 // Mean luminances of the small picture's pixels at a depth.
 static bool render_at(struct survey *survey, uint32_t depth, double **out, struct err *err)
 {
-    struct job job;
-    struct arena arena = {0};
-    struct film_image film;
-    struct job_params params = survey->small;
-    params.goal = (struct job_goal){.samples = DEPTH_SAMPLES};
     survey->scene->settings.max_bounces = depth;
-    *out = ARENA_NEW(&survey->scratch, double, survey->line_count);
-    if (!*out)
-        return err_memory(err, "a picture", survey->line_count * sizeof **out);
-    if (!job_start(&params, &job, err))
-        return false;
-    bool ok = job_run(&job, err) && job_copy_film(&job, &arena, &film, err);
-    for (uint32_t i = 0; ok && i < survey->line_count; i++)
-        (*out)[i] = luminance(film.mean[i]);
-    arena_finish(&arena);
-    job_finish(&job);
-    return ok;
+    return survey_render_again(survey, out, err);
 }
 
 struct cut {

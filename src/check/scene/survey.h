@@ -49,6 +49,7 @@ struct survey {
     uint32_t *places; // by find_twice(): a number for each object, the same for those at one place
     const uint8_t *through_faces; // by find_coincident(): flags of the lines; see there
     bool names_faces;             // faces that lie upon each other are among the findings
+    const char *unscaled;         // by find_biases(): what it is to be told of, if anything
     struct scene_findings *out;
     bool lacks_memory; // for flags
 };
@@ -139,6 +140,23 @@ bool coincidences_find(struct survey *survey, const struct sightline *lines, uin
 bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
                       const uint8_t *pixels, struct err *err);
 
+// --- render_again.c ------------------------------------------------------------------------------
+
+// Samples of a pixel of each of these renders, of the same random numbers in each.
+#define AGAIN_SAMPLES 16u
+// Renders the small picture with the settings that survey->scene has, when survey->job has ended.
+// *luminances: of the pixels' means, in survey->scratch.
+bool survey_render_again(struct survey *survey, double **luminances, struct err *err);
+// The same without the objects that are marked, one flag for each.
+bool survey_render_without(struct survey *survey, const bool *marked, double **luminances,
+                           struct err *err);
+// Returns the sum of the differences between pixels, relative to the brighter ones' light.
+// *touched: flags of the pixels that differ by more than 1 %.
+double survey_difference(struct survey *survey, const double *a, const double *b,
+                         const uint8_t **touched);
+// Where it is less, the pictures are the same: rounding turns a few paths another way.
+#define DIFFERENCE_MIN 1e-3
+
 // --- light_sent.c --------------------------------------------------------------------------------
 
 // Returns the luminance of what one of the scene's lights sends to a place of the world, in W/m^2
@@ -160,6 +178,7 @@ bool find_texels(struct survey *survey, struct err *err);     // missing, unusab
 bool find_hidden_lights(struct survey *survey, struct err *err);   // behind glass, and by chance
 bool find_mirrored_lights(struct survey *survey, struct err *err); // that only mirrors send on
 bool find_biases(struct survey *survey, struct err *err);          // that settings ask for
+bool find_unscaled(struct survey *survey, struct err *err);        // radiance, by refraction
 // Those that measure: each renders into the job's film.
 bool measure_noise(struct survey *survey, struct err *err); // its tail, and the outlook
 bool measure_depth(struct survey *survey, struct err *err);

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""`lampyris check SCENE`: how what it finds is judged. What changes nothing of a picture does not
+make it wrong, and what is told of it holds.
+
+Usage: test_check_scene_judged.py LAMPYRIS SOURCE_ROOT [unittest arguments]
+"""
+import os
+import unittest
+from test_check_scene import Checks, FRONT, GREY, box
+
+LAMP = {'base_color': [0, 0, 0], 'emission': [8, 8, 8]}
+FLOOR = {'type': 'quad', 'material': 'grey', 'corner': [-5, 0, 5], 'u': [10, 0, 0], 'v': [0, 0, -10]}
+VIEW = {'position': [0, 1, 5], 'target': [0, 1, 0], 'fov_degrees': 40}
+SMALL = {'width': 48, 'height': 32}
+
+
+class Idle(Checks):
+    """Settings that have changed nothing."""
+    def scene(self, light=None, **settings):
+        return {'camera': VIEW, 'film': SMALL, 'environment': {'radiance': [0.5, 0.5, 0.5]},
+                'materials': {'grey': GREY, 'lamp': LAMP, 'glass': {'type': 'dielectric'}},
+                'settings': settings,
+                'shapes': [FLOOR, {'type': 'sphere', 'material': 'glass', 'center': [0, 1, 0],
+                                   'radius': 0.7}, *([light] if light else [])]}
+
+    def test_thresholds(self):
+        for clean, planted in (({'clamp': 1e6}, {'clamp': 0.4}),
+                               ({'min_density': 1e-30}, {'min_density': 0.3})):
+            self.assert_found(self.check(self.scene(**clean)), {})
+            self.assertIn(('biased-setting', 'wrong'), [
+                (name, finding['level'])
+                for name, finding in self.check(self.scene(**planted)).items()])
+
+    def test_radiance_scaling(self):
+        """Light that leaves the glass again is the same; a lamp's in there, and the camera's, not."""
+        ball = {'type': 'sphere', 'material': 'lamp', 'radius': 0.4}
+        self.assert_found(self.check(self.scene(radiance_scaling=False)), {})
+        found = self.check(self.scene({**ball, 'center': [0, 1, 0]}, radiance_scaling=False))
+        self.assertEqual(found['biased-setting']['level'], 'wrong')
+        self.assertTrue(0.05 < found['biased-setting']['share'] < 0.9)
+        inside = {**self.scene(radiance_scaling=False),
+                  'camera': {'position': [0, 1, 0.5], 'target': [0, 1, 0], 'fov_degrees': 40}}
+        found = self.check(inside)
+        self.assertEqual(found['biased-setting']['share'], 1)
+
+
+class Unseen(Checks):
+    """What is neither in the picture nor changes it."""
+    def scene(self, place, **more):
+        return {'camera': VIEW, 'film': SMALL, 'environment': {'radiance': [0.5, 0.5, 0.5]},
+                'materials': {'grey': GREY, 'red': {'base_color': [0.7, 0.1, 0.1]}},
+                'shapes': [FLOOR, {'type': 'box', 'material': 'red', 'min': place,
+                                   'max': [x + 1.5 for x in place]}], **more}
+
+    def test_coarse_objects(self):
+        self.assert_found(self.check(self.scene([1e6, 1, -3e6])),
+                          {'coarse-object': 'remark', 'sliver': 'remark'})
+        self.assertTrue(all(f['share'] == 0 for f in self.result['findings']))
+
+    def test_coarse_objects_that_vanish(self):
+        """No ray meets it, since steps are longer than it is: it should be in the picture."""
+        found = self.check({
+            'camera': {'position': [0, 0, 0], 'target': [0, 0, -1], 'fov_degrees': 4e-6},
+            'film': SMALL, 'environment': {'radiance': [1, 1, 1]}, 'materials': {'grey': GREY},
+            'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [5, 0, 0], 'u': [1, 0, 0],
+                        'v': [0, 1, 0]},
+                       {'type': 'sphere', 'material': 'grey', 'center': [0, 0, -1e6 - 0.03],
+                        'radius': 0.02}]})
+        self.assertEqual(found['coarse-object']['level'], 'wrong')
+        self.assertGreater(found['coarse-object']['share'], 0)
+
+    def test_coarse_objects_that_throw_shadows(self):
+        """In the way of a sun above, out of sight."""
+        found = self.check(self.scene([-0.75, 1e6, -0.75], lights=[
+            {'type': 'directional', 'direction': [0, -1, 0], 'irradiance': [3, 3, 3]}]))
+        self.assertEqual(found['coarse-object']['level'], 'wrong')
+        self.assertTrue(0.01 < found['coarse-object']['share'] < 0.3)
+
+    def test_coarse_meshes(self):
+        """The far one is a coarse mesh; it stands behind the camera, with no light but even light."""
+        self.write('far.obj', box((1e6, 0, 0), (1e6 + 0.5, 0.5, 0.5)))
+
+        def scene(z):
+            return {'camera': VIEW, 'film': SMALL, 'environment': {'radiance': [0.5, 0.5, 0.5]},
+                    'materials': {'grey': GREY},
+                    'shapes': [FLOOR, {'type': 'mesh', 'file': 'far.obj', 'material': 'grey',
+                                       'transform': [{'translate': [-1e6, 0.5, z]}]}]}
+        self.assertEqual(self.check(scene(1e3))['coarse-mesh']['level'], 'remark')
+        self.assertEqual(self.check(scene(0))['coarse-mesh']['level'], 'wrong')
+
+
+if __name__ == '__main__':
+    unittest.main()
