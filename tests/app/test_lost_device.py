@@ -102,12 +102,14 @@ class LostDevice(unittest.TestCase):
             self.assertNotIn(b'lampyris:repeat', file.read(20000))
 
     def test_frames(self):
-        small = ['--size', '64x64', '--wave', '256k', '--lose-device', '14']
-        report, _ = self.rescued(*small, '--frames', '200', '--accumulate', 'off')
+        small = ['--size', '64x64', '--wave', '16k']
+        report, _ = self.rescued(*small, '--lose-device', '14', '--frames', '200', '--accumulate',
+                                 'off')
         self.assertEqual(report['spp'], 1)
-        # What was read for a numbered picture is the newest.
-        report, _ = self.rescued(*small, '--frames', '100', '--every', '10')
-        self.assertEqual(report['spp'], 10)
+        # What was read for a numbered picture is the newest, or what was copied since. On a busy
+        # machine there is a copy of every frame, which is a submission, too.
+        report, _ = self.rescued(*small, '--lose-device', '30', '--frames', '100', '--every', '10')
+        self.assertGreaterEqual(report['spp'], 10)
         self.assertTrue(os.path.exists(self.path('lost.0010.exr')))
 
     def goes_on(self, losses, submission, *arguments):
