@@ -220,6 +220,27 @@ class Upon(Checks):
                 self.assertAlmostEqual(found['coincident-faces']['share'], (3.14159 + 1) / 36, delta=0.01)
 
 
+    def test_from_far(self):
+        """A wall behind another one that a line of sight as long does not tell apart, though their
+        coordinates do; in the picture the one behind is seen, in the shadow of the other."""
+        for away in (10, 1e4):
+            def scene(gap, larger=1.01):
+                size = 0.01 * away
+                return {'camera': {'position': [0, 0, 0], 'target': [0, 0, -away], 'fov_degrees': 0.5},
+                        'environment': {'radiance': [1, 1, 1]},
+                        'materials': {'grey': GREY, 'red': {'base_color': [0.6, 0.1, 0.1]}},
+                        'shapes': [{'type': 'quad', 'material': material, 'corner': [-size, -size, z],
+                                    'u': [2 * size * u, 0, 0], 'v': [0, 2 * size, 0]}
+                                   for material, z, u in (('grey', -away, 1),
+                                                          ('red', gap * away - away, larger))]}
+            with self.subTest(away):
+                self.assertNotIn('object-twice', self.check(scene(2e-8, larger=1)))
+                found = self.check(scene(2e-8))
+                self.assertEqual(found['coincident-faces']['level'], 'wrong')
+                self.assertIn(f'met from {away:.4g} m away', found['coincident-faces']['figure'])
+                self.assertGreater(found['coincident-faces']['share'], 0.3)
+                self.assert_found(self.check(scene(1e-4)), {})
+
     def test_boxes(self):
         """Faces of boxes and caps that no ray ignores, on a wall, on each other and under a quad."""
         def box(low, high, material='grey', form='analytic'):

@@ -1,14 +1,16 @@
 // Surfaces of different objects, or of one, that lie upon each other.
 //
 // Each place that a line of sight meets is looked at once more, by a ray that falls onto it from a
-// small height, and is compared with the other shapes where it is on a shape. So the search takes
-// time by the picture's pixels: triangles only make a ray's way through the BVH longer, and the
-// number of comparisons with shapes is bounded (COMPARED_MOST).
+// small height, by one that comes along the line from near, and is compared with the other shapes
+// where it is on a shape. So the search takes time by the picture's pixels: triangles only make a
+// ray's way through the BVH longer, and the number of comparisons with shapes is bounded
+// (COMPARED_MOST).
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
 #include "shared/types.h"
 #include <float.h>
+#include <string.h>
 
 // Returns twice the kernels' bound of the error of a surface's points, some roundings of their
 // largest coordinate. Faces that are nearer than that lie upon each other.
@@ -42,8 +44,9 @@ static bool is_no_finding(const struct survey *survey, const struct sighting *a,
     return is_twin || share_place || !survey_differs_doubled(survey, a->material, b->material);
 }
 
+// apart: 0 where they lie upon each other
 static void note_pair(const struct survey *survey, struct coincidences *out, uint32_t line,
-                      const struct sighting *a, const struct sighting *b)
+                      const struct sighting *a, const struct sighting *b, double apart)
 {
     out->through[line] |= lets_through(survey, a) || lets_through(survey, b);
     if (is_no_finding(survey, a, b))
@@ -51,6 +54,7 @@ static void note_pair(const struct survey *survey, struct coincidences *out, uin
     if (out->count == 0) {
         out->pair[0] = *a;
         out->pair[1] = *b;
+        out->apart = apart;
     }
     out->count += !out->touched[line];
     out->touched[line] = 1;
@@ -61,6 +65,7 @@ static void note_pair(const struct survey *survey, struct coincidences *out, uin
 struct drop {
     const struct sighting *at;
     uint32_t line;
+    bool is_on_line; // it comes along the line of sight, else along the normal
     double direction[3], height;
 };
 
@@ -86,10 +91,29 @@ static struct drop drop_onto(const struct sighting *at, uint32_t line)
     return drop;
 }
 
+// Distances along a ray are rounded about 16 times on the way through a triangle's test, all of
+// them relative to the ray's length (lib/intersect_triangle.glsl). From that far the same line
+// meets surfaces in their true order.
+static double near_height(const struct sighting *at)
+{
+    return 16.0 * 0.5 * (double)FLT_EPSILON * (double)at->hit.t;
+}
+
+static struct drop drop_on_line(const struct sighting *at, const struct sightline *line,
+                                uint32_t number)
+{
+    struct drop drop = {.at = at, .line = number, .is_on_line = true, .height = near_height(at)};
+    memcpy(drop.direction, line->direction, sizeof drop.direction);
+    return drop;
+}
+
 static struct probe_ray ray_of(const struct drop *drop)
 {
-    struct probe_ray ray = {
-        .leaves = true, .from = drop->at->hit.primitive, .from_instance = drop->at->hit.instance};
+    struct probe_ray ray = {.from_instance = NO_INSTANCE};
+    if (!drop->is_on_line)
+        ray = (struct probe_ray){.leaves = true,
+                                 .from = drop->at->hit.primitive,
+                                 .from_instance = drop->at->hit.instance};
     for (int c = 0; c < 3; c++) {
         ray.origin[c] = (float)(drop->at->point[c] - drop->height * drop->direction[c]);
         ray.direction[c] = (float)drop->direction[c];
@@ -99,18 +123,21 @@ static struct probe_ray ray_of(const struct drop *drop)
 
 // Returns whether the surface that a ray met lies upon the one that it was dropped onto. Kernels
 // ignore triangles and flat shapes that a ray starts on; of others the ray may meet either surface
-// first, and where many rays fall, some meet the other one.
+// first, and where many rays fall, some meet the other one. On a line it lies in front: the line
+// has passed it, since rounding has put it behind the other one.
 static bool lies_upon(const struct survey *survey, const struct drop *drop,
                       const struct probe_ray *ray, const struct probe_hit *hit,
                       struct sighting *other)
 {
-    double origin[3];
+    double origin[3], above = drop->height - (double)hit->t;
+    double tolerance = tolerance_at(drop->at->point);
     if (hit->primitive == NO_PRIMITIVE || hit->primitive == drop->at->hit.primitive ||
-        fabs((double)hit->t - drop->height) > drop->height / HEIGHT_IN_TOLERANCES)
+        (drop->is_on_line ? above <= tolerance : fabs(above) > tolerance))
         return false;
     vec3_widen(ray->origin, origin);
     sighting_find(survey, hit, origin, drop->direction, other);
-    return is_parallel(other->normal, drop->at->normal);
+    bool may_have_passed = drop->is_on_line && survey_has_gaps(survey, other->material);
+    return is_parallel(other->normal, drop->at->normal) && !may_have_passed;
 }
 
 static bool drop_rays(struct survey *survey, const struct sightline *lines, uint32_t line_count,
@@ -120,27 +147,31 @@ static bool drop_rays(struct survey *survey, const struct sightline *lines, uint
     uint32_t most = survey->job.renderer.plan.wave_slots, steps = 0, count = 0;
     for (uint32_t i = 0; i < line_count; i++)
         steps += lines[i].count;
-    struct drop *drops = ARENA_NEW(&scratch, struct drop, steps);
-    struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, steps);
-    struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, steps);
+    struct drop *drops = ARENA_NEW(&scratch, struct drop, 2 * (size_t)steps);
+    struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, 2 * (size_t)steps);
+    struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, 2 * (size_t)steps);
     bool complete, ok = drops && rays && hits;
     if (!ok)
-        err_memory(err, "rays", steps * sizeof *rays);
+        err_memory(err, "rays", 2 * steps * sizeof *rays);
     for (uint32_t i = 0; ok && i < line_count; i++)
         for (uint32_t k = 0; k < lines[i].count; k++) {
-            if (!may_be_flat(survey, &lines[i].steps[k]))
-                continue;
-            drops[count] = drop_onto(&lines[i].steps[k], i);
-            rays[count] = ray_of(&drops[count]);
-            count++;
+            const struct sighting *at = &lines[i].steps[k];
+            if (may_be_flat(survey, at))
+                drops[count++] = drop_onto(at, i);
+            if (near_height(at) > tolerance_at(at->point))
+                drops[count++] = drop_on_line(at, &lines[i], i);
         }
+    for (uint32_t i = 0; ok && i < count; i++)
+        rays[i] = ray_of(&drops[i]);
     for (uint32_t i = 0; ok && i < count; i += most)
         ok = job_trace_rays(&survey->job, &rays[i], count - i < most ? count - i : most, &hits[i],
                             &complete, err);
     for (uint32_t i = 0; ok && i < count; i++) {
+        const struct drop *drop = &drops[i];
         struct sighting other;
-        if (lies_upon(survey, &drops[i], &rays[i], &hits[i], &other))
-            note_pair(survey, out, drops[i].line, drops[i].at, &other);
+        if (lies_upon(survey, drop, &rays[i], &hits[i], &other))
+            note_pair(survey, out, drop->line, drop->at, &other,
+                      drop->is_on_line ? drop->height - (double)hits[i].t : 0.0);
     }
     arena_finish(&scratch);
     return ok;
@@ -284,7 +315,7 @@ static void compare_with_shapes(struct survey *survey, const struct shapes *shap
         const struct sighting other = {.object =
                                            survey->scene->instance_count + shapes->items[i].source,
                                        .material = shapes->items[i].material};
-        note_pair(survey, out, line, at, &other);
+        note_pair(survey, out, line, at, &other, 0.0);
     }
 }
 
@@ -324,6 +355,19 @@ bool coincidences_find(struct survey *survey, const struct sightline *lines, uin
 // Fewer lines than these happen to hit an edge that two surfaces share.
 #define LINES_MIN 2
 
+static const char *figure_of(struct survey *survey, const struct coincidences *coincidences)
+{
+    const struct sighting *at = &coincidences->pair[0];
+    double world[3], scale = survey->flat->scale;
+    flat_to_world(survey->flat, at->point, world);
+    if (coincidences->apart <= 0.0)
+        return arena_printf(survey->arena, "upon each other at (%.4g, %.4g, %.4g)", world[0],
+                            world[1], world[2]);
+    return arena_printf(
+        survey->arena, "one %.2g m behind the other at (%.4g, %.4g, %.4g), met from %.4g m away",
+        coincidences->apart / scale, world[0], world[1], world[2], (double)at->hit.t / scale);
+}
+
 bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
                       const uint8_t *pixels, struct err *err)
 {
@@ -332,8 +376,6 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
     survey->names_faces = true;
     struct arena *arena = survey->arena;
     const char *objects[2], *materials[2];
-    double world[3];
-    flat_to_world(survey->flat, coincidences->pair[0].point, world);
     for (int i = 0; i < 2; i++) {
         objects[i] = survey_object_name(survey, coincidences->pair[i].object);
         materials[i] = survey_material_name(survey, coincidences->pair[i].material);
@@ -346,8 +388,7 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
                           .level = FINDING_WRONG,
                           .place = arena_printf(arena, "%s (%s) and %s (%s)", objects[0],
                                                 materials[0], objects[1], materials[1]),
-                          .figure = arena_printf(arena, "upon each other at (%.4g, %.4g, %.4g)",
-                                                 world[0], world[1], world[2]),
+                          .figure = figure_of(survey, coincidences),
                           .consequence =
                               "Rounding decides which one is seen, and lamps or glass there count "
                               "twice or not at all.",

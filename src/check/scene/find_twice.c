@@ -20,7 +20,10 @@ struct identity {
 static uint64_t form_of_mesh(const struct mesh *mesh)
 {
     struct hash128 parts[] = {
-        hash128_bytes(mesh->positions, mesh->vertex_count * sizeof *mesh->positions),
+        mesh->exact_positions
+            ? hash128_bytes(mesh->exact_positions,
+                            mesh->vertex_count * sizeof *mesh->exact_positions)
+            : hash128_bytes(mesh->positions, mesh->vertex_count * sizeof *mesh->positions),
         hash128_bytes(mesh->indices, mesh->triangle_count * sizeof *mesh->indices)};
     return hash_bytes(HASH_INIT, parts, sizeof parts);
 }

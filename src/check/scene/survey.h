@@ -123,13 +123,15 @@ const uint8_t *survey_touched_by_material(struct survey *survey, uint32_t materi
 
 // --- find_coincident.c ---------------------------------------------------------------------------
 
-// Lines that meet surfaces which lie upon each other.
+// Lines that meet surfaces which lie upon each other, or so near that a line from far away does not
+// tell them apart.
 struct coincidences {
     uint8_t *through;        // flags of lines: one of the two surfaces lets light through, so that
                              // rounding decides whether the line enters or leaves there
     uint8_t *touched;        // flags of lines: the two surfaces look different from one
     uint32_t count;          // of lines that are touched
     struct sighting pair[2]; // the first two surfaces
+    double apart;            // along the line, where its length hides that they are; or 0
 };
 
 // Looks at no more lines than survey->line_count.
