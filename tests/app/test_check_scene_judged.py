@@ -6,7 +6,7 @@ Usage: test_check_scene_judged.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
 import os
 import unittest
-from test_check_scene import Checks, FRONT, GREY, box
+from test_check_scene import Checks, GREY, SOURCE, box
 
 LAMP = {'base_color': [0, 0, 0], 'emission': [8, 8, 8]}
 FLOOR = {'type': 'quad', 'material': 'grey', 'corner': [-5, 0, 5], 'u': [10, 0, 0], 'v': [0, 0, -10]}
@@ -87,6 +87,46 @@ class Unseen(Checks):
                                        'transform': [{'translate': [-1e6, 0.5, z]}]}]}
         self.assertEqual(self.check(scene(1e3))['coarse-mesh']['level'], 'remark')
         self.assertEqual(self.check(scene(0))['coarse-mesh']['level'], 'wrong')
+
+
+class Tail(Checks):
+    def scene(self, *shapes, lights=(), **settings):
+        return {'camera': VIEW, 'film': SMALL, 'settings': settings,
+                'materials': {'grey': GREY, 'lamp': LAMP, 'glass': {'type': 'dielectric'}},
+                'shapes': [FLOOR, *shapes], 'lights': list(lights)}
+
+    def test_met_bound(self):
+        """No sample is brighter than a lamp of radiance 8, and some are about as bright."""
+        found = self.check({**self.scene(
+            {'type': 'box', 'material': 'glass', 'min': [-0.5, 0.01, -0.5], 'max': [0.5, 1, 0.5]},
+            {'type': 'quad', 'material': 'lamp', 'corner': [-1, 3, -1], 'u': [2, 0, 0], 'v': [0, 0, 2]},
+            max_bounces=9), 'environment': {'radiance': [0.5, 0.5, 0.5]}})
+        self.assertEqual(found['heavy-tail']['level'], 'remark')
+        self.assertIn('the error falls as 1 / samples', found['heavy-tail']['consequence'])
+        self.assertIn('a bias', found['heavy-tail']['remedy'])
+
+    def test_unknown_bound(self):
+        """A point light 5 mm above a ball, whose light goes on from there to all else."""
+        found = self.check(self.scene(
+            {'type': 'sphere', 'material': 'grey', 'center': [0, 0.5, 0], 'radius': 0.5},
+            {'type': 'quad', 'material': 'grey', 'corner': [-5, 0, -1], 'u': [10, 0, 0], 'v': [0, 5, 0]},
+            lights=[{'type': 'point', 'position': [0, 1.005, 0], 'intensity': [1, 1, 1]}]))
+        self.assertEqual(found['heavy-tail']['level'], 'slow')
+        self.assertIn('brighter ones come the longer it renders', found['heavy-tail']['consequence'])
+
+
+class Asked(Checks):
+    def test_integrators(self):
+        """Direct light alone lacks what paths of one bounce lack."""
+        path = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        figures = []
+        for arguments in (['--integrator', 'direct'], ['--max-bounces', '1']):
+            found = self.check_file(path, '--size', '32x32', *arguments)
+            self.assert_found(found, {'depth': 'remark'})
+            figures.append(found['depth']['figure'])
+        self.assertEqual(figures[0], figures[1])
+        found = self.check_file(path, '--size', '32x32', '--integrator', 'ao')
+        self.assertIn('how open each place is', found['depth']['consequence'])
 
 
 if __name__ == '__main__':

@@ -4,6 +4,8 @@
 
 #include "base/maths.h"
 #include "render/probe/replay.h"
+#include "scene/core/emission.h"
+#include "scene/core/light.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -86,24 +88,122 @@ static bool list_outliers(struct survey *survey, const float *samples, const uin
 
 // The largest samples as a power law, P(x) ~ x^-index: its exponent by Hill's estimate (1975), with
 // a standard error of index / sqrt(TAIL_LENGTH). Below 2 the variance is infinite, or behaves so as
-// far as these samples reach: the error then falls more slowly than 1 / samples.
+// far as these samples reach: the error then falls more slowly than 1 / samples. A bound of the
+// samples shows where the very brightest are more alike than the power law has them.
 #define TAIL_LENGTH 100u
+#define TAIL_END 20u
 
 struct tail {
     double index;
-    double part; // of the squares of all, that the tail has
+    double end_index; // of the TAIL_END brightest alone
+    double part;      // of the squares of all, that the tail has
 };
+
+// Returns whether a power law of this exponent, by so many samples, has a finite variance within
+// the 95 % interval.
+static bool may_be_finite(double index, uint32_t count)
+{
+    return index * (1.0 + 1.96 / sqrt(count)) >= 2.0;
+}
+
+static double hill_index(const struct outlier *outliers, uint32_t count)
+{
+    double logs = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+        logs += log(outliers[i].excess / outliers[count].excess);
+    return count / logs;
+}
 
 static struct tail find_tail(const struct outlier *outliers, size_t count)
 {
-    double logs = 0.0, squares = 0.0, most = 0.0;
+    double squares = 0.0, most = 0.0;
     for (size_t i = 0; i < count; i++) {
         double square = outliers[i].excess * outliers[i].excess;
         squares += square;
         most += i < TAIL_LENGTH ? square : 0.0;
-        logs += i < TAIL_LENGTH ? log(outliers[i].excess / outliers[TAIL_LENGTH].excess) : 0.0;
     }
-    return (struct tail){TAIL_LENGTH / logs, most / squares};
+    return (struct tail){hill_index(outliers, TAIL_LENGTH), hill_index(outliers, TAIL_END),
+                         most / squares};
+}
+
+// Returns whether no contribution exceeds what is emitted: of paths that meet lamps, or of shadow
+// rays that multiple importance sampling weights by these. A light without extent may be as near
+// to a surface as one likes.
+static bool has_bound(const struct survey *survey)
+{
+    const struct scene *scene = survey->scene;
+    const struct settings *settings = &survey->settings;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (!scene->lights[i].hidden && !light_is_sun(&scene->lights[i]))
+            return false;
+    return !settings->nee || settings->mis != MIS_NONE;
+}
+
+// Returns the greatest luminance that surfaces and an even environment emit, or INFINITY where an
+// image or a sun lights the scene.
+static double brightest_emitted(const struct scene *scene)
+{
+    const struct environment *environment = &scene->environment;
+    double most = environment->present ? luminance(environment->radiance) : 0.0;
+    if (environment->texels || scene->light_count > 0)
+        return INFINITY;
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        float emitted[3];
+        greatest_radiance(scene, &scene->materials[i], emitted);
+        most = fmax(most, luminance(emitted));
+    }
+    return most;
+}
+
+// What the brightest sample is at least, of what lamps send, where it is as good as that.
+#define BOUND_MET 0.25
+
+// Returns whether the brightest samples show a bound of all: they are alike, by the lower end of
+// the interval, or about what the brightest lamp sends.
+static bool has_met_bound(const struct survey *survey, const struct outlier *first,
+                          const struct tail *tail)
+{
+    const struct film_image *film = &survey->job.film; // of the outlook
+    double mean = 0.0;
+    for (uint32_t i = 0; i < survey->line_count; i++)
+        mean += luminance(film->mean[i]) / survey->line_count;
+    return tail->end_index * (1.0 - 1.96 / sqrt(TAIL_END)) >= 2.0 ||
+           (has_bound(survey) &&
+            first->excess * mean >= BOUND_MET * brightest_emitted(survey->scene));
+}
+
+struct tail_words {
+    enum finding_level level;
+    const char *consequence, *remedy;
+};
+
+static struct tail_words judge_tail(const struct survey *survey, const struct outlier *first,
+                                    const struct tail *tail)
+{
+    static const char remedy[] =
+        "Look for a small lamp seen by way of gloss, glass or metal: make it larger, or the "
+        "surface rougher. --clamp takes the noise away, but with it light: a bias.";
+    if (has_met_bound(survey, first, tail))
+        return (struct tail_words){
+            FINDING_REMARK,
+            "The very brightest are alike, or as bright as lamps: a bound is met, the error falls "
+            "as "
+            "1 / samples. Of few samples these rare ones are most of the error, and its interval "
+            "may be too small.",
+            "Nothing in the scene: render enough samples. --clamp takes the noise away, but with "
+            "it light: a bias."};
+    if (has_bound(survey))
+        return (struct tail_words){
+            FINDING_SLOW,
+            "A power below 2, and no bound met: as far as these samples reach, the error falls "
+            "more slowly than 1 / samples, and its interval may be too small. No sample exceeds "
+            "what lamps send: once many have met that, the error falls as 1 / samples.",
+            remedy};
+    return (struct tail_words){
+        FINDING_SLOW,
+        "A power below 2, and no bound met or known: the error falls more slowly than "
+        "1 / samples, as far as these samples reach, and brighter ones come the longer it renders.",
+        remedy};
 }
 
 // The vertex of a path that brings most, by a shadow ray or by itself.
@@ -161,24 +261,23 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
         return false;
     const char *path = describe_path(survey, &replay);
     const uint8_t *touched = touched_by_tail(survey, first);
+    const struct tail_words words = judge_tail(survey, first, tail);
     return survey_add(
         survey,
         &(struct scene_finding){
             .name = "heavy-tail",
-            .level = FINDING_SLOW,
+            .level = words.level,
             .place = path ? arena_printf(survey->arena, "paths by way of %s", path) : NULL,
-            .figure =
-                arena_printf(survey->arena,
-                             "%u of %u samples have %.0f %% of the noise, the brightest is "
-                             "%.3g times the picture, about (%u, %u); they fall off with the "
-                             "power %.2f of their brightness",
-                             TAIL_LENGTH, survey->line_count * TAIL_SAMPLES, 100.0 * tail->part,
-                             first->excess, x * survey->settings.width / width,
-                             y * survey->settings.height / height, tail->index),
-            .consequence = "Below the power 2 the error falls more slowly than 1 / samples: "
-                           "fireflies come however long it renders.",
-            .remedy = "Look for a small lamp seen by way of gloss, glass or metal: make it larger, "
-                      "or the surface rougher; --clamp trades the noise for a bias.",
+            .figure = arena_printf(
+                survey->arena,
+                "%u of %u samples have %.0f %% of the noise, the brightest is "
+                "%.3g times the picture, about (%u, %u); they fall off with the "
+                "power %.2f of their brightness, the brightest %u with %.2g",
+                TAIL_LENGTH, survey->line_count * TAIL_SAMPLES, 100.0 * tail->part, first->excess,
+                x * survey->settings.width / width, y * survey->settings.height / height,
+                tail->index, TAIL_END, tail->end_index),
+            .consequence = words.consequence,
+            .remedy = words.remedy,
             .share = survey_share(survey, touched),
             .pixels = touched,
         },
@@ -235,8 +334,8 @@ static bool measure_tail(struct survey *survey, const uint8_t *in_view, struct e
     if (count <= 10 * TAIL_LENGTH || !(outliers[TAIL_LENGTH].excess > 0.0))
         return true;
     const struct tail tail = find_tail(outliers, count);
-    bool is_heavy = tail.index * (1.0 + 1.96 / sqrt(TAIL_LENGTH)) < 2.0;
-    return !is_heavy || tail.part < TAIL_PART_MIN || add_tail(survey, outliers, &tail, err);
+    return may_be_finite(tail.index, TAIL_LENGTH) || tail.part < TAIL_PART_MIN ||
+           add_tail(survey, outliers, &tail, err);
 }
 
 // --- what goes wrong on the way ------------------------------------------------------------------

@@ -48,11 +48,19 @@ static struct cut compare(const double *shallow, const double *deep, uint32_t co
     return (struct cut){missing / all, (missing - 2.0 * error) / all};
 }
 
+// The integrator "direct" is paths of one bounce.
+static uint32_t first_depth(const struct survey *survey)
+{
+    const struct settings *settings = &survey->settings;
+    return settings->integrator == INTEGRATOR_DIRECT ? 1 : settings->max_bounces;
+}
+
 static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t *touched,
                     uint32_t enough, struct err *err)
 {
     struct arena *arena = survey->arena;
-    uint32_t depth = survey->settings.max_bounces;
+    bool is_direct = survey->settings.integrator == INTEGRATOR_DIRECT;
+    uint32_t depth = first_depth(survey);
     // Direct light alone is asked for.
     bool is_wanted = depth <= 1, is_known = enough > depth && !is_wanted;
     if (survey->params->fixes && is_known)
@@ -62,7 +70,8 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
         &(struct scene_finding){
             .name = "depth",
             .level = is_wanted ? FINDING_REMARK : FINDING_WRONG,
-            .place = arena_printf(arena, "setting max_bounces, %u", depth),
+            .place = is_direct ? "setting integrator, direct"
+                               : arena_printf(arena, "setting max_bounces, %u", depth),
             .figure = arena_printf(arena, "paths with more bounces bring %.2g %% more light",
                                    100.0 * cut->part / (1.0 - fmin(cut->part, 0.999))),
             .consequence = "This light is missing in the picture.",
@@ -80,16 +89,35 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
         err);
 }
 
+static bool add_occlusion(struct survey *survey, struct err *err)
+{
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "depth",
+            .level = FINDING_REMARK,
+            .place = "setting integrator, ao",
+            .figure = "no path is followed: no lamp, colour or material is looked at",
+            .consequence = "The picture is how open each place is, not the scene's light.",
+            .remedy = "Nothing, if that is wanted; else --integrator path.",
+            .share = 1.0,
+        },
+        err);
+}
+
 bool measure_depth(struct survey *survey, struct err *err)
 {
     const struct settings *settings = &survey->settings;
-    uint32_t depths[DEPTH_STEPS + 1] = {settings->max_bounces}, count = 1;
+    uint32_t depths[DEPTH_STEPS + 1] = {first_depth(survey)}, count = 1;
     double *films[DEPTH_STEPS + 1];
-    if (settings->integrator != INTEGRATOR_PATH || settings->roulette == ROULETTE_FRAME ||
-        settings->max_bounces >= DEPTH_MOST)
+    if (settings->integrator == INTEGRATOR_AO)
+        return add_occlusion(survey, err);
+    if ((settings->integrator != INTEGRATOR_PATH && settings->integrator != INTEGRATOR_DIRECT) ||
+        settings->roulette == ROULETTE_FRAME || depths[0] >= DEPTH_MOST)
         return true;
     if (!render_at(survey, depths[0], &films[0], err))
         return false;
+    survey->scene->settings.integrator = INTEGRATOR_PATH;
     struct cut cut = {0};
     for (uint32_t i = 1; i <= DEPTH_STEPS && depths[i - 1] < DEPTH_MOST; i++, count++) {
         depths[i] = 4 * (depths[i - 1] > 1 ? depths[i - 1] : 1);
