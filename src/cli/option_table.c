@@ -391,7 +391,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "fix", .argument = "OUT.json", .type = VALUE_TEXT, .group = "Cases",
         .commands = FOR_CHECK, .fallback = "none",
         .help = "Write the scene with the harmless remedies applied: those that remove an error, or "
-                "something without effect, and change nothing else of the picture. Says which.",
+                "something without effect, and change nothing else of the picture. Says which. "
+                "Options of the command line that change the scene are part of what is written. "
+                "The exit code is 0 where nothing is wrong in that file any more, else 1.",
         FIELD(check.fix),
     },
     [OPTION_REPORT] = {

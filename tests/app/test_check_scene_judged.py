@@ -5,8 +5,9 @@ make it wrong, and what is told of it holds.
 Usage: test_check_scene_judged.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
 import os
+import subprocess
 import unittest
-from test_check_scene import Checks, GREY, SOURCE, box
+from test_check_scene import Checks, GREY, LAMPYRIS, SOURCE, box
 
 LAMP = {'base_color': [0, 0, 0], 'emission': [8, 8, 8]}
 FLOOR = {'type': 'quad', 'material': 'grey', 'corner': [-5, 0, 5], 'u': [10, 0, 0], 'v': [0, 0, -10]}
@@ -127,6 +128,16 @@ class Asked(Checks):
         self.assertEqual(figures[0], figures[1])
         found = self.check_file(path, '--size', '32x32', '--integrator', 'ao')
         self.assertIn('how open each place is', found['depth']['consequence'])
+
+
+class Fix(Checks):
+    def test_says_what_it_wrote(self):
+        scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        out = os.path.join(self.folder.name, 'out.json')
+        result = subprocess.run([LAMPYRIS, 'check', scene, '--size', '16x16', '-q', '--fix', out],
+                                text=True, stdout=subprocess.PIPE, timeout=600)
+        self.assertEqual(result.returncode, 0)
+        self.assertIn(f'Nothing had to be changed.\nwrote     {out}\n', result.stdout)
 
 
 if __name__ == '__main__':

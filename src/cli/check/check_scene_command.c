@@ -87,7 +87,9 @@ static void print_changes(const struct scene_check *check)
         print_words(finding->name);
         print_line(": ", finding->change);
     }
-    print_line(count > 0 ? "wrote     " : "Nothing was changed in ", check->options->check.fix);
+    if (count == 0)
+        puts("Nothing had to be changed.");
+    print_line("wrote     ", check->options->check.fix);
     if (check->is_outside)
         puts("note      it names files outside of its folder, and so needs --allow-outside-paths");
 }
