@@ -7,7 +7,7 @@ Usage: test_check_scene_judged.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 import os
 import subprocess
 import unittest
-from test_check_scene import Checks, GREY, LAMPYRIS, SOURCE, box
+from scene_checks import Checks, GREY, LAMPYRIS, SOURCE, box
 
 LAMP = {'base_color': [0, 0, 0], 'emission': [8, 8, 8]}
 FLOOR = {'type': 'quad', 'material': 'grey', 'corner': [-5, 0, 5], 'u': [10, 0, 0], 'v': [0, 0, -10]}

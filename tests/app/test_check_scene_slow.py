@@ -1,0 +1,34 @@
+#!/usr/bin/env python3
+"""`lampyris check SCENE` on a slow device.
+
+Usage: test_check_scene_slow.py LAMPYRIS SOURCE_ROOT [unittest arguments]
+"""
+import json
+import os
+import re
+import subprocess
+import unittest
+
+from scene_checks import Checks, LAMPYRIS, SOURCE
+
+
+class Slow(Checks):
+    def test_fewer_pixels(self):
+        """A simulated slow device, which sleeps: the check's own renders have a bound."""
+        environment = {**os.environ, 'LAMPYRIS_LIMITS': 'no-timestamps,group-ns=600000'}
+        scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        result = subprocess.run([LAMPYRIS, 'check', scene, '--size', '64x64', '--json', '-q'], text=True,
+                                stdout=subprocess.PIPE, timeout=300, env=environment)
+        self.assertEqual(result.returncode, 0)
+        found = {finding['name']: finding for finding in json.loads(result.stdout)['findings']}
+        self.assert_found(found, {'few-pixels': 'remark'})
+        seconds = re.match(r'one sample of 4096 pixels takes (\S+) s', found['few-pixels']['figure'])[1]
+        width, height = re.search(r'picture of (\d+) x (\d+) pixels only',
+                                  found['few-pixels']['consequence']).groups()
+        self.assertGreater(float(seconds), 0.2)
+        # Its 200 samples of each pixel; seconds have two digits, and pixels are in squares.
+        self.assertAlmostEqual(int(width) * int(height) / 4096 * 200 * float(seconds), 30, delta=3)
+
+
+if __name__ == '__main__':
+    unittest.main()
