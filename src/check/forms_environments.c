@@ -12,11 +12,45 @@
 
 // --- the forms ----------------------------------------------------------------------------------
 
+#define POWER_ROWS 4096
+
+// A row of the image of cos^k about +Y: the mean over the row by solid angle.
+static float power_texel(double k, uint32_t row)
+{
+    if (row >= POWER_ROWS / 2)
+        return 0.0f;
+    double top = cos(M_PI * row / POWER_ROWS), bottom = fmax(cos(M_PI * (row + 1) / POWER_ROWS), 0);
+    return (float)((pow(top, k + 1.0) - pow(bottom, k + 1.0)) / ((k + 1.0) * (top - bottom)));
+}
+
+// The integral of sin t cos t from t[0] to t[1] times what goes evenly from ends[0] to ends[1].
+static double slope_irradiance(const double t[2], const double ends[2])
+{
+    double slope = (ends[1] - ends[0]) / (t[1] - t[0]);
+    double even = 0.5 * sin(t[1] - t[0]) * sin(t[1] + t[0]);
+    double rising = 0.125 * (sin(2.0 * t[1]) - sin(2.0 * t[0])) -
+                    0.25 * (t[1] * cos(2.0 * t[1]) - t[0] * cos(2.0 * t[0]));
+    return ends[0] * even + slope * (rising - t[0] * even);
+}
+
+// What the image sends to the plane: 2 rho Le / (k + 2) is that of cos^k itself, but radiance is
+// linear between the centres of rows, which widens a peak. Of k = 1000 the image sends 2.44e-5 more
+// than cos^k, of k up to 10 at most 1.3e-7 more or less. Above the first centre the radiance is
+// that of the first row; of the step across the horizon, the half above counts.
 static double power(double rho, double le, double k)
 {
-    return 2.0 * rho * le / (k + 2.0);
+    double h = M_PI / POWER_ROWS, first = (double)power_texel(k, 0);
+    double sum = slope_irradiance((double[]){0.0, 0.5 * h}, (double[]){first, first});
+    for (uint32_t row = 0; row < POWER_ROWS / 2; row++) {
+        double upper = (double)power_texel(k, row), lower = (double)power_texel(k, row + 1);
+        bool is_last = row + 1 == POWER_ROWS / 2;
+        double t[2] = {(row + 0.5) * h, (row + (is_last ? 1.0 : 1.5)) * h};
+        double ends[2] = {upper, is_last ? 0.5 * (upper + lower) : lower};
+        sum += slope_irradiance(t, ends);
+    }
+    return 2.0 * rho * le * sum;
 }
-static const char power_is[] = "2 rho Le / (k + 2)";
+static const char power_is[] = "2 rho Le / (k + 2), but for the interpolation of rows";
 
 // The irradiance of a patch of radiance 1.
 static double patch_of_sun(void)
@@ -70,18 +104,13 @@ static bool set_image(struct scene *scene, uint32_t width, uint32_t height, doub
     return true;
 }
 
-// cos^k about +Y, exact means over rows.
 static bool set_power(struct scene *scene, double k, struct err *err)
 {
-    enum { HEIGHT = 4096 };
-    if (!set_image(scene, 1, HEIGHT, 0, err))
+    if (!set_image(scene, 1, POWER_ROWS, 0, err))
         return false;
-    for (uint32_t row = 0; row < HEIGHT / 2; row++) {
-        double top = cos(M_PI * row / HEIGHT), bottom = fmax(cos(M_PI * (row + 1) / HEIGHT), 0.0);
-        double mean = (pow(top, k + 1.0) - pow(bottom, k + 1.0)) / ((k + 1.0) * (top - bottom));
+    for (uint32_t row = 0; row < POWER_ROWS / 2; row++)
         for (int c = 0; c < 3; c++)
-            scene->environment.texels[row][c] = (float)mean;
-    }
+            scene->environment.texels[row][c] = power_texel(k, row);
     return true;
 }
 
