@@ -3,6 +3,7 @@
 
 Usage: test_check_scene_light.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
+import math
 import os
 import re
 import unittest
@@ -192,6 +193,47 @@ class Window(Checks):
         self.assertEqual(found['light-by-chance']['share'], 1)
         self.assert_found(self.check(self.scene(True, False)), {})
         self.assert_found(self.check(self.scene(False, True)), {})  # which paths find easily
+
+
+class Spots(Checks):
+    """A spot light in a room of 4 m that a lamp lights, too."""
+
+    def found(self, degrees, *more, direction=(0, -1, 0), **camera):
+        quad = {'type': 'quad', 'material': 'lamp', 'corner': [-1, 3.99, -1], 'u': [2, 0, 0], 'v': [0, 0, 2]}
+        spot = {'type': 'spot', 'name': 'beam', 'position': [0, 3.9, 0], 'direction': direction,
+                'outer_degrees': degrees, 'intensity': [100] * 3}
+        return self.check({
+            'film': {'width': 16, 'height': 16}, 'settings': {'max_bounces': 2},
+            'camera': {'position': [0, 2, 1.9], 'target': [0, 0.5, 0], 'fov_degrees': 60, **camera},
+            'materials': {'grey': GREY, 'lamp': {'emission': [5] * 3}, 'glass': {'type': 'dielectric'}},
+            'lights': [spot],
+            'shapes': [{'type': 'box', 'material': 'grey', 'min': [-2, 0, -2], 'max': [2, 4, 2]}, quad, *more]})
+
+    def pixels(self, finding):
+        return float(re.search(r'as large as (\S+) of a pixel', finding['figure'])[1])
+
+    def test_narrow(self):
+        found = self.found(0.01)['narrow-spot']
+        self.assertEqual(found['level'], 'remark')
+        self.assertRegex(found['place'], '^light 0, "beam", on instance 0 of mesh "box"$')
+        # A disc of radius r = 3.9 tan(0.01 degrees), from 2.76 m.
+        radius, pixel = 3.9 * math.tan(math.radians(0.01)), 2 * math.tan(math.radians(30)) / 16 * 2.759
+        self.assertAlmostEqual(self.pixels(found) / (math.pi * (radius / pixel) ** 2), 1, delta=0.1)
+        self.assertEqual(found['share'], 1 / 16 ** 2)
+        self.assertIn('leaves 2.3e-10 of the intensity', found['consequence'])
+        # Behind the camera, and seen in larger pixels.
+        self.assertEqual(self.found(0.01, direction=[0, 0, 1])['narrow-spot']['share'], 0)
+        self.assertLess(self.pixels(self.found(0.01, fov_degrees=100)['narrow-spot']), self.pixels(found) / 3)
+
+    def test_wide(self):
+        self.assertIn('narrow-spot', self.found(0.4))  # 0.059 pixels
+        for degrees in (0.44, 40, 90):  # 0.071 pixels, and far more
+            self.assertNotIn('narrow-spot', self.found(degrees), degrees)
+        # Something small just before the lamp, and glass.
+        ball = {'type': 'sphere', 'material': 'grey', 'center': [0, 3.89, 0], 'radius': 1e-3}
+        pane = {'type': 'box', 'material': 'glass', 'min': [-1, 3.898, -1], 'max': [1, 3.899, 1]}
+        self.assertNotIn('narrow-spot', self.found(40, ball))
+        self.assertNotIn('narrow-spot', self.found(40, pane))
 
 
 if __name__ == '__main__':

@@ -179,6 +179,7 @@ bool find_albedos(struct survey *survey, struct err *err);    // 1 and above
 bool find_texels(struct survey *survey, struct err *err);     // missing, unusable, one-texel suns
 bool find_hidden_lights(struct survey *survey, struct err *err);   // behind glass, and by chance
 bool find_mirrored_lights(struct survey *survey, struct err *err); // that only mirrors send on
+bool find_narrow_spots(struct survey *survey, struct err *err);    // that light less than a pixel
 bool find_biases(struct survey *survey, struct err *err);          // that settings ask for
 bool find_unscaled(struct survey *survey, struct err *err);        // radiance, by refraction
 // Those that measure: each renders into the job's film.
