@@ -48,10 +48,6 @@ static bool choose_cases(struct device_check *d, struct err *err)
                    d->options->check.only);
 }
 
-// How often a case is run again on a device that was opened again, of all cases together: as often
-// as a render goes on (--reopen).
-#define REOPENS_MOST 2u
-
 // A case may have lost the device: it is opened again.
 static bool provide_device(struct device_check *d, struct err *err)
 {
@@ -70,7 +66,8 @@ static bool run_case(struct device_check *d, const struct check *check, struct c
         struct check_result *result = &row->result;
         if (was_lost && !*result->why)
             snprintf(result->why, sizeof result->why, "the device was lost, and opened again");
-        if (!result->is_lost || d->reopened == REOPENS_MOST)
+        // Cases are run again as often, all of them together, as a render goes on (--reopen).
+        if (!result->is_lost || d->reopened == d->options->render.reopens)
             return true;
         d->reopened++;
         was_lost = true;

@@ -177,15 +177,13 @@ static bool run(struct scene_check *check, struct err *err)
            (!fix || scene_write(&fixed, err));
 }
 
-// How often a lost device is opened again: as often as for a render (--reopen).
-#define REOPENS_MOST 2u
-
 // Prepares to check from the beginning, which takes some seconds, where the device was lost.
-// Returns false where that is not what failed, or was tried often enough.
+// Returns false where that is not what failed, or the device was opened again as often as for a
+// render (--reopen).
 static bool run_again(struct scene_check *check, uint32_t reopened, struct err *err)
 {
     struct err failure;
-    if (!check->gpu.lost || err->code != ERR_GPU || reopened == REOPENS_MOST)
+    if (!check->gpu.lost || err->code != ERR_GPU || reopened == check->options->render.reopens)
         return false;
     log_warn("%s: opening the device again, to check from the beginning", err->msg);
     if (!gpu_reopen(&check->gpu, &failure))
