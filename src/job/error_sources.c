@@ -1,8 +1,5 @@
 #include "job/error_sources.h"
 
-#include "job/bias.h"
-#include "job/job.h"
-#include "render/sampling_plan.h"
 #include "shared/aov.h"
 #include <math.h>
 #include <stdlib.h>
@@ -38,7 +35,7 @@ uint32_t error_kind_aov(enum error_kind kind)
 // --- shares --------------------------------------------------------------------------------------
 
 static const char *why_unknown(const struct film_image *film,
-                               const struct error_sources_params *params)
+                               const struct film_error_params *params)
 {
     if (film->least_samples < 2)
         return "fewer than two samples per pixel";
@@ -145,22 +142,13 @@ static void find_shares(const struct film_image *film, uint32_t rendered,
     }
 }
 
-void error_sources_prepare(const struct job *job, struct error_sources_params *out)
-{
-    *out = (struct error_sources_params){
-        .aovs = job->renderer.aovs,
-        .shares_depths = job_shares_depths(job),
-        .is_contiguous = halves_are_contiguous(&job->renderer),
-        .planned = job->renderer.frame.samples,
-    };
-}
-
-bool error_sources_find(const struct film_image *film, const struct error_sources_params *params,
-                        struct error_sources *out, struct err *err)
+bool error_sources_find(const struct film_image *film, uint32_t aovs,
+                        const struct film_error_params *params, struct error_sources *out,
+                        struct err *err)
 {
     uint64_t pixels = (uint64_t)film->width * film->height;
     *out = (struct error_sources){
-        .kinds = params->aovs & AOVS_BY,
+        .kinds = aovs & AOVS_BY,
         .has_intervals = !params->shares_depths,
     };
     if (!out->kinds)
@@ -179,7 +167,7 @@ bool error_sources_find(const struct film_image *film, const struct error_source
     bool ok = weights && metrics_half_error_weights(&halves, weights);
     if (ok) {
         find_brightest(film, (const double(*)[3])weights, out);
-        find_shares(film, params->aovs, &halves, (const double(*)[3])weights, out);
+        find_shares(film, aovs, &halves, (const double(*)[3])weights, out);
     }
     free(weights);
     return ok || err_memory(err, "where the error comes from", pixels * sizeof *weights);

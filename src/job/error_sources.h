@@ -3,8 +3,8 @@
 #ifndef LAMPYRIS_JOB_ERROR_SOURCES_H
 #define LAMPYRIS_JOB_ERROR_SOURCES_H
 
+#include "job/film_error.h"
 #include "metrics/error_by.h"
-#include "render/render.h"
 
 // The ways in which light is divided into classes.
 enum error_kind { ERROR_BY_PART, ERROR_BY_BOUNCE, ERROR_BY_EMITTER, ERROR_KIND_COUNT };
@@ -40,19 +40,11 @@ struct error_sources {
     uint32_t brightest_count;
 };
 
-// What is to be known of a job besides its film.
-struct error_sources_params {
-    uint32_t aovs;      // of the renderer
-    bool shares_depths; // all pixels' paths do, so that their errors depend on each other
-    bool is_contiguous; // the halves are, which tell an error only when all samples are done
-    uint64_t planned;   // samples
-};
-
-struct job;
-void error_sources_prepare(const struct job *job, struct error_sources_params *out);
-// Finds the sources of the error of a film of the job. Does nothing without --error-by. Returns
-// false only when out of memory. Any thread may call it.
-bool error_sources_find(const struct film_image *film, const struct error_sources_params *params,
-                        struct error_sources *out, struct err *err);
+// Finds the sources of the error of a film of a renderer with these AOVs, whose error is estimated
+// by these params; `samples`, `confidence` and `unseen` do not matter. Does nothing without
+// --error-by. Returns false only when out of memory. Any thread may call it.
+bool error_sources_find(const struct film_image *film, uint32_t aovs,
+                        const struct film_error_params *params, struct error_sources *out,
+                        struct err *err);
 
 #endif

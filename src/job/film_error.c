@@ -5,16 +5,21 @@
 #include <math.h>
 #include <stdio.h>
 
-bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct arena *arena,
-                        struct film_error_params *out, struct err *err)
+struct film_error_params film_error_of(const struct renderer *renderer, uint64_t samples)
 {
     const struct specialization *s = &renderer->specialization;
-    *out = (struct film_error_params){
+    return (struct film_error_params){
         .samples = samples,
         .shares_depths = s->roulette == ROULETTE_FRAME && (s->features & FEATURE_ROULETTE) != 0,
         .is_contiguous = halves_are_contiguous(renderer),
         .planned = renderer->frame.samples,
     };
+}
+
+bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct arena *arena,
+                        struct film_error_params *out, struct err *err)
+{
+    *out = film_error_of(renderer, samples);
     return renderer_find_unseen(renderer, arena, &out->unseen, err);
 }
 

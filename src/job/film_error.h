@@ -16,7 +16,9 @@ struct film_error_params {
     struct unseen_light unseen;
 };
 
-// Prepares the estimate for what the renderer has in its film now; what it points to is in `arena`.
+// Returns what the renderer's settings decide of the estimate; nothing is unseen.
+struct film_error_params film_error_of(const struct renderer *renderer, uint64_t samples);
+// Prepares the same with the unseen light of the scene; what it points to is in `arena`.
 bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct arena *arena,
                         struct film_error_params *out, struct err *err);
 

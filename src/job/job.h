@@ -294,7 +294,7 @@ struct job_estimate {
     struct arena arena;
     struct film_image film;
     struct film_error_params params;
-    struct error_sources_params sources_params;
+    uint32_t aovs; // of the renderer
     struct half_error error;
     struct error_sources sources;
 };

@@ -76,8 +76,7 @@ bool job_prepare_estimates(struct job *job, struct err *err)
 
 bool job_estimate_begin(struct job *job, struct job_estimate *out, struct err *err)
 {
-    *out = (struct job_estimate){0};
-    error_sources_prepare(job, &out->sources_params);
+    *out = (struct job_estimate){.aovs = job->renderer.aovs};
     return renderer_read(&job->renderer, &out->arena, &out->film, err) &&
            film_error_prepare(&job->renderer, out->film.least_samples, &out->arena, &out->params,
                               err);
@@ -86,7 +85,8 @@ bool job_estimate_begin(struct job *job, struct job_estimate *out, struct err *e
 bool job_estimate_end(struct job_estimate *estimate, struct err *err)
 {
     return film_error(&estimate->film, &estimate->params, &estimate->error, err) &&
-           error_sources_find(&estimate->film, &estimate->sources_params, &estimate->sources, err);
+           error_sources_find(&estimate->film, estimate->aovs, &estimate->params,
+                              &estimate->sources, err);
 }
 
 // The true error, and what of it is bias: told by the halves, where they are independent.
@@ -123,9 +123,8 @@ bool job_read_film(struct job *job, struct err *err)
 
 bool job_find_sources(const struct job *job, struct error_sources *out, struct err *err)
 {
-    struct error_sources_params params;
-    error_sources_prepare(job, &params);
-    return error_sources_find(&job->film, &params, out, err);
+    const struct film_error_params params = film_error_of(&job->renderer, job->film.least_samples);
+    return error_sources_find(&job->film, job->renderer.aovs, &params, out, err);
 }
 
 bool job_judge_film(struct job *job, struct err *err)
