@@ -45,9 +45,10 @@ static void contents(struct gui *gui, const struct view *view, enum error_kind k
 
 void panel_error_by(struct panel *panel, const struct stage *stage)
 {
-    static const char *const words[] = {"off", "part", "bounce", "emitter", NULL};
-    _Static_assert(sizeof words / sizeof *words == ERROR_KIND_COUNT + 2, "a word for each kind");
+    const char *words[ERROR_KIND_COUNT + 2] = {"off"}; // NULL is behind the last one
     struct gui *gui = panel->gui;
+    for (int kind = 0; kind < ERROR_KIND_COUNT; kind++)
+        words[1 + kind] = error_kind_names[kind];
     gui_group_begin(gui, "statistics.error", "Where the error comes from",
                     "Shares of the error in light of different kinds, and what contributed most.",
                     false);
