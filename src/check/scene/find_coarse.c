@@ -9,7 +9,7 @@
 #include "scene/core/bounds.h"
 #include <float.h>
 
-// Of each mesh in its own space, of the vertices that triangles use.
+// Returns the box of each mesh in its own space, of the vertices that triangles use, or NULL.
 static struct bounds *list_mesh_bounds(struct survey *survey, struct err *err)
 {
     const struct scene *scene = survey->scene;
@@ -43,14 +43,6 @@ static struct bounds object_bounds(const struct survey *survey, const struct bou
     if (!bounds_is_empty(mesh))
         affine_box(instance->transform, mesh->min, mesh->max, bounds.min, bounds.max);
     return bounds;
-}
-
-static bool is_hidden(const struct survey *survey, uint32_t object)
-{
-    const struct scene *scene = survey->scene;
-    return survey_is_instance(survey, object)
-               ? scene->instances[object].hidden
-               : scene->shapes[object - scene->instance_count].hidden;
 }
 
 // Lamps that are too small for where they are keep a form of their own (flatten_lamps.h).
@@ -93,17 +85,17 @@ static void look_at_object(const struct survey *survey, const struct bounds *mes
     coarse->farthest = farthest;
 }
 
-// Whether a line of sight comes by the sphere around an object: where rounding leaves nothing of
-// the object to be seen, it should be there.
+// Returns whether a line of sight comes by the sphere around an object: where rounding leaves
+// nothing of the object to be seen, it should be there.
 static bool comes_by(const struct survey *survey, const struct sightline *line,
                      const struct bounds *bounds)
 {
     double middle[3], size[3], from[3];
     for (int c = 0; c < 3; c++)
-        middle[c] = 0.5 * (bounds->min[c] + bounds->max[c]) - survey->flat->origin[c];
+        middle[c] = 0.5 * (bounds->min[c] + bounds->max[c]);
     vec3_subtract(bounds->max, bounds->min, size);
-    for (int c = 0; c < 3; c++)
-        from[c] = middle[c] * survey->flat->scale - line->origin[c];
+    flat_from_world(survey->flat, middle, middle);
+    vec3_subtract(middle, line->origin, from);
     double radius = 0.5 * vec3_norm(size) * survey->flat->scale;
     double along = vec3_dot(from, line->direction);
     double end = INFINITY;
@@ -187,7 +179,7 @@ static bool add_objects(struct survey *survey, const struct bounds *meshes,
         err);
 }
 
-// A mesh that lost its digits in the file, whose numbers are in single precision.
+// Looks whether a mesh lost its digits in the file, whose numbers are in single precision.
 static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bounds *meshes,
                          struct err *err)
 {
@@ -273,7 +265,7 @@ bool find_coarse(struct survey *survey, struct err *err)
     if (!meshes || !coarse.marked)
         return err_memory(err, "bounds", objects);
     for (uint32_t i = 0; i < objects; i++)
-        if (!is_hidden(survey, i))
+        if (!*survey_hidden(survey, i))
             look_at_object(survey, meshes, i, &coarse);
     if (!add_objects(survey, meshes, &coarse, err))
         return false;

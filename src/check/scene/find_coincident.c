@@ -12,12 +12,10 @@
 #include <float.h>
 #include <string.h>
 
-// Returns twice the kernels' bound of the error of a surface's points, some roundings of their
-// largest coordinate. Faces that are nearer than that lie upon each other.
+// Returns the distance within which faces lie upon each other: the points of both are rounded.
 static double tolerance_at(const double point[3])
 {
-    double largest = fmax(fmax(fabs(point[0]), fabs(point[1])), fabs(point[2]));
-    return 8.0 * (double)FLT_EPSILON * largest;
+    return 2.0 * sighting_rounding(point);
 }
 
 // Returns whether two unit normals belong to one plane, rather than to neighbours at an edge.
@@ -44,7 +42,7 @@ static bool is_no_finding(const struct survey *survey, const struct sighting *a,
     return is_twin || share_place || !survey_differs_doubled(survey, a->material, b->material);
 }
 
-// apart: 0 where they lie upon each other
+// Notes that a line meets two surfaces which are so far apart; 0: they lie upon each other.
 static void note_pair(const struct survey *survey, struct coincidences *out, uint32_t line,
                       const struct sighting *a, const struct sighting *b, double apart)
 {

@@ -28,7 +28,7 @@ static uint64_t form_of_mesh(const struct mesh *mesh)
     return hash_bytes(HASH_INIT, parts, sizeof parts);
 }
 
-// forms: of all meshes
+// Returns what an object is and where. `forms` are those of all meshes.
 static struct identity identity_of(const struct scene *scene, const uint64_t *forms,
                                    uint32_t object)
 {
@@ -47,18 +47,6 @@ static struct identity identity_of(const struct scene *scene, const uint64_t *fo
     memcpy(&identity.numbers[6], shape->axes, sizeof shape->axes);
     identity.numbers[15] = shape->radius;
     return identity;
-}
-
-static bool is_hidden(const struct scene *scene, uint32_t object)
-{
-    return object < scene->instance_count ? scene->instances[object].hidden
-                                          : scene->shapes[object - scene->instance_count].hidden;
-}
-
-static bool *hidden_of(struct scene *scene, uint32_t object)
-{
-    return object < scene->instance_count ? &scene->instances[object].hidden
-                                          : &scene->shapes[object - scene->instance_count].hidden;
 }
 
 static const struct mesh *mesh_of(const struct scene *scene, uint32_t object)
@@ -87,7 +75,7 @@ static int compare(const void *a, const void *b)
     return order ? order : (x->object > y->object) - (x->object < y->object);
 }
 
-// What it does to a picture that two objects are at one place, in ascending order.
+// The effects on a picture of two objects at one place, in ascending order.
 enum twins {
     TWINS_IDLE,    // nothing, as hiding one of them would do
     TWINS_ALIKE,   // nothing: they look as one of them does
@@ -186,7 +174,7 @@ static void take_place(struct survey *survey, const struct identity *list, uint3
         }
         out->marked[twin] = out->marked[object] = true;
         if (is_idle)
-            *hidden_of(survey->scene, object) |= survey->params->fixes;
+            *survey_hidden(survey, object) |= survey->params->fixes;
     }
 }
 
@@ -205,7 +193,7 @@ static bool find_twins(struct survey *survey, struct twin_list *lists, struct er
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         forms[i] = form_of_mesh(&scene->meshes[i]);
     for (uint32_t i = 0; i < all; i++)
-        if (!is_hidden(scene, i))
+        if (!*survey_hidden(survey, i))
             list[count++] = identity_of(scene, forms, i);
     qsort(list, count, sizeof *list, compare);
     for (uint32_t first = 0, end; first < count; first = end) {

@@ -155,7 +155,8 @@ static double brightest_emitted(const struct scene *scene)
     return most;
 }
 
-// What the brightest sample is at least, of what lamps send, where it is as good as that.
+// The brightest sample has met a bound where it is this part of what the brightest lamp sends, or
+// more: two diffuse surfaces of reflectance 1/2 on the way leave a quarter.
 #define BOUND_MET 0.25
 
 // Returns whether the brightest samples show a bound of all: they are alike, by the lower end of
@@ -187,9 +188,8 @@ static struct tail_words judge_tail(const struct survey *survey, const struct ou
         return (struct tail_words){
             FINDING_REMARK,
             "The very brightest are alike, or as bright as lamps: a bound is met, the error falls "
-            "as "
-            "1 / samples. Of few samples these rare ones are most of the error, and its interval "
-            "may be too small.",
+            "as 1 / samples. Of few samples these rare ones are most of the error, and its "
+            "interval may be too small.",
             "Nothing in the scene: render enough samples. --clamp takes the noise away, but with "
             "it light: a bias."};
     if (has_bound(survey))
@@ -206,7 +206,7 @@ static struct tail_words judge_tail(const struct survey *survey, const struct ou
         remedy};
 }
 
-// The vertex of a path that brings most, by a shadow ray or by itself.
+// Returns the vertex of a path that brings most, by a shadow ray or by itself.
 static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ray)
 {
     uint32_t brightest = 0;
@@ -224,8 +224,8 @@ static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ra
     return brightest;
 }
 
-// The way that the brightest sample took: "material \"floor\", material \"glass\" and a shadow
-// ray".
+// Returns the way that the brightest sample took, as "material \"floor\", material \"glass\" and a
+// shadow ray".
 static const char *describe_path(struct survey *survey, const struct replay *replay)
 {
     const struct scene *scene = survey->scene;

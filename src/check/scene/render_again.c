@@ -3,7 +3,7 @@
 
 #include "base/maths.h"
 
-// What a pixel differs by at least, to be touched, of its light.
+// A pixel is touched where it differs by more than this part of its light.
 #define TOUCHED_MIN 0.01
 
 static bool render_with(struct survey *survey, const struct job_params *params, double **out,
@@ -33,14 +33,11 @@ bool survey_render_again(struct survey *survey, double **luminances, struct err 
 }
 
 // Hides the objects that are marked, or shows them again.
-static void hide(struct scene *scene, const bool *marked, bool hidden)
+static void hide(const struct survey *survey, const bool *marked, bool hidden)
 {
-    for (uint32_t i = 0; i < scene->instance_count; i++)
+    for (uint32_t i = 0; i < survey_object_count(survey); i++)
         if (marked[i])
-            scene->instances[i].hidden = hidden;
-    for (uint32_t i = 0; i < scene->shape_count; i++)
-        if (marked[scene->instance_count + i])
-            scene->shapes[i].hidden = hidden;
+            *survey_hidden(survey, i) = hidden;
 }
 
 bool survey_render_without(struct survey *survey, const bool *marked, double **luminances,
@@ -57,13 +54,13 @@ bool survey_render_without(struct survey *survey, const bool *marked, double **l
     };
     params.goal = (struct job_goal){.samples = AGAIN_SAMPLES};
     params.renderer.geometry = &geometry;
-    hide(survey->scene, marked, true);
+    hide(survey, marked, true);
     bool ok = geometry_create(&without, &geometry, err);
     if (ok) {
         ok = render_with(survey, &params, luminances, err);
         geometry_finish(&geometry);
     }
-    hide(survey->scene, marked, false);
+    hide(survey, marked, false);
     return ok;
 }
 

@@ -19,7 +19,7 @@ bool material_lets_through(const struct material *material)
 
 // --- what a ray has met --------------------------------------------------------------------------
 
-// A cylinder's cap, or its side.
+// Finds the normal of a cylinder's cap, or of its side.
 static void cylinder_normal(const struct flat_shape *shape, const double from[3], double normal[3])
 {
     double axis[3], radius = (double)shape->radius;
@@ -34,7 +34,7 @@ static void cylinder_normal(const struct flat_shape *shape, const double from[3]
             normal[c] = copysign(axis[c], axis[c] * along);
 }
 
-// The face whose plane the point is nearest to.
+// Finds the normal of the face whose plane the point is nearest to.
 static void box_normal(const struct flat_shape *shape, const double from[3], double normal[3])
 {
     double nearest = INFINITY;
@@ -50,7 +50,7 @@ static void box_normal(const struct flat_shape *shape, const double from[3], dou
     }
 }
 
-// By differences over a small part of the field's box.
+// Finds the gradient by differences over a small part of the field's box.
 static void field_normal(const struct survey *survey, const struct flat_shape *shape,
                          const double point[3], double normal[3])
 {
@@ -163,9 +163,7 @@ void sighting_find(const struct survey *survey, const struct probe_hit *hit, con
     out->is_front = vec3_dot(out->normal, direction) <= 0.0;
 }
 
-// Points on surfaces are known to some roundings of their coordinates: the kernels' bound for
-// triangles is gamma(7) of these (Pharr, Jakob, Humphreys 2023, section 6.8.5).
-static double rounding_at(const double point[3])
+double sighting_rounding(const double point[3])
 {
     double largest = fmax(fmax(fabs(point[0]), fabs(point[1])), fabs(point[2]));
     return 8.0 * 0.5 * (double)FLT_EPSILON * largest;
@@ -175,7 +173,7 @@ struct probe_ray sighting_leave(const struct sighting *at, const double directio
 {
     struct probe_ray ray = {
         .leaves = true, .from = at->hit.primitive, .from_instance = at->hit.instance};
-    double offset = copysign(rounding_at(at->point), vec3_dot(at->normal, direction));
+    double offset = copysign(sighting_rounding(at->point), vec3_dot(at->normal, direction));
     for (int c = 0; c < 3; c++) {
         ray.origin[c] = (float)(at->point[c] + offset * at->normal[c]);
         ray.direction[c] = (float)direction[c];
@@ -217,7 +215,7 @@ static struct probe_ray next_ray(const struct front *front)
     return ray;
 }
 
-// Takes what a ray has met; whether its line goes on.
+// Takes what a ray has met. Returns whether its line goes on.
 static bool take_step(const struct survey *survey, struct front *front, const struct probe_ray *ray,
                       const struct probe_hit *hit)
 {
@@ -236,7 +234,7 @@ static bool take_step(const struct survey *survey, struct front *front, const st
            material_lets_through(&survey->scene->materials[step->material]);
 }
 
-// One surface further for all lines that go on; their number.
+// Takes all lines that go on one surface further. *count is then the number of those that still do.
 static bool advance(struct survey *survey, struct front *fronts, uint32_t *count,
                     struct probe_ray *rays, struct probe_hit *hits, struct err *err)
 {

@@ -40,6 +40,14 @@ const char *survey_material_name(const struct survey *survey, uint32_t material)
                  : arena_printf(survey->arena, "material %u", material);
 }
 
+bool *survey_hidden(const struct survey *survey, uint32_t object)
+{
+    struct scene *scene = survey->scene;
+    return survey_is_instance(survey, object)
+               ? &scene->instances[object].hidden
+               : &scene->shapes[object - scene->instance_count].hidden;
+}
+
 bool survey_has_gaps(const struct survey *survey, uint32_t material)
 {
     return survey->scene->materials[material].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);

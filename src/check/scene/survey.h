@@ -70,6 +70,8 @@ bool survey_has_gaps(const struct survey *survey, uint32_t material);
 bool survey_counts_twice(const struct survey *survey, uint32_t material);
 // Returns whether two surfaces at one place may look different from one.
 bool survey_differs_doubled(const struct survey *survey, uint32_t material_a, uint32_t material_b);
+// Returns whether an object is hidden, which may be changed there.
+bool *survey_hidden(const struct survey *survey, uint32_t object);
 static inline uint32_t survey_object_count(const struct survey *survey)
 {
     return survey->scene->instance_count + survey->scene->shape_count;
@@ -85,7 +87,7 @@ static inline bool survey_is_instance(const struct survey *survey, uint32_t obje
 // Traces lines whose origin, direction, length and media are set.
 bool sightlines_trace(struct survey *survey, struct sightline *lines, uint32_t count,
                       struct err *err);
-// Those of the camera, one a pixel of the small picture, into survey->lines.
+// Traces those of the camera, one a pixel of the small picture, into survey->lines.
 bool sightlines_take_view(struct survey *survey, struct err *err);
 // Fills in what a ray has met; hit->primitive is not NO_PRIMITIVE.
 void sighting_find(const struct survey *survey, const struct probe_hit *hit, const double origin[3],
@@ -93,7 +95,10 @@ void sighting_find(const struct survey *survey, const struct probe_hit *hit, con
 // Finds the outward normal of a shape at the point of its surface that is nearest; it is not unit.
 void sighting_shape_normal(const struct survey *survey, const struct flat_shape *shape,
                            const double point[3], double normal[3]);
-// A ray that goes on from a surface to the side that the direction points to.
+// Returns the kernels' bound of the error of a surface's points at a place, for triangles: gamma(7)
+// of their largest coordinate (Pharr, Jakob, Humphreys 2023, section 6.8.5), rounded up.
+double sighting_rounding(const double point[3]);
+// Returns a ray that goes on from a surface to the side that the direction points to.
 struct probe_ray sighting_leave(const struct sighting *at, const double direction[3]);
 // Chooses directions by their number. They are distributed by the cosine over the hemisphere about
 // a unit normal: points of Roberts's sequence (2018) on a sphere that touches the surface. None
@@ -104,7 +109,7 @@ const struct sighting *sightline_lit_place(const struct survey *survey,
                                            const struct sightline *seen);
 // Points are aimed at, but not what is behind them.
 #define SIGHTLINE_SHORT_OF (1.0 - 0x1p-12)
-// Whether light goes through its surfaces, refracted or not.
+// Returns whether light goes through its surfaces, refracted or not.
 bool material_lets_through(const struct material *material);
 
 // Allocates one flag for each of the camera's lines, and so for each pixel of the picture, in
@@ -149,7 +154,7 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
 // Renders the small picture with the settings that survey->scene has, when survey->job has ended.
 // *luminances: of the pixels' means, in survey->scratch.
 bool survey_render_again(struct survey *survey, double **luminances, struct err *err);
-// The same without the objects that are marked, one flag for each.
+// Does the same without the objects that are marked, one flag for each.
 bool survey_render_without(struct survey *survey, const bool *marked, double **luminances,
                            struct err *err);
 // Returns the sum of the differences between pixels, relative to the brighter ones' light.
