@@ -38,14 +38,18 @@ static uint64_t pixel_count(const struct reference *reference)
     return (uint64_t)reference->image.width * reference->image.height;
 }
 
-bool reference_find_means(struct reference *out, struct arena *arena, struct err *err)
+bool reference_find_means(struct reference *out, const struct progress *progress,
+                          struct arena *arena, struct err *err)
 {
     const struct image *image = &out->image;
     float(*means)[3] = arena_alloc(arena, pixel_count(out), sizeof *means);
     out->means = (const float(*)[3])means;
-    return (means && metrics_local_means((const float(*)[3])image->pixels, image->width,
-                                         image->height, NULL, means)) ||
-           err_memory(err, "the means around a reference's pixels",
+    if (means && metrics_local_means((const float(*)[3])image->pixels, image->width, image->height,
+                                     progress, means))
+        return true;
+    if (means && progress_should_stop(progress))
+        return err_set(err, ERR_STOPPED, "stopped: not all of a reference was looked at");
+    return err_memory(err, "the means around a reference's pixels",
                       pixel_count(out) * sizeof *means);
 }
 
@@ -127,19 +131,23 @@ static const char *distrust(const char *path, struct arena *arena)
     return NULL;
 }
 
-bool reference_read(const char *path, struct arena *arena, struct reference *out, struct err *err)
+bool reference_read(const char *path, const struct progress *progress, struct arena *arena,
+                    struct reference *out, struct err *err)
 {
     static const char *const layers[2] = {"half_a", "half_b"};
     struct image halves[2];
     *out = (struct reference){.reason = "it has no layers half_a and half_b (--aov halves)"};
-    struct image_read_params params = {.path = path};
-    if (!image_read(&params, arena, &out->image, err) || !reference_find_means(out, arena, err))
+    struct image_read_params params = {.path = path, .progress = progress};
+    if (!image_read(&params, arena, &out->image, err) ||
+        !reference_find_means(out, progress, arena, err))
         return false;
     for (int h = 0; h < 2; h++) {
         struct err none = {0};
         params.layer = layers[h];
-        if (!image_read(&params, arena, &halves[h], &none))
-            return true;
+        if (!image_read(&params, arena, &halves[h], &none)) {
+            *err = none.code == ERR_STOPPED ? none : *err;
+            return none.code != ERR_STOPPED;
+        }
     }
     const char *reason = distrust(path, arena);
     if (reason)

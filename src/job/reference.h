@@ -19,11 +19,15 @@ struct reference {
 };
 
 // Reads a picture, and, of an EXR file with the layers half_a and half_b (--aov halves), its noise;
-// finds its means. Pixels live in `arena`. That its noise is not known is no failure.
-bool reference_read(const char *path, struct arena *arena, struct reference *out, struct err *err);
+// finds its means. Pixels live in `arena`. That its noise is not known is no failure; ERR_STOPPED
+// where `progress`, which may be NULL, asks to stop.
+bool reference_read(const char *path, const struct progress *progress, struct arena *arena,
+                    struct reference *out, struct err *err);
 
-// Sets the means of out->image, which live in `arena`; to be called before the noise is set.
-bool reference_find_means(struct reference *out, struct arena *arena, struct err *err);
+// Sets the means of out->image, which live in `arena`; to be called before the noise is set. Stops
+// as reference_read() does.
+bool reference_find_means(struct reference *out, const struct progress *progress,
+                          struct arena *arena, struct err *err);
 
 // Sets the noise of out->image from two independent halves of its samples, of as many pixels:
 // mean (A - B)^2 / 4, that over r^2 + epsilon, and over L^2 + epsilon, with as little noise in r

@@ -308,9 +308,9 @@ class Stops(Base):
 
     @by_the_clock
     def test_metrics(self):
-        """One after the other, in the pictures' 6 seconds of CPU."""
+        """Reading, and one metric after the other, in the pictures' 6 seconds of CPU."""
         self.write('large.png', black_png(3000))
-        for after in 0.5, 1.5, 3:
+        for after in 0.1, 0.5, 1, 1.5, 3:
             self.stop(after, 'compare', 'large.png', 'large.png')
 
 

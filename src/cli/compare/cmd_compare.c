@@ -17,19 +17,21 @@
 // --- reading -------------------------------------------------------------------------------------
 
 // "FILE:LAYER", unless there is a file of that whole name.
-static bool split_layer(const char *name, struct arena *arena, struct image_read_params *out,
-                        struct err *err)
+static bool split_layer(const struct comparison *c, const char *name, struct arena *arena,
+                        struct image_read_params *out, struct err *err)
 {
     const char *colon = strrchr(name, ':');
-    *out = (struct image_read_params){.path = name};
+    *out = (struct image_read_params){.path = name, .progress = c->options->progress};
     if (!colon || colon == name || !colon[1] || file_exists(name))
         return true;
     char *path = arena_strdup(arena, name);
     if (!path)
         return err_memory(err, "a file name", strlen(name) + 1);
     path[colon - name] = '\0';
-    if (file_exists(path))
-        *out = (struct image_read_params){.path = path, .layer = colon + 1};
+    if (file_exists(path)) {
+        out->path = path;
+        out->layer = colon + 1;
+    }
     return true;
 }
 
@@ -37,7 +39,7 @@ static bool read_picture(const struct comparison *c, const char *name, struct ar
                          struct image *out, struct err *err)
 {
     struct image_read_params params;
-    return split_layer(name, arena, &params, err) && image_read(&params, arena, out, err) &&
+    return split_layer(c, name, arena, &params, err) && image_read(&params, arena, out, err) &&
            (!c->reference.image.pixels || reference_check_size(&c->reference, c->reference_path,
                                                                name, out->width, out->height, err));
 }
@@ -65,13 +67,13 @@ static bool read_reference(struct comparison *c, struct err *err)
     const char *variance = c->options->compare.reference_variance, *name = c->reference_path;
     double value;
     if (variance && strcmp(variance, "auto") == 0) {
-        if (!reference_read(name, &c->arena, &c->reference, err))
+        if (!reference_read(name, c->options->progress, &c->arena, &c->reference, err))
             return false;
         if (!c->reference.noise_known)
             return err_set(err, ERR_INPUT, "%s: --reference-variance auto: %s", name,
                            c->reference.reason);
     } else if (!read_picture(c, name, &c->arena, &c->reference.image, err) ||
-               !reference_find_means(&c->reference, &c->arena, err)) {
+               !reference_find_means(&c->reference, c->options->progress, &c->arena, err)) {
         return false;
     } else if (variance && is_number(variance, &value)) {
         if (!(value >= 0 && isfinite(value)))
@@ -265,7 +267,7 @@ static bool name_inputs(const struct comparison *c, struct err *err)
     for (uint32_t i = 0; ok && i <= c->count + (variance != NULL); i++) {
         struct image_read_params params;
         const char *name = i <= c->count ? c->options->arguments[i] : variance;
-        ok = split_layer(name, &arena, &params, err) && file_inputs_add(params.path, err);
+        ok = split_layer(c, name, &arena, &params, err) && file_inputs_add(params.path, err);
     }
     arena_finish(&arena);
     return ok;

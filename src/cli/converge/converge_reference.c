@@ -48,7 +48,7 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
         ok = err_set(err, ERR_STOPPED, "stopped while the reference was rendered");
     if (ok) {
         out->picture.image = (struct image){film.width, film.height, film.mean};
-        ok = reference_find_means(&out->picture, &c->arena, err);
+        ok = reference_find_means(&out->picture, &c->progress, &c->arena, err);
     }
     if (ok)
         reference_set_noise(&out->picture, (const float(*)[3])film.half_a,
@@ -61,7 +61,7 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
 static bool read(struct converge *c, uint32_t scene, struct err *err)
 {
     struct converge_reference *out = &c->references[scene];
-    if (!reference_read(out->name, &c->arena, &out->picture, err))
+    if (!reference_read(out->name, &c->progress, &c->arena, &out->picture, err))
         return false;
     for (uint32_t i = 0; i < c->curve_count; i++) {
         const struct settings *settings = &c->curves[i].scene_data.settings;

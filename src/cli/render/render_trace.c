@@ -44,7 +44,7 @@ bool render_open_reference(struct render_run *run, struct err *err)
         return err_set(err, ERR_USAGE,
                        "--reference %s: render makes none; expected the file of a picture", path);
     uint64_t start = clock_ns();
-    if (!reference_read(path, &run->arena, &run->reference, err) ||
+    if (!reference_read(path, run->options->progress, &run->arena, &run->reference, err) ||
         !reference_check_size(&run->reference, path, run->scene.path, settings->width,
                               settings->height, err))
         return false;
