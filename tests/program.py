@@ -1,7 +1,14 @@
 """What the tests in Python share: running a program, leaving without a device, tests of clocks."""
 import functools
+import os
+import signal
 import subprocess
 import sys
+
+# Children inherit a signal that is ignored, as a shell has it with SIGINT for what it starts in its
+# background.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def run(program, *arguments, **more):
@@ -15,6 +22,12 @@ def checked(program, *arguments, **more):
     if result.returncode != 0:
         raise AssertionError(result.stderr)
     return result.stdout
+
+
+def limits(words):
+    """LAMPYRIS_LIMITS with these words, besides those that the test itself is run under. Of a number
+    that both have, the test's own counts."""
+    return ','.join(part for part in (words, os.environ.get('LAMPYRIS_LIMITS')) if part)
 
 
 def need_device(lampyris):

@@ -108,7 +108,7 @@ class Figures(unittest.TestCase):
         self.assertGreaterEqual(closest['nodes'], paths)
 
     def test_without_timestamps(self):
-        result = bench(CORNELL, *SMALL, '--repeats', '2', LAMPYRIS_LIMITS='no-timestamps')
+        result = bench(CORNELL, *SMALL, '--repeats', '2', LAMPYRIS_LIMITS=program.limits('no-timestamps'))
         variant = result['variants'][0]
         self.assertFalse(result['timestamps'])
         for row in rows_of(variant, 'kernel').values():
@@ -305,7 +305,7 @@ class Endings(unittest.TestCase):
             self.assertEqual(again.returncode, 2)
             results.append(json.loads(run('bench', *arguments, '--baseline', path).stdout))
             results.append(bench(*arguments, '--kernel', 'intersect_closest'))
-            results.append(bench(*arguments, LAMPYRIS_LIMITS='no-timestamps'))
+            results.append(bench(*arguments, LAMPYRIS_LIMITS=program.limits('no-timestamps')))
         for result in results:
             jsonschema.validate(result, schema)
 

@@ -8,6 +8,7 @@ import subprocess
 import unittest
 import unittest.mock
 
+from program import limits
 from scene_checks import Checks, FRONT, GREY, LAMPYRIS, box, write_exr
 
 
@@ -156,7 +157,7 @@ class Memory(Checks):
                  'shapes': [{'type': 'sphere', 'material': 'plastic', 'center': [0, 0, 0], 'radius': 2}]}
         for limit in ('memory', 'memory-budget'):
             for most in (1000000, 3000000):
-                with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=f'{limit}={most}'):
+                with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=limits(f'{limit}={most}')):
                     self.assert_found(self.check(scene), {})
                 self.assertLess(self.result['outlook']['device_bytes'], most)
 

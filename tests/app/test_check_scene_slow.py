@@ -9,13 +9,14 @@ import re
 import subprocess
 import unittest
 
+from program import limits
 from scene_checks import Checks, LAMPYRIS, SOURCE
 
 
 class Slow(Checks):
     def test_fewer_pixels(self):
         """A simulated slow device, which sleeps: the check's own renders have a bound."""
-        environment = {**os.environ, 'LAMPYRIS_LIMITS': 'no-timestamps,group-ns=600000'}
+        environment = {**os.environ, 'LAMPYRIS_LIMITS': limits('no-timestamps,group-ns=600000')}
         scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
         result = subprocess.run([LAMPYRIS, 'check', scene, '--size', '64x64', '--json', '-q'], text=True,
                                 stdout=subprocess.PIPE, timeout=300, env=environment)

@@ -11,7 +11,7 @@ import sys
 import tempfile
 import unittest
 
-from program import by_the_clock, need_device
+from program import by_the_clock, limits, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
@@ -26,8 +26,8 @@ class LostDevice(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder.name, name)
 
-    def render(self, name, *arguments, limits=None):
-        env = dict(os.environ, LAMPYRIS_LIMITS=limits) if limits else None
+    def render(self, name, *arguments, taken=None):
+        env = dict(os.environ, LAMPYRIS_LIMITS=limits(taken)) if taken else None
         return subprocess.run([LAMPYRIS, 'render', CORNELL, *SMALL, '-q', '--json', '-o',
                                self.path(name), *arguments], stdout=subprocess.PIPE, env=env,
                               stderr=subprocess.PIPE, text=True, timeout=100, check=False)
@@ -158,17 +158,17 @@ class LostDevice(unittest.TestCase):
         whole = json.loads(self.render('whole.exr', *arguments).stdout)
         needed = whole['memory']['device_bytes']
         # What the device does not have, or tells beforehand that it has not.
-        for limits in ('memory=%d' % (needed // 3), 'memory-budget=%d' % (needed // 3),
-                       'memory=%d' % (needed // 10)):
-            result = self.render('lost.exr', *arguments, limits=limits)
+        for taken in ('memory=%d' % (needed // 3), 'memory-budget=%d' % (needed // 3),
+                      'memory=%d' % (needed // 10)):
+            result = self.render('lost.exr', *arguments, taken=taken)
             self.assertEqual(result.returncode, 0, result.stderr)
             small = json.loads(result.stdout)
             self.assertLess(small['wave'], whole['wave'])
             self.assertEqual(small['image_hash'], whole['image_hash'])
             self.assertIn('%d paths in place of %d' % (small['wave'], whole['wave']), result.stderr)
             self.assertEqual(result.stderr.count('\n'), 1)
-        for limits in 'memory=100000', 'memory-budget=100000':
-            result = self.render('none.exr', *arguments, limits=limits)
+        for taken in 'memory=100000', 'memory-budget=100000':
+            result = self.render('none.exr', *arguments, taken=taken)
             self.assertEqual((result.returncode, result.stdout), (3, ''), result.stderr)
             self.assertFalse(os.path.exists(self.path('none.exr')))
 

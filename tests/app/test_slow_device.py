@@ -12,7 +12,7 @@ import sys
 import tempfile
 import unittest
 
-from program import need_device
+from program import limits, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 SCENES = os.path.abspath(sys.argv.pop(1))
@@ -23,8 +23,8 @@ class SlowDevice(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
-    def render(self, limits, *arguments, scene='cornell'):
-        env = dict(os.environ, LAMPYRIS_LIMITS=limits) if limits else None
+    def render(self, words, *arguments, scene='cornell'):
+        env = dict(os.environ, LAMPYRIS_LIMITS=limits(words)) if words else None
         # Of large waves, as GPUs have; a lost device is the end.
         return subprocess.run([LAMPYRIS, 'render', os.path.join(SCENES, scene + '.json'), '--size',
                                '128x128', '--spp', '2', '--wave', '1M', '--reopen', '0', '-q',
@@ -32,10 +32,10 @@ class SlowDevice(unittest.TestCase):
                                *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               text=True, timeout=100, check=False, env=env)
 
-    def launches(self, limits, *arguments, **options):
+    def launches(self, words, *arguments, **options):
         """How often the kernel is launched that traces; the picture is that of a fast device."""
         fast = json.loads(self.render(None, *arguments, **options).stdout)
-        result = self.render(limits, *arguments, **options)
+        result = self.render(words, *arguments, **options)
         self.assertEqual(result.returncode, 0, result.stderr)
         slow = json.loads(result.stdout)
         for key in 'image_hash', 'rays', 'wave':
@@ -64,7 +64,7 @@ class SlowDevice(unittest.TestCase):
                               ('intersect_closest', '1'), ('intersect_shadow', '1'),
                               ('shade_surface', '1'), ('prepare_dispatch', '0'),
                               ('accumulate', None), ('resolve', None)):
-            env = dict(os.environ, LAMPYRIS_LIMITS='group-ns=1000000,watchdog-ms=250')
+            env = dict(os.environ, LAMPYRIS_LIMITS=limits('group-ns=1000000,watchdog-ms=250'))
             result = subprocess.run([LAMPYRIS, 'bench', os.path.join(SCENES, 'cornell.json'), '--size',
                                      '128x128', '--spp', '4', '--wave', '1M', '--workgroup', '128',
                                      '--kernel', kernel, *(['--depth', depth] if depth else []),

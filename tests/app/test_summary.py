@@ -16,7 +16,7 @@ import tempfile
 import unittest
 import unittest.mock
 
-from program import by_the_clock, need_device
+from program import by_the_clock, limits, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
@@ -113,7 +113,7 @@ class Summary(Base):
 
     def test_two_waves_in_flight(self):
         for count in (1, 2):
-            with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=f'waves={count}'):
+            with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=limits(f'waves={count}')):
                 result = self.json(scene('cornell'), '--wave', '128')
                 text = self.render(scene('cornell'), '--wave', '128', '--explain')
             begun = result['waves_begun_ahead']
