@@ -153,3 +153,10 @@ bool file_is_same(const char *a, const char *b)
     free(target_b);
     return same;
 }
+
+bool file_check_distinct(const char *a, const char *b, struct err *err)
+{
+    return !a || !b || !file_is_same(a, b) ||
+           err_set(err, ERR_USAGE, "%s and %s are the same file; expected a file for each output",
+                   a, b);
+}

@@ -39,5 +39,7 @@ bool file_inputs_check(const char *output, struct err *err);
 
 // Whether two paths lead to the same regular file, which need not be there yet.
 bool file_is_same(const char *a, const char *b);
+// ERR_USAGE where two outputs do; NULL is none.
+bool file_check_distinct(const char *a, const char *b, struct err *err);
 
 #endif

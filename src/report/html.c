@@ -57,6 +57,8 @@ bool html_check_files(const char *folder, struct arena *arena, struct err *err)
 
 bool html_check_file(const char *path, struct err *err)
 {
+    if (path && !path_has_extension(path, "html") && !path_has_extension(path, "htm"))
+        return err_set(err, ERR_USAGE, "%s: expected a name that ends in .html", path);
     return !path || (file_inputs_check(path, err) && file_check_writable(path, err));
 }
 

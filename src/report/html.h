@@ -24,7 +24,8 @@ struct html_page {
 // Before the work: that neither FOLDER/report.html nor the results.json and results.csv beside it
 // are files that this run reads. ERR_USAGE.
 bool html_check_files(const char *folder, struct arena *arena, struct err *err);
-// Checks the same of a page of another name (NULL: none), and that it can be written.
+// Checks the same of a page of another name (NULL: none), which ends in .html or .htm, and that it
+// can be written.
 bool html_check_file(const char *path, struct err *err);
 
 // Begins FOLDER/report.html in memory, with its title as a headline, and keeps no parts.

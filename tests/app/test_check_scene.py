@@ -217,13 +217,28 @@ class Report(Checks):
         """Before there is a device: with none at all the file is what is wrong."""
         scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
         environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
-        for page, code in ((scene, 2), (os.path.join(self.folder.name, 'no', 'page.html'), 4),
+        for page, code in ((scene, 2), (os.path.join(self.folder.name, 'page.json'), 2),
+                           (os.path.join(self.folder.name, 'no', 'page.html'), 4),
+                           (os.path.join(self.folder.name, 'page.htm'), 69),
                            (os.path.join(self.folder.name, 'page.html'), 69)):
             result = subprocess.run([LAMPYRIS, 'check', scene, '--report', page], text=True,
                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60,
                                     env=environment)
             self.assertEqual(result.returncode, code, result.stderr)
         self.assertEqual(os.listdir(self.folder.name), [])
+
+    @unittest.skipUnless(hasattr(os, 'symlink'), 'there are no symbolic links')
+    def test_a_page_that_is_the_fixed_scene(self):
+        scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
+        environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
+        page, fixed = (os.path.join(self.folder.name, name) for name in ('page.html', 'fixed.json'))
+        os.symlink(fixed, page)
+        result = subprocess.run([LAMPYRIS, 'check', scene, '--report', page, '--fix', fixed], text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60,
+                                env=environment)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn('are the same file', result.stderr)
+        self.assertFalse(os.path.exists(fixed))
 
 
 class Words(Checks):

@@ -125,11 +125,14 @@ class Check(unittest.TestCase):
         """Found before a device is opened: here is none. A scene that is checked is not written over."""
         environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
         with tempfile.TemporaryDirectory() as folder:
-            for path, code in ((folder, 4), (os.path.join(folder, 'no', 'a.html'), 4),
+            os.mkdir(os.path.join(folder, 'b.html'))
+            for path, code in ((folder, 2), (os.path.join(folder, 'a.json'), 2),
+                               (os.path.join(folder, 'b.html'), 4),
+                               (os.path.join(folder, 'no', 'a.html'), 4),
                                (os.path.join(folder, 'a.html'), 69)):
                 result = run(LAMPYRIS, 'check', '--report', path, env=environment)
                 self.assertEqual(result.returncode, code, result.stderr)
-            self.assertEqual(os.listdir(folder), [])
+            self.assertEqual(os.listdir(folder), ['b.html'])
             scene = os.path.join(folder, 'scene.json')
             with open(scene, 'w', encoding='utf-8') as file:
                 file.write('{"lampyris": 1}')

@@ -1,6 +1,7 @@
 // `lampyris check SCENE`: what in a scene is stiff or extreme, for people and for machines.
 #include "cli/check/check_command.h"
 
+#include "base/file_inputs.h"
 #include "base/log.h"
 #include "cli/check/scene_check.h"
 #include "cli/commands.h"
@@ -164,6 +165,7 @@ static bool run(struct scene_check *check, struct err *err)
         .is_outside = &check->is_outside,
     };
     if ((fix && !scene_write_check(&fixed, err)) || !html_check_file(options->study.report, err) ||
+        !file_check_distinct(fix, options->study.report, err) ||
         !(check->gpu.device || gpu_open(&options->device.gpu, &check->gpu, err)))
         return false;
     struct check_scene_params params = {

@@ -76,13 +76,6 @@ static bool list_numbered(const struct render_run *run, struct numbered_list *li
 
 // --- two outputs ---------------------------------------------------------------------------------
 
-static bool check_pair(const char *a, const char *b, struct err *err)
-{
-    return !file_is_same(a, b) ||
-           err_set(err, ERR_USAGE, "%s and %s are the same file; expected a file for each output",
-                   a, b);
-}
-
 // A file by the name, and in the folder, of a picture that will be numbered.
 static bool check_name(const struct render_run *run, const char *path, struct arena *arena,
                        struct err *err)
@@ -94,7 +87,7 @@ static bool check_name(const struct render_run *run, const char *path, struct ar
         const char *other =
             is_written(run, number) ? path_numbered(arena, run->outputs[i], number) : NULL;
         if (other && strcmp(other, path) != 0)
-            ok = check_pair(path, other, err);
+            ok = file_check_distinct(path, other, err);
         else if (other)
             ok = err_set(err, ERR_USAGE,
                          "%s: is the picture after frame %u too (--every %u); expected a file for "
@@ -113,13 +106,13 @@ static bool check_numbered(const struct render_run *run, struct numbered_list *l
         const char *output = output_at(run, i);
         ok = !output || check_name(run, output, &list->arena, err);
         for (size_t k = 0; ok && output && k < list->count; k++)
-            ok = check_pair(output, list->files[k].path, err);
+            ok = file_check_distinct(output, list->files[k].path, err);
     }
     // Only links make two numbered pictures one file.
     for (size_t i = 0; ok && i < list->count; i++) {
         const struct numbered *link = &list->files[i];
         for (size_t k = 0; ok && link->is_link && k < list->count; k++)
-            ok = k == i || check_pair(link->path, list->files[k].path, err);
+            ok = k == i || file_check_distinct(link->path, list->files[k].path, err);
         char *target = ok && link->is_link ? file_target(link->path) : NULL;
         ok = ok && (!target || check_name(run, target, &list->arena, err));
         free(target);
@@ -130,11 +123,9 @@ static bool check_numbered(const struct render_run *run, struct numbered_list *l
 bool render_check_distinct(const struct render_run *run, struct err *err)
 {
     for (uint32_t i = 0; i < run->output_count + 2; i++)
-        for (uint32_t k = 0; k < i; k++) {
-            const char *a = output_at(run, k), *b = output_at(run, i);
-            if (a && b && !check_pair(a, b, err))
+        for (uint32_t k = 0; k < i; k++)
+            if (!file_check_distinct(output_at(run, k), output_at(run, i), err))
                 return false;
-        }
     struct numbered_list list = {0};
     bool ok = run->options->render.every == 0 || check_numbered(run, &list, err);
     arena_finish(&list.arena);
