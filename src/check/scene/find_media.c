@@ -1,36 +1,44 @@
 // Surfaces that bound a medium without closing it, face the wrong way or overlap, as lines from the
-// camera and from what it sees meet them. Lines by way of glass that lies upon another surface tell
-// nothing of media: rounding decides there what they enter and leave (find_coincident.c).
-#include "check/scene/survey.h"
+// camera, from what it sees, and paths that go on from there meet them. Lines by way of glass that
+// lies upon another surface tell nothing of media: rounding decides there what they enter and leave
+// (find_coincident.c).
+#include "check/scene/media_overlaps.h"
 
 #include "base/maths.h"
+#include "shared/methods.h"
 #include "shared/types.h"
 #include <string.h>
 
 #define NESTING_MAX 4 // of the stack in lib/media.glsl
 
-// What went wrong with media along the lines.
+// What went wrong with media.
 enum loss_kind { LOSS_LEFT, LOSS_OPEN, LOSS_NESTED, LOSS_KINDS };
 struct losses {
     uint32_t object, material; // of the first one
-    uint32_t count;            // of lines
+    uint32_t count;            // of pixels
+};
+// It went wrong along the lines of sight, or along the paths that go on from their ends.
+struct ways {
+    struct losses losses[LOSS_KINDS];
+    uint32_t *lost; // by each pixel: the kinds, as bits
 };
 
-// Two media of one priority, by materials, of which the first one's number is the higher.
-struct overlap {
-    uint32_t upper, lower, object; // an object of the lower one
-    uint32_t crossed;   // times that a line left one within the other and the other later
-    uint32_t swallowed; // times that the lower one lay within the upper one
+struct entered {
+    uint32_t medium, object, material; // what the camera is in has no object: SCENE_NONE
 };
-#define OVERLAPS_MAX 16
+#define STACK_MOST (2 * SIGHTING_STEPS)
+struct stack {
+    struct entered items[STACK_MOST];
+    uint32_t count;
+};
 
 struct media_search {
     struct survey *survey;
     const struct gpu_material *materials; // as uploaded, with their media's numbers
-    struct losses losses[LOSS_KINDS];
-    uint32_t *lost; // by each line: the kinds, as bits
-    struct overlap overlaps[OVERLAPS_MAX];
-    uint32_t overlap_count;
+    struct ways sight, paths;
+    struct stack *stacks; // by each pixel: at the end of its line of sight
+    struct overlaps overlaps;
+    uint32_t named[2 * LOSS_KINDS], named_count; // objects that are said to be open
 };
 
 static bool is_infinite(const struct survey *survey, uint32_t object)
@@ -39,87 +47,72 @@ static bool is_infinite(const struct survey *survey, uint32_t object)
     return !survey_is_instance(survey, object) && survey->scene->shapes[shape].kind == SHAPE_PLANE;
 }
 
-struct entered {
-    uint32_t medium, object, material;
-};
-#define STACK_MOST (2 * SIGHTING_STEPS)
-struct stack {
-    struct entered items[STACK_MOST];
-    uint32_t count;
-};
-
-static void note(struct media_search *search, enum loss_kind kind, const struct entered *what,
-                 uint32_t *lost)
+static void note(struct ways *ways, enum loss_kind kind, const struct entered *what, uint32_t pixel)
 {
-    struct losses *losses = &search->losses[kind];
+    struct losses *losses = &ways->losses[kind];
     if (losses->count == 0) {
         losses->object = what->object;
         losses->material = what->material;
     }
-    losses->count += !(*lost >> kind & 1u);
-    *lost |= 1u << kind;
+    losses->count += !(ways->lost[pixel] >> kind & 1u);
+    ways->lost[pixel] |= 1u << kind;
 }
 
-static struct overlap *overlap_of(struct media_search *search, const struct entered *upper,
-                                  const struct entered *lower)
+static bool has_left(const struct ways *ways, uint32_t pixel)
 {
-    for (uint32_t i = 0; i < search->overlap_count; i++)
-        if (search->overlaps[i].upper == upper->material &&
-            search->overlaps[i].lower == lower->material)
-            return &search->overlaps[i];
-    if (search->overlap_count == OVERLAPS_MAX)
-        return NULL;
-    search->overlaps[search->overlap_count] =
-        (struct overlap){upper->material, lower->material, lower->object, 0, 0};
-    return &search->overlaps[search->overlap_count++];
+    return ways->lost[pixel] >> LOSS_LEFT & 1u;
 }
 
 // Bodies overlap where one is left while another, which was entered inside of it, goes on; one lies
-// within another where it is left while the other, which was entered before, goes on. With equal
-// priorities the one that comes later in the file is there (lib/media.glsl).
+// within another where it is left while the other, which was entered before, goes on.
 static void look_at_overlaps(struct media_search *search, const struct stack *stack, uint32_t left)
 {
     const struct scene *scene = search->survey->scene;
     const struct entered *body = &stack->items[left];
     for (uint32_t i = 0; i < stack->count; i++) {
         const struct entered *other = &stack->items[i];
-        if (other->medium == body->medium || other->object == SCENE_NONE ||
-            body->object == SCENE_NONE ||
-            scene->materials[other->material].medium_priority !=
-                scene->materials[body->material].medium_priority)
+        if (other->medium == body->medium || scene->materials[other->material].medium_priority !=
+                                                 scene->materials[body->material].medium_priority)
             continue;
         bool is_upper = body->medium > other->medium, is_within = i < left;
+        const struct entered *upper = is_upper ? body : other, *lower = is_upper ? other : body;
         struct overlap *overlap =
-            overlap_of(search, is_upper ? body : other, is_upper ? other : body);
-        if (overlap && !is_within)
-            overlap->crossed++;
-        else if (overlap && !is_upper)
-            overlap->swallowed++;
+            overlaps_of(&search->overlaps, upper->material, lower->material, lower->object);
+        if (overlap)
+            ++*(!is_within ? &overlap->crossed : is_upper ? &overlap->held : &overlap->swallowed);
     }
 }
 
-static void leave(struct media_search *search, struct stack *stack, const struct entered *body,
-                  uint32_t *lost)
+static void leave(struct media_search *search, struct ways *ways, struct stack *stack,
+                  const struct entered *body, uint32_t pixel)
 {
     uint32_t at = stack->count;
     while (at > 0 && stack->items[at - 1].medium != body->medium)
         at--;
     if (at == 0) {
-        note(search, LOSS_LEFT, body, lost);
+        note(ways, LOSS_LEFT, body, pixel);
         return;
     }
-    look_at_overlaps(search, stack, at - 1);
+    if (stack->items[at - 1].object == SCENE_NONE)
+        stack->items[at - 1] = *body;
+    // Paths are not of the picture, of which an overlap's share is told.
+    if (ways == &search->sight)
+        look_at_overlaps(search, stack, at - 1);
     memmove(&stack->items[at - 1], &stack->items[at], (stack->count - at) * sizeof stack->items[0]);
     stack->count--;
 }
 
-static void begin(const struct sightline *line, struct stack *stack)
+static void begin(const struct media_search *search, const struct sightline *line,
+                  struct stack *stack)
 {
     *stack = (struct stack){0};
-    for (uint32_t i = NESTING_MAX; i-- > 0;)
-        if (line->media >> 8u * i & 255u)
-            stack->items[stack->count++] =
-                (struct entered){line->media >> 8u * i & 255u, SCENE_NONE, SCENE_NONE};
+    for (uint32_t i = NESTING_MAX; i-- > 0;) {
+        uint32_t medium = line->media >> 8u * i & 255u, material = 0;
+        while (medium > 0 && search->materials[material].medium != medium)
+            material++;
+        if (medium > 0)
+            stack->items[stack->count++] = (struct entered){medium, SCENE_NONE, material};
+    }
 }
 
 // Rays leave a distance field by bounds that only the kernels know.
@@ -134,9 +127,9 @@ static bool meets_field(const struct survey *survey, const struct sightline *lin
     return false;
 }
 
-// Goes along a line with what was entered before; *lost notes what goes wrong, a bit a kind.
-static void look_at_line(struct media_search *search, const struct sightline *line,
-                         struct stack *stack, uint32_t *lost)
+// Goes along a line of a pixel with what was entered before, and notes what goes wrong.
+static void look_at_line(struct media_search *search, struct ways *ways,
+                         const struct sightline *line, uint32_t pixel, struct stack *stack)
 {
     if (meets_field(search->survey, line))
         return;
@@ -147,75 +140,152 @@ static void look_at_line(struct media_search *search, const struct sightline *li
         if (body.medium == 0)
             continue;
         if (!at->is_front) {
-            leave(search, stack, &body, lost);
+            leave(search, ways, stack, &body, pixel);
             continue;
         }
         if (stack->count >= NESTING_MAX)
-            note(search, LOSS_NESTED, &body, lost);
+            note(ways, LOSS_NESTED, &body, pixel);
         if (stack->count < STACK_MOST)
             stack->items[stack->count++] = body;
     }
     // What is inside out is left before it is entered, which says all of it.
-    bool goes_on = line->is_open && !(*lost >> LOSS_LEFT & 1u);
+    bool goes_on = line->is_open && !has_left(ways, pixel);
     for (uint32_t i = 0; goes_on && i < stack->count; i++)
         if (stack->items[i].object != SCENE_NONE &&
             !is_infinite(search->survey, stack->items[i].object))
-            note(search, LOSS_OPEN, &stack->items[i], lost);
+            note(ways, LOSS_OPEN, &stack->items[i], pixel);
 }
 
 // --- lines in other directions -------------------------------------------------------------------
 
+// Lines that go on, each from a surface that another line of its pixel has met.
+struct branches {
+    struct sightline *lines;
+    uint32_t *pixels;
+    struct stack *stacks; // as long as the lines
+    uint32_t count;
+};
+
+static bool make_branches(struct survey *survey, struct branches *out, struct err *err)
+{
+    uint32_t most = survey->line_count;
+    *out = (struct branches){
+        .lines = ARENA_NEW(&survey->scratch, struct sightline, most),
+        .pixels = ARENA_NEW(&survey->scratch, uint32_t, most),
+        .stacks = ARENA_NEW(&survey->scratch, struct stack, most),
+    };
+    return (out->lines && out->pixels && out->stacks) ||
+           err_memory(err, "sight lines", most * sizeof *out->lines);
+}
+
+// Adds a line to one side of a surface, in a direction that the number chooses.
+static void add_branch(struct branches *branches, const struct sighting *from, bool to_front,
+                       uint32_t number, uint32_t pixel, const struct stack *stack)
+{
+    struct sightline *line = &branches->lines[branches->count];
+    double normal[3];
+    for (int c = 0; c < 3; c++)
+        normal[c] = to_front ? from->normal[c] : -from->normal[c];
+    *line = (struct sightline){.from = from, .length = INFINITY};
+    sighting_scatter(normal, number, line->direction);
+    branches->pixels[branches->count] = pixel;
+    branches->stacks[branches->count++] = *stack;
+}
+
+static bool trace_branches(struct media_search *search, struct ways *ways,
+                           struct branches *branches, struct coincidences *upon, struct err *err)
+{
+    if (!sightlines_trace(search->survey, branches->lines, branches->count, err) ||
+        !coincidences_find(search->survey, branches->lines, branches->count, upon, err))
+        return false;
+    for (uint32_t i = 0; i < branches->count; i++)
+        if (!upon->through[i])
+            look_at_line(search, ways, &branches->lines[i], branches->pixels[i],
+                         &branches->stacks[i]);
+    return true;
+}
+
 // All lines of an orthographic camera are parallel, and bodies that overlap beside each other look
 // nested along them. So from the first medium that each line enters another one goes on, in some
 // direction to the inside: as a rough surface would send it.
-struct branch {
-    uint32_t line;
-    struct stack stack;
-};
-
-static bool begin_branch(struct media_search *search, uint32_t number, struct branch *branch,
-                         struct sightline *line)
+static void branch_aside(struct media_search *search, uint32_t pixel, struct branches *branches)
 {
-    const struct sightline *seen = &search->survey->lines[number];
+    const struct sightline *seen = &search->survey->lines[pixel];
     const struct sighting *at = seen->steps;
+    struct stack stack;
     if (seen->count == 0 || search->materials[at->material].medium == 0 || !at->is_front ||
-        search->survey->through_faces[number])
-        return false;
-    double inwards[3];
-    for (int c = 0; c < 3; c++)
-        inwards[c] = -at->normal[c];
-    *line = (struct sightline){.from = at, .length = INFINITY};
-    sighting_scatter(inwards, number, line->direction);
-    branch->line = number;
-    begin(seen, &branch->stack);
-    branch->stack.items[branch->stack.count++] =
+        search->survey->through_faces[pixel])
+        return;
+    begin(search, seen, &stack);
+    stack.items[stack.count++] =
         (struct entered){search->materials[at->material].medium, at->object, at->material};
-    return true;
+    add_branch(branches, at, false, pixel, pixel, &stack);
 }
 
 static bool look_aside(struct media_search *search, struct err *err)
 {
     struct survey *survey = search->survey;
-    uint32_t count = 0;
-    struct branch *branches = ARENA_NEW(&survey->scratch, struct branch, survey->line_count);
-    struct sightline *lines = ARENA_NEW(&survey->scratch, struct sightline, survey->line_count);
-    if (!branches || !lines)
-        return err_memory(err, "sight lines", survey->line_count * sizeof *lines);
-    for (uint32_t i = 0; i < survey->line_count; i++)
-        count += begin_branch(search, i, &branches[count], &lines[count]);
+    struct branches branches;
     struct coincidences upon;
     uint8_t *touched = survey_flags(survey);
-    if (!sightlines_trace(survey, lines, count, err) ||
-        !coincidences_find(survey, lines, count, &upon, err))
-        return false;
     if (!touched)
         return err_memory(err, "sight lines", survey->line_count);
-    for (uint32_t i = 0; i < count; i++) {
-        touched[branches[i].line] |= upon.touched[i];
-        if (!upon.through[i])
-            look_at_line(search, &lines[i], &branches[i].stack, &search->lost[branches[i].line]);
-    }
+    if (!make_branches(survey, &branches, err))
+        return false;
+    for (uint32_t i = 0; i < survey->line_count; i++)
+        branch_aside(search, i, &branches);
+    if (!trace_branches(search, &search->sight, &branches, &upon, err))
+        return false;
+    for (uint32_t i = 0; i < branches.count; i++)
+        touched[branches.pixels[i]] |= upon.touched[i];
     return coincidences_add(survey, &upon, touched, err);
+}
+
+// --- paths ---------------------------------------------------------------------------------------
+
+// A medium in a closed room is not left to infinity, and the camera's lines may miss it. But a path
+// that goes about in the room comes to both sides of its surface, and leaves in the end what it has
+// not entered. One that goes through a body which is closed, if only by the walls about it, never
+// does.
+#define PATH_BOUNCES 8u
+
+// Lets a path go on where a line of it ends, to the side that it came from.
+static void bounce(struct media_search *search, const struct sightline *line,
+                   const struct stack *stack, uint32_t pixel, uint32_t bounces,
+                   struct branches *out)
+{
+    const struct survey *survey = search->survey;
+    const struct sighting *at = sightline_lit_place(survey, line);
+    if (at && stack->count <= NESTING_MAX && !has_left(&search->sight, pixel) &&
+        !has_left(&search->paths, pixel) && !meets_field(survey, line))
+        add_branch(out, at, at->is_front, pixel + bounces * survey->line_count, pixel, stack);
+}
+
+static bool follow_paths(struct media_search *search, struct err *err)
+{
+    struct survey *survey = search->survey;
+    const struct settings *settings = &survey->settings;
+    struct branches now, next;
+    struct coincidences upon;
+    if (settings->integrator != INTEGRATOR_PATH)
+        return true;
+    if (!make_branches(survey, &now, err) || !make_branches(survey, &next, err))
+        return false;
+    for (uint32_t i = 0; i < survey->line_count; i++)
+        if (!survey->through_faces[i])
+            bounce(search, &survey->lines[i], &search->stacks[i], i, 0, &now);
+    for (uint32_t k = 1; k <= PATH_BOUNCES && k <= settings->max_bounces && now.count > 0; k++) {
+        if (!trace_branches(search, &search->paths, &now, &upon, err))
+            return false;
+        next.count = 0;
+        for (uint32_t i = 0; i < now.count; i++)
+            if (!upon.through[i])
+                bounce(search, &now.lines[i], &now.stacks[i], now.pixels[i], k, &next);
+        struct branches last = now;
+        now = next;
+        next = last;
+    }
+    return true;
 }
 
 // --- what is said --------------------------------------------------------------------------------
@@ -228,39 +298,64 @@ static const char *place_of(const struct media_search *search, const struct loss
                               : NULL;
 }
 
-static const uint8_t *lines_that_lost(const struct media_search *search, enum loss_kind kind)
+static uint8_t *pixels_that_lost(const struct media_search *search, const struct ways *ways,
+                                 enum loss_kind kind)
 {
     uint8_t *flags = survey_flags(search->survey);
     for (uint32_t i = 0; flags && i < search->survey->line_count; i++)
-        flags[i] = search->lost[i] >> kind & 1u;
+        flags[i] = ways->lost[i] >> kind & 1u;
+    return flags;
+}
+
+// What a path has lost matters where the path is seen, and where the medium is.
+static const uint8_t *touched_by(const struct media_search *search, const struct ways *ways,
+                                 enum loss_kind kind)
+{
+    struct survey *survey = search->survey;
+    uint8_t *flags = pixels_that_lost(search, ways, kind);
+    const uint8_t *seen =
+        ways == &search->paths ? survey_touched_by_object(survey, ways->losses[kind].object) : NULL;
+    for (uint32_t i = 0; flags && seen && i < survey->line_count; i++)
+        flags[i] |= seen[i];
     return flags;
 }
 
 // One line may leave by an edge that rounding has opened; two hardly do.
 #define OPEN_LINES_MIN 2u
 
-static bool add_unclosed(struct media_search *search, enum loss_kind kind, struct err *err)
+static bool is_to_tell(const struct media_search *search, const struct ways *ways,
+                       enum loss_kind kind)
+{
+    const struct losses *losses = &ways->losses[kind];
+    uint32_t least = kind == LOSS_OPEN || ways == &search->paths ? OPEN_LINES_MIN : 1u;
+    for (uint32_t i = 0; i < search->named_count; i++)
+        if (ways == &search->paths && search->named[i] == losses->object)
+            return false;
+    // The renders so far have counted what paths have left without having entered.
+    return losses->count >= least &&
+           (kind == LOSS_OPEN || search->survey->job.renderer.stats.media_lost > 0);
+}
+
+static bool add_unclosed(struct media_search *search, const struct ways *ways, enum loss_kind kind,
+                         struct err *err)
 {
     struct survey *survey = search->survey;
-    const struct losses *losses = &search->losses[kind];
+    const struct losses *losses = &ways->losses[kind];
     bool is_left = kind == LOSS_LEFT;
-    // The renders so far have counted what paths have left without having entered.
-    bool is_confirmed =
-        is_left ? survey->job.renderer.stats.media_lost > 0 : losses->count >= OPEN_LINES_MIN;
-    if (losses->count == 0 || !is_confirmed)
+    if (!is_to_tell(search, ways, kind))
         return true;
-    const uint8_t *touched = lines_that_lost(search, kind);
+    search->named[search->named_count++] = losses->object;
+    const uint8_t *touched = touched_by(search, ways, kind);
     return survey_add(
         survey,
         &(struct scene_finding){
             .name = is_left ? "medium-not-entered" : "medium-not-left",
             .level = FINDING_WRONG,
             .place = place_of(search, losses),
-            .figure =
-                arena_printf(survey->arena,
-                             is_left ? "%u of %u lines of sight leave it without having entered"
-                                     : "%u of %u lines of sight enter it and never leave",
-                             losses->count, survey->line_count),
+            .figure = arena_printf(
+                survey->arena, "%u of %u %s %s", losses->count, survey->line_count,
+                ways == &search->sight ? "lines of sight" : "paths that were followed",
+                is_left ? "leave it without having entered" : "enter it and never leave"),
             .consequence =
                 "What bounds this medium is open, or its faces point inwards: refraction "
                 "and absorption are wrong.",
@@ -275,10 +370,10 @@ static bool add_unclosed(struct media_search *search, enum loss_kind kind, struc
 static bool add_nested(struct media_search *search, struct err *err)
 {
     struct survey *survey = search->survey;
-    const struct losses *losses = &search->losses[LOSS_NESTED];
+    const struct losses *losses = &search->sight.losses[LOSS_NESTED];
     if (losses->count == 0)
         return true;
-    const uint8_t *touched = lines_that_lost(search, LOSS_NESTED);
+    const uint8_t *touched = pixels_that_lost(search, &search->sight, LOSS_NESTED);
     return survey_add(
         survey,
         &(struct scene_finding){
@@ -294,68 +389,29 @@ static bool add_nested(struct media_search *search, struct err *err)
         err);
 }
 
-// What is swallowed everywhere was meant to be there; what is crossed sticks out.
-static bool add_overlap(struct media_search *search, const struct overlap *overlap, struct err *err)
-{
-    struct survey *survey = search->survey;
-    struct material *lower = &survey->scene->materials[overlap->lower];
-    bool vanishes = overlap->crossed == 0;
-    if (overlap->crossed + overlap->swallowed == 0)
-        return true;
-    const char *object = survey_object_name(survey, overlap->object);
-    const char *materials[] = {survey_material_name(survey, overlap->lower),
-                               survey_material_name(survey, overlap->upper)};
-    if (!object || !materials[0] || !materials[1])
-        return err_memory(err, "names", 0);
-    uint32_t priority = lower->medium_priority;
-    bool can_fix = vanishes && priority < 255;
-    if (can_fix && survey->params->fixes)
-        lower->medium_priority = priority + 1;
-    const uint8_t *touched = survey_touched_by_object(survey, overlap->object);
-    return survey_add(
-        survey,
-        &(struct scene_finding){
-            .name = "media-overlap",
-            .level = vanishes ? FINDING_WRONG : FINDING_REMARK,
-            .place =
-                arena_printf(survey->arena, "%s, %s, and %s", object, materials[0], materials[1]),
-            .figure = arena_printf(survey->arena, "both have \"priority\" %u", priority),
-            .consequence = vanishes ? "The one inside is taken for the one around it: it vanishes."
-                                    : "Where they overlap, the order of the file's materials "
-                                      "decides which one is there.",
-            .remedy = "Give the one that is to be there the higher \"priority\".",
-            .share = survey_share(survey, touched),
-            .pixels = touched,
-            .change = can_fix ? "the inner one has the higher priority" : NULL,
-        },
-        err);
-}
-
 bool find_media(struct survey *survey, struct err *err)
 {
-    const struct shading_tables *tables = &survey->job.renderer.tables;
     struct media_search search = {
         .survey = survey,
-        .materials =
-            (const void *)((const char *)tables->materials + sizeof(struct gpu_material_header)),
+        .materials = survey_gpu_materials(survey),
+        .sight.lost = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count),
+        .paths.lost = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count),
+        .stacks = ARENA_NEW(&survey->scratch, struct stack, survey->line_count),
     };
-    if (tables->medium_count == 0)
+    if (survey->job.renderer.tables.medium_count == 0)
         return true;
-    search.lost = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count);
-    if (!search.lost)
-        return err_memory(err, "sight lines", survey->line_count * sizeof *search.lost);
+    if (!search.sight.lost || !search.paths.lost || !search.stacks)
+        return err_memory(err, "sight lines", survey->line_count * sizeof *search.stacks);
     for (uint32_t i = 0; i < survey->line_count; i++) {
-        struct stack stack;
         if (survey->through_faces[i])
             continue;
-        begin(&survey->lines[i], &stack);
-        look_at_line(&search, &survey->lines[i], &stack, &search.lost[i]);
+        begin(&search, &survey->lines[i], &search.stacks[i]);
+        look_at_line(&search, &search.sight, &survey->lines[i], i, &search.stacks[i]);
     }
-    if (!look_aside(&search, err))
-        return false;
-    for (uint32_t i = 0; i < search.overlap_count; i++)
-        if (!add_overlap(&search, &search.overlaps[i], err))
-            return false;
-    return add_unclosed(&search, LOSS_LEFT, err) && add_unclosed(&search, LOSS_OPEN, err) &&
-           add_nested(&search, err);
+    return look_aside(&search, err) && follow_paths(&search, err) &&
+           overlaps_add(survey, &search.overlaps, err) &&
+           add_unclosed(&search, &search.sight, LOSS_LEFT, err) &&
+           add_unclosed(&search, &search.sight, LOSS_OPEN, err) &&
+           add_unclosed(&search, &search.paths, LOSS_LEFT, err) &&
+           add_unclosed(&search, &search.paths, LOSS_OPEN, err) && add_nested(&search, err);
 }

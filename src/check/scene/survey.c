@@ -1,5 +1,6 @@
 #include "check/scene/survey.h"
 
+#include "shared/types.h"
 #include <string.h>
 
 const char *const finding_level_names[] = {"remark", "slow", "wrong", NULL};
@@ -38,6 +39,12 @@ const char *survey_material_name(const struct survey *survey, uint32_t material)
     const char *name = survey->scene->materials[material].name;
     return *name ? arena_printf(survey->arena, "material \"%s\"", name)
                  : arena_printf(survey->arena, "material %u", material);
+}
+
+const struct gpu_material *survey_gpu_materials(const struct survey *survey)
+{
+    const char *tables = survey->job.renderer.tables.materials;
+    return (const void *)(tables + sizeof(struct gpu_material_header));
 }
 
 bool *survey_hidden(const struct survey *survey, uint32_t object)

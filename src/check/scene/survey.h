@@ -70,6 +70,8 @@ bool survey_has_gaps(const struct survey *survey, uint32_t material);
 bool survey_counts_twice(const struct survey *survey, uint32_t material);
 // Returns whether two surfaces at one place may look different from one.
 bool survey_differs_doubled(const struct survey *survey, uint32_t material_a, uint32_t material_b);
+// Returns the materials as they are uploaded, with the numbers of their media.
+const struct gpu_material *survey_gpu_materials(const struct survey *survey);
 // Returns whether an object is hidden, which may be changed there.
 bool *survey_hidden(const struct survey *survey, uint32_t object);
 static inline uint32_t survey_object_count(const struct survey *survey)
