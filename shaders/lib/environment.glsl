@@ -89,12 +89,14 @@ environment_cell load_environment_cell(uvec2 cell, uvec2 size)
     return c;
 }
 
-// Luminances at the corners, by which a cell is sampled: upper left and right, lower left and right.
+// What the luminances at the corners exceed frame.environment_floor by, by which a cell is sampled:
+// upper left and right, lower left and right.
 vec4 cell_luminances(environment_cell c)
 {
     vec3 weights = vec3(0.2126, 0.7152, 0.0722) * frame.environment; // BT.709
-    return vec4(dot(c.upper_left.rgb, weights), dot(c.upper_right.rgb, weights),
-                dot(c.lower_left.rgb, weights), dot(c.lower_right.rgb, weights));
+    vec4 all = vec4(dot(c.upper_left.rgb, weights), dot(c.upper_right.rgb, weights),
+                    dot(c.lower_left.rgb, weights), dot(c.lower_right.rgb, weights));
+    return max(all - frame.environment_floor, 0.0);
 }
 
 vec3 cell_radiance(environment_cell c, vec2 part)

@@ -46,6 +46,10 @@
 #define ENVIRONMENT_FILTER_BILINEAR 0u
 #define ENVIRONMENT_FILTER_NEAREST 1u // each texel is a patch of constant radiance
 
+// Densities with which shadow rays choose directions towards an environment's image.
+#define ENVIRONMENT_SAMPLING_LUMINANCE 0u
+#define ENVIRONMENT_SAMPLING_COMPENSATED 1u // by what its luminance exceeds its mean by
+
 #define CAMERA_PERSPECTIVE 0u
 #define CAMERA_ORTHOGRAPHIC 1u
 #define CAMERA_PANORAMIC 2u // all directions, in latitude and longitude

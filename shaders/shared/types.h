@@ -444,7 +444,8 @@ struct gpu_frame {
     float mis_exponent;   // of MIS_POWER_ANY
     float min_density;    // of a direction, 1/sr, with FEATURE_MIN_DENSITY
     uint split_lobes;     // vertices at which paths split, with FEATURE_SPLIT_LOBES
-    uint align_frame, align_frame_1;
+    float environment_floor; // of the luminance that its image is sampled by
+    uint align_frame;
     VEC3(cells_begin); // where rays are sorted by cells: the scene's lowest corner,
     uint align_cells;
     VEC3(cells_a_length); // and how many cells there are in a unit of length

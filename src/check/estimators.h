@@ -8,12 +8,16 @@ enum light_estimator {
     ESTIMATOR_MIS,  // next-event estimation and BSDF sampling, power heuristic
     ESTIMATOR_NEE,  // next-event estimation only, where a light can be sampled
     ESTIMATOR_BSDF, // BSDF sampling only
+    ESTIMATOR_COMPENSATED, // as ESTIMATOR_MIS, with ENVIRONMENT_SAMPLING_COMPENSATED
 };
 
 static inline void set_estimator(struct settings *settings, enum light_estimator estimator)
 {
     settings->nee = estimator != ESTIMATOR_BSDF;
-    settings->mis = estimator == ESTIMATOR_MIS ? MIS_POWER : MIS_NONE;
+    bool compensates = estimator == ESTIMATOR_COMPENSATED;
+    settings->mis = estimator == ESTIMATOR_MIS || compensates ? MIS_POWER : MIS_NONE;
+    settings->environment_sampling =
+        compensates ? ENVIRONMENT_SAMPLING_COMPENSATED : ENVIRONMENT_SAMPLING_LUMINANCE;
 }
 
 #endif

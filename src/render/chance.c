@@ -126,7 +126,8 @@ static float greatest_of_suns(const struct scene *scene, const struct emitters *
 static float greatest_of_environment(const struct environment *environment,
                                      const struct emitters *emitters, double sharpest)
 {
-    double mean = environment_luminance(environment);
+    double floor = (double)emitters->environment_floor;
+    double mean = environment_luminance_above(environment, floor);
     double pick = (double)emitters->environment_pick;
     if (!environment->present)
         return 0.0f;
@@ -138,7 +139,8 @@ static float greatest_of_environment(const struct environment *environment,
         float radiance[3];
         for (int c = 0; c < 3; c++)
             radiance[c] = environment->radiance[c] * environment->texels[i][c];
-        double density = pick * luminance(radiance) / (4.0 * M_PI * mean);
+        double above = fmax((double)luminance(radiance) - floor, 0.0);
+        double density = pick * above / (4.0 * M_PI * mean);
         for (int c = 0; c < 3 && density / 4.0 < sharpest; c++)
             greatest = fmaxf(greatest, radiance[c]);
     }

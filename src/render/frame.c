@@ -126,6 +126,7 @@ void frame_fill(struct renderer *r)
         .emitter_count = r->tables.emitters.count,
         .environment_pick = r->tables.emitters.environment_pick,
         .environment_reach = r->tables.emitters.reach,
+        .environment_floor = r->tables.emitters.environment_floor,
         .wave_slots = r->plan.wave_slots,
         .samples = (uint32_t)settings->spp,
         .nee_depth = settings->nee_depth,

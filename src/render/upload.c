@@ -204,6 +204,7 @@ static bool upload_environment(struct gpu *gpu, const struct upload_params *p,
         .environment = &p->scene->environment,
         .filter = p->specialization->environment_filter,
         .is_sampled = p->specialization->emitters & EMITTER_ENVIRONMENT,
+        .floor = p->tables->emitters.environment_floor,
     };
     return upload_create(gpu, p, BINDING_ENVIRONMENT, buffers, err) &&
            environment_table_upload(gpu, &table, &buffers[BINDING_ENVIRONMENT], err);

@@ -87,7 +87,7 @@
     M(environment_reach)                                                                           \
     M(ambient) M(pending_rays) M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start)   \
         M(small_triangles) M(pixel_strata) M(mis_exponent) M(min_density) M(split_lobes)           \
-            M(align_frame) M(align_frame_1) M(cells_begin) M(align_cells) M(cells_a_length)        \
+            M(environment_floor) M(align_frame) M(cells_begin) M(align_cells) M(cells_a_length)        \
                 M(align_cells_1)
 #define SORT(M) M(count) M(place)
 #define PUSH(M)                                                                                    \

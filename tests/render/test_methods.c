@@ -17,6 +17,7 @@ struct method {
     float mis_exponent; // 0: the usual one
     float min_density;
     uint32_t split_lobes;
+    uint32_t environment_sampling;
 };
 
 static void print_method(const struct method *m)
@@ -26,6 +27,8 @@ static void print_method(const struct method *m)
            roulette_names[m->roulette]);
     if (m->split_lobes > 0)
         printf(" split %u", m->split_lobes);
+    if (m->environment_sampling)
+        printf(" %s", environment_sampling_names[m->environment_sampling]);
 }
 
 // Before a light horizon and a lighter patch.
@@ -54,6 +57,7 @@ static void render_method(struct gpu *gpu, const struct method *m, uint32_t inde
     scene.settings.direction_exponent = 4.0f;
     scene.settings.roulette = m->roulette;
     scene.settings.split_lobes = m->split_lobes;
+    scene.settings.environment_sampling = m->environment_sampling;
     const struct renderer_params params = {.gpu = gpu, .scene = &scene, .merge_classes = true};
     REQUIRE_OK(renderer_create(&params, &r, &err));
     REQUIRE_OK(replicates_render(&r, &MEASURE_2X2_TILES, REPLICATES * index, samples, out, &err));
@@ -130,6 +134,8 @@ TEST(agree)
         {true, 1, MIS_POWER, DIRECTIONS_HEMISPHERE, ROULETTE_CONSTANT},
         {false, ALL, MIS_POWER, DIRECTIONS_SPHERE, ROULETTE_OFF},
         {true, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF, .split_lobes = 2},
+        {true, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_THROUGHPUT,
+         .environment_sampling = ENVIRONMENT_SAMPLING_COMPENSATED},
     };
     check_methods(methods, sizeof methods / sizeof *methods, 8, 0.02);
 }

@@ -101,8 +101,9 @@ double light_power(const struct light *light, const struct flat_scene *flat)
     }
 }
 
-double environment_power(const struct environment *environment, const struct flat_scene *flat)
+double environment_power(const struct environment *environment, double floor,
+                         const struct flat_scene *flat)
 {
     double radius = bounding_radius(flat);
-    return 2.0 * M_PI * radius * radius * environment_luminance(environment);
+    return 2.0 * M_PI * radius * radius * environment_luminance_above(environment, floor);
 }

@@ -21,7 +21,9 @@ struct light flat_light(const struct flat_scene *flat, const struct light *light
 // `light` is one of flat_light(). What comes from infinitely far is counted through the disc that
 // the scene's bounding sphere, of radius R, is to it: directional lights send E pi R^2.
 double light_power(const struct light *light, const struct flat_scene *flat);
-// Of an image: 4 pi times the mean radiance over the sphere, through pi R^2.
-double environment_power(const struct environment *environment, const struct flat_scene *flat);
+// Of an image: 4 pi times the mean over the sphere of what its radiance exceeds `floor` by, through
+// pi R^2.
+double environment_power(const struct environment *environment, double floor,
+                         const struct flat_scene *flat);
 
 #endif

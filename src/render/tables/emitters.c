@@ -107,8 +107,24 @@ static bool list_triangles(const struct shading_tables_params *p, struct emitter
     return ok;
 }
 
+// Returns what luminance of the environment's image shadow rays leave to scattered rays: its mean
+// (MIS compensation: Karlik, Sik, Vevoda, Skrivan, Krivanek 2019), where these are weighted and find
+// it wherever a surface reflects it; or none.
+static double environment_floor(const struct scene *scene)
+{
+    const struct settings *settings = &scene->settings;
+    if (settings->environment_sampling != ENVIRONMENT_SAMPLING_COMPENSATED ||
+        settings->mis == MIS_NONE || settings->directions != DIRECTIONS_BSDF ||
+        settings->min_density > 0.0f || scene->environment.width == 0)
+        return 0.0;
+    double mean = environment_luminance(&scene->environment);
+    // An even image has nothing above but what rounding leaves of it.
+    bool is_even = environment_luminance_above(&scene->environment, mean) <= 0x1p-20 * mean;
+    return is_even ? 0.0 : mean;
+}
+
 // Every primitive with emission, those of zero area too: they get no weight.
-static bool list_emitters(const struct shading_tables_params *p, struct arena *arena,
+static bool list_emitters(const struct shading_tables_params *p, double floor, struct arena *arena,
                           struct emitter_list *list, struct err *err)
 {
     const struct scene *scene = p->scene;
@@ -134,7 +150,8 @@ static bool list_emitters(const struct shading_tables_params *p, struct arena *a
             add_emitter(list, PRIMITIVE_LIGHT | i, light_power(&light, flat));
     }
     if (counts.environment)
-        add_emitter(list, PRIMITIVE_ENVIRONMENT, environment_power(&scene->environment, flat));
+        add_emitter(list, PRIMITIVE_ENVIRONMENT,
+                    environment_power(&scene->environment, floor, flat));
     return true;
 }
 
@@ -554,7 +571,9 @@ bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
     if (has_planes(flat))
         out->reach = fmaxf(out->reach, (float)PLANES_REACH);
     note_unconnected(scene, flat);
-    if (!fill_lights(scene, flat, arena, out, err) || !list_emitters(p, arena, &list, err))
+    out->environment_floor = (float)environment_floor(scene);
+    double floor = (double)out->environment_floor;
+    if (!fill_lights(scene, flat, arena, out, err) || !list_emitters(p, floor, arena, &list, err))
         return false;
     out->primitives = list.primitives;
     out->surface_count = list.surface_count;

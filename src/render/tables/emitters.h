@@ -34,6 +34,7 @@ struct emitters {
     uint32_t surface_count;   // of them, the first so many are triangles and shapes
     struct gpu_light *lights; // scene->light_count
     float environment_pick;   // the probability of the environment's image
+    float environment_floor;  // luminance: shadow rays are aimed by what its image exceeds this by
     float reach;              // length of shadow rays to what is infinitely far
     double total_power;       // as in emitter_power.h; when chosen by power
     double build_seconds;     // of the tree

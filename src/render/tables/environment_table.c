@@ -162,16 +162,22 @@ static void write_word(const struct build *b, size_t row, uint32_t column, float
     memcpy(&word[3], &density, sizeof density);
 }
 
-// The mean luminance of a row's bins; that of a cell, in which it is bilinear, is its corners'.
+// What a texel is sampled by.
+static double texel_weight(const struct build *b, const float texel[3])
+{
+    return fmax(texel_luminance(&b->image, texel) - (double)b->table->floor, 0.0);
+}
+
+// The mean weight of a row's bins; that of a cell, in which it is bilinear, is its corners'.
 static void weigh(const struct build *b, size_t row, double *weights)
 {
     uint32_t width = b->image.width;
     for (uint32_t i = 0; i < width; i++)
-        weights[i] = texel_luminance(&b->image, word_texel(b, row, i));
+        weights[i] = texel_weight(b, word_texel(b, row, i));
     if (!is_bilinear(b->table))
         return;
     for (uint32_t i = 0; i < width; i++)
-        weights[i] += texel_luminance(&b->image, word_texel(b, row + 1, i));
+        weights[i] += texel_weight(b, word_texel(b, row + 1, i));
     double first = weights[0];
     for (uint32_t i = 0; i < width; i++)
         weights[i] = 0.25 * (weights[i] + (i + 1 < width ? weights[i + 1] : first));

@@ -7,7 +7,8 @@
 //   first one after the last) and the two below; one row of nodes for the zenith, one for each row
 //   of texels, one for the nadir. All nodes of a pole have the mean of the texels about it. Within
 //   a cell the density is bilinear in longitude and in the cosine of the angle from the zenith, and
-//   proportional to the luminances at the corners: it is 0 where the radiance is, and nowhere else.
+//   proportional to what the luminances at the corners exceed the table's floor by: where that is 0,
+//   it is 0 where the radiance is, and nowhere else.
 // And where the image is sampled
 //   the table of rows of texels or cells;
 //   for each row the table of its texels or cells.
@@ -30,6 +31,7 @@ struct environment_table {
     const struct environment *environment; // no image counts as one white texel
     uint32_t filter;                       // ENVIRONMENT_FILTER_*
     bool is_sampled;
+    float floor; // sampled is what luminance exceeds this by; 0: all of it
 };
 
 // Words of four that the buffer has.

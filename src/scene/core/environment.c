@@ -268,3 +268,22 @@ double environment_luminance(const struct environment *environment)
         mean[c] *= (double)environment->radiance[c];
     return environment->present ? vec3_luminance(mean) : 0;
 }
+
+double environment_luminance_above(const struct environment *environment, double floor)
+{
+    if (!(floor > 0))
+        return environment_luminance(environment);
+    double mean = 0;
+    for (uint32_t row = 0; row < environment->height; row++) {
+        double sum = 0;
+        for (uint32_t i = 0; i < environment->width; i++) {
+            const float *texel = environment->texels[(size_t)row * environment->width + i];
+            double radiance[3];
+            for (int c = 0; c < 3; c++)
+                radiance[c] = (double)texel[c] * (double)environment->radiance[c];
+            sum += fmax(vec3_luminance(radiance) - floor, 0.0);
+        }
+        mean += environment_texel_solid_angle(environment, row) / (4 * M_PI) * sum;
+    }
+    return environment->present ? mean : 0;
+}

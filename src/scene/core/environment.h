@@ -86,5 +86,7 @@ double environment_cell_solid_angle(const struct environment *environment, uint3
 float environment_greatest(const struct environment *environment);
 // The mean luminance (BT.709) over all directions, its factor included.
 double environment_luminance(const struct environment *environment);
+// The mean over all directions of what its image's luminance, factor included, exceeds `floor` by.
+double environment_luminance_above(const struct environment *environment, double floor);
 
 #endif

@@ -54,6 +54,12 @@ const char *const environment_filter_names[] = {
     NULL,
 };
 
+const char *const environment_sampling_names[] = {
+    [ENVIRONMENT_SAMPLING_LUMINANCE] = "luminance",
+    [ENVIRONMENT_SAMPLING_COMPENSATED] = "compensated",
+    NULL,
+};
+
 const char *const light_choice_names[] = {
     [LIGHT_CHOICE_AUTO] = "auto",   [LIGHT_CHOICE_UNIFORM] = "uniform",
     [LIGHT_CHOICE_POWER] = "power", [LIGHT_CHOICE_ALL] = "all",

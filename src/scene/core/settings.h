@@ -87,6 +87,7 @@ extern const char *const halves_names[];
 extern const char *const filter_names[];
 extern const char *const pixel_sampling_names[];
 extern const char *const environment_filter_names[];
+extern const char *const environment_sampling_names[];
 extern const char *const light_choice_names[];
 extern const char *const mis_names[];
 extern const char *const directions_names[];

@@ -163,6 +163,14 @@ SETTING(ENVIRONMENT_FILTER, uint32_t, environment_filter, "environment_filter", 
     "bilinearly, or a patch of constant radiance around each.",
     (CHOICE(environment_filter_names)), .fallback = ENVIRONMENT_FILTER_BILINEAR,
     .label = "Environment", .gap = true, .needs_image = true)
+SETTING(ENVIRONMENT_SAMPLING, uint32_t, environment_sampling, "environment_sampling",
+    "env-sampling", "Method",
+    "How shadow rays choose directions towards an environment's image: by its luminance, or by "
+    "what that exceeds its mean by, since scattered rays find the rest (MIS compensation). The "
+    "latter needs weights of both ways, the directions bsdf and no least density: else it is the "
+    "former.",
+    (CHOICE(environment_sampling_names)), .fallback = ENVIRONMENT_SAMPLING_LUMINANCE,
+    .label = "  aimed by", .needs_image = true, NEEDS(NEE, 1u << true))
 SETTING(PIXEL_JITTER, bool, pixel_jitter, "pixel_jitter", "pixel-jitter", "Method",
     "Spread samples over the pixel's filter; off: all pass through the pixel's centre.",
     (SWITCH), .fallback = true, .label = "Pixel jitter")
