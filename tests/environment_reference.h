@@ -81,23 +81,24 @@ static inline void reference_radiance(const struct environment *e, const struct 
     }
 }
 
-// Density per solid angle before it is normalised: luminances at the corners.
-static inline void reference_luminances(const struct environment *e, uint32_t row, uint32_t column,
-                                        double corners[4])
+// Density per solid angle before it is normalised: what luminances at the corners exceed `floor`
+// by.
+static inline void reference_luminances(const struct environment *e, double floor, uint32_t row,
+                                        uint32_t column, double corners[4])
 {
     double rgb[4][3];
     reference_corners(e, row, column, rgb);
     for (int i = 0; i < 4; i++)
-        corners[i] = vec3_luminance(rgb[i]);
+        corners[i] = fmax(vec3_luminance(rgb[i]) - floor, 0);
 }
 
 // The integral of that over all directions.
-static inline double reference_total(const struct environment *e)
+static inline double reference_total(const struct environment *e, double floor)
 {
     double total = 0, corners[4];
     for (uint32_t row = 0; row <= e->height; row++)
         for (uint32_t column = 0; column < e->width; column++) {
-            reference_luminances(e, row, column, corners);
+            reference_luminances(e, floor, row, column, corners);
             total += environment_cell_solid_angle(e, row) * reference_mix(corners, 0.5, 0.5);
         }
     return total;

@@ -5,10 +5,11 @@
 #include "scene/core/settings.h"
 
 enum light_estimator {
-    ESTIMATOR_MIS,  // next-event estimation and BSDF sampling, power heuristic
-    ESTIMATOR_NEE,  // next-event estimation only, where a light can be sampled
-    ESTIMATOR_BSDF, // BSDF sampling only
-    ESTIMATOR_COMPENSATED, // as ESTIMATOR_MIS, with ENVIRONMENT_SAMPLING_COMPENSATED
+    // next-event estimation and BSDF sampling, power heuristic; images by their luminance
+    ESTIMATOR_MIS,
+    ESTIMATOR_NEE,         // next-event estimation only, where a light can be sampled
+    ESTIMATOR_BSDF,        // BSDF sampling only
+    ESTIMATOR_COMPENSATED, // as ESTIMATOR_MIS, with ENVIRONMENT_SAMPLING_COMPENSATED: the default
 };
 
 static inline void set_estimator(struct settings *settings, enum light_estimator estimator)

@@ -25,7 +25,7 @@ RENDERS = [
      'clamp': '0.1', 'sampler': 'stratified', 'halves': 'contiguous', 'roulette': 'constant', 'roulette_survival': '0.55',
      'roulette_min_bounces': '1', 'mis_exponent': '3', 'min_density': '0.01', 'radiance_scaling': 'off'},
     {'integrator': 'ao', 'ao_distance': '0.3', 'pixel_jitter': 'off', 'nee': 'off',
-     'environment_filter': 'nearest', 'environment_sampling': 'compensated',
+     'environment_filter': 'nearest', 'environment_sampling': 'luminance',
      'sampler': 'lcg'},
 ]
 

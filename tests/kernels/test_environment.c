@@ -10,6 +10,7 @@ static void make_image(struct scene *scene, uint32_t width, uint32_t height)
 {
     add_environment_image(scene, width, height);
     scene->settings.environment_filter = ENVIRONMENT_FILTER_NEAREST;
+    scene->settings.environment_sampling = ENVIRONMENT_SAMPLING_LUMINANCE;
     memset(scene->environment.texels, 0,
            (size_t)width * height * sizeof *scene->environment.texels);
 }

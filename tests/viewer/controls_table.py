@@ -158,7 +158,7 @@ SCENE = [
     ('surroundings.kind', 'sky', 'result', None),
     ('surroundings.rotation', '90'),
     ('renderer.environment_filter', 'nearest'),
-    ('renderer.environment_sampling', 'compensated'),
+    ('renderer.environment_sampling', 'luminance'),
     ('surroundings.turbidity', '8'),
     ('surroundings.elevation', '10'),
     ('surroundings.azimuth', '120'),

@@ -108,8 +108,8 @@ static bool list_triangles(const struct shading_tables_params *p, struct emitter
 }
 
 // Returns what luminance of the environment's image shadow rays leave to scattered rays: its mean
-// (MIS compensation: Karlik, Sik, Vevoda, Skrivan, Krivanek 2019), where these are weighted and find
-// it wherever a surface reflects it; or none.
+// (MIS compensation: Karlik, Sik, Vevoda, Skrivan, Krivanek 2019), where these are weighted and
+// find it wherever a surface reflects it; or none.
 static double environment_floor(const struct scene *scene)
 {
     const struct settings *settings = &scene->settings;

@@ -169,7 +169,7 @@ SETTING(ENVIRONMENT_SAMPLING, uint32_t, environment_sampling, "environment_sampl
     "what that exceeds its mean by, since scattered rays find the rest (MIS compensation). The "
     "latter needs weights of both ways, the directions bsdf and no least density: else it is the "
     "former.",
-    (CHOICE(environment_sampling_names)), .fallback = ENVIRONMENT_SAMPLING_LUMINANCE,
+    (CHOICE(environment_sampling_names)), .fallback = ENVIRONMENT_SAMPLING_COMPENSATED,
     .label = "  aimed by", .needs_image = true, NEEDS(NEE, 1u << true))
 SETTING(PIXEL_JITTER, bool, pixel_jitter, "pixel_jitter", "pixel-jitter", "Method",
     "Spread samples over the pixel's filter; off: all pass through the pixel's centre.",
