@@ -1,12 +1,14 @@
-// What light the last bounce cuts off: the same paths with more bounces. All that they bring
-// beyond is what is missing, so that noise tells little against it.
+// What light the last bounce cuts off: the same paths with more bounces. All
+// that they bring beyond is what is missing, so that noise tells little against
+// it.
 #include "check/scene/survey.h"
 
 #include <math.h>
 
 #define DEPTH_STEPS 4u // each has four times the bounces of the one before
 #define DEPTH_MOST 4096u
-// Of the picture's light: what may be missing, and what may be missing afterwards.
+// Of the picture's light: what may be missing, and what may be missing
+// afterwards.
 #define CUT_MAX 0.01
 #define CUT_GOAL 0.001
 
@@ -18,19 +20,9 @@ static bool render_at(struct survey *survey, uint32_t depth, double **out, struc
 }
 
 struct cut {
-    double part;  // of all light, that is missing
-    double least; // the same less two standard errors
+    double part;        // of all light, that is missing
+    double least, most; // the same less two standard errors, and more
 };
-
-// Flags the pixels that lack more than CUT_MAX of their light.
-static const uint8_t *touched_by_cut(struct survey *survey, const double *shallow,
-                                     const double *deep)
-{
-    uint8_t *flags = survey_flags(survey);
-    for (uint32_t i = 0; flags && i < survey->line_count; i++)
-        flags[i] = deep[i] - shallow[i] > CUT_MAX * deep[i];
-    return flags;
-}
 
 static struct cut compare(const double *shallow, const double *deep, uint32_t count)
 {
@@ -45,7 +37,102 @@ static struct cut compare(const double *shallow, const double *deep, uint32_t co
     double error = sqrt(variance / count) * count;
     if (!(all > 0.0))
         return (struct cut){0};
-    return (struct cut){missing / all, (missing - 2.0 * error) / all};
+    return (struct cut){missing / all, (missing - 2.0 * error) / all,
+                        fmin((missing + 2.0 * error) / all, 1.0)};
+}
+
+// --- where it is missing
+// -------------------------------------------------------------------------
+
+// Of few samples most pixels may have no light at all, with more bounces or
+// without: whether a pixel lacks more than CUT_MAX is told by a window around
+// it, the smallest that can tell.
+struct cut_map {
+    const struct survey *survey;
+    uint32_t width, height;
+    const double *shallow, *deep;
+    double event; // what a pixel lacks that lacks something, on average
+};
+
+static double mean_event(const double *shallow, const double *deep, uint32_t count)
+{
+    double lost = 0.0, events = 0.0;
+    for (uint32_t i = 0; i < count; i++) {
+        lost += deep[i] - shallow[i];
+        events += deep[i] > shallow[i];
+    }
+    return lost / fmax(events, 1.0);
+}
+
+// Sums over the pixels of a window that see a surface: others lack nothing.
+struct cut_sums {
+    double count;
+    double excess;  // the light that they lack, less CUT_MAX of all their light
+    double squares; // of the pixels' excesses
+};
+
+static struct cut_sums sum_window(const struct cut_map *map, uint32_t x, uint32_t y, uint32_t reach)
+{
+    uint32_t left = x - (x < reach ? x : reach), top = y - (y < reach ? y : reach);
+    struct cut_sums sums = {0};
+    for (uint32_t v = top; v <= y + reach && v < map->height; v++)
+        for (uint32_t u = left; u <= x + reach && u < map->width; u++) {
+            size_t i = (size_t)v * map->width + u;
+            double excess = map->deep[i] - map->shallow[i] - CUT_MAX * map->deep[i];
+            if (map->survey->lines[i].count == 0)
+                continue;
+            sums.count++;
+            sums.excess += excess;
+            sums.squares += excess * excess;
+        }
+    return sums;
+}
+
+// The light of paths that no sample of a window has found: with a chance of 5 %
+// there are three of them where none was met.
+#define UNSEEN_EVENTS 3.0
+
+// Returns whether pixels around one lack more than CUT_MAX, by two standard
+// errors; where no window tells, as the picture does.
+static bool lacks_light(const struct cut_map *map, uint32_t x, uint32_t y)
+{
+    for (uint32_t reach = 1; reach < map->width || reach < map->height; reach *= 2) {
+        const struct cut_sums sums = sum_window(map, x, y, reach);
+        double spread = sums.squares - sums.excess * sums.excess / sums.count;
+        double error = sqrt(fmax(spread, 0.0) * sums.count / fmax(sums.count - 1.0, 1.0));
+        if (sums.excess > 2.0 * error)
+            return true;
+        if (sums.excess + 2.0 * error + UNSEEN_EVENTS * map->event < 0.0)
+            return false;
+    }
+    return true;
+}
+
+// Flags the pixels that lack more than CUT_MAX of their light.
+static const uint8_t *touched_by_cut(struct survey *survey, const double *shallow,
+                                     const double *deep)
+{
+    uint8_t *flags = survey_flags(survey);
+    const struct cut_map map = {
+        .survey = survey,
+        .width = survey->out->picture.width,
+        .height = survey->out->picture.height,
+        .shallow = shallow,
+        .deep = deep,
+        .event = mean_event(shallow, deep, survey->line_count),
+    };
+    for (uint32_t i = 0; flags && i < survey->line_count; i++)
+        flags[i] = survey->lines[i].count > 0 && lacks_light(&map, i % map.width, i / map.width);
+    return flags;
+}
+
+// --- the finding
+// ---------------------------------------------------------------------------------
+
+// Returns by how much more light pictures have that lack a part of it.
+static double more_light(double part)
+{
+    return 100.0 * part / (1.0 - fmin(part, 0.999));
 }
 
 // The integrator "direct" is paths of one bounce.
@@ -72,16 +159,19 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
             .level = is_wanted ? FINDING_REMARK : FINDING_WRONG,
             .place = is_direct ? "setting integrator, direct"
                                : arena_printf(arena, "setting max_bounces, %u", depth),
-            .figure = arena_printf(arena, "paths with more bounces bring %.2g %% more light",
-                                   100.0 * cut->part / (1.0 - fmin(cut->part, 0.999))),
+            .figure =
+                arena_printf(arena,
+                             "paths with more bounces bring %.3g %% more light (%.3g to "
+                             "%.3g %%)",
+                             more_light(cut->part), more_light(cut->least), more_light(cut->most)),
             .consequence = "This light is missing in the picture.",
-            .remedy = is_wanted ? "Nothing, if direct light is all that is wanted."
-                      : is_known
-                          ? arena_printf(arena,
-                                         "--max-bounces %u, beyond which less than "
-                                         "0.1 %% is missing.",
-                                         enough)
-                          : "Close fewer surfaces that reflect all light: no depth is enough.",
+            .remedy = is_wanted  ? "Nothing, if direct light is all that is wanted."
+                      : is_known ? arena_printf(arena,
+                                                "--max-bounces %u, beyond which less than "
+                                                "0.1 %% is missing.",
+                                                enough)
+                                 : "Close fewer surfaces that reflect all light: no depth is "
+                                   "enough.",
             .share = survey_share(survey, touched),
             .pixels = touched,
             .change = is_known ? arena_printf(arena, "max_bounces is %u", enough) : NULL,

@@ -1,0 +1,54 @@
+#!/usr/bin/env python3
+"""`lampyris check SCENE`: what a render takes, and what it is wasted on.
+
+Usage: test_check_scene_outlook.py LAMPYRIS SOURCE_ROOT [unittest arguments]
+"""
+import unittest
+
+from scene_checks import Checks
+
+WALL = {'base_color': [0.6, 0.6, 0.6]}
+LAMP = {'base_color': [0, 0, 0], 'emission': [12, 12, 12]}
+FACES = [([-3, 0, 6], [6, 0, 0], [0, 0, -9]), ([-3, 4, -3], [6, 0, 0], [0, 0, 9]),
+         ([3, 0, 6], [-6, 0, 0], [0, 4, 0]), ([-3, 0, 6], [0, 0, -9], [0, 4, 0]),
+         ([3, 0, -3], [0, 0, 9], [0, 4, 0])]
+BACK = [([-3, 0, -3], [6, 0, 0], [0, 4, 0])]
+
+
+def quad(material, corner, u, v):
+    return {'type': 'quad', 'material': material, 'corner': corner, 'u': u, 'v': v}
+
+
+def room(*shapes, lights=(), lamp=LAMP, faces=FACES + BACK, **more):
+    return {'camera': {'position': [0, 1, 4], 'target': [0, 0.6, 0], 'fov_degrees': 45},
+            'film': {'width': 32, 'height': 32}, 'materials': {'wall': WALL, 'lamp': lamp},
+            'shapes': [quad('wall', *face) for face in faces] + list(shapes),
+            'lights': list(lights), **more}
+
+
+# 1 cm below the ceiling, which it lights brightly.
+CEILING_LAMP = quad('lamp', [-0.7, 3.99, -0.7], [1.4, 0, 0], [0, 0, 1.4])
+
+
+class Depth(Checks):
+    def window(self, *shapes):
+        """A room that a small window lights: most of 16 samples of a pixel meet nothing."""
+        faces = FACES + [([-3, 0, -3], [5.5, 0, 0], [0, 4, 0]), ([2.5, 0, -3], [0.5, 0, 0], [0, 1, 0]),
+                         ([2.5, 1.6, -3], [0.5, 0, 0], [0, 2.4, 0])]
+        return {**room(*shapes, faces=faces, environment={'radiance': [100, 100, 100]},
+                       settings={'max_bounces': 2}),
+                'camera': {'position': [2, 1.5, 2], 'target': [-1, 1.2, -3], 'fov_degrees': 60}}
+
+    def test_share_of_noisy_pixels(self):
+        found = self.check(self.window())
+        self.assertGreater(found['depth']['share'], 0.95)
+
+    def test_share_of_what_lacks_nothing(self):
+        """A lamp before the camera covers the left half of the picture."""
+        scene = room(CEILING_LAMP, quad('lamp', [-2, -1, 3], [2, 0, 0], [0, 4, 0]),
+                     settings={'max_bounces': 2})
+        self.assertAlmostEqual(self.check(scene)['depth']['share'], 0.5, delta=0.1)
+
+
+if __name__ == '__main__':
+    unittest.main()
