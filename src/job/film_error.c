@@ -1,5 +1,6 @@
 #include "job/film_error.h"
 
+#include "base/maths.h"
 #include "render/probe/in_view.h"
 #include "render/sampling_plan.h"
 #include <math.h>
@@ -21,6 +22,17 @@ bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct aren
 {
     *out = film_error_of(renderer, samples);
     return renderer_find_unseen(renderer, arena, &out->unseen, err);
+}
+
+bool film_error_is_blind(const struct film_image *film)
+{
+    double all = 0.0, dark = 0.0;
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
+        double light = luminance(film->mean[i]);
+        all += light;
+        dark += 29.0 * light * light < METRICS_RELMSE_EPSILON ? light : 0.0;
+    }
+    return dark > 0.5 * all;
 }
 
 struct half_error film_error_none(const char *reason)

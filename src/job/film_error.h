@@ -29,6 +29,10 @@ bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct aren
 bool film_error(const struct film_image *film, const struct film_error_params *params,
                 struct half_error *out, struct err *err);
 
+// Returns whether most of a film's light is in pixels so dark that the constant in local relMSE
+// leaves less than a thirtieth of their relative error: it says little of such a picture.
+bool film_error_is_blind(const struct film_image *film);
+
 // Nothing is known, for this reason.
 struct half_error film_error_none(const char *reason);
 

@@ -102,9 +102,7 @@ class Tail(Checks):
             {'type': 'box', 'material': 'glass', 'min': [-0.5, 0.01, -0.5], 'max': [0.5, 1, 0.5]},
             {'type': 'quad', 'material': 'lamp', 'corner': [-1, 3, -1], 'u': [2, 0, 0], 'v': [0, 0, 2]},
             max_bounces=9), 'environment': {'radiance': [0.5, 0.5, 0.5]}})
-        self.assertEqual(found['heavy-tail']['level'], 'remark')
-        self.assertIn('the error falls as 1 / samples', found['heavy-tail']['consequence'])
-        self.assertIn('a bias', found['heavy-tail']['remedy'])
+        self.assertNotIn('heavy-tail', found)
 
     def test_unknown_bound(self):
         """A point light 5 mm above a ball, whose light goes on from there to all else."""

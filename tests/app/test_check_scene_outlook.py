@@ -3,9 +3,12 @@
 
 Usage: test_check_scene_outlook.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
+import os
+import re
+import subprocess
 import unittest
 
-from scene_checks import Checks
+from scene_checks import Checks, LAMPYRIS
 
 WALL = {'base_color': [0.6, 0.6, 0.6]}
 LAMP = {'base_color': [0, 0, 0], 'emission': [12, 12, 12]}
@@ -30,6 +33,32 @@ def room(*shapes, lights=(), lamp=LAMP, faces=FACES + BACK, **more):
 CEILING_LAMP = quad('lamp', [-0.7, 3.99, -0.7], [1.4, 0, 0], [0, 0, 1.4])
 
 
+class Dim(Checks):
+    def test_planted_and_clean(self):
+        ball = {'type': 'sphere', 'material': 'lamp', 'center': [0, 3, 0], 'radius': 0.2}
+        def scene(radiance):
+            return room(ball, lamp={'emission': [radiance] * 3})
+        found = self.check(scene(1e-6))
+        self.assert_found(found, {'dim': 'remark'})
+        spp = int(re.findall('about ([0-9]+) spp', found['dim']['consequence'])[0])
+        noise = float(re.findall('noise of ([0-9.e+]+) %', found['dim']['consequence'])[0]) / 100
+        self.assert_found(self.check(scene(250)), {})
+        # There the mean is 1, but for the emission that is white already.
+        self.assertAlmostEqual(spp / self.result['outlook']['spp'], 1, delta=0.02)
+        self.assertAlmostEqual(noise, (1e-3 * spp) ** 0.5, delta=0.01)
+
+    def test_render(self):
+        ball = {'type': 'sphere', 'material': 'lamp', 'center': [0, 3, 0], 'radius': 0.2}
+        for radiance, expected in ((1e-6, True), (250, False)):
+            path = self.write('scene.json', {'lampyris': 1,
+                                             **room(ball, lamp={'emission': [radiance] * 3})})
+            told = subprocess.run([LAMPYRIS, 'render', path, '--error', '0.1', '-o',
+                                   os.path.join(self.folder.name, 'out.exr')], text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=600)
+            self.assertEqual(told.returncode, 0, told.stderr)
+            self.assertEqual('too dark for --error' in told.stderr, expected, told.stderr)
+
+
 class Depth(Checks):
     def window(self, *shapes):
         """A room that a small window lights: most of 16 samples of a pixel meet nothing."""
@@ -48,6 +77,11 @@ class Depth(Checks):
         scene = room(CEILING_LAMP, quad('lamp', [-2, -1, 3], [2, 0, 0], [0, 4, 0]),
                      settings={'max_bounces': 2})
         self.assertAlmostEqual(self.check(scene)['depth']['share'], 0.5, delta=0.1)
+
+
+class Tail(Checks):
+    def test_bound_that_is_met(self):
+        self.assert_found(self.check(room(CEILING_LAMP)), {})
 
 
 if __name__ == '__main__':

@@ -1,5 +1,4 @@
-// What short renders of a small picture tell: how heavy the tail of the samples is, what they would
-// take to a given error, and what light the last bounce cuts off.
+// What single samples of a small picture tell: how heavy their tail is, and what goes wrong.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -20,8 +19,7 @@ static uint64_t count_dropped(const struct survey *survey)
 
 // --- the samples' tail ---------------------------------------------------------------------------
 
-#define OUTLOOK_SAMPLES 64u // of a pixel
-#define TAIL_SAMPLES 64u    // of a pixel, each alone
+#define TAIL_SAMPLES 64u // of a pixel, each alone
 
 // A sample less the mean of its pixel, over the picture's.
 struct outlier {
@@ -164,46 +162,23 @@ static double brightest_emitted(const struct scene *scene)
 static bool has_met_bound(const struct survey *survey, const struct outlier *first,
                           const struct tail *tail)
 {
-    const struct film_image *film = &survey->job.film; // of the outlook
-    double mean = 0.0;
-    for (uint32_t i = 0; i < survey->line_count; i++)
-        mean += luminance(film->mean[i]) / survey->line_count;
+    double mean = survey_mean_light(survey, survey->job.film.mean); // of the outlook
     return tail->end_index * (1.0 - 1.96 / sqrt(TAIL_END)) >= 2.0 ||
            (has_bound(survey) &&
             first->excess * mean >= BOUND_MET * brightest_emitted(survey->scene));
 }
 
-struct tail_words {
-    enum finding_level level;
-    const char *consequence, *remedy;
-};
-
-static struct tail_words judge_tail(const struct survey *survey, const struct outlier *first,
-                                    const struct tail *tail)
+// What follows from a tail that has met no bound.
+static const char *tail_consequence(const struct survey *survey)
 {
-    static const char remedy[] =
-        "Look for a small lamp seen by way of gloss, glass or metal: make it larger, or the "
-        "surface rougher. --clamp takes the noise away, but with it light: a bias.";
-    if (has_met_bound(survey, first, tail))
-        return (struct tail_words){
-            FINDING_REMARK,
-            "The very brightest are alike, or as bright as lamps: a bound is met, the error falls "
-            "as 1 / samples. Of few samples these rare ones are most of the error, and its "
-            "interval may be too small.",
-            "Nothing in the scene: render enough samples. --clamp takes the noise away, but with "
-            "it light: a bias."};
-    if (has_bound(survey))
-        return (struct tail_words){
-            FINDING_SLOW,
-            "A power below 2, and no bound met: as far as these samples reach, the error falls "
-            "more slowly than 1 / samples, and its interval may be too small. No sample exceeds "
-            "what lamps send: once many have met that, the error falls as 1 / samples.",
-            remedy};
-    return (struct tail_words){
-        FINDING_SLOW,
-        "A power below 2, and no bound met or known: the error falls more slowly than "
-        "1 / samples, as far as these samples reach, and brighter ones come the longer it renders.",
-        remedy};
+    return has_bound(survey)
+               ? "A power below 2, and no bound met: as far as these samples reach, the error "
+                 "falls more slowly than 1 / samples, and its interval may be too small. No sample "
+                 "exceeds what lamps send: once many have met that, the error falls as 1 / "
+                 "samples."
+               : "A power below 2, and no bound met or known: the error falls more slowly than "
+                 "1 / samples, as far as these samples reach, and brighter ones come the longer it "
+                 "renders.";
 }
 
 // Returns the vertex of a path that brings most, by a shadow ray or by itself.
@@ -261,12 +236,11 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
         return false;
     const char *path = describe_path(survey, &replay);
     const uint8_t *touched = touched_by_tail(survey, first);
-    const struct tail_words words = judge_tail(survey, first, tail);
     return survey_add(
         survey,
         &(struct scene_finding){
             .name = "heavy-tail",
-            .level = words.level,
+            .level = FINDING_SLOW,
             .place = path ? arena_printf(survey->arena, "paths by way of %s", path) : NULL,
             .figure = arena_printf(
                 survey->arena,
@@ -276,8 +250,10 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
                 TAIL_LENGTH, survey->line_count * TAIL_SAMPLES, 100.0 * tail->part, first->excess,
                 x * survey->settings.width / width, y * survey->settings.height / height,
                 tail->index, TAIL_END, tail->end_index),
-            .consequence = words.consequence,
-            .remedy = words.remedy,
+            .consequence = tail_consequence(survey),
+            .remedy =
+                "Look for a small lamp seen by way of gloss, glass or metal: make it larger, or "
+                "the surface rougher. --clamp takes the noise away, but with it light: a bias.",
             .share = survey_share(survey, touched),
             .pixels = touched,
         },
@@ -334,8 +310,9 @@ static bool measure_tail(struct survey *survey, const uint8_t *in_view, struct e
     if (count <= 10 * TAIL_LENGTH || !(outliers[TAIL_LENGTH].excess > 0.0))
         return true;
     const struct tail tail = find_tail(outliers, count);
+    // Where a bound is met, the error falls as 1 / samples: nothing is to be done about it.
     return may_be_finite(tail.index, TAIL_LENGTH) || tail.part < TAIL_PART_MIN ||
-           add_tail(survey, outliers, &tail, err);
+           has_met_bound(survey, outliers, &tail) || add_tail(survey, outliers, &tail, err);
 }
 
 // --- what goes wrong on the way ------------------------------------------------------------------
@@ -360,161 +337,6 @@ static bool find_accidents(struct survey *survey, struct err *err)
             .share = NAN,
         },
         err);
-}
-
-// --- outlook -------------------------------------------------------------------------------------
-
-static const uint8_t *touched_by_small_lights(struct survey *survey,
-                                              const struct unseen_light *unseen)
-{
-    const struct gpu_frame *frame = &survey->job.renderer.frame;
-    uint8_t *flags = survey_flags(survey);
-    for (size_t i = 0; flags && i < unseen->small_count; i++)
-        if (unseen->small[i].x < frame->width && unseen->small[i].y < frame->height)
-            flags[unseen->small[i].y * frame->width + unseen->small[i].x] = 1;
-    return flags;
-}
-
-// Pixels beside each other, of one radiance, see one lamp: a pixel at its edge is no lamp of its
-// own.
-struct small_lamps {
-    const struct unseen_light *unseen;
-    uint32_t width, height;
-    uint32_t *at;   // by pixels, those of `unseen` plus 1; 0: none
-    uint32_t *open; // a stack of those whose neighbours are to be looked at
-    bool *known;
-    uint32_t count;   // of lamps
-    double least;     // part of a pixel that one covers where it covers most
-    double brightest; // luminance of their radiance
-};
-
-// Lists the pixels around one that see the same lamp, itself included.
-static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index, uint32_t out[9])
-{
-    const struct small_light *own = &lamps->unseen->small[index];
-    uint32_t count = 0;
-    for (uint32_t y = own->y > 0 ? own->y - 1 : 0; y <= own->y + 1 && y < lamps->height; y++)
-        for (uint32_t x = own->x > 0 ? own->x - 1 : 0; x <= own->x + 1 && x < lamps->width; x++) {
-            uint32_t other = lamps->at[(size_t)y * lamps->width + x];
-            if (other > 0 && memcmp(lamps->unseen->small[other - 1].radiance, own->radiance,
-                                    sizeof own->radiance) == 0)
-                out[count++] = other - 1;
-        }
-    return count;
-}
-
-// Takes all pixels of the lamp that is seen in one of them.
-static void look_at_lamp(struct small_lamps *lamps, uint32_t first)
-{
-    double most = 0.0;
-    uint32_t left = 0;
-    lamps->open[left++] = first;
-    lamps->known[first] = true;
-    while (left > 0) {
-        uint32_t near[9], count = list_neighbours(lamps, lamps->open[--left], near);
-        double part = 0.0;
-        for (uint32_t i = 0; i < count; i++) {
-            part += (double)lamps->unseen->small[near[i]].part;
-            if (!lamps->known[near[i]])
-                lamps->open[left++] = near[i];
-            lamps->known[near[i]] = true;
-        }
-        most = fmax(most, part);
-    }
-    lamps->count++;
-    lamps->least = fmin(lamps->least, most);
-    lamps->brightest = fmax(lamps->brightest, luminance(lamps->unseen->small[first].radiance));
-}
-
-static bool list_small_lamps(struct survey *survey, const struct unseen_light *unseen,
-                             struct small_lamps *lamps, struct err *err)
-{
-    const struct gpu_frame *frame = &survey->job.renderer.frame;
-    size_t pixels = (size_t)frame->width * frame->height;
-    *lamps = (struct small_lamps){
-        .unseen = unseen,
-        .width = frame->width,
-        .height = frame->height,
-        .at = ARENA_NEW(&survey->scratch, uint32_t, pixels),
-        .open = ARENA_NEW(&survey->scratch, uint32_t, unseen->small_count),
-        .known = ARENA_NEW(&survey->scratch, bool, unseen->small_count),
-        .least = INFINITY,
-    };
-    if (!lamps->at || !lamps->open || !lamps->known)
-        return err_memory(err, "lamps in view", pixels * sizeof *lamps->at);
-    for (uint32_t i = 0; i < unseen->small_count; i++)
-        lamps->at[(size_t)unseen->small[i].y * lamps->width + unseen->small[i].x] = i + 1;
-    for (uint32_t i = 0; i < unseen->small_count; i++)
-        if (!lamps->known[i])
-            look_at_lamp(lamps, i);
-    return true;
-}
-
-static bool find_small_lights(struct survey *survey, const struct unseen_light *unseen,
-                              struct err *err)
-{
-    struct small_lamps lamps;
-    if (unseen->small_count == 0)
-        return true;
-    if (!list_small_lamps(survey, unseen, &lamps, err))
-        return false;
-    // Of a small picture: a pixel of the whole one is smaller.
-    double pixels = (double)survey->settings.width * survey->settings.height / survey->line_count;
-    double part = lamps.least * pixels;
-    if (part >= 1.0 / 16.0)
-        return true;
-    const uint8_t *touched = touched_by_small_lights(survey, unseen);
-    return survey_add(
-        survey,
-        &(struct scene_finding){
-            .name = "tiny-lights",
-            .level = FINDING_SLOW,
-            .place = "lamps that the camera sees",
-            .figure = arena_printf(survey->arena,
-                                   "%u, the smallest of which covers %.2g of a pixel, with a "
-                                   "radiance of up to %.3g",
-                                   lamps.count, part, lamps.brightest),
-            .consequence = "Samples meet them by chance: bright dots that come late.",
-            .remedy = "Make the lamps larger, or hide them from the camera and light by a point "
-                      "light.",
-            .share = (double)unseen->small_count / survey->line_count,
-            .pixels = touched,
-        },
-        err);
-}
-
-static void look_ahead(struct survey *survey, const struct half_error *error, double seconds)
-{
-    struct scene_outlook *outlook = &survey->out->outlook;
-    double pixels = (double)survey->settings.width * survey->settings.height;
-    double value = error->known ? error->local_relmse : error->at_most;
-    outlook->samples = outlook->seconds = NAN;
-    outlook->reason = error->known ? NULL : error->reason;
-    if (!error->known && !error->bounded)
-        return;
-    outlook->samples = fmax(OUTLOOK_SAMPLES * value / outlook->error, 1.0);
-    outlook->seconds =
-        seconds * pixels / ((double)survey->line_count * OUTLOOK_SAMPLES) * outlook->samples;
-}
-
-// *in_view: a flag a pixel, whether an emitter may be seen there; NULL: nowhere.
-static bool measure_outlook(struct survey *survey, const uint8_t **in_view, struct err *err)
-{
-    struct job *job = &survey->job;
-    struct job_estimate estimate = {0};
-    const struct job_step step = {.samples = OUTLOOK_SAMPLES, .to = 1};
-    if (!job_begin(job, survey->settings.seed, OUTLOOK_SAMPLES, err) ||
-        !job_advance(job, &step, err))
-        return false;
-    double seconds = job_elapsed(job);
-    bool ok = job_estimate_begin(job, &estimate, err) && job_estimate_end(&estimate, err) &&
-              find_small_lights(survey, &estimate.params.unseen, err);
-    const uint8_t *mask = estimate.params.unseen.emitter_in_view;
-    if (ok)
-        look_ahead(survey, &estimate.error, seconds);
-    *in_view = ok && mask ? arena_copy(&survey->scratch, mask, survey->line_count, 1) : NULL;
-    arena_finish(&estimate.arena);
-    return ok && job_fetch_film(job, err);
 }
 
 bool measure_noise(struct survey *survey, struct err *err)

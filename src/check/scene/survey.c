@@ -1,5 +1,6 @@
 #include "check/scene/survey.h"
 
+#include "base/maths.h"
 #include "shared/types.h"
 #include <string.h>
 
@@ -71,4 +72,12 @@ bool survey_differs_doubled(const struct survey *survey, uint32_t a, uint32_t b)
 {
     return a != b || survey_counts_twice(survey, a) ||
            material_lets_through(&survey->scene->materials[a]);
+}
+
+double survey_mean_light(const struct survey *survey, float (*pixels)[3])
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < survey->line_count; i++)
+        sum += luminance(pixels[i]);
+    return sum / survey->line_count;
 }

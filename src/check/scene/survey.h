@@ -79,6 +79,9 @@ static inline uint32_t survey_object_count(const struct survey *survey)
     return survey->scene->instance_count + survey->scene->shape_count;
 }
 
+// Returns the mean luminance of pixels of the small picture.
+double survey_mean_light(const struct survey *survey, float (*pixels)[3]);
+
 static inline bool survey_is_instance(const struct survey *survey, uint32_t object)
 {
     return object < survey->scene->instance_count;
@@ -148,6 +151,20 @@ bool coincidences_find(struct survey *survey, const struct sightline *lines, uin
 // camera's lines.
 bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
                       const uint8_t *pixels, struct err *err);
+
+// --- measure_outlook.c ---------------------------------------------------------------------------
+
+#define OUTLOOK_SAMPLES 64u // of a pixel
+// Renders so many with a job of the small picture that has started, and estimates their error.
+// Finish out->arena in any case. *seconds: of rendering.
+bool outlook_render(struct survey *survey, struct job *job, struct job_estimate *out,
+                    double *seconds, struct err *err);
+// Returns how many samples of a pixel the error asked for takes by that of OUTLOOK_SAMPLES, or at
+// most takes; NAN where that is not known.
+double outlook_samples(const struct survey *survey, const struct half_error *error);
+// Says what a render to the error asked for takes. *in_view: a flag a pixel, whether an emitter may
+// be seen there; NULL: nowhere.
+bool measure_outlook(struct survey *survey, const uint8_t **in_view, struct err *err);
 
 // --- render_again.c ------------------------------------------------------------------------------
 

@@ -172,6 +172,7 @@ static bool render(struct render_run *run, struct err *err)
     if (!run->options->json && !run->options->quiet)
         render_print_summary(run);
     render_warn_of_unsampled(run);
+    render_warn_of_blind_error(run);
     const char *reproduce = render_reproducing_command(run);
     if (reproduce)
         log_warn("some contributions were not finite and were left out; this follows one: %s",

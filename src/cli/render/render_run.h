@@ -44,6 +44,8 @@ struct render_run {
 const struct progress *render_progress(struct render_run *run);
 // Says how many pixels of the film as it was read last have no sample, if any.
 void render_warn_of_unsampled(const struct render_run *run);
+// Says where the film is too dark for an error that was asked for.
+void render_warn_of_blind_error(const struct render_run *run);
 
 // --- render_names.c ---
 // That no two outputs are one file, numbered pictures among them.

@@ -68,3 +68,11 @@ void render_warn_of_unsampled(const struct render_run *run)
                  (unsigned long long)film->unsampled,
                  (unsigned long long)film->width * film->height);
 }
+
+void render_warn_of_blind_error(const struct render_run *run)
+{
+    if (run->job.params.goal.error > 0.0 && film_error_is_blind(&run->job.film))
+        log_warn("the picture is too dark for --error: below 0.1 local relMSE counts the noise "
+                 "against a constant, 0.01, and not against the picture; `lampyris check` says "
+                 "what it takes");
+}

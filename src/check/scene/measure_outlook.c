@@ -1,0 +1,249 @@
+// What a render to a given error would take, as a short one of a small picture tells.
+#include "check/scene/survey.h"
+
+#include "base/maths.h"
+#include <math.h>
+#include <string.h>
+
+static const uint8_t *touched_by_small_lights(struct survey *survey,
+                                              const struct unseen_light *unseen)
+{
+    const struct gpu_frame *frame = &survey->job.renderer.frame;
+    uint8_t *flags = survey_flags(survey);
+    for (size_t i = 0; flags && i < unseen->small_count; i++)
+        if (unseen->small[i].x < frame->width && unseen->small[i].y < frame->height)
+            flags[unseen->small[i].y * frame->width + unseen->small[i].x] = 1;
+    return flags;
+}
+
+// Pixels beside each other, of one radiance, see one lamp: a pixel at its edge is no lamp of its
+// own.
+struct small_lamps {
+    const struct unseen_light *unseen;
+    uint32_t width, height;
+    uint32_t *at;   // by pixels, those of `unseen` plus 1; 0: none
+    uint32_t *open; // a stack of those whose neighbours are to be looked at
+    bool *known;
+    uint32_t count;   // of lamps
+    double least;     // part of a pixel that one covers where it covers most
+    double brightest; // luminance of their radiance
+};
+
+// Lists the pixels around one that see the same lamp, itself included.
+static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index, uint32_t out[9])
+{
+    const struct small_light *own = &lamps->unseen->small[index];
+    uint32_t count = 0;
+    for (uint32_t y = own->y > 0 ? own->y - 1 : 0; y <= own->y + 1 && y < lamps->height; y++)
+        for (uint32_t x = own->x > 0 ? own->x - 1 : 0; x <= own->x + 1 && x < lamps->width; x++) {
+            uint32_t other = lamps->at[(size_t)y * lamps->width + x];
+            if (other > 0 && memcmp(lamps->unseen->small[other - 1].radiance, own->radiance,
+                                    sizeof own->radiance) == 0)
+                out[count++] = other - 1;
+        }
+    return count;
+}
+
+// Takes all pixels of the lamp that is seen in one of them.
+static void look_at_lamp(struct small_lamps *lamps, uint32_t first)
+{
+    double most = 0.0;
+    uint32_t left = 0;
+    lamps->open[left++] = first;
+    lamps->known[first] = true;
+    while (left > 0) {
+        uint32_t near[9], count = list_neighbours(lamps, lamps->open[--left], near);
+        double part = 0.0;
+        for (uint32_t i = 0; i < count; i++) {
+            part += (double)lamps->unseen->small[near[i]].part;
+            if (!lamps->known[near[i]])
+                lamps->open[left++] = near[i];
+            lamps->known[near[i]] = true;
+        }
+        most = fmax(most, part);
+    }
+    lamps->count++;
+    lamps->least = fmin(lamps->least, most);
+    lamps->brightest = fmax(lamps->brightest, luminance(lamps->unseen->small[first].radiance));
+}
+
+static bool list_small_lamps(struct survey *survey, const struct unseen_light *unseen,
+                             struct small_lamps *lamps, struct err *err)
+{
+    const struct gpu_frame *frame = &survey->job.renderer.frame;
+    size_t pixels = (size_t)frame->width * frame->height;
+    *lamps = (struct small_lamps){
+        .unseen = unseen,
+        .width = frame->width,
+        .height = frame->height,
+        .at = ARENA_NEW(&survey->scratch, uint32_t, pixels),
+        .open = ARENA_NEW(&survey->scratch, uint32_t, unseen->small_count),
+        .known = ARENA_NEW(&survey->scratch, bool, unseen->small_count),
+        .least = INFINITY,
+    };
+    if (!lamps->at || !lamps->open || !lamps->known)
+        return err_memory(err, "lamps in view", pixels * sizeof *lamps->at);
+    for (uint32_t i = 0; i < unseen->small_count; i++)
+        lamps->at[(size_t)unseen->small[i].y * lamps->width + unseen->small[i].x] = i + 1;
+    for (uint32_t i = 0; i < unseen->small_count; i++)
+        if (!lamps->known[i])
+            look_at_lamp(lamps, i);
+    return true;
+}
+
+static bool find_small_lights(struct survey *survey, const struct unseen_light *unseen,
+                              struct err *err)
+{
+    struct small_lamps lamps;
+    if (unseen->small_count == 0)
+        return true;
+    if (!list_small_lamps(survey, unseen, &lamps, err))
+        return false;
+    // Of a small picture: a pixel of the whole one is smaller.
+    double pixels = (double)survey->settings.width * survey->settings.height / survey->line_count;
+    double part = lamps.least * pixels;
+    if (part >= 1.0 / 16.0)
+        return true;
+    const uint8_t *touched = touched_by_small_lights(survey, unseen);
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "tiny-lights",
+            .level = FINDING_SLOW,
+            .place = "lamps that the camera sees",
+            .figure = arena_printf(survey->arena,
+                                   "%u, the smallest of which covers %.2g of a pixel, with a "
+                                   "radiance of up to %.3g",
+                                   lamps.count, part, lamps.brightest),
+            .consequence = "Samples meet them by chance: bright dots that come late.",
+            .remedy = "Make the lamps larger, or hide them from the camera and light by a point "
+                      "light.",
+            .share = (double)unseen->small_count / survey->line_count,
+            .pixels = touched,
+        },
+        err);
+}
+
+double outlook_samples(const struct survey *survey, const struct half_error *error)
+{
+    double value = error->known ? error->local_relmse : error->at_most;
+    return error->known || error->bounded
+               ? fmax(OUTLOOK_SAMPLES * value / survey->out->outlook.error, 1.0)
+               : NAN;
+}
+
+bool outlook_render(struct survey *survey, struct job *job, struct job_estimate *out,
+                    double *seconds, struct err *err)
+{
+    const struct job_step step = {.samples = OUTLOOK_SAMPLES, .to = 1};
+    *out = (struct job_estimate){0};
+    if (!job_begin(job, survey->settings.seed, OUTLOOK_SAMPLES, err) ||
+        !job_advance(job, &step, err))
+        return false;
+    *seconds = job_elapsed(job);
+    return job_estimate_begin(job, out, err) && job_estimate_end(out, err);
+}
+
+static void look_ahead(struct survey *survey, const struct half_error *error, double seconds)
+{
+    struct scene_outlook *outlook = &survey->out->outlook;
+    double pixels = (double)survey->settings.width * survey->settings.height;
+    outlook->samples = outlook_samples(survey, error);
+    outlook->seconds =
+        seconds * pixels / ((double)survey->line_count * OUTLOOK_SAMPLES) * outlook->samples;
+    outlook->reason = error->known ? NULL : error->reason;
+}
+
+// --- pictures too dark for the error -------------------------------------------------------------
+
+// Local relMSE is relative to L^2 + METRICS_RELMSE_EPSILON: where a picture is far below the root
+// of that, it counts noise against the constant. So much more samples must the same picture take
+// with a mean of 1.
+#define DIM_MIN 30.0
+
+static float (*scale_pixels(struct arena *arena, float (*pixels)[3], size_t count, double scale))[3]
+{
+    float(*scaled)[3] = arena_copy(arena, pixels, count, sizeof *pixels);
+    for (size_t i = 0; scaled && i < count; i++)
+        for (int c = 0; c < 3; c++)
+            scaled[i][c] = (float)((double)scaled[i][c] * scale);
+    return scaled;
+}
+
+// Finds the samples that the error asked for would take if the picture were so much brighter.
+static bool look_ahead_scaled(struct survey *survey, const struct job_estimate *estimate,
+                              double scale, double *samples, struct err *err)
+{
+    struct film_image film = estimate->film;
+    struct film_error_params params = estimate->params;
+    struct half_error error;
+    size_t small_count = params.unseen.small_count;
+    struct small_light *small =
+        arena_copy(&survey->scratch, params.unseen.small, small_count, sizeof *small);
+    film.half_a = scale_pixels(&survey->scratch, film.half_a, survey->line_count, scale);
+    film.half_b = scale_pixels(&survey->scratch, film.half_b, survey->line_count, scale);
+    if (!film.half_a || !film.half_b || !small)
+        return err_memory(err, "a picture", survey->line_count * sizeof *film.half_a);
+    for (size_t i = 0; i < small_count; i++)
+        for (int c = 0; c < 3; c++)
+            small[i].radiance[c] = (float)((double)small[i].radiance[c] * scale);
+    params.unseen.small = small;
+    params.unseen.by_chance *= scale;
+    if (!film_error(&film, &params, &error, err))
+        return false;
+    *samples = outlook_samples(survey, &error);
+    return true;
+}
+
+static bool find_dim(struct survey *survey, const struct job_estimate *estimate, struct err *err)
+{
+    const struct scene_outlook *outlook = &survey->out->outlook;
+    double light = survey_mean_light(survey, estimate->film.mean), samples;
+    if (!(light > 0.0) || !film_error_is_blind(&estimate->film))
+        return true;
+    if (!look_ahead_scaled(survey, estimate, 1.0 / light, &samples, err))
+        return false;
+    if (!(samples >= DIM_MIN * outlook->samples))
+        return true;
+    // At a mean of 1 the error is about the square of the noise relative to the picture.
+    double noise = sqrt(outlook->error * samples / ceil(outlook->samples));
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "dim",
+            .level = FINDING_REMARK,
+            .place = "all of the picture",
+            .figure = arena_printf(survey->arena,
+                                   "its mean is %.2g; below %.2g local relMSE counts the noise "
+                                   "against a constant, %.2g, and not against the picture",
+                                   light, sqrt(METRICS_RELMSE_EPSILON), METRICS_RELMSE_EPSILON),
+            .consequence = arena_printf(
+                survey->arena,
+                "Local relMSE %g is reached with noise of %.2g %% of the picture. With a mean of 1 "
+                "it would take about %.0f spp.",
+                outlook->error, 100.0 * noise, ceil(samples)),
+            .remedy = arena_printf(survey->arena,
+                                   "Make all lights %.2g times as bright, and what is shown as "
+                                   "much darker (--exposure %+.0f); or ask for samples, not for an "
+                                   "error.",
+                                   1.0 / light, log2(light)),
+            .share = 1.0,
+        },
+        err);
+}
+
+bool measure_outlook(struct survey *survey, const uint8_t **in_view, struct err *err)
+{
+    struct job_estimate estimate;
+    double seconds;
+    bool ok = outlook_render(survey, &survey->job, &estimate, &seconds, err) &&
+              find_small_lights(survey, &estimate.params.unseen, err);
+    const uint8_t *mask = estimate.params.unseen.emitter_in_view;
+    if (ok) {
+        look_ahead(survey, &estimate.error, seconds);
+        ok = find_dim(survey, &estimate, err);
+    }
+    *in_view = ok && mask ? arena_copy(&survey->scratch, mask, survey->line_count, 1) : NULL;
+    arena_finish(&estimate.arena);
+    return ok && job_fetch_film(&survey->job, err);
+}
