@@ -352,10 +352,51 @@ static uint32_t choose_waves(const struct memory_plan_params *p, uint32_t slots)
     return !p->gpu->info.is_cpu && slots >= LEAST_OF_TWO_WAVES ? 2 : 1;
 }
 
-static bool make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
+// Returns how many threads one dispatch takes at most.
+static uint64_t max_threads(const struct memory_plan_params *p)
+{
+    return (uint64_t)p->gpu->max_groups * p->specialization->workgroup;
+}
+
+static bool plan_picture(const struct memory_plan_params *p, struct memory_plan *out,
+                         struct err *err)
 {
     const struct gpu *gpu = p->gpu;
     const uint32_t aovs = p->specialization->aovs;
+    uint64_t pixels = picture_pixels(p);
+    uint64_t range = least(gpu->max_storage_range, gpu->max_allocation);
+    out->film_chunk_pixels = least(pixels, range / (16 * AOV_FILM_WORDS(aovs)));
+    if (out->film_chunk_pixels == 0)
+        return err_set(err, ERR_GPU,
+                       "a storage range of %" PRIu64 " bytes holds no pixel: expected at least %d",
+                       range, 16 * AOV_FILM_WORDS(aovs));
+    out->film_chunks = (uint32_t)((pixels + out->film_chunk_pixels - 1) / out->film_chunk_pixels);
+    out->resolve_pixels = least(least(out->film_chunk_pixels, RESOLVE_PIXELS),
+                                least(max_threads(p), range / (16 * AOV_RESOLVED_WORDS(aovs))));
+    return true;
+}
+
+static uint64_t film_bytes(const struct memory_plan_params *p, const struct memory_plan *plan)
+{
+    return plan->film_chunk_pixels * 16 * AOV_FILM_WORDS(p->specialization->aovs);
+}
+
+static uint64_t resolved_bytes(const struct memory_plan_params *p, const struct memory_plan *plan)
+{
+    return plan->resolve_pixels * 16 * AOV_RESOLVED_WORDS(p->specialization->aovs);
+}
+
+uint64_t memory_plan_picture_bytes(const struct memory_plan_params *p)
+{
+    struct memory_plan plan = {0};
+    return plan_picture(p, &plan, NULL)
+               ? plan.film_chunks * film_bytes(p, &plan) + resolved_bytes(p, &plan)
+               : 0;
+}
+
+static bool make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
+{
+    const struct gpu *gpu = p->gpu;
     *out = (struct memory_plan){0};
     if (!check_light_rays(p, err) || !check_pending_rays(p->specialization, err))
         return false;
@@ -365,19 +406,10 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     out->part_bytes = part_bytes(gpu);
     out->part_shift = out->part_bytes ? 59u - (uint32_t)__builtin_clzll(out->part_bytes) : 31u;
 
-    uint64_t pixels = picture_pixels(p);
-    uint64_t range = least(gpu->max_storage_range, gpu->max_allocation);
-    out->film_chunk_pixels = least(pixels, range / (16 * AOV_FILM_WORDS(aovs)));
-    if (out->film_chunk_pixels == 0)
-        return err_set(err, ERR_GPU,
-                       "a storage range of %" PRIu64 " bytes holds no pixel: expected at least %d",
-                       range, 16 * AOV_FILM_WORDS(aovs));
-    out->film_chunks = (uint32_t)((pixels + out->film_chunk_pixels - 1) / out->film_chunk_pixels);
-    // One dispatch takes so many threads at most.
-    uint64_t threads = (uint64_t)gpu->max_groups * p->specialization->workgroup;
-    out->resolve_pixels = least(least(out->film_chunk_pixels, RESOLVE_PIXELS),
-                                least(threads, range / (16 * AOV_RESOLVED_WORDS(aovs))));
+    if (!plan_picture(p, out, err))
+        return false;
 
+    uint64_t threads = max_threads(p);
     uint64_t part = least(gpu->info.is_cpu ? CPU_PART : GPU_PART, threads);
     uint64_t smallest_part = (out->wave_slots + DISPATCH_PARTS - 1) / DISPATCH_PARTS;
     out->part_items = (uint32_t)(part > smallest_part ? part : smallest_part);
@@ -389,12 +421,12 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
         uint64_t bytes = bytes_of(p, b, out->wave_slots);
         uint32_t copies = 1;
         if (b == BINDING_FILM) {
-            bytes = out->film_chunk_pixels * 16 * AOV_FILM_WORDS(aovs);
+            bytes = film_bytes(p, out);
             copies = out->film_chunks;
         } else if (memory_plan_is_of_wave(p->specialization, b)) {
             copies = out->waves;
         } else if (b == BINDING_RESOLVED) {
-            bytes = out->resolve_pixels * 16 * AOV_RESOLVED_WORDS(aovs);
+            bytes = resolved_bytes(p, out);
         }
         bool needed = specialization_needs_binding(p->specialization, b);
         out->buffers[b] = (struct planned_buffer){

@@ -56,6 +56,10 @@ bool memory_plan_make(const struct memory_plan_params *params, struct specializa
 // film and what is read back of it. Allocates nothing and refuses nothing.
 uint64_t memory_plan_bytes(const struct memory_plan_params *params, uint32_t slots);
 
+// Bytes of what grows with the picture: its film, and what is read back of it at a time. 0 where no
+// buffer holds a pixel. Refuses nothing either.
+uint64_t memory_plan_picture_bytes(const struct memory_plan_params *params);
+
 // Puts in front of why kernels were refused which of the scene's buffers is too long for texels,
 // where that is why they bind so many storage buffers. Returns false.
 bool memory_plan_refused(const struct memory_plan *plan, const struct gpu *gpu, struct err *err);

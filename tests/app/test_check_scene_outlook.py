@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import unittest
+import unittest.mock
 
 from scene_checks import Checks, LAMPYRIS
 
@@ -57,6 +58,20 @@ class Dim(Checks):
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=600)
             self.assertEqual(told.returncode, 0, told.stderr)
             self.assertEqual('too dark for --error' in told.stderr, expected, told.stderr)
+
+
+class Memory(Checks):
+    def test_too_large_a_picture(self):
+        for limit in ('memory', 'memory-budget'):
+            with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=f'{limit}=67108864'):
+                self.assert_found(self.check(room(CEILING_LAMP)), {})
+                # Its own findings are told, too.
+                found = self.check(room(CEILING_LAMP, settings={'max_bounces': 2}), '--size',
+                                   '3000x3000')
+            self.assert_found(found, {'too-little-memory': 'wrong', 'depth': 'wrong'})
+            self.assertGreater(self.result['outlook']['device_bytes'], 500e6)
+            self.assertIn('memory', found['too-little-memory']['figure'])
+        self.assert_found(self.check(room(CEILING_LAMP), '--size', '3000x3000'), {})
 
 
 class Depth(Checks):

@@ -92,28 +92,46 @@ static bool start_job(struct survey *survey, struct err *err)
     return job_start(params, &survey->job, err) && tell_bound(survey, seconds, pixels, err);
 }
 
+// Plans the render at the scene's own size. Where there is too little memory, find_memory() says
+// so.
 static bool plan_memory(struct survey *survey, const struct renderer_params *params,
                         struct err *err)
 {
     struct renderer renderer;
-    if (!renderer_prepare(params, &renderer, err))
-        return false;
-    survey->plan = renderer.plan;
-    renderer_finish(&renderer);
-    return true;
+    struct err failure = {0};
+    if (renderer_prepare(params, &renderer, &failure)) {
+        renderer_finish(&renderer);
+        return true;
+    }
+    bool is_refused =
+        failure.code == ERR_GPU || failure.code == ERR_SYSTEM || failure.code == ERR_BUDGET;
+    survey->refusal = is_refused ? arena_strdup(survey->arena, failure.msg) : NULL;
+    return survey->refusal || err_set(err, failure.code, "%s", failure.msg);
 }
 
 // Returns the bytes of a film at the scene's own size, and of waves as large as the device turned
-// out to have room for.
-static uint64_t device_bytes(const struct survey *survey)
+// out to have room for; survey->least_bytes: without these.
+static uint64_t count_bytes(struct survey *survey)
 {
-    uint64_t bytes = 0;
+    const struct renderer *renderer = &survey->job.renderer;
+    const struct memory_plan_params picture = {
+        .scene = survey->scene,
+        .specialization = &renderer->specialization,
+        .gpu = renderer->gpu,
+        .pixels = (uint64_t)survey->settings.width * survey->settings.height,
+    };
+    uint64_t picture_bytes = memory_plan_picture_bytes(&picture), scene_bytes = 0, wave_bytes = 0;
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
-        bool is_of_picture = b == BINDING_FILM || b == BINDING_RESOLVED;
-        const struct memory_plan *plan = is_of_picture ? &survey->plan : &survey->job.renderer.plan;
-        bytes += plan->buffers[b].bytes * plan->buffers[b].copies;
+        const struct planned_buffer *buffer = &renderer->plan.buffers[b];
+        uint64_t bytes = buffer->bytes * buffer->copies;
+        if (memory_plan_is_of_wave(&renderer->specialization, b))
+            wave_bytes += bytes;
+        else if (b != BINDING_FILM && b != BINDING_RESOLVED)
+            scene_bytes += bytes;
     }
-    return bytes;
+    survey->least_bytes = scene_bytes + picture_bytes;
+    survey->small_bytes = renderer->plan.total_bytes;
+    return survey->least_bytes + wave_bytes;
 }
 
 static bool prepare(struct survey *survey, struct err *err)
@@ -144,7 +162,7 @@ static bool prepare(struct survey *survey, struct err *err)
     };
     if (!start_job(survey, err))
         return false;
-    survey->out->outlook.device_bytes = device_bytes(survey);
+    survey->out->outlook.device_bytes = count_bytes(survey);
     return sightlines_take_view(survey, err);
 }
 
@@ -166,10 +184,11 @@ static bool search(struct survey *survey, struct err *err)
     // The search of media takes what the renders of measure_noise() have counted, those of lights
     // and of biases their film. Those behind end_job() have renders of their own.
     static bool (*const searches[])(struct survey * survey, struct err * err) = {
-        find_thin,         find_twice,    find_coincident,    find_normals,
-        find_texels,       measure_noise, find_hidden_lights, find_mirrored_lights,
-        find_narrow_spots, find_media,    find_biases,        end_job,
-        find_coarse,       find_unscaled, find_albedos,       measure_depth,
+        find_thin,         find_twice,       find_coincident,    find_normals,
+        find_texels,       measure_noise,    find_hidden_lights, find_mirrored_lights,
+        find_narrow_spots, find_media,       find_biases,        end_job,
+        find_memory,       find_coarse,        find_unscaled,
+        find_albedos,      measure_depth,
     };
     for (size_t i = 0; i < sizeof searches / sizeof *searches; i++) {
         if (!searches[i](survey, err))

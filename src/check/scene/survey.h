@@ -41,7 +41,9 @@ struct survey {
     const struct flat_scene *flat;
     const struct camera *camera;
     struct settings settings; // the scene's own, at its own size
-    struct memory_plan plan;  // at that size
+    const char *refusal;      // why no render of that size can be planned; or NULL
+    uint64_t least_bytes;     // of the device that such a render needs, but for its waves
+    uint64_t small_bytes;     // that the render of the small picture has
     struct job_params small;  // a render of a small picture
     struct job job;           // that render, until the last two searches begin others
     struct sightline *lines;  // one a pixel of it
@@ -206,6 +208,7 @@ bool find_mirrored_lights(struct survey *survey, struct err *err); // that only 
 bool find_narrow_spots(struct survey *survey, struct err *err);    // that light less than a pixel
 bool find_biases(struct survey *survey, struct err *err);          // that settings ask for
 bool find_unscaled(struct survey *survey, struct err *err);        // radiance, by refraction
+bool find_memory(struct survey *survey, struct err *err);          // too little for the picture
 // Those that measure: each renders into the job's film.
 bool measure_noise(struct survey *survey, struct err *err); // its tail, and the outlook
 bool measure_depth(struct survey *survey, struct err *err);
