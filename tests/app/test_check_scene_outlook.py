@@ -34,6 +34,63 @@ def room(*shapes, lights=(), lamp=LAMP, faces=FACES + BACK, **more):
 CEILING_LAMP = quad('lamp', [-0.7, 3.99, -0.7], [1.4, 0, 0], [0, 0, 1.4])
 
 
+class IdleLights(Checks):
+    def point(self, intensity, **more):
+        return {'type': 'point', 'position': [0, 2.5, 0], 'intensity': [intensity] * 3, **more}
+
+    def assert_idle(self, scene, place, *arguments):
+        found = self.check(scene, *arguments)
+        self.assert_found(found, {'idle-light': 'slow'})
+        idle = found['idle-light']
+        self.assertEqual(idle['place'], place)
+        outlook, without = map(int, re.findall('([0-9]+) spp, and ([0-9]+) without',
+                                               idle['consequence'])[0])
+        self.assertAlmostEqual(outlook, self.result['outlook']['spp'], delta=1)
+        self.assertLess(10 * without, outlook)
+        return idle
+
+    def test_out_of_range(self):
+        idle = self.assert_idle(
+            room(CEILING_LAMP, lights=[self.point(1e6, range=0.01, name='dead')]), 'light 0, "dead"')
+        self.assertIn('% of all shadow rays go there', idle['figure'])
+
+    def test_enclosed(self):
+        ball = {'type': 'sphere', 'material': 'wall', 'center': [0, 2.5, 0], 'radius': 0.12}
+        idle = self.assert_idle(room(ball, CEILING_LAMP, lights=[self.point(1000)]), 'light 0')
+        # By their powers: 4 pi 1000 W/sr and pi 12 1.4^2 W/sr on each of two sides, over 2 pi.
+        share = float(idle['figure'].split(' %')[0])
+        self.assertAlmostEqual(share, 100 * 2000 / (2000 + 12 * 1.4 ** 2), delta=0.01)
+
+    def test_enclosed_lamp(self):
+        hot = {'base_color': [0, 0, 0], 'emission': [1e5] * 3}
+        scene = room({'type': 'sphere', 'material': 'wall', 'center': [0, 2.5, 0], 'radius': 0.12},
+                     {'type': 'sphere', 'material': 'hot', 'center': [0, 2.5, 0], 'radius': 0.1},
+                     CEILING_LAMP)
+        scene['materials']['hot'] = hot
+        self.assert_idle(scene, 'lamps of material "hot"')
+
+    def test_several_of_which_one_lights(self):
+        """Light 1 goes round a screen, so that none of it comes straight to what is seen."""
+        screen = [quad('wall', [-3, 0, 4.5], [6, 0, 0], [0, 3.5, 0])]
+        lights = [self.point(1e4, range=0.01), {**self.point(20), 'position': [0, 1, 5.5]}]
+        found = self.check(room(*screen, CEILING_LAMP, lights=lights))
+        self.assertEqual(found['idle-light']['place'], 'light 0')
+
+    def test_lights(self):
+        self.assert_found(self.check(room(CEILING_LAMP, lights=[self.point(10)])), {})
+        self.assert_found(self.check(room(CEILING_LAMP, lights=[self.point(10, range=9)])), {})
+
+    def test_indirect(self):
+        """All of a point light's light comes by way of a ceiling that is not in the picture."""
+        trough = quad('wall', [-1, 2.5, -1], [2, 0, 0], [0, 0, 2])
+        light = {**self.point(100), 'position': [0, 3.2, 0]}
+        self.assert_found(self.check(room(trough, CEILING_LAMP, lights=[light])), {})
+
+    def test_idle_and_few(self):
+        """It has less than a hundredth of the shadow rays, and costs nothing."""
+        self.assert_found(self.check(room(CEILING_LAMP, lights=[self.point(0.1, range=0.01)])), {})
+
+
 class Dim(Checks):
     def test_planted_and_clean(self):
         ball = {'type': 'sphere', 'material': 'lamp', 'center': [0, 3, 0], 'radius': 0.2}

@@ -23,6 +23,7 @@ struct target {
     bool is_delta;   // a light of the scene, without extent
     bool is_common;  // of the sky: paths that scatter find it about as often as shadow rays do
     uint32_t light;  // of the scene, or SCENE_NONE
+    uint32_t source; // of survey->is_reached
     double power;    // as in emitter_power.h, of all surfaces that it stands for; 0 for texels
     double radiance; // the mean luminance; INFINITY for delta lights
     double each;     // the number of surfaces that it stands for
@@ -52,6 +53,7 @@ static void list_lights(const struct survey *survey, bool delta, struct targets 
         out->items[out->count++] =
             (struct target){.is_delta = !is_sun,
                             .light = i,
+                            .source = i,
                             .power = light_power(&light, survey->flat),
                             .radiance = is_sun ? luminance(light.radiant) / angle : INFINITY,
                             .each = 1.0,
@@ -65,6 +67,7 @@ static void add_surface(const struct survey *survey, enum emitter_kind kind, uin
 {
     double radiance = mean_radiance(survey->scene, &survey->scene->materials[material]);
     out->items[out->count++] = (struct target){.light = SCENE_NONE,
+                                               .source = survey_lamp_source(survey, material),
                                                .power = each * radiance * area,
                                                .radiance = radiance,
                                                .each = each,
@@ -102,7 +105,7 @@ static void list_row(const struct survey *survey, uint32_t row, double mean, dou
     const struct environment *sky = &survey->scene->environment;
     double part = environment_texel_solid_angle(sky, row) / (4.0 * M_PI);
     for (uint32_t i = row * sky->width; i < (row + 1) * sky->width; i++) {
-        struct target target = {.part = {EMITTER_TEXEL, i}};
+        struct target target = {.source = survey_sky_source(survey), .part = {EMITTER_TEXEL, i}};
         double radiance[3];
         emitter_radiance(&survey->job.renderer, target.part, radiance);
         double brightness = vec3_luminance(radiance) / mean;
@@ -381,6 +384,9 @@ static void note_line(const struct survey *survey, const struct sightline *line,
     tally->open += line->is_open;
     if (!arrives(survey, line, &surfaces))
         return;
+    survey->is_reached[line->is_open ? aimed->target->source
+                                     : survey_lamp_source(survey, line->steps[surfaces].material)] =
+        true;
     place->arrived += aimed->sent;
     if (surfaces == 0 || aimed->target->is_common)
         return;
@@ -560,6 +566,8 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
     double share;
     if (!list_targets(survey, aim, &targets, err))
         return false;
+    // Even images are not looked for, and may well light the scene.
+    survey->is_reached[survey_sky_source(survey)] |= aim == AIM_AT_SKY && targets.rare == 0;
     if (targets.rare == 0)
         return true;
     if (!share_behind_glass(survey, aim, &targets, &share, &tally, err))
@@ -615,7 +623,13 @@ bool find_hidden_lights(struct survey *survey, struct err *err)
     const struct settings *settings = &survey->settings;
     bool aims = settings->nee && (settings->integrator == INTEGRATOR_PATH ||
                                   settings->integrator == INTEGRATOR_DIRECT);
-    return !aims || (find_behind_glass(survey, AIM_AT_POINTS, err) &&
-                     find_behind_glass(survey, AIM_AT_LAMPS, err) &&
-                     find_behind_glass(survey, AIM_AT_SKY, err) && find_unaimed(survey, err));
+    if (!aims)
+        return true;
+    survey->is_reached = ARENA_NEW(&survey->scratch, bool, survey_source_count(survey));
+    survey->sky_floor = (double)survey->job.renderer.tables.emitters.environment_floor;
+    if (!survey->is_reached)
+        return err_memory(err, "lights", survey_source_count(survey));
+    return find_behind_glass(survey, AIM_AT_POINTS, err) &&
+           find_behind_glass(survey, AIM_AT_LAMPS, err) &&
+           find_behind_glass(survey, AIM_AT_SKY, err) && find_unaimed(survey, err);
 }

@@ -52,6 +52,10 @@ struct survey {
     const uint8_t *through_faces; // by find_coincident(): flags of the lines; see there
     bool names_faces;             // faces that lie upon each other are among the findings
     const char *unscaled;         // by find_biases(): what it is to be told of, if anything
+    // By find_hidden_lights(): flags of sources that lines from what is seen have found, through
+    // glass or not. NULL: it has sent none.
+    bool *is_reached;
+    double sky_floor; // by the same: the luminance of the environment that shadow rays leave out
     struct scene_findings *out;
     bool lacks_memory; // for flags
 };
@@ -79,6 +83,22 @@ bool *survey_hidden(const struct survey *survey, uint32_t object);
 static inline uint32_t survey_object_count(const struct survey *survey)
 {
     return survey->scene->instance_count + survey->scene->shape_count;
+}
+
+// What lights the scene has numbers: its lights, then its materials, then its environment.
+static inline uint32_t survey_lamp_source(const struct survey *survey, uint32_t material)
+{
+    return survey->scene->light_count + material;
+}
+
+static inline uint32_t survey_sky_source(const struct survey *survey)
+{
+    return survey->scene->light_count + survey->scene->material_count;
+}
+
+static inline uint32_t survey_source_count(const struct survey *survey)
+{
+    return survey_sky_source(survey) + 1;
 }
 
 // Returns the mean luminance of pixels of the small picture.
@@ -209,6 +229,7 @@ bool find_narrow_spots(struct survey *survey, struct err *err);    // that light
 bool find_biases(struct survey *survey, struct err *err);          // that settings ask for
 bool find_unscaled(struct survey *survey, struct err *err);        // radiance, by refraction
 bool find_memory(struct survey *survey, struct err *err);          // too little for the picture
+bool find_idle_lights(struct survey *survey, struct err *err);     // that take others' shadow rays
 // Those that measure: each renders into the job's film.
 bool measure_noise(struct survey *survey, struct err *err); // its tail, and the outlook
 bool measure_depth(struct survey *survey, struct err *err);
