@@ -132,6 +132,46 @@ class Upon(Checks):
                      'max': [1, 1, 0.4 - gap]}), expected)
 
 
+class Lamps(Checks):
+    """A lamp in the ceiling of two rooms, of which one is seen from below the lamp."""
+
+    def found(self, gap=0.0, place=0.2, lamp=None, **camera):
+        wall = {'type': 'quad', 'material': 'grey'}
+        sheet = {'type': 'quad', 'corner': [place, 2 - gap, -0.8], 'u': [0.6, 0, 0], 'v': [0, 0, 0.6]}
+        return self.check({
+            'film': {'width': 24, 'height': 24},
+            'camera': {'position': [0, 0.5, 1.9], 'target': [0, 0.4, 0], 'fov_degrees': 50, **camera},
+            'materials': {'grey': GREY, 'lamp': {'emission': [5, 5, 5]}},
+            'environment': {'radiance': [0.1, 0.1, 0.1]},
+            'shapes': [{**wall, 'corner': [-1, 0, 1], 'u': [2, 0, 0], 'v': [0, 0, -2]},
+                       {**wall, 'corner': [-4, 2, -1], 'u': [8, 0, 0], 'v': [0, 0, 2]},
+                       {**wall, 'corner': [-1, 0, -1], 'u': [2, 0, 0], 'v': [0, 2, 0]},
+                       {**wall, 'corner': [-1, 0, 1], 'u': [0, 0, -2], 'v': [0, 2, 0]},
+                       {**wall, 'corner': [1, 0, -1], 'u': [0, 0, 2], 'v': [0, 2, 0]},
+                       {'material': 'lamp', **(lamp or sheet)}]})
+
+    def test_out_of_sight(self):
+        """It is named by what it lights, of whichever form it is."""
+        ball = {'type': 'cylinder', 'from': [0.3, 2, 0], 'to': [0.3, 2.5, 0], 'radius': 0.3}
+        box = {'type': 'box', 'as': 'analytic', 'min': [0.2, 2, -0.8], 'max': [0.8, 2.1, -0.2]}
+        for lamp in (None, ball, box):
+            with self.subTest(lamp):
+                found = self.found(lamp=lamp)['coincident-faces']
+                self.assertEqual(found['level'], 'wrong')
+                self.assertGreater(found['share'], 0.9)
+                self.assertRegex(found['place'], 'lamp.*grey')
+        self.assertIn('where 100 % of all lamps', self.found()['coincident-faces']['figure'])
+        self.assertNotIn('coincident-faces', self.found(0.001))
+        self.assertNotIn('coincident-faces', self.found(place=2.2))  # what is seen has none of its light
+
+    def test_in_sight(self):
+        """Of one pair there is one finding, with what is lit and what is seen of the pair."""
+        self.found(target=[0, 1.2, 0], fov_degrees=80)
+        found = [f for f in self.result['findings'] if f['name'] == 'coincident-faces']
+        self.assertEqual(len(found), 1)
+        self.assertGreater(found[0]['share'], 0.9)
+
+
 class Twice(Checks):
     """Objects at one place: what is said of them, and that --fix changes no picture."""
 

@@ -251,6 +251,14 @@ static bool find_patch(const struct survey *survey, const struct flat_shape *sha
     }
 }
 
+void shape_put_on(const struct survey *survey, const struct flat_shape *shape, double point[3])
+{
+    struct patch patch = {0};
+    find_patch(survey, shape, point, &patch);
+    for (int c = 0; c < 3; c++)
+        point[c] -= patch.away * patch.normal[c];
+}
+
 // Returns whether two parts are one place. Flat parts may face each other, as those of two boxes
 // side by side do; curved parts that face each other touch at a point only.
 static bool is_one_patch(const struct patch *a, const struct patch *b, double tolerance)
@@ -343,9 +351,10 @@ static bool compare_shapes(struct survey *survey, const struct sightline *lines,
 bool coincidences_find(struct survey *survey, const struct sightline *lines, uint32_t count,
                        struct coincidences *out, struct err *err)
 {
-    *out = (struct coincidences){.through = survey_flags(survey), .touched = survey_flags(survey)};
+    *out = (struct coincidences){.through = ARENA_NEW(survey->arena, uint8_t, count),
+                                 .touched = ARENA_NEW(survey->arena, uint8_t, count)};
     if (!out->through || !out->touched)
-        return err_memory(err, "faces", survey->line_count);
+        return err_memory(err, "faces", count);
     return drop_rays(survey, lines, count, out, err) &&
            compare_shapes(survey, lines, count, out, err);
 }
@@ -366,12 +375,9 @@ static const char *figure_of(struct survey *survey, const struct coincidences *c
         coincidences->apart / scale, world[0], world[1], world[2], (double)at->hit.t / scale);
 }
 
-bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
-                      const uint8_t *pixels, struct err *err)
+static bool add_finding(struct survey *survey, const struct coincidences *coincidences,
+                        const char *figure, const uint8_t *pixels, struct err *err)
 {
-    if (coincidences->count < LINES_MIN || survey->names_faces)
-        return true;
-    survey->names_faces = true;
     struct arena *arena = survey->arena;
     const char *objects[2], *materials[2];
     for (int i = 0; i < 2; i++) {
@@ -386,7 +392,7 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
                           .level = FINDING_WRONG,
                           .place = arena_printf(arena, "%s (%s) and %s (%s)", objects[0],
                                                 materials[0], objects[1], materials[1]),
-                          .figure = figure_of(survey, coincidences),
+                          .figure = figure,
                           .consequence =
                               "Rounding decides which one is seen, and lamps or glass there count "
                               "twice or not at all.",
@@ -397,11 +403,74 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
                       err);
 }
 
+bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
+                      const uint8_t *pixels, struct err *err)
+{
+    if (coincidences->count < LINES_MIN || survey->names_faces)
+        return true;
+    survey->names_faces = true;
+    return add_finding(survey, coincidences, figure_of(survey, coincidences), pixels, err);
+}
+
+// --- lamps, whose light goes where they are not seen ---------------------------------------------
+
+// Places on lamps that are looked at, and the share of them, which is that of the lamps' light,
+// below which nobody sees what is lost.
+#define LAMP_PLACES 1024u
+#define LIGHT_MIN 0.01
+
+static bool is_same_pair(const struct coincidences *a, const struct coincidences *b)
+{
+    uint32_t first = b->pair[0].object, second = b->pair[1].object;
+    return (a->pair[0].object == first && a->pair[1].object == second) ||
+           (a->pair[0].object == second && a->pair[1].object == first);
+}
+
+// Adds those of lamps, which touch what these light and what is `seen` of the two.
+static bool add_lamps(struct survey *survey, const struct coincidences *lamps,
+                      const struct sightline *lines, uint32_t count,
+                      const struct coincidences *seen, struct err *err)
+{
+    struct sighting *places = ARENA_NEW(&survey->scratch, struct sighting, lamps->count);
+    uint32_t upon = 0;
+    uint8_t *pixels;
+    if (!places)
+        return err_memory(err, "places on lamps", lamps->count * sizeof *places);
+    for (uint32_t i = 0; i < count; i++)
+        if (lamps->touched[i])
+            places[upon++] = lines[i].steps[0];
+    if (!survey_lit_from(survey, places, upon, &pixels, err))
+        return false;
+    if (seen->count > 0 && is_same_pair(lamps, seen)) {
+        survey->names_faces = true;
+        for (uint32_t i = 0; i < survey->line_count; i++)
+            pixels[i] |= seen->touched[i];
+    }
+    if (survey_share(survey, pixels) == 0.0)
+        return true;
+    return add_finding(survey, lamps,
+                       arena_printf(survey->arena, "%s, where %.3g %% of all lamps' light begins",
+                                    figure_of(survey, lamps), 100.0 * lamps->count / count),
+                       pixels, err);
+}
+
+static bool find_lamps(struct survey *survey, const struct coincidences *seen, struct err *err)
+{
+    struct coincidences lamps;
+    struct sightline *lines = ARENA_NEW(&survey->scratch, struct sightline, LAMP_PLACES);
+    if (!lines)
+        return err_memory(err, "places on lamps", LAMP_PLACES * sizeof *lines);
+    uint32_t count = lamp_places_take(survey, SCENE_NONE, LAMP_PLACES, lines);
+    return count == 0 || (coincidences_find(survey, lines, count, &lamps, err) &&
+                          (lamps.count < LIGHT_MIN * count ||
+                           add_lamps(survey, &lamps, lines, count, seen, err)));
+}
+
 bool find_coincident(struct survey *survey, struct err *err)
 {
-    struct coincidences found;
-    if (!coincidences_find(survey, survey->lines, survey->line_count, &found, err))
+    struct coincidences seen;
+    if (!coincidences_find(survey, survey->lines, survey->line_count, &seen, err))
         return false;
-    survey->through_faces = found.through;
-    return coincidences_add(survey, &found, found.touched, err);
+    survey->through_faces = seen.through;
+    return find_lamps(survey, &seen, err) && coincidences_add(survey, &seen, seen.touched, err);
 }

@@ -166,13 +166,25 @@ struct coincidences {
     double apart;            // along the line, where its length hides that they are; or 0
 };
 
-// Looks at no more lines than survey->line_count.
 bool coincidences_find(struct survey *survey, const struct sightline *lines, uint32_t count,
                        struct coincidences *out, struct err *err);
 // Adds the finding, unless there are too few or they are named already. `pixels` are flags of the
 // camera's lines.
 bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
                       const uint8_t *pixels, struct err *err);
+// Moves a point to the nearest part of a shape's surface; not of a distance field's.
+void shape_put_on(const struct survey *survey, const struct flat_shape *shape, double point[3]);
+
+// --- lamp_places.c, light_reach.c ----------------------------------------------------------------
+
+// Takes up to `most` places on the surfaces of a material that emit, or of all (SCENE_NONE): in
+// proportion to what they send. lines[].steps[0] are the places. Returns how many they are.
+uint32_t lamp_places_take(const struct survey *survey, uint32_t material, uint32_t most,
+                          struct sightline *lines);
+// Flags the pixels that light from some of these points reaches, reflected three times at most: as
+// far as a few lines from each pixel tell.
+bool survey_lit_from(struct survey *survey, const struct sighting *places, uint32_t count,
+                     uint8_t **flags, struct err *err);
 
 // --- measure_outlook.c ---------------------------------------------------------------------------
 
