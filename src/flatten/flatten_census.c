@@ -108,6 +108,11 @@ bool flatten_emits(const struct scene *scene, uint32_t material)
     return material_emits(m) && !(m->flags & MATERIAL_UNLIT);
 }
 
+bool flatten_is_lamp(const struct scene *scene, uint32_t kind, uint32_t material)
+{
+    return kind != SHAPE_PLANE && kind != SHAPE_SDF && flatten_emits(scene, material);
+}
+
 // Finds what a mesh's materials say about sharing it.
 static void survey_materials(const struct scene *scene, const struct mesh *mesh,
                              struct mesh_use *use)

@@ -36,6 +36,9 @@ struct census {
 bool flatten_in_range(const double point[3]);
 // Returns whether each triangle of the material has to be an emitter of its own.
 bool flatten_emits(const struct scene *scene, uint32_t material);
+// Returns whether shadow rays are sent to a shape, which is known by its middle and its size: where
+// it is so small that rounding moves it by more than that, the light that it sends is right.
+bool flatten_is_lamp(const struct scene *scene, uint32_t kind, uint32_t material);
 // Reports a fraction and asks whether to go on; false with an error when not.
 bool flatten_goes_on(const struct flatten_params *params, double fraction, struct err *err);
 // Triangles between two looks.

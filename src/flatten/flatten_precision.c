@@ -131,6 +131,8 @@ void coarse_add_shape(const struct flat_scene *flat, const struct scene *scene, 
 {
     const struct shape *shape = &scene->shapes[index];
     struct bounds bounds = BOUNDS_EMPTY;
+    if (flatten_is_lamp(scene, shape->kind, shape->material))
+        return;
     bounds_add_shape(&bounds, shape);
     if (!bounds_is_empty(&bounds) && add_box(flat, bounds.min, bounds.max, coarse))
         snprintf(coarse->first, sizeof coarse->first, "shape %u, %s,", index,

@@ -58,6 +58,17 @@ class Unseen(Checks):
                           {'coarse-object': 'remark', 'sliver': 'remark'})
         self.assertTrue(all(f['share'] == 0 for f in self.result['findings']))
 
+    def test_coarse_lamps(self):
+        """The light of a shape that rounding moves by more than its size is that of a larger one."""
+        for form in ({'type': 'sphere', 'center': [1, 9, 1], 'radius': 1e-8},
+                     {'type': 'disc', 'center': [1, 9, 1], 'normal': [0, -1, 0], 'radius': 1e-8}):
+            scene = self.scene([-0.5, 0, -0.5])
+            scene['materials']['lamp'] = {'emission': [1e18] * 3}
+            scene['shapes'].append({**form, 'material': 'lamp'})
+            self.assertNotIn('coarse-object', self.check(scene))
+            scene['shapes'][-1].update(material='grey')
+            self.assertEqual(self.check(scene)['coarse-object']['level'], 'remark')
+
     def test_coarse_objects_that_vanish(self):
         """No ray meets it, since steps are longer than it is: it should be in the picture."""
         found = self.check({

@@ -45,46 +45,6 @@ static struct bounds object_bounds(const struct survey *survey, const struct bou
     return bounds;
 }
 
-// Lamps that are too small for where they are keep a form of their own (flatten_lamps.h).
-static bool is_small_lamp(const struct survey *survey, uint32_t object)
-{
-    const struct flat_scene *flat = survey->flat;
-    if (!survey_is_instance(survey, object))
-        return false;
-    for (uint32_t i = 0; i < flat->small_count; i++) {
-        uint32_t instance, triangle;
-        flat_triangle_source(flat, flat->small[i].triangle, &instance, &triangle);
-        if (instance == object)
-            return true;
-    }
-    return false;
-}
-
-struct coarse {
-    uint32_t count, first;
-    double extent, farthest; // of the first one
-    bool *marked;            // of all objects, those that are
-};
-
-static void look_at_object(const struct survey *survey, const struct bounds *meshes,
-                           uint32_t object, struct coarse *coarse)
-{
-    double extent, farthest;
-    struct bounds bounds = object_bounds(survey, meshes, object);
-    if (bounds_is_empty(&bounds))
-        return;
-    vec3_subtract(bounds.min, survey->flat->origin, bounds.min);
-    vec3_subtract(bounds.max, survey->flat->origin, bounds.max);
-    if (!flatten_is_coarse(&bounds, &extent, &farthest) || is_small_lamp(survey, object))
-        return;
-    coarse->marked[object] = true;
-    if (coarse->count++ > 0)
-        return;
-    coarse->first = object;
-    coarse->extent = extent;
-    coarse->farthest = farthest;
-}
-
 // Returns whether a line of sight comes by the sphere around an object: where rounding leaves
 // nothing of the object to be seen, it should be there.
 static bool comes_by(const struct survey *survey, const struct sightline *line,
@@ -106,6 +66,53 @@ static bool comes_by(const struct survey *survey, const struct sightline *line,
     }
     return along > 0.0 && along - radius < end &&
            vec3_dot(from, from) - along * along < radius * radius;
+}
+
+// Returns whether an object is a lamp whose light is right however small it is for where it is: of
+// triangles that keep a form of their own (flatten_lamps.h), or a shape out of sight.
+static bool is_small_lamp(const struct survey *survey, uint32_t object, const struct bounds *bounds)
+{
+    const struct flat_scene *flat = survey->flat;
+    const struct scene *scene = survey->scene;
+    if (!survey_is_instance(survey, object)) {
+        const struct shape *shape = &scene->shapes[object - scene->instance_count];
+        bool is_lamp = flatten_is_lamp(scene, shape->kind, shape->material);
+        for (uint32_t i = 0; i < survey->line_count && is_lamp; i++)
+            is_lamp = !comes_by(survey, &survey->lines[i], bounds);
+        return is_lamp;
+    }
+    for (uint32_t i = 0; i < flat->small_count; i++) {
+        uint32_t instance, triangle;
+        flat_triangle_source(flat, flat->small[i].triangle, &instance, &triangle);
+        if (instance == object)
+            return true;
+    }
+    return false;
+}
+
+struct coarse {
+    uint32_t count, first;
+    double extent, farthest; // of the first one
+    bool *marked;            // of all objects, those that are
+};
+
+static void look_at_object(const struct survey *survey, const struct bounds *meshes,
+                           uint32_t object, struct coarse *coarse)
+{
+    double extent, farthest;
+    struct bounds bounds = object_bounds(survey, meshes, object), place = bounds;
+    if (bounds_is_empty(&bounds))
+        return;
+    vec3_subtract(bounds.min, survey->flat->origin, bounds.min);
+    vec3_subtract(bounds.max, survey->flat->origin, bounds.max);
+    if (!flatten_is_coarse(&bounds, &extent, &farthest) || is_small_lamp(survey, object, &place))
+        return;
+    coarse->marked[object] = true;
+    if (coarse->count++ > 0)
+        return;
+    coarse->first = object;
+    coarse->extent = extent;
+    coarse->farthest = farthest;
 }
 
 static const uint8_t *touched_by_bounds(struct survey *survey, const struct bounds *meshes,
