@@ -7,12 +7,13 @@ Usage: test_check_scene.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
 import base64
 import html
+import math
 import os
 import re
 import subprocess
 import unittest
 
-from scene_checks import Checks, FILM, FRONT, GREY, LAMPYRIS, SOURCE, box, read_png, write_exr
+from scene_checks import Checks, FILM, FRONT, GREY, LAMPYRIS, SOURCE, box, read_png, write_exr, write_png
 
 
 class Geometry(Checks):
@@ -76,6 +77,56 @@ class Geometry(Checks):
         changed = {name for name, finding in found.items() if finding['change']}
         self.assertEqual(changed, {'singular-transform'})
         self.assertEqual(set(self.check_file(fixed)), set(found) - changed)
+
+
+class Normals(Checks):
+    """A ball of triangles whose normals are a function of its own."""
+
+    def found(self, normal, **material):
+        rings, around = 8, 16
+        points = [(math.sin(math.pi * i / rings) * math.cos(2 * math.pi * k / around),
+                   math.cos(math.pi * i / rings),
+                   math.sin(math.pi * i / rings) * math.sin(2 * math.pi * k / around))
+                  for i in range(rings + 1) for k in range(around + 1)]
+        lines = ['v %g %g %g\nvn %g %g %g' % (*point, *normal(*point)) for point in points]
+        for i in range(rings):
+            for k in range(around):
+                a, b = i * (around + 1) + k + 1, (i + 1) * (around + 1) + k + 1
+                corners = [a, a + 1, b + 1, b][i == 0:4 - (i == rings - 1)]
+                lines.append('f ' + ' '.join(f'{x}//{x}' for x in corners))
+        self.write('ball.obj', '\n'.join(lines) + '\n')
+        return self.check({'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+                           'materials': {'grey': {**GREY, **material}},
+                           'shapes': [{'type': 'mesh', 'file': 'ball.obj', 'material': 'grey'}]})
+
+    def test_of_another_form(self):
+        """All of the ball counts, not just where they are far off."""
+        for normal in (lambda x, y, z: (0, 1, 0), lambda x, y, z: (x, z, -y)):
+            found = self.found(normal)
+            self.assert_found(found, {'normals': 'wrong'})
+            self.assertIn('60 degrees off', found['normals']['figure'])
+            self.assertAlmostEqual(found['normals']['share'], math.pi / 36, delta=0.01)
+        self.assertNotIn('normals', self.found(lambda x, y, z: (0, 1, 0), opacity=0.9))  # a bush
+
+    def test_of_its_form(self):
+        """To the outside, to the inside, and of a form that is much smoother."""
+        for normal in (lambda x, y, z: (x, y, z), lambda x, y, z: (-x, -y, -z),
+                       lambda x, y, z: (x, 2 * y, z)):
+            self.assert_found(self.found(normal), {})
+
+    def test_maps(self):
+        """Texels that point down are told; what is black between the parts of an atlas is no normal."""
+        for texel, expected in (((128, 128, 255, 255), None), ((0, 0, 0, 255), None),
+                                ((128, 128, 0, 255), 'remark')):
+            write_png(os.path.join(self.folder.name, 'map.png'), 2, 1, [[(128, 128, 255, 255), texel]])
+            found = self.check({
+                'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
+                'materials': {'grey': {**GREY, 'textures': [{'file': 'map.png', 'use': 'normal'}]}},
+                'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-1, -1, 0], 'u': [2, 0, 0],
+                            'v': [0, 2, 0]}]})
+            self.assertEqual(found.get('normals', {}).get('level'), expected)
+        self.assertIn('1 of 2 texels', found['normals']['figure'])
+        self.assertAlmostEqual(found['normals']['share'], 4 / 36, delta=0.006)
 
 
 class Media(Checks):

@@ -4,6 +4,7 @@
 #include "base/maths.h"
 #include "scene/core/environment.h"
 #include "scene/core/texture_load.h"
+#include "shared/material.h"
 
 #define HALF_MAX 65504.0f // the greatest finite number of half precision (IEEE 754-2008)
 
@@ -108,6 +109,69 @@ static bool find_zeroed(struct survey *survey, uint32_t index, struct err *err)
             .consequence = "They count as black.",
             .remedy = "Repair the image where it was made.",
             .share = survey_share(survey, touched),
+            .pixels = touched,
+        },
+        err);
+}
+
+// Returns whether a material that is used takes the image for a normal map.
+static bool is_normal_map(const struct survey *survey, uint32_t index)
+{
+    const struct scene *scene = survey->scene;
+    for (uint32_t m = 0; m < scene->material_count; m++) {
+        const struct material *material = &scene->materials[m];
+        for (uint32_t i = 0; survey->flat->material_used[m] && i < material->texture_count; i++) {
+            const struct texture *texture = &scene->textures[material->first_texture + i];
+            if (texture->image == index &&
+                (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_NORMAL)
+                return true;
+        }
+    }
+    return false;
+}
+
+// Counts texels that are a normal, as one whose length is 1 or nearly so, below the surface by more
+// than a step of 8 bits. What is left black between the parts of an atlas is no normal.
+static uint64_t count_below(const struct texture_image *image)
+{
+    uint64_t count = 0;
+    for (uint64_t i = 0; i < (uint64_t)image->width * image->height; i++) {
+        float texel[4];
+        double square = 0.0;
+        texture_texel(image, i, texel);
+        for (int c = 0; c < 3; c++)
+            square += (2.0 * (double)texel[c] - 1.0) * (2.0 * (double)texel[c] - 1.0);
+        count += texel[2] < 0.5f - 1.0f / 255.0f && fabs(square - 1.0) < 0.5;
+    }
+    return count;
+}
+
+// Fewer texels, or less of the picture, are those at seams.
+#define BELOW_MIN 0.01
+
+static bool find_below(struct survey *survey, uint32_t index, struct err *err)
+{
+    const struct texture_image *image = &survey->scene->images[index];
+    uint64_t all = (uint64_t)image->width * image->height;
+    uint64_t count = is_normal_map(survey, index) ? count_below(image) : 0;
+    if (!((double)count >= BELOW_MIN * (double)all) || count == 0)
+        return true;
+    const uint8_t *touched = survey_touched(survey, reads_image, &index);
+    double share = survey_share(survey, touched);
+    if (share < BELOW_MIN)
+        return true;
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "normals",
+            .level = FINDING_REMARK,
+            .place = arena_printf(survey->arena, "image %s", image->name),
+            .figure = arena_printf(survey->arena,
+                                   "%llu of %llu texels of a normal map point below the surface",
+                                   (unsigned long long)count, (unsigned long long)all),
+            .consequence = "They are turned to the side that is seen: the relief is another one.",
+            .remedy = "Use a map in tangent space, whose blue channel is above 0.5.",
+            .share = share,
             .pixels = touched,
         },
         err);
@@ -262,7 +326,8 @@ bool find_texels(struct survey *survey, struct err *err)
     if (!find_missing(survey, err))
         return false;
     for (uint32_t i = 0; i < survey->scene->image_count; i++)
-        if (!find_zeroed(survey, i, err) || !find_cut(survey, i, err))
+        if (!find_zeroed(survey, i, err) || !find_cut(survey, i, err) ||
+            !find_below(survey, i, err))
             return false;
     return !is_sky(survey) || (find_unusable(survey, err) && find_sun_texel(survey, err) &&
                                find_overflow(survey, err));
