@@ -3,6 +3,7 @@
 
 Usage: test_check_scene_measured.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
+import math
 import os
 import subprocess
 import unittest
@@ -64,6 +65,46 @@ class Texels(Checks):
         self.assertIn('(7, 3)', found['one-texel-sun']['figure'])
         self.assertAlmostEqual(found['missing-image']['share'], 3.14159 * 4 / 36, delta=0.02)
         self.assert_found(self.check(self.scene(False)), {})
+
+
+class LampTexels(Checks):
+    """The image of a lamp over a floor; a wall is in between where the floor is not lit."""
+
+    def found(self, bright, rest=0.5, wall=False, **material):
+        texels = [[(rest, rest, rest)] * 8 for _ in range(8)]
+        texels[3][5] = (bright, bright, bright)
+        write_exr(os.path.join(self.folder.name, 'lamp.exr'), 8, 8, texels)
+        image = [{'file': 'lamp.exr', 'parameters': {'emission': 'rgb'}}]
+        return self.check({
+            'film': {'width': 24, 'height': 24},
+            'camera': {'position': [0, 1, 4], 'target': [0, 0.5, 0], 'fov_degrees': 40},
+            'materials': {'grey': GREY, 'lamp': {'emission': [1, 1, 1], 'textures': image, **material}},
+            'environment': {'radiance': [0.5, 0.5, 0.5]},
+            'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-5, 0, 5], 'u': [10, 0, 0],
+                        'v': [0, 0, -10]},
+                       {'type': 'quad', 'material': 'lamp', 'corner': [-1, 0.2, -1], 'u': [2, 0, 0],
+                        'v': [0, 1.5, 0]}] + wall * [
+                       {'type': 'quad', 'material': 'grey', 'corner': [-5, 0, -0.99], 'u': [10, 0, 0],
+                        'v': [0, 9, 0]}]})
+
+    def test_one_of_them(self):
+        found = self.found(1e6)
+        self.assertEqual(found['beyond-half']['level'], 'remark')
+        # 3 square metres from 5 metres away.
+        self.assertAlmostEqual(found['beyond-half']['share'],
+                               3 / (10 * math.tan(math.radians(20))) ** 2, delta=0.02)
+        self.assertEqual(found['one-texel-lamp']['level'], 'slow')
+        self.assertIn('(5, 3) of 8 x 8 sends 100 %', found['one-texel-lamp']['figure'])
+        self.assertGreater(found['one-texel-lamp']['share'], 0.3)
+        for finding in (found['beyond-half'], found['one-texel-lamp']):
+            self.assertRegex(finding['place'], r'^image .*lamp\.exr$')
+
+    def test_none_of_them(self):
+        """As bright as others; a light of 8 bits; one that lights nothing of what is seen."""
+        for found in (self.found(40), self.found(1, rest=0.001), self.found(1e6, wall=True)):
+            self.assertFalse(set(found) & {'beyond-half', 'one-texel-lamp'})
+        self.assertEqual(set(self.found(6e4)) & {'beyond-half', 'one-texel-lamp'}, {'one-texel-lamp'})
+        self.assertEqual(set(self.found(6e4, emission=[2, 2, 2])) & {'beyond-half'}, {'beyond-half'})
 
 
 class Settings(Checks):

@@ -2,6 +2,7 @@
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
+#include "scene/core/emission.h"
 #include "scene/core/environment.h"
 #include "scene/core/texture_load.h"
 #include "shared/material.h"
@@ -266,11 +267,13 @@ static struct sun_texel brightest_texel(const struct environment *sky)
 // rest: shadows then show its form.
 #define SUN_PART_MIN 0.1
 #define SUN_BRIGHTNESS_MIN 100.0
+// Of fewer texels none is small.
+#define TEXELS_MIN 64
 
 static bool find_sun_texel(struct survey *survey, struct err *err)
 {
     const struct environment *sky = &survey->scene->environment;
-    if (sky->width == 0 || (uint64_t)sky->width * sky->height < 64)
+    if (sky->width == 0 || (uint64_t)sky->width * sky->height < TEXELS_MIN)
         return true;
     const struct sun_texel sun = brightest_texel(sky);
     double solid_angle = environment_texel_solid_angle(sky, sun.row);
@@ -297,28 +300,141 @@ static bool find_sun_texel(struct survey *survey, struct err *err)
         err);
 }
 
+static bool add_overflow(struct survey *survey, const char *place, double greatest,
+                         const uint8_t *touched, struct err *err)
+{
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "beyond-half",
+                          .level = FINDING_REMARK,
+                          .place = place,
+                          .figure = arena_printf(survey->arena, "radiance of up to %.3g", greatest),
+                          .consequence = "Pictures written with --half cannot hold it: they end "
+                                         "at 65504.",
+                          .remedy = "Write EXR files in single precision, as is usual.",
+                          .share = survey_share(survey, touched),
+                          .pixels = touched,
+                      },
+                      err);
+}
+
 static bool find_overflow(struct survey *survey, struct err *err)
 {
     const struct environment *sky = &survey->scene->environment;
     const uint8_t *touched = touched_by_sky(survey);
-    double share = survey_share(survey, touched);
     float greatest = sky->width > 0 ? environment_greatest(sky) : 0.0f;
-    if (greatest <= HALF_MAX || share == 0.0)
+    return greatest <= HALF_MAX || survey_share(survey, touched) == 0.0 ||
+           add_overflow(survey, sky_place(survey), (double)greatest, touched, err);
+}
+
+// --- images of lamps -----------------------------------------------------------------------------
+
+// Returns the texture by which a material that is used emits what the image has, or NULL.
+static const struct texture *find_emission(const struct survey *survey, uint32_t m, uint32_t image)
+{
+    const struct scene *scene = survey->scene;
+    const struct material *material = &scene->materials[m];
+    for (uint32_t i = 0; survey->flat->material_used[m] && i < material->texture_count; i++) {
+        const struct texture *texture = &scene->textures[material->first_texture + i];
+        if (texture->image == image && texture_is_scale(texture) &&
+            texture_group(texture) == GROUP_EMISSION && material_emits(material))
+            return texture;
+    }
+    return NULL;
+}
+
+static bool find_lamp_overflow(struct survey *survey, uint32_t m, uint32_t index, struct err *err)
+{
+    float greatest[3];
+    greatest_radiance(survey->scene, &survey->scene->materials[m], greatest);
+    float radiance = fmaxf(fmaxf(greatest[0], greatest[1]), greatest[2]);
+    const uint8_t *touched = radiance > HALF_MAX ? survey_touched_by_material(survey, m) : NULL;
+    const char *place = arena_printf(survey->arena, "image %s", survey->scene->images[index].name);
+    return survey_share(survey, touched) == 0.0 ||
+           add_overflow(survey, place, (double)radiance, touched, err);
+}
+
+// Returns the texel that sends most, as if each one had the same part of the surface. Its row is
+// counted from the top.
+static struct sun_texel brightest_lamp_texel(const struct texture_image *image,
+                                             const struct texture *texture, const float emission[3])
+{
+    struct sun_texel brightest = {0};
+    for (uint64_t i = 0; i < (uint64_t)image->width * image->height; i++) {
+        float texel[4], sent[3];
+        texture_texel(image, i, texel);
+        for (uint32_t c = 0; c < 3; c++) {
+            uint32_t parameter = PARAMETER_EMISSION + c;
+            bool is_scaled = texture_scales_parameter(texture, parameter);
+            sent[c] = emission[c] * (is_scaled ? texel[texture_channel(texture, parameter)] : 1.0f);
+        }
+        double light = luminance(sent);
+        brightest.all += light;
+        if (light <= brightest.light)
+            continue;
+        brightest.light = light;
+        brightest.column = (uint32_t)(i % image->width);
+        brightest.row = (uint32_t)(i / image->width);
+    }
+    return brightest;
+}
+
+// Places on the lamp of which it is told what they light.
+#define PLACES 64u
+
+static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct texture *texture,
+                            struct err *err)
+{
+    const struct scene *scene = survey->scene;
+    const struct texture_image *image = &scene->images[texture->image];
+    double texels = (double)image->width * image->height;
+    uint8_t *lit;
+    // The few lights of a dark device, in 8 bits, are no brighter than others.
+    if (texels < TEXELS_MIN || image->greatest <= 1.0f)
         return true;
-    return survey_add(
-        survey,
-        &(struct scene_finding){
-            .name = "beyond-half",
-            .level = FINDING_REMARK,
-            .place = sky_place(survey),
-            .figure = arena_printf(survey->arena, "radiance of up to %.3g", (double)greatest),
-            .consequence = "Pictures written with --half cannot hold it: they end "
-                           "at 65504.",
-            .remedy = "Write EXR files in single precision, as is usual.",
-            .share = share,
-            .pixels = touched,
-        },
-        err);
+    const struct sun_texel sun = brightest_lamp_texel(image, texture, scene->materials[m].emission);
+    double part = sun.light / sun.all, rest = (sun.all - sun.light) / (texels - 1.0);
+    if (!(part >= SUN_PART_MIN) || !(sun.light >= SUN_BRIGHTNESS_MIN * rest))
+        return true;
+    struct sightline *lines = ARENA_NEW(&survey->scratch, struct sightline, PLACES);
+    struct sighting *places = ARENA_NEW(&survey->scratch, struct sighting, PLACES);
+    if (!lines || !places)
+        return err_memory(err, "places on lamps", PLACES * sizeof *lines);
+    uint32_t count = lamp_places_take(survey, m, PLACES, lines);
+    for (uint32_t i = 0; i < count; i++)
+        places[i] = lines[i].steps[0];
+    if (!survey_lit_from(survey, places, count, &lit, err))
+        return false;
+    return survey_share(survey, lit) == 0.0 ||
+           survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "one-texel-lamp",
+                          .level = FINDING_SLOW,
+                          .place = arena_printf(survey->arena, "image %s", image->name),
+                          .figure = arena_printf(survey->arena,
+                                                 "texel (%u, %u) of %u x %u sends %.0f %% of the "
+                                                 "light of all",
+                                                 sun.column, sun.row, image->width, image->height,
+                                                 100.0 * part),
+                          .consequence = "Shadow rays go to all of the lamp alike and seldom meet "
+                                         "what is bright: bright dots that come late.",
+                          .remedy = "Paint it out, or put a lamp of its own in its place.",
+                          .share = survey_share(survey, lit),
+                          .pixels = lit,
+                      },
+                      err);
+}
+
+// What the first material that emits the image says holds for all of them.
+static bool find_lamp_texels(struct survey *survey, uint32_t index, struct err *err)
+{
+    for (uint32_t m = 0; m < survey->scene->material_count; m++) {
+        const struct texture *texture = find_emission(survey, m, index);
+        if (texture)
+            return find_lamp_overflow(survey, m, index, err) &&
+                   find_lamp_texel(survey, m, texture, err);
+    }
+    return true;
 }
 
 bool find_texels(struct survey *survey, struct err *err)
@@ -327,7 +443,7 @@ bool find_texels(struct survey *survey, struct err *err)
         return false;
     for (uint32_t i = 0; i < survey->scene->image_count; i++)
         if (!find_zeroed(survey, i, err) || !find_cut(survey, i, err) ||
-            !find_below(survey, i, err))
+            !find_below(survey, i, err) || !find_lamp_texels(survey, i, err))
             return false;
     return !is_sky(survey) || (find_unusable(survey, err) && find_sun_texel(survey, err) &&
                                find_overflow(survey, err));
