@@ -236,5 +236,36 @@ class Spots(Checks):
         self.assertNotIn('narrow-spot', self.found(40, pane))
 
 
+class OnSurface(Checks):
+    """A light in or above a floor, beside a wall."""
+
+    def found(self, position, **light):
+        return self.check({
+            'film': {'width': 24, 'height': 24},
+            'camera': {'position': [0, 1, 4], 'target': [0, 0.5, 0], 'fov_degrees': 40},
+            'materials': {'grey': GREY}, 'environment': {'radiance': [0.1] * 3},
+            'lights': [{'type': 'point', 'position': position, 'intensity': [1, 1, 1], **light}],
+            'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-2, 0, 2], 'u': [4, 0, 0],
+                        'v': [0, 0, -4]},
+                       {'type': 'quad', 'material': 'grey', 'corner': [-2, 0, -2], 'u': [4, 0, 0],
+                        'v': [0, 4, 0]},
+                       {'type': 'sphere', 'material': 'grey', 'center': [1, 0.5, 0], 'radius': 0.5}]
+        }).get('light-on-surface')
+
+    def test_on_and_above(self):
+        for position, place in (([0, 0, 0], '0'), ([0.3, 0, 0.1], '0'), ([-1.1, 2.2, -2], '1')):
+            found = self.found(position)
+            self.assertEqual(found['level'], 'remark')
+            self.assertEqual(found['place'], f'light 0, on instance {place} of mesh "quad"')
+        ball = self.found([1 + 0.5 * 3 ** -0.5, 0.5 + 0.5 * 3 ** -0.5, 0.5 * 3 ** -0.5])
+        self.assertIn('a sphere', ball['place'])
+        # The wall and the ball have its light, and some of the floor by way of these.
+        self.assertTrue(0.1 < self.found([0, 0, 0])['share'] <= 1)
+        down = {'type': 'spot', 'direction': [0, -1, 0], 'outer_degrees': 40}
+        self.assertIsNotNone(self.found([0, 0, 0], **down))
+        for position in ([0, 1e-3, 0], [0, -1e-3, 0], [3, 0, 0], [0.3, 0.2, 0.1]):
+            self.assertIsNone(self.found(position), position)
+
+
 if __name__ == '__main__':
     unittest.main()
