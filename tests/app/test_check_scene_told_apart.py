@@ -164,6 +164,15 @@ class Lamps(Checks):
         self.assertNotIn('coincident-faces', self.found(0.001))
         self.assertNotIn('coincident-faces', self.found(place=2.2))  # what is seen has none of its light
 
+    def test_what_lies_between_two_bodies_lights_nothing(self):
+        box = {'type': 'box', 'as': 'analytic'}
+        stands = {**box, 'min': [-0.3, 0, -0.8], 'max': [0.3, 0.2, -0.2]}
+        hangs = {**box, 'min': [0.2, 1.8, -0.8], 'max': [0.8, 2, -0.2]}
+        thread = {**box, 'min': [-0.5, 0, -0.5001], 'max': [0.5, 0.0002, -0.4999]}
+        for lamp in stands, hangs, thread:
+            with self.subTest(lamp):
+                self.assertNotIn('coincident-faces', self.found(lamp=lamp))
+
     def test_in_sight(self):
         """Of one pair there is one finding, with what is lit and what is seen of the pair."""
         self.found(target=[0, 1.2, 0], fov_degrees=80)

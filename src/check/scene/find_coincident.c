@@ -418,6 +418,8 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
 // below which nobody sees what is lost.
 #define LAMP_PLACES 1024u
 #define LIGHT_MIN 0.01
+// The share of the picture that they light, likewise.
+#define PICTURE_MIN 0.01
 
 static bool is_same_pair(const struct coincidences *a, const struct coincidences *b)
 {
@@ -441,13 +443,14 @@ static bool add_lamps(struct survey *survey, const struct coincidences *lamps,
             places[upon++] = lines[i].steps[0];
     if (!survey_lit_from(survey, places, upon, &pixels, err))
         return false;
+    // What lies between two bodies lights nothing.
+    if (survey_share(survey, pixels) < PICTURE_MIN)
+        return true;
     if (seen->count > 0 && is_same_pair(lamps, seen)) {
         survey->names_faces = true;
         for (uint32_t i = 0; i < survey->line_count; i++)
             pixels[i] |= seen->touched[i];
     }
-    if (survey_share(survey, pixels) == 0.0)
-        return true;
     return add_finding(survey, lamps,
                        arena_printf(survey->arena, "%s, where %.3g %% of all lamps' light begins",
                                     figure_of(survey, lamps), 100.0 * lamps->count / count),

@@ -23,13 +23,10 @@ static bool has_place(const struct light *light)
     return light->kind != LIGHT_DIRECTIONAL && !light->hidden && luminance(light->radiant) > 0.0;
 }
 
-// Rays begin so many roundings before a light: six binary digits of the way are left by rounding.
-#define HEIGHT_IN_ROUNDINGS 64.0
-
 static struct probe_ray ray_to(const struct placed_light *light, uint32_t axis)
 {
     struct probe_ray ray = {.from_instance = NO_INSTANCE};
-    double height = HEIGHT_IN_ROUNDINGS * light->rounding;
+    double height = SIGHTING_HEIGHT * light->rounding;
     for (uint32_t c = 0; c < 3; c++)
         ray.origin[c] = (float)(light->point[c] - (c == axis ? height : 0.0));
     ray.direction[axis] = 1.0f;
@@ -48,7 +45,7 @@ static void look_at_hit(const struct survey *survey, const struct probe_ray *ray
     vec3_widen(ray->direction, direction);
     sighting_find(survey, hit, origin, direction, &on);
     vec3_subtract(on.point, light->point, way);
-    light->is_upon = vec3_length(way) <= 2.0 * HEIGHT_IN_ROUNDINGS * light->rounding &&
+    light->is_upon = vec3_length(way) <= 2.0 * SIGHTING_HEIGHT * light->rounding &&
                      fabs(vec3_dot(way, on.normal)) <= 2.0 * light->rounding;
     light->on = on;
 }
@@ -111,6 +108,7 @@ static bool add_finding(struct survey *survey, const struct placed_light *lights
         if (!lights[i].is_upon)
             continue;
         first = upon == 0 ? i : first;
+        places[upon] = lights[i].on;
         memcpy(places[upon++].point, lights[i].point, sizeof lights[i].point);
     }
     return upon == 0 ||

@@ -36,16 +36,20 @@ static void begin_round(const struct survey *survey, struct reach *reach)
     }
 }
 
-// Begins a line to a place. Returns false where that is in the surface's plane or behind it.
-static bool aim_at(const struct sighting *at, const double place[3], struct sightline *line)
+// Begins a line to just above a place, on the side from where it comes: what lies upon the place is
+// in its way. Returns false where that is in the surface's plane or behind it.
+static bool aim_at(const struct sighting *at, const struct sighting *place, struct sightline *line)
 {
-    double way[3];
-    vec3_subtract(place, at->point, way);
+    double way[3], rounding = sighting_rounding(place->point);
+    vec3_subtract(place->point, at->point, way);
+    double height = -copysign(SIGHTING_HEIGHT * rounding, vec3_dot(way, place->normal));
+    for (int c = 0; c < 3; c++)
+        way[c] += height * place->normal[c];
     double above = vec3_dot(way, at->normal) * (at->is_front ? 1.0 : -1.0);
-    *line = (struct sightline){.from = at, .length = vec3_length(way) * SIGHTLINE_SHORT_OF};
+    *line = (struct sightline){.from = at, .length = vec3_length(way)};
     vec3_normalize(way);
     memcpy(line->direction, way, sizeof line->direction);
-    return above > sighting_rounding(place) + sighting_rounding(at->point);
+    return above > rounding + sighting_rounding(at->point);
 }
 
 // Flags the paths from which one of the places is seen.
@@ -54,7 +58,7 @@ static bool connect(struct survey *survey, struct reach *reach, const struct sig
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < survey->line_count; i++) {
-        const double *place = places[(i + number) % place_count].point;
+        const struct sighting *place = &places[(i + number) % place_count];
         reach->pixels[count] = i;
         count += reach->goes_on[i] && aim_at(&reach->at[i], place, &reach->lines[count]);
     }

@@ -134,6 +134,9 @@ void sighting_scatter(const double normal[3], uint32_t number, double out[3]);
 // Returns the surface on which a line of the camera ends, or NULL where lights cannot light it.
 const struct sighting *sightline_lit_place(const struct survey *survey,
                                            const struct sightline *seen);
+// How many roundings a point is above a surface if it is to be there for certain: six binary digits
+// of that way are left by rounding.
+#define SIGHTING_HEIGHT 64.0
 // Points are aimed at, but not what is behind them.
 #define SIGHTLINE_SHORT_OF (1.0 - 0x1p-12)
 // Returns whether light goes through its surfaces, refracted or not.
@@ -181,8 +184,8 @@ void shape_put_on(const struct survey *survey, const struct flat_shape *shape, d
 // proportion to what they send. lines[].steps[0] are the places. Returns how many they are.
 uint32_t lamp_places_take(const struct survey *survey, uint32_t material, uint32_t most,
                           struct sightline *lines);
-// Flags the pixels that light from some of these points reaches, reflected three times at most: as
-// far as a few lines from each pixel tell.
+// Flags the pixels that light from some of these places, points with the normals of their surfaces,
+// reaches, reflected three times at most: as far as a few lines from each pixel tell.
 bool survey_lit_from(struct survey *survey, const struct sighting *places, uint32_t count,
                      uint8_t **flags, struct err *err);
 
