@@ -70,7 +70,8 @@ RENDERER = [
     ('renderer.direction_exponent', '4'),
     ('renderer.directions', 'bsdf', 'result', None),
     ('renderer.normals', 'ndf'),
-    ('renderer.radiance_scaling', 'off'),
+    # What is seen through closed bodies stays, and here there are none.
+    ('renderer.radiance_scaling', 'off', 'none'),
     ('renderer.clamp', '0.3'),
     ('renderer.roulette', 'off'),
     ('renderer.roulette', 'constant', 'result', None),
