@@ -1,6 +1,7 @@
 #include "cli/options.h"
 
 #include "base/file.h"
+#include "base/suggest.h"
 #include "image/image.h"
 #include "shared/bindings.h"
 #include <errno.h>
@@ -66,6 +67,34 @@ static bool parse_switch(const char *text, bool *on, struct err *err)
            err_set(err, ERR_USAGE, "\"%s\" is neither \"on\" nor \"off\"", text);
 }
 
+// Fails with a word that is none of `words`, which bars, commas or blanks separate, and suggests
+// the nearest of them, or the only one that begins with it.
+static bool fail_unknown_word(const char *text, size_t length, const char *words,
+                              const char *expected, struct err *err)
+{
+    char wanted[64], list[256];
+    snprintf(wanted, sizeof wanted, "%.*s", (int)length, text);
+    snprintf(list, sizeof list, "%s", words);
+    struct suggestion suggestion = {.wanted = wanted};
+    const char *longer = NULL;
+    int longer_count = 0;
+    for (char *word = list, *end; *word; word = end) {
+        end = word + strcspn(word, "|, ");
+        char *next = end + strspn(end, "|, ");
+        *end = '\0';
+        end = next;
+        suggest_offer(&suggestion, word);
+        if (*wanted && strncmp(word, wanted, strlen(wanted)) == 0) {
+            longer = word;
+            longer_count++;
+        }
+    }
+    const char *meant = suggestion.nearest ? suggestion.nearest : longer_count == 1 ? longer : NULL;
+    return err_set(err, ERR_USAGE, "\"%.*s\" is unknown; %s%s%s%s%s", (int)length, text,
+                   meant ? "did you mean \"" : "expected ", meant ? meant : "",
+                   meant ? "\"? Expected " : "", expected, words);
+}
+
 // The index of a word among those that `|` separates.
 static bool parse_choice(const char *words, const char *text, unsigned *index, struct err *err)
 {
@@ -77,8 +106,7 @@ static bool parse_choice(const char *words, const char *text, unsigned *index, s
             return true;
         word = word[word_length] ? word + word_length + 1 : NULL;
     }
-    return err_set(err, ERR_USAGE, "\"%s\" is unknown; expected %s%s", text,
-                   strchr(words, '|') ? "one of " : "", words);
+    return fail_unknown_word(text, length, words, strchr(words, '|') ? "one of " : "", err);
 }
 
 // The value of a number, a switch or a choice, whatever it is stored as.
@@ -310,9 +338,7 @@ static bool store_rays(const char *text, struct options *options, struct err *er
         while (i < count && (strlen(words[i]) != length || memcmp(words[i], word, length) != 0))
             i++;
         if (i == count)
-            return err_set(err, ERR_USAGE,
-                           "\"%.*s\" is unknown; expected some of primary, diffuse, shadow",
-                           (int)length, word);
+            return fail_unknown_word(word, length, "primary, diffuse, shadow", "some of ", err);
         options->bench.rays |= 1u << i;
         word = word[length] ? word + length + 1 : NULL;
     }
@@ -324,12 +350,13 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
 {
     size_t length = strcspn(text, "=");
     int metric = compare_metric_find(text, length);
-    if (metric < 0 || !text[length])
-        return err_set(err, ERR_USAGE,
-                       "\"%s\" is not of the form %s; metrics are mse, rmse, relmse, local-relmse, "
-                       "smape, psnr, "
-                       "ssim, flip, hdr-flip, max, nonfinite and differing",
-                       text, def->argument);
+    if (length == 0 || !text[length])
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+    if (metric < 0)
+        return fail_unknown_word(text, length,
+                                 "mse, rmse, relmse, local-relmse, smape, psnr, ssim, flip, "
+                                 "hdr-flip, max, nonfinite, differing",
+                                 "one of ", err);
     bool is_minimum = def == &option_table[OPTION_MIN];
     if (is_minimum != compare_greater_is_better((enum compare_metric)metric))
         return err_set(err, ERR_USAGE, "\"%s\": a greater %s is %s; use --%s", text,
@@ -384,8 +411,7 @@ static bool err_unknown_word(const char *word, size_t length, const struct bits_
     for (size_t i = 0; words[i].name; i++)
         snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "",
                  words[i].name);
-    return err_set(err, ERR_USAGE, "\"%.*s\" is unknown; expected some of %s", (int)length, word,
-                   known);
+    return fail_unknown_word(word, length, known, "some of ", err);
 }
 
 // Words separated by commas, all of whose bits are added to the option's.

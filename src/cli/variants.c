@@ -1,6 +1,8 @@
 #include "cli/variants.h"
 
+#include "base/suggest.h"
 #include "cli/commands.h"
+#include <stdio.h>
 #include <string.h>
 
 // The n-th of the words between commas; NULL past the last.
@@ -42,6 +44,31 @@ static const char *join(struct arena *arena, const char *first, const char *seco
     return arena_printf(arena, "%s%s%s", first, *first && *second ? " " : "", second);
 }
 
+// Returns whether renders of the command may differ by it.
+static bool may_vary(const struct option_def *def, const struct command *command)
+{
+    return option_belongs(def, command) && option_is_setting(def, command);
+}
+
+static bool fail_no_setting(const char *whole, const char *key, size_t length,
+                            const struct command *command, struct err *err)
+{
+    char wanted[64];
+    snprintf(wanted, sizeof wanted, "%.*s", (int)length, key);
+    struct suggestion suggestion = {.wanted = wanted};
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (may_vary(&option_table[i], command))
+            suggest_offer(&suggestion, option_table[i].name);
+    if (suggestion.nearest)
+        return err_set(err, ERR_USAGE, "\"%s\": \"%.*s\" is no setting; did you mean \"%s\"?",
+                       whole, (int)length, key, suggestion.nearest);
+    return err_set(err, ERR_USAGE,
+                   "\"%s\": \"%.*s\" is no setting; expected an option of the groups Method "
+                   "and Kernels, or max-bounces, seed or wave%s",
+                   whole, (int)length, key,
+                   command == &commands[COMMAND_BENCH] ? ", spp or size" : "");
+}
+
 // Sets an option of the variant by "KEY=VALUE"; `whole` is what stands on the command line.
 static bool set(struct variant *variant, struct arena *arena, const char *whole, const char *pair,
                 struct err *err)
@@ -49,12 +76,8 @@ static bool set(struct variant *variant, struct arena *arena, const char *whole,
     struct options *options = &variant->options;
     size_t key_length = strcspn(pair, "=");
     const struct option_def *def = option_find(pair, key_length);
-    if (!def || !option_belongs(def, options->command) || !option_is_setting(def, options->command))
-        return err_set(err, ERR_USAGE,
-                       "\"%s\": \"%.*s\" is no setting; expected an option of the groups Method "
-                       "and Kernels, or max-bounces, seed or wave%s",
-                       whole, (int)key_length, pair,
-                       options->command == &commands[COMMAND_BENCH] ? ", spp or size" : "");
+    if (!def || !may_vary(def, options->command))
+        return fail_no_setting(whole, pair, key_length, options->command, err);
     if (!option_store(def, pair + key_length + 1, options, err))
         return err_prepend(err, "\"%s\"", whole);
     option_mark(def, options);

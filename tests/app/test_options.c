@@ -219,7 +219,13 @@ TEST(value_errors_name_the_option_and_the_value)
     check_error("render s --tone filmic", "\"filmic\" is unknown; expected one of none|reinhard");
     check_error("render s --tone none|reinhard", "is unknown");
     check_error("render s --tone=", "\"\" is unknown");
-    check_error("render s --filter gauss", "expected one of box|tent");
+    check_error("render s --filter gauss",
+                "\"gauss\" is unknown; did you mean \"gaussian\"? Expected one of box|tent");
+    check_error("render s --filter best", "\"best\" is unknown; expected one of box|tent");
+    check_error("render s --sampler soboll", "did you mean \"sobol\"?");
+    check_error("render s --bvh m", "\"m\" is unknown; expected one of");
+    check_error("render s --aov depth,albeto", "\"albeto\" is unknown; did you mean \"albedo\"?");
+    check_error("bench s --kernel intersect_closest --rays difuse", "did you mean \"diffuse\"?");
     check_error("render s --accumulate yes", "\"yes\" is neither \"on\" nor \"off\"");
     check_error("render s --roulette-min-bounces never", "--roulette-min-bounces: \"never\"");
     check_error("render s --env 1,2", "--env: \"1,2\" is not a colour; expected R,G,B");
@@ -235,7 +241,8 @@ TEST(value_errors_name_the_option_and_the_value)
     check_error("render s -D key", "\"key\" is not of the form KEY=VALUE");
     check_error("render s -D =1", "is not of the form KEY=VALUE");
     check_error("compare a b --max mse", "is not of the form METRIC=VALUE");
-    check_error("compare a b --max sim=1", "metrics are mse, rmse");
+    check_error("compare a b --max sim=1", "\"sim\" is unknown; did you mean \"ssim\"?");
+    check_error("compare a b --max error=1", "\"error\" is unknown; expected one of mse, rmse");
     check_error("compare a b --max ssim=1", "a greater ssim is better; use --min");
     check_error("compare a b --max mse=", "the limit is not a finite number");
     check_error("compare a b --max mse=-1", "the limit is not a finite number");

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/suggest.h"
 #include "cli/check/device_check.h"
 #include "cli/commands.h"
 #include "report/html.h"
@@ -29,6 +30,23 @@ static bool is_wanted(const struct options *options, const struct check_group *g
            (!this_case->is_long || options->check.longer || options->check.list || by_name);
 }
 
+// Groups and cases go by the same option.
+static bool fail_no_case(const char *name, struct err *err)
+{
+    struct suggestion suggestion = {.wanted = name};
+    for (size_t g = 0; g < check_group_count; g++) {
+        suggest_offer(&suggestion, check_groups[g]->name);
+        for (size_t i = 0; i < check_groups[g]->count; i++)
+            suggest_offer(&suggestion, check_groups[g]->cases[i].name);
+    }
+    if (suggestion.nearest)
+        return err_set(err, ERR_USAGE,
+                       "--only %s: there is no such group or case; did you mean \"%s\"?", name,
+                       suggestion.nearest);
+    return err_set(err, ERR_USAGE, "--only %s: there is no such group or case; see check --list",
+                   name);
+}
+
 static bool choose_cases(struct device_check *d, struct err *err)
 {
     size_t most = 0;
@@ -44,8 +62,7 @@ static bool choose_cases(struct device_check *d, struct err *err)
                                                          .this_case = &check_groups[g]->cases[i]};
     if (d->count > 0)
         return true;
-    return err_set(err, ERR_USAGE, "--only %s: there is no such group or case; see check --list",
-                   d->options->check.only);
+    return fail_no_case(d->options->check.only, err);
 }
 
 // A case may have lost the device: it is opened again.
