@@ -44,9 +44,9 @@ const struct command commands[COMMAND_TOTAL] = {
                 "all curves take turns, so that a busy machine is busy for all. When a signal "
                 "interrupts it, it reports the replicates that are complete.",
             .examples =
-                "lampyris converge scenes/cornell.json --vary sampler=sobol,pcg --report report\n"
+                "lampyris converge scenes/cornell.json --vary sampler=sobol,pcg --report out\n"
                 "lampyris converge scenes/veach_mis.json --size 64x48 --vary mis=power,none\n"
-                "lampyris converge scenes/veach_mis.json --times 1,2,4 --curve 'nee=on mis=none'",
+                "lampyris converge scenes/veach_mis.json --times 1,2 --curve 'nee=on mis=none'",
             .min_arguments = 1,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
         },
@@ -62,9 +62,8 @@ const struct command commands[COMMAND_TOTAL] = {
                 "--curve make variants, which take turns, and whose pictures are hashed: those "
                 "that are to be the same are shown to be. --kernel times one kernel alone.",
             .examples =
-                "lampyris bench scenes/cornell.json --sweep wave=4k,16k,64k --report report\n"
-                "lampyris bench scenes/glass.json --kernel intersect_closest --rays "
-                "primary,diffuse\n"
+                "lampyris bench scenes/cornell.json --sweep wave=4k,16k,64k --report out\n"
+                "lampyris bench scenes/glass.json --kernel intersect_closest --rays diffuse\n"
                 "lampyris bench scenes/cornell.json --json > before.json\n"
                 "lampyris bench scenes/cornell.json --baseline before.json",
             .min_arguments = 1,
@@ -160,8 +159,9 @@ const struct command commands[COMMAND_TOTAL] = {
             .name = "help",
             .summary = "explain the program or a command",
             .arguments = "[COMMAND]",
-            .description = "Prints the help of a command, or of the program. With --man, a manual "
-                           "page.",
+            .description =
+                "Prints all options of a command, or the commands of the program. With --man, a "
+                "manual page.",
             .examples = "lampyris help render\n"
                         "lampyris help --man | man -l -",
             .max_arguments = 1,

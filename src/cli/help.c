@@ -60,15 +60,20 @@ static size_t append_takers(const struct option_def *def, char *out, size_t size
     return used;
 }
 
+static void option_names(const struct option_def *def, char *out, size_t size)
+{
+    if (def->short_name)
+        snprintf(out, size, "-%c, --%s", def->short_name, def->name);
+    else
+        snprintf(out, size, "--%s", def->name);
+}
+
 // name_takers: say which commands have the option, where that is not clear from the place.
 static void option_item(const struct help_writer *writer, const struct option_def *def,
                         bool name_takers)
 {
     char names[64], text[1024], argument[OPTION_ARGUMENT_MAX];
-    if (def->short_name)
-        snprintf(names, sizeof names, "-%c, --%s", def->short_name, def->name);
-    else
-        snprintf(names, sizeof names, "--%s", def->name);
+    option_names(def, names, sizeof names);
     int used = snprintf(text, sizeof text, "%s", def->help);
     if (has_range(def))
         used += snprintf(text + used, sizeof text - (size_t)used, " From %.15g to %.15g.", def->min,
@@ -82,11 +87,20 @@ static void option_item(const struct help_writer *writer, const struct option_de
     help_item(writer, names, option_argument(def, argument), text);
 }
 
-// Returns whether no option before it, of those of the command, is in its group.
-static bool begins_group(const struct option_def *def, const struct command *command)
+// Returns whether the help of the command (NULL: of all) has the option. Options for tests stand in
+// manual pages alone.
+static bool is_listed(const struct help_writer *writer, const struct option_def *def,
+                      const struct command *command)
+{
+    return (!command || option_belongs(def, command)) && (writer->roff || !def->is_for_tests);
+}
+
+// Returns whether no option before it, of those that are listed, is in its group.
+static bool begins_group(const struct help_writer *writer, const struct option_def *def,
+                         const struct command *command)
 {
     for (const struct option_def *other = option_table; other < def; other++)
-        if ((!command || option_belongs(other, command)) && strcmp(other->group, def->group) == 0)
+        if (is_listed(writer, other, command) && strcmp(other->group, def->group) == 0)
             return false;
     return true;
 }
@@ -97,12 +111,12 @@ static void option_list(const struct help_writer *writer, const struct command *
     const unsigned for_all = (1u << COMMAND_TOTAL) - 1;
     for (int i = 0; i < OPTION_TOTAL; i++) {
         const struct option_def *first = &option_table[i];
-        if ((command && !option_belongs(first, command)) || !begins_group(first, command))
+        if (!is_listed(writer, first, command) || !begins_group(writer, first, command))
             continue;
         help_group(writer, first->group);
         for (int j = i; j < OPTION_TOTAL; j++) {
             const struct option_def *def = &option_table[j];
-            if ((!command || option_belongs(def, command)) && strcmp(def->group, first->group) == 0)
+            if (is_listed(writer, def, command) && strcmp(def->group, first->group) == 0)
                 option_item(writer, def, !command && def->commands != for_all);
         }
     }
@@ -165,7 +179,31 @@ void help_program(FILE *out)
     for (int i = OPTION_JSON; i < OPTION_TOTAL; i++)
         option_item(&writer, &option_table[i], false);
     exit_status(&writer);
-    fputs("\nSee \"lampyris help COMMAND\" for a command and its options.\n", out);
+    fputs("\nSee \"lampyris COMMAND --help\" for a command and its options.\n", out);
+}
+
+void help_common(FILE *out, const struct command *command)
+{
+    const struct help_writer writer = {.out = out};
+    char line[128], names[64], argument[OPTION_ARGUMENT_MAX];
+    name_section(&writer, command);
+    help_section(&writer, "SYNOPSIS");
+    usage_line(command, line, sizeof line);
+    help_literal(&writer, line);
+    help_section(&writer, "COMMON OPTIONS");
+    int listed = 0;
+    for (int i = 0; i < OPTION_TOTAL; i++) {
+        const struct option_def *def = &option_table[i];
+        listed += is_listed(&writer, def, command);
+        const char *brief = option_brief(def, command);
+        if (!brief)
+            continue;
+        option_names(def, names, sizeof names);
+        help_item(&writer, names, option_argument(def, argument), brief);
+    }
+    help_section(&writer, "EXAMPLES");
+    help_literal(&writer, command->examples);
+    fprintf(out, "\n\"lampyris %s --help-all\" explains all %d options.\n", command->name, listed);
 }
 
 void help_command(FILE *out, const struct command *command)
@@ -209,6 +247,12 @@ void help_manual(FILE *out, const struct command *command)
         command_page(&writer, command);
     else
         program_page(&writer);
+}
+
+void help_everything(FILE *out)
+{
+    const struct help_writer writer = {.out = out};
+    program_page(&writer);
 }
 
 int cmd_help(const struct options *options)

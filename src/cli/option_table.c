@@ -34,12 +34,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Picture", .commands = FOR_RENDER,
         .fallback = "the scene's name with .exr, in the working directory, and with .png where "
                     "standard output is a terminal",
+        .common = FOR_RENDER, .brief = "Write FILE, .exr or .png; several may be given.",
         .help = "Write the picture to FILE, .exr (linear) or .png (tone-mapped). May be given "
                 "several times.",
     },
     [OPTION_SIZE] = {
         .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
         .group = "Picture", .commands = FOR_SCENE, .fallback = "the scene file's, else 512x512",
+        .common = FOR_SCENE, .brief = "Width and height in pixels.",
         .help = "Width and height in pixels, at most 2^31 pixels in all. The viewer has a window "
                 "of 1280x720 unless told.",
         .offset = offsetof(struct options, scene.settings.width), .size = 2 * sizeof(uint32_t),
@@ -51,6 +53,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_AOV] = {
         .name = "aov", .argument = "NAME,...", .type = VALUE_AOVS, .group = "Picture",
         .commands = FOR_RENDER, .fallback = "none",
+        .common = FOR_RENDER, .brief = "More layers of the EXR file: albedo, depth, ..., all.",
         .help = "Pictures besides the radiance, as layers of the EXR files: albedo, normal, "
                 "normal_geometric, depth, position, ids, alpha of the first surface; emission, "
                 "direct, indirect; steps of camera rays; samples, variance, halves; or all. See docs/output.md.",
@@ -70,6 +73,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0.001,
         .max = OPTION_TIME_MAX,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
+        .common = FOR_RENDER, .brief = "Stop after this many seconds.",
         .help = "Stop at whole samples per pixel after about this many seconds of rendering, or "
                 "at --spp or --frames where given. At least one sample per pixel is taken.",
         FIELD(render.time_seconds),
@@ -77,6 +81,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_ERROR] = {
         .name = "error", .argument = "E", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
         .group = "Sampling", .commands = FOR_RENDER | FOR_CHECK, .fallback = "no limit",
+        .common = FOR_RENDER, .brief = "Stop when the error (local relMSE) is below E.",
         .help = "Stop when the local relMSE (the mean squared error relative to the mean around "
                 "each pixel) is below this with 95 % confidence. Looks at the error from 2 samples "
                 "per pixel on, where it may have come low enough; ends at --spp (65536 where not "
@@ -96,6 +101,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_CAMERA] = {
         .name = "camera", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the first",
+        .common = FOR_RENDER | FOR_VIEW | FOR_CONVERGE | 1u << COMMAND_INFO, .brief = "One of the scene's cameras.",
         .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(scene.camera),
     },
     [OPTION_APERTURE] = {
@@ -113,6 +119,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_SCENE] = {
         .name = "scene", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the one that the file names, else the first",
+        .common = 1u << COMMAND_INFO, .brief = "One of the scenes of a glTF file.",
         .help = "Which scene of a glTF file, by name or by number from 0.", FIELD(scene.gltf_scene),
     },
     [OPTION_ANIMATION] = {
@@ -133,11 +140,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_VARIANT] = {
         .name = "variant", .argument = "NAME", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the materials that need none",
+        .common = 1u << COMMAND_INFO, .brief = "One of the variants of a glTF file.",
         .help = "Which variant of its materials a glTF file is shown with.", FIELD(scene.variant),
     },
     [OPTION_ENV] = {
         .name = "env", .argument = "FILE|R,G,B|sky:...", .type = VALUE_ENVIRONMENT,
         .group = "Scene", .commands = FOR_SCENE, .fallback = "the scene's",
+        .common = FOR_RENDER | FOR_VIEW | FOR_CONVERGE | FOR_CHECK, .brief = "Environment: an image, a radiance, or a sky.",
         .help = "What surrounds the scene: a latitude-longitude picture, a constant radiance in "
                 "W/(sr m^2), or Preetham's sky with its sun, as in sky:turbidity=3,elevation=45. "
                 "Its keys are turbidity (2 to 10), elevation and azimuth of the sun (degrees; 0 is "
@@ -161,6 +170,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_STUDIO] = {
         .name = "studio", .argument = "off|auto|on", .type = VALUE_CHOICE, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "auto",
+        .common = FOR_VIEW, .brief = "Light the scene by a studio.",
         .help = "Light a scene by a studio of our own, soft key, fill and rim: where a model brings "
                 "no light or too little (auto), in place of its environment (on), or never: without "
                 "light there is then an even environment of radiance 1 (off). Scene files with a "
@@ -188,6 +198,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_DEFINE] = {
         .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
         .group = "Scene", .commands = FOR_SCENE,
+        .common = FOR_SCENE, .brief = "Replace a value of a JSON scene.",
         .help = "Replace a value of a JSON scene, by its \"define\" name or its dotted path, as in "
                 "film.exposure=1. May be given several times.",
     },
@@ -230,6 +241,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_CHECKPOINT] = {
         .name = "checkpoint", .argument = "FILE", .type = VALUE_TEXT, .group = "Frames",
         .commands = FOR_RENDER, .fallback = "none is kept",
+        .common = FOR_RENDER, .brief = "Keep in FILE what --resume needs.",
         .help = "Keep in FILE what is needed to go on with this render later, also after a signal "
                 "and at the end. FILE may exist already only with --resume.", FIELD(render.checkpoint),
     },
@@ -241,6 +253,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_RESUME] = {
         .name = "resume", .type = VALUE_FLAG, .group = "Frames", .commands = FOR_RENDER,
+        .common = FOR_RENDER, .brief = "Go on from --checkpoint, to the same bits.",
         .help = "Go on from the file of --checkpoint, or begin where there is none yet. The "
                 "picture is that of a run without interruption, bit for bit, whatever --wave is. "
                 "Refuses a checkpoint of another scene, device or other settings; --spp, --time, "
@@ -251,6 +264,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_REPLICATES] = {
         .name = "replicates", .argument = "N", .type = VALUE_COUNT, .min = 2, .max = 4096,
         .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
+        .common = FOR_CONVERGE, .brief = "Independent runs of each curve.",
         .help = "Independent runs of each curve, with seeds from --seed on. Intervals come from "
                 "their spread.",
         FIELD(converge.replicates),
@@ -258,6 +272,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_REFERENCE] = {
         .name = "reference", .argument = "FILE|auto|none", .type = VALUE_TEXT, .group = "Curves",
         .commands = FOR_RENDER | FOR_CONVERGE, .fallback = "auto; of render, none",
+        .common = FOR_CONVERGE, .brief = "The image that errors are taken against.",
         .help = "What errors are taken against: a picture (its own noise is subtracted where it "
                 "has the layers of --aov halves), one made now with a hundred times the samples, "
                 "or none: the half-buffers then tell the error, and no bias. render takes a "
@@ -267,18 +282,21 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_VARY] = {
         .name = "vary", .argument = "KEY=A,B,...", .type = VALUE_VARY, .group = "Curves",
         .commands = FOR_CONVERGE, .fallback = "one curve",
+        .common = FOR_CONVERGE, .brief = "A curve for each value, as in sampler=sobol,pcg.",
         .help = "A curve for each value of an option that says how pictures are computed, as in "
                 "sampler=sobol,pcg. Several multiply.",
     },
     [OPTION_CURVE] = {
         .name = "curve", .argument = "'KEY=VALUE KEY=VALUE'", .type = VALUE_CURVE,
         .group = "Curves", .commands = FOR_CONVERGE | FOR_BENCH, .fallback = "none",
+        .common = FOR_CONVERGE | FOR_BENCH, .brief = "A curve, or variant, by several options at once.",
         .help = "A curve, or a variant of a benchmark, by several options at once, as in 'nee=on "
                 "mis=none'. May be given several times; those of --vary or --sweep come after it.",
     },
     [OPTION_SPP_FROM] = {
         .name = "spp-from", .argument = "N", .type = VALUE_COUNT, .min = 1,
         .max = SETTINGS_SPP_MAX, .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
+        .common = FOR_CONVERGE, .brief = "Samples per pixel of the first point.",
         .help = "Samples a pixel of the first point; each further one has twice as many, up to "
                 "--spp (256 where that is not given).",
         FIELD(converge.spp_from),
@@ -287,6 +305,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "times", .argument = "SECONDS,...", .type = VALUE_TIMES, .min = 0.001,
         .max = OPTION_TIME_MAX, .group = "Curves", .commands = FOR_CONVERGE,
         .fallback = "points at doubling samples",
+        .common = FOR_CONVERGE, .brief = "Points at these times of rendering.",
         .help = "Points at these times of rendering instead, rising: every curve ends at the whole "
                 "sample that is then done. What needs to know the number of samples beforehand "
                 "(samplers stratified, grid and blue-noise, contiguous halves) renders as many as "
@@ -296,18 +315,21 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_SWEEP] = {
         .name = "sweep", .argument = "KEY=A,B,...", .type = VALUE_VARY, .group = "Benchmark",
         .commands = FOR_BENCH, .fallback = "one variant",
+        .common = FOR_BENCH, .brief = "A variant for each value, as in wave=4k,64k.",
         .help = "A variant for each value of an option, as in wave=4k,16k,64k, workgroup=32,64, "
                 "node=quantised,float or spp=1,4. Several multiply.",
     },
     [OPTION_REPEATS] = {
         .name = "repeats", .argument = "N", .type = VALUE_COUNT, .min = 2, .max = 10000,
         .group = "Benchmark", .commands = FOR_BENCH, .fallback = "7",
+        .common = FOR_BENCH, .brief = "Timed runs of each variant.",
         .help = "Timed runs of each variant, in turns, after one that only warms up.",
         FIELD(bench.repeats),
     },
     [OPTION_KERNEL] = {
         .name = "kernel", .argument = "NAME", .type = VALUE_TEXT, .group = "Benchmark",
         .commands = FOR_BENCH, .fallback = "all of a render",
+        .common = FOR_BENCH, .brief = "Time this kernel alone.",
         .help = "Time this kernel alone, on what it gets in a render: on queues recorded from a wave "
                 "in the middle of the picture. Any kernel that \"lampyris bench\" lists, or resolve.",
         FIELD(bench.kernel),
@@ -315,6 +337,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_RAYS] = {
         .name = "rays", .argument = "primary|diffuse|shadow,...", .type = VALUE_RAYS,
         .group = "Benchmark", .commands = FOR_BENCH, .fallback = "those of the kernel",
+        .common = FOR_BENCH, .brief = "Rays that --kernel traces.",
         .help = "Which rays --kernel traces: those from the camera or those that surfaces send on, "
                 "by intersect_closest, and those to lights, by intersect_shadow. Either kernel may "
                 "be named.",
@@ -329,6 +352,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_BASELINE] = {
         .name = "baseline", .argument = "FILE", .type = VALUE_TEXT, .group = "Benchmark",
         .commands = FOR_BENCH, .fallback = "none",
+        .common = FOR_BENCH, .brief = "Compare with the JSON of an earlier run.",
         .help = "Compare with the JSON of an earlier run, and say what is slower or faster beyond "
                 "noise. Exit with 1 where something is slower.",
         FIELD(bench.baseline),
@@ -368,20 +392,24 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_ONLY] = {
         .name = "only", .argument = "GROUP|CASE", .type = VALUE_TEXT, .group = "Cases",
         .commands = FOR_CHECK, .fallback = "all cases that are not long",
+        .common = FOR_CHECK, .brief = "Run one group of the cases, or one case.",
         .help = "Run the cases of one group, or one case, by its name in --list.",
         FIELD(check.only),
     },
     [OPTION_LIST] = {
         .name = "list", .type = VALUE_FLAG, .group = "Cases", .commands = FOR_CHECK,
+        .common = FOR_CHECK, .brief = "List the cases and run none.",
         .help = "Print the cases with what is done and what is expected, and run none.",
         FIELD(check.list),
     },
     [OPTION_LONG] = {
         .name = "long", .type = VALUE_FLAG, .group = "Cases", .commands = FOR_CHECK,
+        .common = FOR_CHECK, .brief = "Run the long cases, too.",
         .help = "Run the long cases, too.", FIELD(check.longer),
     },
     [OPTION_REPRODUCIBLE] = {
         .name = "reproducible", .type = VALUE_FLAG, .group = "Cases", .commands = FOR_CHECK,
+        .common = FOR_CHECK, .brief = "Check that images have the same bits.",
         .help = "Run the cases of the group bits, the long ones too: a picture with other waves, "
                 "splits of its samples, features and limits. Prints their hashes, and one line to "
                 "put into a paper.",
@@ -390,6 +418,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_FIX] = {
         .name = "fix", .argument = "OUT.json", .type = VALUE_TEXT, .group = "Cases",
         .commands = FOR_CHECK, .fallback = "none",
+        .common = FOR_CHECK, .brief = "Write the scene with the harmless remedies.",
         .help = "Write the scene with the harmless remedies applied: those that remove an error, or "
                 "something without effect, and change nothing else of the picture. Says which. "
                 "Options of the command line that change the scene are part of what is written. "
@@ -399,6 +428,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_REPORT] = {
         .name = "report", .argument = "FOLDER|FILE", .type = VALUE_TEXT, .group = "Report",
         .commands = FOR_CONVERGE | FOR_BENCH | FOR_CHECK, .fallback = "none",
+        .common = FOR_CONVERGE | FOR_BENCH | FOR_CHECK, .brief = "Write a report of HTML here.",
         .help = "Write report.html with plots (by gnuplot), tables and pictures, results.csv and "
                 "results.json into this folder; check writes its cases, or what it finds in a scene, "
                 "with pictures into this .html file.",
@@ -406,6 +436,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_IMAGES] = {
         .name = "images", .type = VALUE_FLAG, .group = "Report", .commands = FOR_CONVERGE,
+        .common = FOR_CONVERGE, .brief = "Write every image into the report's folder.",
         .help = "Write every replicate's picture and the references into the report's folder, as "
                 "EXR, and what report.html is made of, as PNG, SVG and scripts for gnuplot.",
         FIELD(converge.images),
@@ -414,12 +445,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_DEVICE] = {
         .name = "device", .argument = "INDEX|NAME", .type = VALUE_TEXT, .group = "Device",
         .commands = FOR_SCENE | FOR_DEVICES, .fallback = "the fastest kind",
+        .common = FOR_SCENE | FOR_DEVICES, .brief = "Vulkan device, by its number or name.",
         .help = "Device to use, by its number in \"lampyris devices\" or a part of its name.",
         FIELD(device.gpu.device),
     },
     [OPTION_WAVE] = {
         .name = "wave", .argument = "N", .type = VALUE_COUNT, .min = 64, .max = 16777216,
         .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
+        .common = FOR_BENCH | 1u << COMMAND_INFO, .brief = "Paths in flight.",
         .help = "Paths in flight. Changes memory and speed, and no bit of the picture.",
         FIELD(device.wave),
     },
@@ -466,7 +499,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
 
     [OPTION_FEATURES] = {
         .name = "features", .argument = "needed|all", .type = VALUE_CHOICE,
-        .group = "Fallbacks, for tests", .commands = FOR_SCENE, .fallback = "needed",
+        .group = "Kernels", .commands = FOR_SCENE, .fallback = "needed",
         .help = "Compile in what the scene needs, or everything.", FIELD(device.features),
     },
     [OPTION_CLASSES] = {
@@ -525,20 +558,20 @@ const struct option_def option_table[OPTION_TOTAL] = {
 
     [OPTION_FAIL_ALLOCATION] = {
         .name = "fail-allocation", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
+        .max = UINT32_MAX, .is_for_tests = true, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
         .help = "Have the N-th allocation of device memory fail.",
         FIELD(device.gpu.fail_allocation),
     },
     [OPTION_LOSE_DEVICE] = {
         .name = "lose-device", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_CHECK | FOR_VIEW,
+        .max = UINT32_MAX, .is_for_tests = true, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_CHECK | FOR_VIEW,
         .help = "Lose the device at the N-th submission of commands, and again once it was opened "
                 "again.",
         FIELD(device.gpu.lose_device_at_submit),
     },
     [OPTION_LOSE_DEVICES] = {
         .name = "lose-devices", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_CHECK,
+        .max = UINT32_MAX, .is_for_tests = true, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_CHECK,
         .fallback = "every time",
         .help = "How often --lose-device loses the device, which is well afterwards.",
         FIELD(device.gpu.devices_to_lose),
@@ -547,17 +580,20 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_SCRIPT] = {
         .name = "script", .argument = "FILE", .type = VALUE_TEXT, .group = "Viewer",
         .commands = FOR_VIEW, .fallback = "none",
+        .common = FOR_VIEW, .brief = "Run keys, mouse and changes from FILE.",
         .help = "Run keys, mouse, changes and pictures from FILE, a command a line, and end "
                 "with it: see docs/viewer.md. A command that fails ends the viewer with 1.",
         FIELD(view.script),
     },
     [OPTION_HEADLESS] = {
         .name = "headless", .type = VALUE_FLAG, .group = "Viewer", .commands = FOR_VIEW,
+        .common = FOR_VIEW, .brief = "Open no window; for --script.",
         .help = "Open no window: the same loop in memory, for scripts. Needs --script.",
         FIELD(view.headless),
     },
     [OPTION_WATCH] = {
         .name = "watch", .type = VALUE_FLAG, .group = "Viewer", .commands = FOR_VIEW,
+        .common = FOR_VIEW, .brief = "Reload the scene and shaders when files change.",
         .help = "Reload the scene and the shaders when their files change.", FIELD(view.watch),
     },
     [OPTION_VSYNC] = {
@@ -568,6 +604,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_FRAME_MS] = {
         .name = "frame-ms", .argument = "MS", .type = VALUE_REAL, .min = 1, .max = 1000,
         .group = "Viewer", .commands = FOR_VIEW, .fallback = "33",
+        .common = FOR_VIEW, .brief = "Time of a frame to aim at.",
         .help = "Time of a frame to aim at. While the camera moves, the picture is made of fewer "
                 "pixels for it.",
         FIELD(view.frame_ms),
@@ -575,6 +612,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_DENOISE] = {
         .name = "denoise", .argument = "on|off", .type = VALUE_SWITCH, .group = "Viewer",
         .commands = FOR_VIEW, .fallback = "off",
+        .common = FOR_VIEW, .brief = "Show the image denoised.",
         .help = "Show the picture denoised. What is saved as EXR is not.", FIELD(view.denoise),
     },
     [OPTION_SHADERS] = {
@@ -585,6 +623,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_MAX] = {
         .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
         .commands = FOR_COMPARE,
+        .common = FOR_COMPARE, .brief = "Exit with 1 if the metric is greater.",
         .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, local-relmse, smape, flip, "
                 "hdr-flip, max, or the number of nonfinite or differing pixels. Holds for each "
                 "picture. May be given several times. Any check also fails on non-finite pixels unless --max "
@@ -592,11 +631,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_MIN] = {
         .name = "min", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
-        .commands = FOR_COMPARE, .help = "Exit with 1 if the metric is smaller: psnr, in dB, or ssim.",
+        .commands = FOR_COMPARE,
+        .common = FOR_COMPARE, .brief = "Exit with 1 if the metric is smaller.",
+        .help = "Exit with 1 if the metric is smaller: psnr, in dB, or ssim.",
     },
     [OPTION_DIFFERENCE] = {
         .name = "difference", .argument = "FILE", .type = VALUE_TEXT, .group = "Map",
         .commands = FOR_COMPARE,
+        .common = FOR_COMPARE, .brief = "Write a map of the differences, .png or .exr.",
         .help = "Write a map of the differences: .png in false colours, from black to pale yellow, "
                 "with their scale below, green where a pixel is not finite; .exr with the numbers "
                 "themselves, in a layer named as --map. Of several pictures: map.0001.png and so on.",
@@ -605,6 +647,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_MAP] = {
         .name = "map", .argument = "relative|squared|smape|flip|hdr-flip", .type = VALUE_CHOICE,
         .group = "Map", .commands = FOR_COMPARE, .fallback = "relative",
+        .common = FOR_COMPARE, .brief = "The difference that the map shows.",
         .help = "What --difference shows: |x - r| / (|r| + 0.01), a pixel's part of relmse or "
                 "smape, or FLIP. The first three have a logarithmic scale of colours.",
         FIELD(compare.map),
@@ -612,6 +655,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_REFERENCE_VARIANCE] = {
         .name = "reference-variance", .argument = "FILE|auto|VALUE", .type = VALUE_TEXT,
         .group = "Metrics", .commands = FOR_COMPARE, .fallback = "none is subtracted",
+        .common = FOR_COMPARE, .brief = "Noise of the reference, which is subtracted.",
         .help = "The reference's own noise, which is subtracted from mse, rmse, relmse and "
                 "local-relmse: a picture of each value's variance, the layers of --aov halves in "
                 "the reference itself (auto), or one variance for all values.",
@@ -627,11 +671,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
 
     [OPTION_MAN] = {
         .name = "man", .type = VALUE_FLAG, .group = "Format", .commands = FOR_HELP,
+        .common = FOR_HELP, .brief = "Print a manual page in roff.",
         .help = "Print a manual page in roff instead of plain text.", FIELD(man),
     },
-
     [OPTION_JSON] = {
         .name = "json", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
+        .common = FOR_BENCH | FOR_COMPARE | FOR_DEVICES | 1u << COMMAND_INFO, .brief = "Print the result as JSON.",
         .help = "Print the result as one JSON object on standard output.", FIELD(json),
     },
     [OPTION_QUIET] = {
@@ -646,7 +691,11 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_HELP] = {
         .name = "help", .short_name = 'h', .type = VALUE_FLAG, .group = "General",
-        .commands = FOR_ALL, .help = "Print this help.", FIELD(help),
+        .commands = FOR_ALL, .help = "Print the options that matter most.", FIELD(help),
+    },
+    [OPTION_HELP_ALL] = {
+        .name = "help-all", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
+        .help = "Print all options.", FIELD(help_all),
     },
     [OPTION_VERSION] = {
         .name = "version", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
@@ -676,4 +725,13 @@ const char *option_argument(const struct option_def *def, char out[OPTION_ARGUME
 bool option_belongs(const struct option_def *def, const struct command *command)
 {
     return def->commands >> (command - commands) & 1;
+}
+
+const char *option_brief(const struct option_def *def, const struct command *command)
+{
+    if (!option_belongs(def, command))
+        return NULL;
+    if (def->setting)
+        return def->setting->brief;
+    return def->common >> (command - commands) & 1 ? def->brief : NULL;
 }

@@ -238,7 +238,7 @@ static bool check_check(const struct options *options, struct err *err)
 
 static bool check(const struct options *options, struct err *err)
 {
-    if (options->help || options->version)
+    if (options->help || options->help_all || options->version)
         return true;
     const struct command *command = options->command;
     if (!command)

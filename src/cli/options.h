@@ -118,6 +118,7 @@ enum option_id {
     OPTION_QUIET,
     OPTION_LOG_LEVEL,
     OPTION_HELP,
+    OPTION_HELP_ALL,
     OPTION_VERSION,
     OPTION_TOTAL
 };
@@ -159,7 +160,10 @@ struct option_def {
     const char *help;     // sentences, with units
     const char *group;    // heading in the help
     unsigned commands;    // bit 1 << enum command_id for each command that takes it
-    size_t offset, size;  // of the field in struct options
+    unsigned common;   // of these, the commands whose --help has it; a setting: those with a brief
+    const char *brief; // the line that --help says of it, where it does
+    bool is_for_tests; // manual pages and tests/README.md alone have it, no help
+    size_t offset, size;           // of the field in struct options
     const struct setting *setting; // says what is not set here; NULL: it is no setting
 };
 
@@ -278,7 +282,7 @@ struct options {
     bool given[OPTION_TOTAL];
     const char *command_line; // all of it, quoted for a shell
 
-    bool help, version, man, quiet, json;
+    bool help, help_all, version, man, quiet, json;
     enum log_level log_level;
     const struct progress *progress; // where to report, and who asks to stop; set by main
     uint64_t memory;       // budget of the host's memory, bytes; 0: what the machine leaves
@@ -329,5 +333,7 @@ const char *option_argument(const struct option_def *def, char out[OPTION_ARGUME
 
 // Returns whether the command takes the option.
 bool option_belongs(const struct option_def *def, const struct command *command);
+// Returns the line that the command's --help has of the option; NULL where only --help-all has it.
+const char *option_brief(const struct option_def *def, const struct command *command);
 
 #endif

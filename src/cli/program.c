@@ -23,8 +23,12 @@ static int run(const struct options *options, program_command_fn command)
 {
     if (options->version)
         printf("lampyris %s\n", LAMPYRIS_VERSION);
-    else if (options->help && options->command)
+    else if (options->help_all && options->command)
         help_command(stdout, options->command);
+    else if (options->help_all)
+        help_everything(stdout);
+    else if (options->help && options->command)
+        help_common(stdout, options->command);
     else if (options->help)
         help_program(stdout);
     else
@@ -36,7 +40,7 @@ static int fail_parsing(const struct options *options, const struct err *err)
 {
     int code = command_fail(err);
     if (err->code == ERR_USAGE)
-        fprintf(stderr, "Try \"lampyris help%s%s\".\n", options->command ? " " : "",
+        fprintf(stderr, "Try \"lampyris%s%s --help\".\n", options->command ? " " : "",
                 options->command ? options->command->name : "");
     return code;
 }

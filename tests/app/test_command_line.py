@@ -26,6 +26,19 @@ def run(*arguments, **options):
     return program.run(LAMPYRIS, *arguments, timeout=60, **options)
 
 
+COMMANDS = ('render', 'converge', 'bench', 'compare', 'check', 'info', 'view', 'devices', 'help')
+FOR_TESTS = {'fail-allocation', 'lose-device', 'lose-devices'}
+
+
+def options_in(text, pattern=r'^  (?:-\w, )?--([\w-]+)'):
+    return set(re.findall(pattern, text, re.MULTILINE))
+
+
+def read(path):
+    with open(path, encoding='utf-8') as file:
+        return file.read()
+
+
 def exr(path, width, height, rgb):
     """Writes an uncompressed 32-bit EXR (OpenEXR file layout); rgb(x, y) gives a pixel."""
     def attribute(name, kind, value):
@@ -63,14 +76,41 @@ class Help(unittest.TestCase):
                 self.assertIn('\n  ' + command + ' ', result.stdout)
 
     def test_help_of_each_command(self):
-        for command in ('render', 'compare', 'info', 'devices', 'help'):
+        for command in COMMANDS:
             result = run('help', command)
             self.assertEqual((result.returncode, result.stderr), (0, ''))
             self.assertIn('lampyris ' + command + ' [OPTIONS]', result.stdout)
-            self.assertEqual(run(command, '--help').stdout, result.stdout)
+            self.assertEqual(run(command, '--help-all').stdout, result.stdout)
             self.assertLessEqual(max(map(len, result.stdout.split('\n'))), 80)
 
+    def test_help_of_each_command_fits_a_screen(self):
+        for command in COMMANDS:
+            result = run(command, '--help')
+            self.assertEqual((result.returncode, result.stderr), (0, ''))
+            lines = result.stdout.splitlines()
+            self.assertLessEqual(len(lines), 40, command)
+            self.assertLessEqual(max(map(len, lines)), 80, command)
+            listed = options_in(result.stdout)
+            self.assertLessEqual(len(listed), 15, command)
+            self.assertLess(listed, options_in(run(command, '--help-all').stdout), command)
+        self.assertEqual(len(options_in(run('render', '--help').stdout)), 15)
+        self.assertLessEqual(len(run('--help').stdout.splitlines()), 40)
+
+    def test_options_for_tests_are_in_the_manual_alone(self):
+        manual = options_in(run('help', '--man').stdout.replace(r'\-', '-'), r'^\\fB(?:-\w, )?--([\w-]+)')
+        everything = options_in(run('--help-all').stdout)
+        self.assertEqual(manual - everything, FOR_TESTS)
+        self.assertEqual(everything - manual, set())
+        for command in COMMANDS:
+            listed = options_in(run(command, '--help-all').stdout)
+            self.assertLess(listed, everything)
+            self.assertIn('version', listed)
+        page = read(os.path.join(os.environ['LAMPYRIS_SOURCE_ROOT'], 'tests/README.md'))
+        for name in FOR_TESTS:
+            self.assertIn(f'`--{name} N`', page)
+
     def test_options_stand_in_the_help_of_their_commands_only(self):
+        self.assertIn('--spp N', run('render', '--help').stdout)
         self.assertIn('--spp N', run('help', 'render').stdout)
         self.assertNotIn('--spp', run('help', 'compare').stdout)
 
@@ -105,10 +145,10 @@ class Failures(unittest.TestCase):
                           ['render', 's.json', '-o', 'a.jpg'], ['info']):
             result = run(*arguments)
             self.assertEqual((result.returncode, result.stdout), (2, ''), arguments)
-            self.assertRegex(result.stderr, r'^lampyris: error: .+\nTry "lampyris help.*"\.\n$')
+            self.assertRegex(result.stderr, r'^lampyris: error: .+\nTry "lampyris.* --help"\.\n$')
 
     def test_the_hint_names_the_command(self):
-        self.assertIn('Try "lampyris help compare".', run('compare').stderr)
+        self.assertIn('Try "lampyris compare --help".', run('compare').stderr)
 
     def test_control_characters_do_not_reach_the_terminal(self):
         self.assertNotIn('\x1b', run('\x1b[31m').stderr)

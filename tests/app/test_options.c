@@ -152,8 +152,10 @@ TEST(the_command_line_is_kept_for_a_shell)
 
 TEST(help_and_version_excuse_what_is_missing)
 {
-    static const char *const lines[] = {"--help",        "-h",          "--version",
-                                        "render --help", "render -h x", "compare --version"};
+    static const char *const lines[] = {"--help",      "-h",
+                                        "--version",   "render --help",
+                                        "render -h x", "compare --version",
+                                        "--help-all",  "info --help-all"};
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
         struct options o;
         struct err err;

@@ -42,6 +42,7 @@ struct setting {
     const char *option;   // without the dashes; NULL: scene files alone have it
     const char *group;    // of the option in the help
     const char *help;     // sentences, with the unit
+    const char *brief;    // a line of it, for options that matter most; NULL: none of them
     bool changes_samples; // of the film; else how many it has, or how it is shown
     double fallback;      // the default
     // The meaning of the word that stands in place of a number, or of the least number where there

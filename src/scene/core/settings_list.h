@@ -32,21 +32,25 @@ SETTING_OF_IMAGE(EXPOSURE, float, exposure, "exposure", "exposure", "Picture",
     "compare); so they are for models without light or camera and under a sky from the command "
     "line, unless given. EXR stays as it is.",
     (REAL(-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX), .word = "auto",
-     .flag = offsetof(struct settings, exposure_is_auto)), .fallback = 0, .argument = "STOPS")
+     .flag = offsetof(struct settings, exposure_is_auto)), .brief = "Multiply PNG images by 2 to this power.",
+    .fallback = 0, .argument = "STOPS")
 SETTING_OF_IMAGE(TONE, uint32_t, tone_curve, "tone", "tone", "Picture",
     "Tone curve of PNG images. It is aces for models without light or camera and under a sky from "
     "the command line, unless given.",
-    (CHOICE(tone_names)), .fallback = TONE_NONE)
+    (CHOICE(tone_names)), .brief = "Tone curve of PNG images.",
+    .fallback = TONE_NONE)
 
 SETTING_OF_COUNT(SPP, uint64_t, spp, "spp", "spp", "Sampling",
     "Samples per pixel.",
-    (COUNT(1, SETTINGS_SPP_MAX)), .fallback = 64, .argument = "N")
+    (COUNT(1, SETTINGS_SPP_MAX)), .brief = "Samples per pixel.",
+    .fallback = 64, .argument = "N")
 SETTING(SEED, uint32_t, seed, "seed", "seed", "Sampling",
     "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
     (COUNT(0, UINT32_MAX)), .fallback = 0, .argument = "N", .label = "Seed")
 SETTING(MAX_BOUNCES, uint32_t, max_bounces, "max_bounces", "max-bounces", "Sampling",
     "Scattering events on a path: 0 is emission only, 1 direct light.",
-    (COUNT(0, SETTINGS_BOUNCES_MAX)), .fallback = 9, .argument = "N", .label = "Bounces")
+    (COUNT(0, SETTINGS_BOUNCES_MAX)), .brief = "Scattering events on a path: 1 is direct light.",
+    .fallback = 9, .argument = "N", .label = "Bounces")
 
 SETTING(INTEGRATOR, uint32_t, integrator, "integrator", "integrator", "Method",
     "What is computed: light over any number of bounces (path), over one (direct), how open each "
