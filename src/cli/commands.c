@@ -161,9 +161,10 @@ const struct command commands[COMMAND_TOTAL] = {
             .arguments = "[COMMAND]",
             .description =
                 "Prints all options of a command, or the commands of the program. With --man, a "
-                "manual page.",
+                "manual page; with --completion, a script that completes command lines.",
             .examples = "lampyris help render\n"
-                        "lampyris help --man | man -l -",
+                        "lampyris help --man | man -l -\n"
+                        "eval \"$(lampyris help --completion bash)\"",
             .max_arguments = 1,
         },
 };

@@ -1,6 +1,7 @@
 #include "cli/help.h"
 
 #include "cli/commands.h"
+#include "cli/completion.h"
 #include "cli/help_writer.h"
 #include "cli/options.h"
 #include <string.h>
@@ -255,12 +256,29 @@ void help_everything(FILE *out)
     program_page(&writer);
 }
 
+static bool complete(const struct options *options, const struct command *command, struct err *err)
+{
+    static void (*const writers[])(const struct completion *completion) = {
+        [COMPLETION_BASH] = completion_bash,
+        [COMPLETION_ZSH] = completion_zsh,
+        [COMPLETION_FISH] = completion_fish,
+    };
+    if (command && command != &commands[COMMAND_VIEW])
+        return err_set(err, ERR_USAGE,
+                       "--completion: expected no command, or \"view\" for lampyris-view");
+    writers[options->completion](&(struct completion){
+        .out = stdout, .only = command, .program = command ? "lampyris-view" : "lampyris"});
+    return true;
+}
+
 int cmd_help(const struct options *options)
 {
     const struct command *command = NULL;
     struct err err = {0};
     if (options->argument_count > 0 && !(command = command_find(options->arguments[0], &err)))
         return command_fail(&err);
+    if (options_given(options, OPTION_COMPLETION))
+        return complete(options, command, &err) ? EXIT_CODE_OK : command_fail(&err);
     if (options->man)
         help_manual(stdout, command);
     else if (command)

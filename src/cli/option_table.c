@@ -674,6 +674,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .common = FOR_HELP, .brief = "Print a manual page in roff.",
         .help = "Print a manual page in roff instead of plain text.", FIELD(man),
     },
+    [OPTION_COMPLETION] = {
+        .name = "completion", .argument = "bash|zsh|fish", .type = VALUE_CHOICE, .group = "Format",
+        .commands = FOR_HELP, .common = FOR_HELP, .brief = "Print a shell's script for completion.",
+        .help = "Print a script by which this shell completes the command line of lampyris, or with "
+                "the command view that of lampyris-view.",
+        FIELD(completion),
+    },
+
     [OPTION_JSON] = {
         .name = "json", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
         .common = FOR_BENCH | FOR_COMPARE | FOR_DEVICES | 1u << COMMAND_INFO, .brief = "Print the result as JSON.",

@@ -114,6 +114,7 @@ enum option_id {
     OPTION_REFERENCE_VARIANCE,
     OPTION_EXPOSURES,
     OPTION_MAN,
+    OPTION_COMPLETION,
     OPTION_JSON,
     OPTION_QUIET,
     OPTION_LOG_LEVEL,
@@ -170,6 +171,9 @@ struct option_def {
 extern const struct option_def option_table[OPTION_TOTAL];
 // The option of that long name; NULL.
 const struct option_def *option_find(const char *name, size_t length);
+
+// Shells that complete options by a script of ours.
+enum completion_shell { COMPLETION_BASH, COMPLETION_ZSH, COMPLETION_FISH };
 
 enum features_option { FEATURES_NEEDED, FEATURES_ALL };
 enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
@@ -283,6 +287,7 @@ struct options {
     const char *command_line; // all of it, quoted for a shell
 
     bool help, help_all, version, man, quiet, json;
+    enum completion_shell completion;
     enum log_level log_level;
     const struct progress *progress; // where to report, and who asks to stop; set by main
     uint64_t memory;       // budget of the host's memory, bytes; 0: what the machine leaves

@@ -1,0 +1,40 @@
+// Scripts by which shells complete the command line, made from the tables of commands and options.
+#ifndef LAMPYRIS_CLI_COMPLETION_H
+#define LAMPYRIS_CLI_COMPLETION_H
+
+#include "cli/commands.h"
+#include "cli/options.h"
+#include <stdio.h>
+
+// A script for lampyris, or (command: COMMAND_VIEW) for lampyris-view, whose command line is that
+// of the command without the word. Options for tests are left out.
+struct completion {
+    FILE *out;
+    const struct command *only; // the command that the program is; NULL: the word says which
+    const char *program;
+};
+
+void completion_bash(const struct completion *completion);
+void completion_zsh(const struct completion *completion);
+void completion_fish(const struct completion *completion);
+
+// What may stand as the value of an option, as far as the table says it.
+struct completion_value {
+    char words[OPTION_ARGUMENT_MAX]; // with blanks between them; "": none
+    bool is_list;                    // several, with commas between them
+    bool files, folders;
+};
+
+struct completion_value completion_value(const struct option_def *def);
+
+// Returns whether the script has the option: for the command (NULL: for every one).
+bool completion_has(const struct option_def *def, const struct command *command);
+
+// A line that says what the option does.
+#define COMPLETION_LINE_MAX 160
+const char *completion_line(const struct option_def *def, char out[COMPLETION_LINE_MAX]);
+
+// Writes the text with a backslash before each of these characters.
+void completion_escaped(FILE *out, const char *text, const char *characters);
+
+#endif
