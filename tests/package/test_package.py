@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
-"""What is installed by meson into an empty folder. Both programs, their pages, completion and scenes are used there, and then removed
+"""What is installed: by meson into an empty folder, and by Debian's packages into a new system, which
+debootstrap makes. Both programs, their pages, completion and scenes are used there, and then removed
 without a trace.
 
 Usage: test_package.py SOURCE_ROOT BUILD_ROOT [unittest arguments]
 
+The packages are built from a copy of the sources. Debian needs root, a mirror (LAMPYRIS_MIRROR,
+http://deb.debian.org/debian unless given), and the packages that .ci/test --long installs; without
+these it is skipped. LAMPYRIS_PACKAGES is a folder of packages to take instead of building them.
 """
 import glob
 import os
@@ -16,12 +20,19 @@ import unittest
 
 SOURCES = os.path.abspath(sys.argv.pop(1))
 BUILD = os.path.abspath(sys.argv.pop(1))
+MIRROR = os.environ.get('LAMPYRIS_MIRROR', 'http://deb.debian.org/debian')
 # Neither names of this machine's folders nor its environment are to matter.
 CLEAN = {'PATH': '/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin', 'LC_ALL': 'C.UTF-8',
          'DEBIAN_FRONTEND': 'noninteractive',
          **{name: os.environ[name] for name in ('VK_DRIVER_FILES', 'VK_ICD_FILENAMES', 'http_proxy')
             if name in os.environ}}
 WINDOW_LIBRARIES = re.compile(r'glfw|X11|xcb|wayland|imgui|libGL', re.IGNORECASE)
+
+
+def skip(why):
+    if os.environ.get('LAMPYRIS_NO_SKIP'):
+        raise AssertionError(why)
+    raise unittest.SkipTest(why)
 
 
 def files_below(root, left_out=()):
@@ -122,6 +133,88 @@ class Prefix(Installed):
                        stdout=subprocess.DEVNULL)
         left = {name for name in files_below(self.root) if not os.path.isdir(self.root + name)}
         self.assertEqual({name for name in left if not name.startswith('/.cache/')}, set())
+
+
+class Debian(Installed):
+
+    @classmethod
+    def setUpClass(cls):
+        for tool in ('dpkg-buildpackage', 'dh', 'lintian', 'debootstrap'):
+            if not shutil.which(tool, path=CLEAN['PATH']):
+                skip(f'{tool} is not installed')
+        if os.getuid() != 0:
+            skip('debootstrap needs root')
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.folder = cls.temporary.name
+        cls.root = os.path.join(cls.folder, 'root')
+        cls.packages = os.environ.get('LAMPYRIS_PACKAGES') or cls.build()
+        made = subprocess.run(['debootstrap', '--variant=minbase', 'bookworm', cls.root, MIRROR], env=CLEAN,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if made.returncode != 0:
+            skip(f'debootstrap failed:\n{made.stdout}')
+
+    @classmethod
+    def build(cls):
+        tree = os.path.join(cls.folder, 'build', 'lampyris')
+        names = subprocess.run(['git', '-C', SOURCES, 'ls-files', '-z', '--cached', '--others',
+                                '--exclude-standard'], check=True, stdout=subprocess.PIPE, text=True).stdout
+        for name in filter(None, names.split('\0')):
+            if os.path.exists(os.path.join(SOURCES, name)):
+                os.makedirs(os.path.dirname(os.path.join(tree, name)), exist_ok=True)
+                shutil.copy2(os.path.join(SOURCES, name), os.path.join(tree, name), follow_symlinks=False)
+        subprocess.run(['dpkg-buildpackage', '-us', '-uc', '-b'], cwd=tree, env=CLEAN, check=True,
+                       stdout=subprocess.DEVNULL)
+        return os.path.dirname(tree)
+
+    def run_there(self, *command, **more):
+        return subprocess.run(['chroot', self.root, *command], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, timeout=1800,
+                              env={name: word for name, word in CLEAN.items() if not name.startswith('VK_')},
+                              **more)
+
+    def outside(self, path):
+        return self.root + path
+
+    def test_lintian_has_nothing_to_say(self):
+        changes, = glob.glob(os.path.join(self.packages, 'lampyris_*.changes'))
+        result = subprocess.run(['lintian', '--fail-on', 'error,warning,info', '--display-info', changes],
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=CLEAN)
+        self.assertEqual((result.returncode, result.stdout), (0, ''))
+
+    def depends(self, package):
+        words = subprocess.run(['dpkg-deb', '-f', package, 'Depends'], check=True, stdout=subprocess.PIPE,
+                               text=True).stdout
+        return [re.sub(r' .*', '', word.strip()) for word in words.split(',')]
+
+    def test_they_are_used_and_removed(self):
+        packages = [path for path in glob.glob(os.path.join(self.packages, 'lampyris*.deb'))
+                    if 'dbgsym' not in path]
+        self.assertEqual(len(packages), 2)
+        needed = sorted({name for path in packages for name in self.depends(path)})
+        self.ok('apt-get', 'install', '-qq', '-y', '--no-install-recommends', 'mesa-vulkan-drivers', 'man-db',
+                'shared-mime-info', 'desktop-file-utils', 'hicolor-icon-theme', *needed)
+        # Triggers have run once with nothing of ours.
+        kept = ('/var/lib/dpkg', '/var/log', '/var/cache', '/proc', '/sys', '/dev', '/tmp', '/root')
+        before = files_below(self.root, kept)
+        mime = self.mime_types()
+        for path in packages:
+            shutil.copy(path, self.root + '/tmp')
+        self.ok('sh', '-c', 'dpkg --install /tmp/*.deb')
+        self.assertIn('application/x-lampyris-scene+json', self.mime_types())
+        self.check_files('/usr')
+        os.mkdir(self.root + '/tmp/work')
+        self.use_programs('/usr', '/tmp/work')
+        for page in ('lampyris', 'lampyris-view'):
+            self.assertIn('SYNOPSIS', re.sub('.\b', '', self.ok('man', page)))
+        self.ok('dpkg', '--purge', 'lampyris', 'lampyris-view')
+        self.assertEqual(files_below(self.root, kept) ^ before, set())
+        self.assertEqual(self.mime_types(), mime)
+        self.assertEqual(self.ok('dpkg-query', '--show', '--showformat', '${Package} ${Status}\n').count('lampyris'), 0)
+
+    def mime_types(self):
+        with open(self.root + '/usr/share/mime/types', encoding='utf-8') as file:
+            return set(file.read().split())
 
 
 if __name__ == '__main__':
