@@ -89,15 +89,20 @@ static bool encode_exr(const struct image_write_params *params, struct byte_buff
     return image_exr_verify(params, out, err) || fail_verification(err);
 }
 
+static bool encode_codes(const struct image_write_params *params, const uint8_t *codes,
+                         struct byte_buffer *out, struct err *err)
+{
+    if (!image_png_write(params, codes, out, err))
+        return false;
+    corrupt_if_due(out);
+    return image_png_verify(params, codes, out, err) || fail_verification(err);
+}
+
 static bool encode_png(const struct image_write_params *params, struct byte_buffer *out,
                        struct err *err)
 {
     uint8_t *codes = NULL;
-    bool ok = image_png_codes(params, &codes, err) && image_png_write(params, codes, out, err);
-    if (ok) {
-        corrupt_if_due(out);
-        ok = image_png_verify(params, codes, out, err) || fail_verification(err);
-    }
+    bool ok = image_png_codes(params, &codes, err) && encode_codes(params, codes, out, err);
     free(codes);
     return ok;
 }
@@ -126,20 +131,39 @@ bool image_write(const struct image_write_params *params, struct err *err)
     return ok;
 }
 
+// Moves the file into the arena, where encoding it succeeded, and frees the buffer.
+static bool keep_file(struct byte_buffer *buffer, bool ok, struct arena *arena, uint8_t **data,
+                      size_t *size, struct err *err)
+{
+    if (ok) {
+        *size = buffer->size;
+        *data = arena_alloc(arena, buffer->size, 1);
+        ok = *data || err_memory(err, "a picture's file", buffer->size);
+    }
+    if (ok)
+        memcpy(*data, buffer->data, buffer->size);
+    byte_buffer_finish(buffer);
+    return ok;
+}
+
 bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
                   size_t *size, struct err *err)
 {
     struct byte_buffer buffer = {0};
     bool ok = encode(params, &buffer, err);
-    if (ok) {
-        *size = buffer.size;
-        *data = arena_alloc(arena, buffer.size, 1);
-        ok = *data || err_memory(err, "a picture's file", buffer.size);
-    }
-    if (ok)
-        memcpy(*data, buffer.data, buffer.size);
-    byte_buffer_finish(&buffer);
-    return ok;
+    return keep_file(&buffer, ok, arena, data, size, err);
+}
+
+bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, struct arena *arena,
+                        uint8_t **data, size_t *size, struct err *err)
+{
+    struct byte_buffer buffer = {0};
+    const struct image shape = {.width = width, .height = height};
+    const struct image_write_params params = {.path = "codes.png", .image = &shape};
+    uint64_t failures = memory_failures();
+    bool ok = encode_codes(&params, codes, &buffer, err);
+    ok = had_memory(failures, ok, "an encoder", err);
+    return keep_file(&buffer, ok, arena, data, size, err);
 }
 
 static bool decode(const struct image_source *source, struct arena *arena, struct pixels *out,

@@ -57,6 +57,10 @@ bool image_write(const struct image_write_params *params, struct err *err);
 // The bytes of that file, in `arena`; the path only names its format.
 bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
                   size_t *size, struct err *err);
+// The bytes of a PNG file of these 8-bit RGB codes as they are, in `arena`; verified in the same
+// way.
+bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, struct arena *arena,
+                        uint8_t **data, size_t *size, struct err *err);
 
 // For tests: one bit of the n-th byte of each picture changes between encoding it and verifying it,
 // in all of the program. 0 turns it off.
