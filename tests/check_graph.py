@@ -62,7 +62,7 @@ ROOMS = {
 }
 # Files that stand above the room of their folder: what begins, and knows all commands.
 ABOVE = {'cli/main.c': 'program', 'cli/program.c': 'program', 'cli/program.h': 'program'}
-GENERATED = r'\w+\.spv\.h|albedo_data\.h|kernel_source\.h|embedded_scenes\.h'
+GENERATED = r'\w+\.spv\.h|albedo_data\.h|kernel_source\.h|embedded_scenes\.h|embedded_page\.h'
 CIRCLE_MAX = 3  # files that call one another in a circle
 CIRCLES_OF = 'viewer/core'  # which alone may have larger ones
 

@@ -90,6 +90,7 @@ const struct command commands[COMMAND_TOTAL] = {
                 "interval. "
                 "Several pictures make a table, in which the best of each column has a star.",
             .examples = "lampyris compare out.exr reference.exr --max relmse=1e-3\n"
+                        "lampyris compare a.exr b.exr reference.exr --report page.html\n"
                         "lampyris compare a.exr b.exr reference.exr --reference-variance auto\n"
                         "lampyris compare a.exr b.exr --max differing=0 --difference d.png",
             .min_arguments = 2,

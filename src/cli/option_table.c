@@ -427,11 +427,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_REPORT] = {
         .name = "report", .argument = "FOLDER|FILE", .type = VALUE_TEXT, .group = "Report",
-        .commands = FOR_CONVERGE | FOR_BENCH | FOR_CHECK, .fallback = "none",
-        .common = FOR_CONVERGE | FOR_BENCH | FOR_CHECK, .brief = "Write a report of HTML here.",
+        .commands = FOR_CONVERGE | FOR_BENCH | FOR_CHECK | FOR_COMPARE, .fallback = "none",
+        .common = FOR_CONVERGE | FOR_BENCH | FOR_CHECK | FOR_COMPARE,
+        .brief = "Write a report of HTML here.",
         .help = "Write report.html with plots (by gnuplot), tables and pictures, results.csv and "
-                "results.json into this folder; check writes its cases, or what it finds in a scene, "
-                "with pictures into this .html file.",
+                "results.json into this folder. check writes its cases, or what it finds in a scene, "
+                "with pictures into this .html file; compare writes a viewer of the pictures and "
+                "their errors, with tables, insets and plots, into one.",
         FIELD(study.report),
     },
     [OPTION_IMAGES] = {

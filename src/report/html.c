@@ -3,44 +3,21 @@
 #include "base/file.h"
 #include "base/file_inputs.h"
 #include "base/log.h"
+#include "embedded_page.h"
 #include "report/gnuplot.h"
 #include "report/machine.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-// Two pictures one above the other: a range input cuts the upper one off.
 static const char head[] =
     "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>%s</title>\n"
-    "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<style>\n"
-    "body{font:15px/1.5 system-ui,sans-serif;color:#1d2733;background:#fff;margin:2em auto;"
-    "padding:0 1.5em;max-width:1280px}\n"
-    "h1{font-size:1.6em;font-weight:600;margin:0 0 .3em}"
-    "h2{font-size:1.2em;font-weight:600;margin:2em 0 .5em;border-bottom:2px solid #dfe4ea}"
-    "h3{font-size:1em;font-weight:600;margin:1.5em 0 .4em}\n"
-    ".wide{overflow-x:auto}"
-    "table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}"
-    "td,th{border-bottom:1px solid #dfe4ea;padding:4px 9px;text-align:right;vertical-align:top}"
-    "th{text-align:left;font-weight:600;white-space:nowrap}tr:first-child th{background:#f3f5f8;"
-    "vertical-align:bottom}tr:first-child th+th{text-align:right}\n"
-    "td small{display:block;color:#66727f;white-space:nowrap}"
-    ".better{background:#e3f4e6}.worse{background:#fbe7e4}.alarm{background:#fbe7e4;"
-    "font-weight:600}\n"
-    ".note{background:#fff6dd;border-left:4px solid #e0a800;padding:.4em .8em}\n"
-    ".plots{display:flex;flex-wrap:wrap;gap:8px}.plots svg{flex:1 1 460px;max-width:620px;"
-    "height:auto}\n"
-    ".pictures{display:flex;flex-wrap:wrap;gap:14px}figure{margin:0}"
-    "figcaption{font-size:13px;max-width:270px;overflow-wrap:anywhere}"
-    "figure img{width:128px;margin-right:3px;image-rendering:pixelated}\n"
-    ".scale{font-size:12px;display:inline-block;margin:.5em 0}.scale img{display:block;width:320px;"
-    "height:12px}.scale span{display:flex;justify-content:space-between}\n"
-    ".slider{position:relative;display:inline-block;line-height:0}"
-    ".slider img{width:100%%;image-rendering:pixelated}"
-    ".slider .over{position:absolute;left:0;top:0;clip-path:inset(0 50%% 0 0)}"
-    ".slider input{position:absolute;left:0;bottom:0;width:100%%;margin:0;opacity:.85}\n"
-    "pre{white-space:pre-wrap;overflow-wrap:anywhere;background:#f3f5f8;padding:.6em .8em;"
-    "font-size:12px}</style>\n"
-    "<h1>%s</h1>\n";
+    "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<style>\n";
+
+// The look and the code of the page, from the files beside this one.
+static const char style[] = EMBEDDED_PAGE_CSS;
+static const char *const scripts[] = {EMBEDDED_FIGURE_JS, EMBEDDED_VIEWER_JS,
+                                      EMBEDDED_VIEWER_FIGURES_JS};
 
 bool html_check_files(const char *folder, struct arena *arena, struct err *err)
 {
@@ -69,14 +46,30 @@ bool html_begin(struct html_page *page, struct arena *arena, const char *folder,
     if (!memory_stream_open(&page->stream))
         return err_memory(err, "report.html", 0);
     page->out = page->stream.file;
-    fprintf(page->out, head, title, title);
+    fprintf(page->out, head, title);
+    fputs(style, page->out);
+    fprintf(page->out, "</style>\n<h1>%s</h1>\n", title);
     return true;
+}
+
+// Only pages with pictures or plots to work with have code.
+static void put_scripts(struct html_page *page)
+{
+    if (page->viewers == 0 && !page->has_plots)
+        return;
+    for (size_t i = 0; i < sizeof scripts / sizeof scripts[0]; i++) {
+        fputs("<script>\n", page->out);
+        fputs(scripts[i], page->out);
+        fputs("</script>\n", page->out);
+    }
 }
 
 bool html_end(struct html_page *page, bool ok, struct err *err)
 {
     const char *path =
         page->path ? page->path : arena_printf(page->arena, "%s/report.html", page->folder);
+    if (page->out)
+        put_scripts(page);
     if (page->out && !memory_stream_close(&page->stream) && ok)
         ok = err_memory(err, "report.html", page->stream.size);
     if (ok && !path)
@@ -108,8 +101,9 @@ void html_text(struct html_page *page, const char *text)
     }
 }
 
-static void put_base64(FILE *out, const unsigned char *bytes, size_t count)
+void html_base64(struct html_page *page, const uint8_t *bytes, size_t count)
 {
+    FILE *out = page->out;
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < count; i += 3) {
         uint32_t group = (uint32_t)bytes[i] << 16;
@@ -198,7 +192,10 @@ bool html_plot(struct html_page *page, const char *name, const char *script, str
         return true;
     }
     const char *begin = strstr(svg, "<svg");
+    fprintf(page->out, "<figure class=\"plot\" data-name=\"%s\"><div class=\"paper\">", name);
     fputs(begin ? begin : svg, page->out);
+    fputs("</div></figure>\n", page->out);
+    page->has_plots = true;
     return keep_part(page, name, "svg", svg, strlen(svg), err);
 }
 
@@ -219,7 +216,7 @@ bool html_picture(struct html_page *page, const char *name, const struct image *
         !keep_part(page, name, "png", png, size, err))
         return false;
     fprintf(page->out, "<img %s src=\"data:image/png;base64,", attributes);
-    put_base64(page->out, png, size);
+    html_base64(page, png, size);
     fputs("\">", page->out);
     return true;
 }

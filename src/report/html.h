@@ -17,6 +17,8 @@ struct html_page {
     float exposure_stops; // of the pictures that follow, but not of false colours
     enum tone_curve tone;
     bool has_no_plots; // gnuplot is not there, which the page says
+    bool has_plots;
+    uint32_t viewers; // html_viewer.h
     struct memory_stream stream;
     FILE *out; // its
 };
@@ -35,6 +37,7 @@ bool html_begin(struct html_page *page, struct arena *arena, const char *folder,
 bool html_end(struct html_page *page, bool ok, struct err *err);
 
 void html_text(struct html_page *page, const char *text); // escaped
+void html_base64(struct html_page *page, const uint8_t *bytes, size_t count);
 // A table's cell, by a format of one double. Of an interval that is not known, its value alone.
 void html_interval(struct html_page *page, struct interval interval, const char *format);
 void html_number(struct html_page *page, double value, const char *format);

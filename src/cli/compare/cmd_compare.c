@@ -184,9 +184,10 @@ static bool should_stop(void *context)
     return progress_should_stop(share->whole);
 }
 
-// `map`: NULL, or room for the numbers of --map flip or hdr-flip.
+// `maps`: room for the numbers of FLIP and of HDR-FLIP, or NULL.
 static bool look(const struct comparison *c, uint32_t index, const struct picture_pair *pair,
-                 struct arena *arena, float *map, struct compared *picture, struct err *err)
+                 struct arena *arena, float *const maps[2], struct compared *picture,
+                 struct err *err)
 {
     struct share share = {c->options->progress, index, c->count};
     const struct progress progress = {report_share, should_stop, &share};
@@ -196,16 +197,30 @@ static bool look(const struct comparison *c, uint32_t index, const struct pictur
         !expose(c, pair->reference, count, arena, &shown.reference, err))
         return false;
     report_share(&share, "Comparing", 0);
-    bool is_hdr = c->options->compare.map == ERROR_MAP_HDR_FLIP;
     bool ok = metrics_ssim(&shown, &progress, &picture->value[METRIC_SSIM]) &&
-              metrics_flip(&shown, FLIP_PIXELS_PER_DEGREE, &progress, is_hdr ? NULL : map,
+              metrics_flip(&shown, FLIP_PIXELS_PER_DEGREE, &progress, maps[0],
                            &picture->value[METRIC_FLIP]) &&
-              metrics_flip_hdr(pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, &progress,
-                               is_hdr ? map : NULL, &picture->value[METRIC_HDR_FLIP]);
+              metrics_flip_hdr(pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, &progress, maps[1],
+                               &picture->value[METRIC_HDR_FLIP]);
     if (ok)
         return true;
     return should_stop(&share) ? stopped(err)
                                : err_memory(err, "SSIM and FLIP", count * sizeof(float));
+}
+
+// Room for the maps of FLIP that are asked for: by --map, and by --report both.
+static bool make_room(const struct comparison *c, const struct compared *picture, uint64_t count,
+                      struct arena *arena, float *maps[2], struct err *err)
+{
+    static const enum error_map kinds[2] = {ERROR_MAP_FLIP, ERROR_MAP_HDR_FLIP};
+    for (int i = 0; i < 2; i++) {
+        bool is_wanted =
+            c->options->study.report || (picture->map && c->options->compare.map == kinds[i]);
+        maps[i] = is_wanted ? arena_alloc(arena, count, sizeof *maps[i]) : NULL;
+        if (is_wanted && !maps[i])
+            return err_memory(err, "a map of errors", count * sizeof *maps[i]);
+    }
+    return true;
 }
 
 static bool compare_picture(struct comparison *c, uint32_t index, struct arena *arena,
@@ -222,14 +237,14 @@ static bool compare_picture(struct comparison *c, uint32_t index, struct arena *
         .height = image.height,
     };
     uint64_t count = (uint64_t)pair.width * pair.height;
-    float *map = picture->map ? arena_alloc(arena, count, sizeof *map) : NULL;
-    if (picture->map && !map)
-        return err_memory(err, "a map of errors", count * sizeof *map);
-    if (!look(c, index, &pair, arena, map, picture, err))
+    float *maps[2];
+    if (!make_room(c, picture, count, arena, maps, err) ||
+        !look(c, index, &pair, arena, maps, picture, err) || !measure(c, &pair, picture, err))
         return false;
-    if (!measure(c, &pair, picture, err))
+    if (c->options->study.report && !compare_html_add(c, picture, &image, maps, err))
         return false;
-    return !picture->map || compare_write_map(c, picture, &pair, map, arena, err);
+    const float *flip = maps[c->options->compare.map == ERROR_MAP_HDR_FLIP];
+    return !picture->map || compare_write_map(c, picture, &pair, flip, arena, err);
 }
 
 // --- judging -------------------------------------------------------------------------------------
@@ -329,22 +344,50 @@ static bool check_memory(const struct comparison *c, struct err *err)
         most += 2 * count * sizeof(float[3]);
     if (c->options->compare.difference)
         most += count * sizeof(float);
+    if (c->options->study.report) {
+        const struct html_viewer_params params = {width, height, c->count + 1, 0, TONE_NONE};
+        most += 2 * count * sizeof(float) + html_viewer_bytes(&params);
+    }
     char what[64];
     snprintf(what, sizeof what, "comparing pictures of %u x %u", width, height);
     return memory_check(most, what, err);
 }
 
-static bool compare_all(struct comparison *c, struct err *err)
+// Before the work: that the report can be written, and is no map either.
+static bool check_report(const struct comparison *c, struct err *err)
 {
-    if (!name_inputs(c, err) || !prepare_maps(c, err) || !read_reference(c, err) ||
-        !check_memory(c, err) || !choose_exposures(c, err))
+    const char *report = c->options->study.report;
+    if (!html_check_file(report, err))
         return false;
+    for (uint32_t i = 0; i < c->count; i++)
+        if (!file_check_distinct(report, c->pictures[i].map, err))
+            return false;
+    return true;
+}
+
+static bool compare_pictures(struct comparison *c, struct err *err)
+{
     for (uint32_t i = 0; i < c->count; i++) {
         struct arena arena = {0};
         bool ok = compare_picture(c, i, &arena, err);
         arena_finish(&arena);
         if (!ok)
             return false;
+    }
+    return true;
+}
+
+static bool compare_all(struct comparison *c, struct err *err)
+{
+    if (!name_inputs(c, err) || !prepare_maps(c, err) || !check_report(c, err) ||
+        !read_reference(c, err) || !check_memory(c, err) || !choose_exposures(c, err))
+        return false;
+    if (c->options->study.report) {
+        bool ok = compare_html_begin(c, err) && compare_pictures(c, err);
+        if (!compare_html_end(c, ok, err))
+            return false;
+    } else if (!compare_pictures(c, err)) {
+        return false;
     }
     c->passed = true;
     for (uint32_t i = 0; i < c->count; i++) {

@@ -6,6 +6,7 @@
 #include "job/reference.h"
 #include "metrics/metrics.h"
 #include "metrics/perceptual.h"
+#include "report/html_viewer.h"
 
 // One picture against the reference. Of mse, rmse, relmse and local relmse the reference's own
 // noise is subtracted where --reference-variance says so; rmse has the sign of mse then.
@@ -30,6 +31,8 @@ struct comparison {
     struct compared pictures[OPTIONS_ARGUMENTS_MAX]; // in the order they were given
     uint32_t count;
     bool passed;
+    struct html_page page; // of --report, as is the viewer
+    struct html_viewer viewer;
 };
 
 // compare_map.c: writes picture->map. `flip` holds the numbers of the map where that is a FLIP, one
@@ -40,7 +43,18 @@ bool compare_write_map(const struct comparison *c, const struct compared *pictur
 // "|x - r| / (|r| + 0.01)": what a map's numbers are.
 const char *compare_map_words(enum error_map map);
 
+// compare_html.c: the page of --report. It begins once the reference is read, takes each picture
+// with its maps of FLIP and HDR-FLIP, and is written, or after a failure released, at the end.
+bool compare_html_begin(struct comparison *c, struct err *err);
+bool compare_html_add(struct comparison *c, const struct compared *picture,
+                      const struct image *image, float *const flip[2], struct err *err);
+bool compare_html_end(struct comparison *c, bool ok, struct err *err);
+
 // compare_report.c
+// The 95 % interval of a metric that has one; else NULL.
+const struct interval *compare_interval(const struct compared *picture, enum compare_metric metric);
+// Returns whether no other picture is better; of a single one it is false.
+bool compare_is_best(const struct comparison *c, uint32_t picture, enum compare_metric metric);
 void compare_print_text(const struct comparison *c);
 int compare_print_json(const struct comparison *c);
 

@@ -26,13 +26,18 @@ static void print_correction(const struct comparison *c, const struct compared *
         printf(": below the reference's noise");
 }
 
+const struct interval *compare_interval(const struct compared *p, enum compare_metric metric)
+{
+    return metric == METRIC_MSE            ? &p->error.mse
+           : metric == METRIC_RELMSE       ? &p->error.relmse
+           : metric == METRIC_LOCAL_RELMSE ? &p->error.local_relmse
+                                           : NULL;
+}
+
 static void print_details(const struct comparison *c, const struct compared *p,
                           enum compare_metric metric)
 {
-    const struct interval *interval = metric == METRIC_MSE            ? &p->error.mse
-                                      : metric == METRIC_RELMSE       ? &p->error.relmse
-                                      : metric == METRIC_LOCAL_RELMSE ? &p->error.local_relmse
-                                                                      : NULL;
+    const struct interval *interval = compare_interval(p, metric);
     if (interval && isfinite(interval->low))
         printf("  [%.4g, %.4g]", interval->low, interval->high);
     print_correction(c, p, metric);
@@ -78,6 +83,12 @@ static double best_value(const struct comparison *c, enum compare_metric metric)
     return best;
 }
 
+bool compare_is_best(const struct comparison *c, uint32_t picture, enum compare_metric metric)
+{
+    return c->count > 1 && may_be_best(&c->pictures[picture]) &&
+           c->pictures[picture].value[metric] == best_value(c, metric);
+}
+
 struct cell {
     char text[32];
 };
@@ -86,7 +97,7 @@ static struct cell cell_of(const struct comparison *c, uint32_t picture, enum co
 {
     struct cell cell;
     double value = c->pictures[picture].value[metric];
-    bool is_best = may_be_best(&c->pictures[picture]) && value == best_value(c, metric);
+    bool is_best = compare_is_best(c, picture, metric);
     bool is_count = metric == METRIC_NONFINITE || metric == METRIC_DIFFERING;
     snprintf(cell.text, sizeof cell.text, is_count ? "%.0f%s" : "%.4g%s", value,
              is_best ? "*" : " ");
@@ -173,6 +184,8 @@ void compare_print_text(const struct comparison *c)
     else
         print_many(c);
     print_remarks(c);
+    if (c->options->study.report)
+        print_line("wrote   ", c->options->study.report);
 }
 
 // --- JSON ----------------------------------------------------------------------------------------
@@ -250,6 +263,8 @@ int compare_print_json(const struct comparison *c)
         "smape_epsilon", METRICS_SMAPE_EPSILON, "hdr_flip_exposures", c->exposures.start,
         c->exposures.stop, (int)c->exposures.count, "reference_noise", noise_json(c), "images",
         images, "passed", c->passed);
+    const char *report = c->options->study.report;
+    json_object_set_new(object, "report", report ? json_words(report) : json_null());
     // The figures of a single picture stand at the top, too.
     if (object && c->count == 1)
         json_object_update_missing(object, json_array_get(images, 0));

@@ -1,0 +1,665 @@
+// The viewer of a report: pictures of one size, panned and zoomed together and flipped by keys, with
+// exposure, errors in false colours, and the values under the cursor. What it shows is described by
+// html_viewer.c, which also writes the pictures: as PNG files of one byte plane each, so that the
+// page has floats or halves of the full range. Figures made of them are in viewer_figures.js.
+'use strict';
+
+// --- numbers -------------------------------------------------------------------------------------
+
+// The value of every half (IEEE 754 binary16).
+const HALVES = (() => {
+  const out = new Float32Array(65536);
+  for (let bits = 0; bits < 65536; bits++) {
+    const exponent = bits >> 10 & 31, fraction = bits & 1023, sign = bits >> 15 ? -1 : 1;
+    out[bits] = sign * (exponent === 31 ? fraction ? NaN : Infinity
+      : exponent ? 2 ** (exponent - 15) * (1 + fraction / 1024) : 2 ** -24 * fraction);
+  }
+  return out;
+})();
+const HALF_MAX = 65504;
+
+// From linear light to what a display shows: curves of src/image/tone.c, which are of one channel.
+const TONES = {
+  none: x => x,
+  aces: x => x * (2.51 * x + .03) / (x * (2.43 * x + .59) + .14), // Narkowicz 2015
+};
+
+// IEC 61966-2-1, to 8 bits.
+function srgbCode(linear) {
+  const x = Math.min(Math.max(linear, 0), 1);
+  return Math.floor(255 * (x <= .0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - .055) + .5);
+}
+
+function formatValue(value, bits) {
+  if (Number.isNaN(value)) return 'NaN';
+  if (!Number.isFinite(value)) return value > 0 ? '\u221e' : '\u2212\u221e';
+  if (bits === 16 && Math.abs(value) === HALF_MAX) return `beyond ${value}`;
+  if (bits === 16) return String(Number(value.toPrecision(4)));
+  // As few digits as tell this float from all others.
+  for (let digits = 6; ; digits++) {
+    const short = Number(value.toPrecision(digits));
+    if (digits === 9 || Math.fround(short) === Math.fround(value)) return String(short);
+  }
+}
+
+// --- pictures ------------------------------------------------------------------------------------
+
+// 32-bit FNV-1a of the codes without alpha, as html_viewer.c has it.
+function hashCodes(rgba) {
+  let hash = 0x811c9dc5;
+  for (let i = 0; i < rgba.length; i++)
+    if ((i & 3) !== 3) hash = Math.imul(hash ^ rgba[i], 0x01000193);
+  return hash >>> 0;
+}
+
+// The pixels of a PNG that stands in the page as base64; it is taken out of the page.
+async function decodePlane(id, sum) {
+  const element = document.getElementById(id);
+  const image = new Image();
+  image.src = `data:image/png;base64,${element.textContent}`;
+  element.remove();
+  await image.decode();
+  const canvas = document.createElement('canvas');
+  canvas.width = image.naturalWidth;
+  canvas.height = image.naturalHeight;
+  const context = canvas.getContext('2d', { willReadFrequently: true });
+  context.drawImage(image, 0, 0);
+  const rgba = context.getImageData(0, 0, canvas.width, canvas.height).data;
+  return { rgba, isExact: hashCodes(rgba) === sum };
+}
+
+class Picture {
+  constructor(viewer, entry, index) {
+    Object.assign(this, { viewer, entry, index, label: entry.label, isReference: entry.reference });
+    this.canvases = {}; // what was painted, by kind: { key, canvas }
+  }
+
+  async load() {
+    const { number, spec } = this.viewer;
+    const plane = async name => {
+      const { rgba, isExact } = await decodePlane(`pixels-${number}-${this.index}-${name}`, this.entry.sums[name]);
+      if (!isExact) this.viewer.isAltered = true;
+      return rgba;
+    };
+    const count = 3 * spec.width * spec.height, size = spec.bits / 8;
+    const bytes = new Uint8Array(count * size);
+    for (let byte = 0; byte < size; byte++) {
+      const rgba = await plane(byte);
+      for (let i = 0, from = 0, to = byte; i < count; i++, to += size) {
+        bytes[to] = rgba[from];
+        from += i % 3 === 2 ? 2 : 1; // over alpha
+      }
+    }
+    this.halves = size === 2 ? new Uint16Array(bytes.buffer) : null;
+    this.floats = size === 4 ? new Float32Array(bytes.buffer) : null;
+    this.words = size === 4 ? new Uint32Array(bytes.buffer) : null;
+    this.flip = 'flip' in this.entry.sums ? await plane('flip') : null;
+  }
+
+  value(component) {
+    return this.floats ? this.floats[component] : HALVES[this.halves[component]];
+  }
+
+  // What of the page's table of codes belongs to a component: halves themselves, and of floats the
+  // upper 17 bits, whose steps are a fifth of a code at most.
+  code(component) {
+    return this.words ? this.words[component] >>> 15 : this.halves[component];
+  }
+
+  // A pixel's number in a map of errors; NaN where a picture is not finite.
+  error(map, pixel) {
+    const reference = this.viewer.reference;
+    let sum = 0;
+    for (let k = 3 * pixel; k < 3 * pixel + 3; k++) {
+      const x = this.value(k), r = reference.value(k), d = Math.abs(x - r);
+      if (map === 'squared') sum += d * d / (r * r + this.viewer.spec.epsilon);
+      else if (map === 'smape') sum += 2 * d / (Math.abs(x) + Math.abs(r) + this.viewer.spec.smapeEpsilon);
+      else sum += d / (Math.abs(r) + this.viewer.spec.epsilon);
+    }
+    if (!Number.isFinite(sum)) return NaN;
+    return map === 'flip' ? this.flip[4 * pixel] / 255 : map === 'hdr-flip' ? this.flip[4 * pixel + 1] / 255 : sum / 3;
+  }
+
+  paintLight(data) {
+    const codes = this.viewer.displayCodes();
+    for (let i = 0, k = 0; i < data.length; i += 4) {
+      data[i] = codes[this.code(k++)];
+      data[i + 1] = codes[this.code(k++)];
+      data[i + 2] = codes[this.code(k++)];
+      data[i + 3] = 255;
+    }
+  }
+
+  paintErrors(data, map) {
+    const palette = this.viewer.spec.palette;
+    for (let pixel = 0; pixel < data.length / 4; pixel++) {
+      const level = errorLevel(map, this.error(map.name, pixel));
+      const color = Number.isNaN(level) ? [0, 255, 0] : palette[Math.floor(level * (palette.length - 1) + .5)];
+      data.set([color[0], color[1], color[2], 255], 4 * pixel);
+    }
+  }
+
+  // A canvas of the picture, or of its errors where a map is named.
+  painted(mode) {
+    const { spec, exposure, tone } = this.viewer;
+    const map = this.isReference ? null : spec.maps.find(m => m.name === mode);
+    const kind = map ? map.name : 'light', key = map ? '' : `${exposure} ${tone}`;
+    const known = this.canvases[kind];
+    if (known && known.key === key) return known.canvas;
+    const canvas = known ? known.canvas : document.createElement('canvas');
+    canvas.width = spec.width;
+    canvas.height = spec.height;
+    const context = canvas.getContext('2d'), data = context.createImageData(spec.width, spec.height);
+    if (map) this.paintErrors(data.data, map);
+    else this.paintLight(data.data);
+    context.putImageData(data, 0, 0);
+    this.canvases[kind] = { key, canvas };
+    return canvas;
+  }
+}
+
+// A number's place on the map's scale of colours, in [0, 1]; NaN of NaN.
+function errorLevel(map, value) {
+  const level = map.log ? Math.log(value / map.low) / Math.log(map.high / map.low)
+    : (value - map.low) / (map.high - map.low);
+  return Math.min(Math.max(level, 0), 1);
+}
+
+// --- the viewer ----------------------------------------------------------------------------------
+
+const SCALE_MIN = 1 / 16, SCALE_MAX = 128;
+const CROPS_MAX = 6;
+
+// An element with properties and children.
+function make(name, properties, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(properties || {})) {
+    if (key in element && key !== 'list') element[key] = value;
+    else element.setAttribute(key, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+class Viewer {
+  constructor(root) {
+    this.root = root;
+    this.number = Number(root.id.replace('viewer-', ''));
+    this.spec = JSON.parse(root.querySelector('script.spec').textContent);
+    this.pictures = this.spec.pictures.map((entry, i) => new Picture(this, entry, i));
+    this.reference = this.pictures.find(p => p.isReference) || null;
+    this.hasFlip = this.spec.pictures.some(entry => 'flip' in entry.sums);
+    this.current = 0;
+    this.mode = 'light';
+    this.exposure = this.spec.exposure;
+    this.tone = this.spec.tone;
+    this.isSplit = false;
+    this.isCropping = false;
+    this.isAltered = false;
+    this.cursor = null; // the pixel that values are told of
+    this.crops = [];    // { x, y, width, height } in pixels
+    this.isFitted = true;
+    this.pointers = new Map();
+  }
+
+  async begin() {
+    for (const picture of this.pictures) await picture.load();
+    this.build();
+    if (this.reference) this.chooseCrops();
+    this.resize();
+    new ResizeObserver(() => this.resize()).observe(this.stage);
+    this.updateAll();
+    this.root.dataset.ready = 'true';
+  }
+
+  // Codes of all halves, or of all upper parts of floats, at this exposure.
+  displayCodes() {
+    const key = `${this.exposure} ${this.tone}`;
+    if (this.codesKey === key) return this.codes;
+    const isHalf = this.spec.bits === 16, count = isHalf ? 65536 : 131072;
+    const gain = 2 ** this.exposure, curve = TONES[this.tone];
+    const word = new Uint32Array(1), float = new Float32Array(word.buffer);
+    const codes = new Uint8Array(count);
+    for (let i = 0; i < count; i++) {
+      word[0] = (i << 15 | 1 << 14) >>> 0; // the middle of what has these upper bits
+      const value = isHalf ? HALVES[i] : float[0];
+      const light = value > 0 ? Math.min(value * gain, 1e30) : 0; // NaN is black
+      codes[i] = srgbCode(curve(light));
+    }
+    this.codesKey = key;
+    this.codes = codes;
+    return codes;
+  }
+
+  // --- controls ----------------------------------------------------------------------------------
+
+  build() {
+    const { spec } = this;
+    this.tabs = this.pictures.map((picture, i) => {
+      const tab = figures.button('', `${picture.entry.title}${i < 9 ? ` (key ${i + 1})` : ''}`, () => this.show(i));
+      tab.append(make('kbd', {}, i < 9 ? String(i + 1) : ''), picture.label);
+      return tab;
+    });
+    this.canvas = make('canvas', { tabIndex: 0, role: 'img', 'aria-label': 'the picture; arrow keys move the pixel whose values are told' });
+    this.name = make('div', { className: 'viewer-name' });
+    this.stage = make('div', { className: 'viewer-stage' }, this.canvas, this.name);
+    this.divider = make('input', { type: 'range', className: 'viewer-divider', min: 0, max: 1, step: .001, value: .5, hidden: true,
+      'aria-label': 'where the reference begins', oninput: () => this.draw() });
+    this.notes = make('div');
+    if (spec.reduction > 1)
+      this.notes.append(make('p', { className: 'note' }, `Pictures of ${spec.sourceWidth} \u00d7 ${spec.sourceHeight} pixels ` +
+        `are reduced here: each pixel is the mean of ${spec.reduction} \u00d7 ${spec.reduction}. Errors in tables are those of the whole pictures.`));
+    if (this.isAltered)
+      this.notes.append(make('p', { className: 'note' }, 'This browser alters what is read from canvases (a protection against ' +
+        'fingerprinting): pixels and values here are not those of the files.'));
+    this.root.append(this.notes, make('div', { className: 'viewer-tabs', role: 'group', 'aria-label': 'which picture' }, ...this.tabs),
+      this.buildTools(), this.stage, this.divider, this.buildHelp(), this.buildUnder());
+    this.figures = new ViewerFigures(this);
+    this.root.append(this.figures.element);
+    this.listen();
+  }
+
+  buildTools() {
+    const { spec } = this;
+    const option = (value, text) => make('option', { value }, text);
+    this.modeBox = make('select', { onchange: () => this.setMode(this.modeBox.value) }, option('light', 'the picture'));
+    for (const map of this.reference ? spec.maps : [])
+      if (this.hasFlip || !map.name.includes('flip')) this.modeBox.append(option(map.name, `error, ${map.words}`));
+    this.scaleBar = make('span', { className: 'viewer-scale', hidden: true });
+    this.exposureBar = make('input', { type: 'range', min: -10, max: 10, step: .25, oninput: () => this.setExposure(Number(this.exposureBar.value)),
+      'aria-label': 'exposure in stops' });
+    this.exposureBox = make('input', { type: 'number', step: .25, onchange: () => this.setExposure(Number(this.exposureBox.value) || 0),
+      'aria-label': 'exposure in stops' });
+    this.toneBox = make('select', { onchange: () => this.setTone(this.toneBox.value) }, option('none', 'sRGB'), option('aces', 'ACES'));
+    this.zoomText = make('output');
+    this.splitButton = figures.button('Split', 'The reference to the right of a divider (S)', () => this.setSplit(!this.isSplit));
+    this.splitButton.disabled = !this.reference;
+    this.cropButton = figures.button('Crop', 'Drag a rectangle; it is the same in all pictures (C, or drag with Shift)', () => this.setCropping(!this.isCropping));
+    return make('div', { className: 'viewer-tools' },
+      make('label', {}, 'Show', this.modeBox), this.scaleBar,
+      make('span', {}, 'Exposure', this.exposureBar, this.exposureBox, 'stops'),
+      make('label', {}, 'Tone', this.toneBox),
+      make('span', { className: 'group' }, figures.button('\u2212', 'Smaller (\u2212)', () => this.zoom(.5)),
+        figures.button('+', 'Larger (+)', () => this.zoom(2)), figures.button('1:1', 'One pixel a pixel (0)', () => this.setScale(1)),
+        figures.button('Fit', 'All of the picture (F)', () => this.fit()), this.zoomText),
+      make('span', { className: 'group' }, this.splitButton, this.cropButton));
+  }
+
+  buildHelp() {
+    const keys = [['1\u20139', 'flip between pictures'], ['M', 'next map of errors'], ['E, Shift+E', 'brighter, darker'], ['+, \u2212, 0, F', 'zoom, 1:1, fit'],
+      ['S', 'split with the reference'], ['C', 'crop; Enter makes one in the middle'], ['arrows', 'move the pixel; with Shift the picture'],
+      ['drag, wheel', 'pan; zoom, once the picture was clicked, or with Ctrl']];
+    const list = keys.flatMap(([key, words], i) => [i ? ' \u00b7 ' : '', make('kbd', {}, make('b', {}, key)), ` ${words}`]);
+    return make('details', { className: 'viewer-help' }, make('summary', {}, 'Keys and mouse'), make('p', {}, ...list));
+  }
+
+  buildUnder() {
+    this.values = make('table', { className: 'viewer-values' });
+    this.valuesHead = make('h3');
+    this.cropList = make('table', { className: 'viewer-crops' });
+    this.cropHead = make('h3', {}, 'Crops');
+    return make('div', { className: 'viewer-under' },
+      make('div', {}, this.valuesHead, make('div', { className: 'wide' }, this.values)),
+      make('div', {}, this.cropHead, make('div', { className: 'wide' }, this.cropList)));
+  }
+
+  listen() {
+    const { canvas } = this;
+    canvas.addEventListener('pointerdown', event => this.pointerDown(event));
+    canvas.addEventListener('pointermove', event => this.pointerMove(event));
+    for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, event => this.pointerUp(event));
+    canvas.addEventListener('dblclick', () => this.fit());
+    canvas.addEventListener('wheel', event => {
+      if (document.activeElement !== canvas && !event.ctrlKey) return; // the page scrolls
+      event.preventDefault();
+      this.zoom(2 ** (-event.deltaY / (event.ctrlKey ? 100 : 300)), this.placeOf(event));
+    }, { passive: false });
+  }
+
+  // --- what is shown -----------------------------------------------------------------------------
+
+  show(index) {
+    if (!this.pictures[index]) return;
+    this.current = index;
+    this.update();
+  }
+
+  setMode(mode) {
+    this.mode = mode;
+    this.updateAll();
+  }
+
+  setExposure(stops) {
+    this.exposure = Math.min(Math.max(stops, -30), 30);
+    this.updateAll();
+  }
+
+  setTone(tone) {
+    this.tone = tone;
+    this.updateAll();
+  }
+
+  setSplit(isSplit) {
+    this.isSplit = isSplit && this.reference !== null;
+    this.update();
+  }
+
+  setCropping(isCropping) {
+    this.isCropping = isCropping;
+    this.update();
+  }
+
+  // Controls and the picture.
+  update() {
+    const picture = this.pictures[this.current], map = this.spec.maps.find(m => m.name === this.mode);
+    this.tabs.forEach((tab, i) => tab.setAttribute('aria-pressed', i === this.current));
+    this.modeBox.value = this.mode;
+    this.exposureBar.value = this.exposure;
+    this.exposureBox.value = this.exposure;
+    this.toneBox.value = this.tone;
+    this.splitButton.setAttribute('aria-pressed', this.isSplit);
+    this.cropButton.setAttribute('aria-pressed', this.isCropping);
+    this.divider.hidden = !this.isSplit;
+    this.scaleBar.hidden = !map;
+    if (map) this.buildScale(map);
+    this.name.textContent = picture.label + (map && !picture.isReference ? `, ${map.words}` : '') +
+      (this.isSplit ? ` | ${this.reference.label}` : '');
+    this.updateValues();
+    this.draw();
+  }
+
+  updateAll() {
+    this.update();
+    this.updateCrops();
+    this.figures.changed();
+  }
+
+  buildScale(map) {
+    const bar = make('canvas', { width: this.spec.palette.length, height: 1 }), context = bar.getContext('2d');
+    this.spec.palette.forEach((color, i) => { context.fillStyle = `rgb(${color})`; context.fillRect(i, 0, 1, 1); });
+    this.scaleBar.replaceChildren(map.low.toString().replace('1e-', '1e\u2212'), bar, String(map.high));
+  }
+
+  updateValues() {
+    const { cursor, spec } = this, map = this.spec.maps.find(m => m.name === this.mode) || spec.maps[0];
+    const head = ['', 'red', 'green', 'blue'].concat(this.reference ? [map.name] : []);
+    this.valuesHead.textContent = cursor ? `Pixel ${cursor.x}, ${cursor.y}` : 'Pixel values';
+    const rows = this.pictures.map((picture, i) => {
+      const row = make('tr', { className: i === this.current ? 'shown' : '' });
+      const swatch = make('span', { className: 'viewer-swatch' });
+      row.append(make('th', {}, swatch, picture.label));
+      const pixel = cursor ? cursor.y * spec.width + cursor.x : -1;
+      for (let k = 0; k < 3; k++)
+        row.append(make('td', { className: 'number' }, cursor ? formatValue(picture.value(3 * pixel + k), spec.bits) : '\u2013'));
+      if (this.reference)
+        row.append(make('td', { className: 'number' }, !cursor || picture.isReference ? '\u2013' : this.errorText(picture, map, pixel)));
+      if (cursor) swatch.style.background = `rgb(${[0, 1, 2].map(k => this.displayCodes()[picture.code(3 * pixel + k)])})`;
+      return row;
+    });
+    this.values.replaceChildren(make('tr', {}, ...head.map(text => make('th', {}, text))), ...rows);
+  }
+
+  errorText(picture, map, pixel) {
+    const value = picture.error(map.name, pixel);
+    return map.name.includes('flip') ? value.toFixed(3) : formatValue(Number(value.toPrecision(4)), 32);
+  }
+
+  // --- geometry ----------------------------------------------------------------------------------
+
+  resize() {
+    const width = this.stage.clientWidth, { spec } = this, most = Math.max(320, window.innerHeight * .72);
+    const height = Math.max(Math.round(spec.height * this.fittingScale(width, most)), 240);
+    const ratio = window.devicePixelRatio || 1;
+    if (this.cssWidth === width && this.cssHeight === height && this.ratio === ratio) return;
+    Object.assign(this, { cssWidth: width, cssHeight: height, ratio });
+    this.canvas.style.height = `${height}px`;
+    this.canvas.width = Math.round(width * ratio);
+    this.canvas.height = Math.round(height * ratio);
+    if (this.isFitted) this.fit();
+    else this.draw();
+  }
+
+  // That of the whole picture; of small ones a whole number, so that their pixels stay even.
+  fittingScale(width, height) {
+    const scale = Math.min(width / this.spec.width, height / this.spec.height);
+    return scale > 1 ? Math.floor(scale) : scale;
+  }
+
+  fit() {
+    this.scale = this.fittingScale(this.cssWidth, this.cssHeight);
+    this.centre = { x: this.spec.width / 2, y: this.spec.height / 2 };
+    this.isFitted = true;
+    this.draw();
+  }
+
+  setScale(scale, anchor) {
+    const fixed = anchor || this.centre, old = this.scale;
+    this.scale = Math.min(Math.max(scale, SCALE_MIN), SCALE_MAX);
+    // The point under the cursor stays where it is.
+    this.moveTo(fixed.x + (this.centre.x - fixed.x) * old / this.scale, fixed.y + (this.centre.y - fixed.y) * old / this.scale);
+  }
+
+  zoom(factor, anchor) {
+    this.setScale(this.scale * factor, anchor);
+  }
+
+  moveTo(x, y) {
+    this.centre = { x: Math.min(Math.max(x, 0), this.spec.width), y: Math.min(Math.max(y, 0), this.spec.height) };
+    this.isFitted = false;
+    this.draw();
+  }
+
+  // The picture's upper left corner on the canvas, in CSS pixels.
+  corner() {
+    return { x: this.cssWidth / 2 - this.centre.x * this.scale, y: this.cssHeight / 2 - this.centre.y * this.scale };
+  }
+
+  // Where in the picture an event is, in pixels.
+  placeOf(event) {
+    const box = this.canvas.getBoundingClientRect(), corner = this.corner();
+    return { x: (event.clientX - box.left - corner.x) / this.scale, y: (event.clientY - box.top - corner.y) / this.scale };
+  }
+
+  draw() {
+    if (this.isDrawing || this.scale === undefined) return;
+    this.isDrawing = true;
+    requestAnimationFrame(() => { this.isDrawing = false; this.drawNow(); });
+  }
+
+  drawNow() {
+    const context = this.canvas.getContext('2d'), { scale, ratio, spec } = this, corner = this.corner();
+    this.zoomText.value = scale >= 1 ? `${Number(scale.toPrecision(3))}\u00d7` : `${Math.round(scale * 100)} %`;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    context.setTransform(ratio, 0, 0, ratio, corner.x * ratio, corner.y * ratio);
+    context.imageSmoothingEnabled = scale * ratio < 1;
+    context.imageSmoothingQuality = 'high';
+    const place = [0, 0, spec.width * scale, spec.height * scale];
+    context.drawImage(this.pictures[this.current].painted(this.mode), ...place);
+    if (this.isSplit) {
+      const x = this.divider.value * this.cssWidth - corner.x;
+      context.save();
+      context.beginPath();
+      context.rect(x, -corner.y, this.cssWidth, this.cssHeight);
+      context.clip();
+      context.fillStyle = '#0c0e10';
+      context.fillRect(...place);
+      context.drawImage(this.reference.painted('light'), ...place);
+      context.restore();
+      context.fillStyle = '#fff';
+      context.fillRect(x - 1, -corner.y, 2, this.cssHeight);
+    }
+    this.crops.forEach((crop, i) => this.drawRectangle(context, crop, figures.COLORS[i % figures.COLORS.length], 2.5));
+    if (this.drawn) this.drawRectangle(context, this.drawn, '#ffffff', 1.5);
+    if (this.cursor && scale >= 6) this.drawRectangle(context, Object.assign({ width: 1, height: 1 }, this.cursor), '#ffffff', 1);
+  }
+
+  // White below, so that it is seen on everything.
+  drawRectangle(context, r, color, width) {
+    const s = this.scale;
+    for (const [style, line] of [['rgba(255,255,255,.85)', width + 1.5], [color, width]]) {
+      context.strokeStyle = style;
+      context.lineWidth = line;
+      context.strokeRect(r.x * s, r.y * s, r.width * s, r.height * s);
+    }
+  }
+
+  // --- pointer and keys --------------------------------------------------------------------------
+
+  pointerDown(event) {
+    this.canvas.focus({ preventScroll: true });
+    this.canvas.setPointerCapture(event.pointerId);
+    this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    const isCrop = (this.isCropping || event.shiftKey) && this.pointers.size === 1;
+    this.dragged = isCrop ? { from: this.placeOf(event) } : null;
+    this.canvas.classList.toggle('moving', !isCrop);
+  }
+
+  pointerMove(event) {
+    const before = this.pointers.get(event.pointerId), place = this.placeOf(event);
+    const x = Math.floor(place.x), y = Math.floor(place.y);
+    if (x >= 0 && y >= 0 && x < this.spec.width && y < this.spec.height) this.setCursor(x, y);
+    if (!before) return;
+    const now = { x: event.clientX, y: event.clientY };
+    if (this.dragged) {
+      this.drawn = this.rectangle(this.dragged.from, place);
+      this.draw();
+    } else if (this.pointers.size === 1) {
+      this.moveTo(this.centre.x - (now.x - before.x) / this.scale, this.centre.y - (now.y - before.y) / this.scale);
+    } else { // two fingers
+      const other = Array.from(this.pointers).find(([id]) => id !== event.pointerId)[1];
+      const distance = p => Math.hypot(p.x - other.x, p.y - other.y);
+      if (distance(before) > 0) this.zoom(distance(now) / distance(before), place);
+    }
+    this.pointers.set(event.pointerId, now);
+  }
+
+  pointerUp(event) {
+    this.pointers.delete(event.pointerId);
+    this.canvas.classList.remove('moving');
+    if (this.drawn && this.drawn.width > 1 && this.drawn.height > 1) this.addCrop(this.drawn);
+    this.dragged = this.drawn = null;
+    this.draw();
+  }
+
+  setCursor(x, y) {
+    if (this.cursor && this.cursor.x === x && this.cursor.y === y) return;
+    this.cursor = { x, y };
+    this.updateValues();
+    this.draw();
+  }
+
+  moveCursor(dx, dy) {
+    const at = this.cursor || { x: Math.floor(this.centre.x), y: Math.floor(this.centre.y) };
+    this.setCursor(Math.min(Math.max(at.x + dx, 0), this.spec.width - 1), Math.min(Math.max(at.y + dy, 0), this.spec.height - 1));
+  }
+
+  // Returns whether the key meant something.
+  key(event) {
+    const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (arrow) {
+      if (document.activeElement !== this.canvas) return false; // the page scrolls
+      const step = 48 / this.scale;
+      if (event.shiftKey) this.moveTo(this.centre.x + arrow[0] * step, this.centre.y + arrow[1] * step);
+      else this.moveCursor(...arrow);
+      return true;
+    }
+    const modes = Array.from(this.modeBox.options, o => o.value);
+    const actions = {
+      m: () => this.setMode(modes[(modes.indexOf(this.mode) + 1) % modes.length]),
+      e: () => this.setExposure(this.exposure + .5),
+      E: () => this.setExposure(this.exposure - .5),
+      '+': () => this.zoom(2), '=': () => this.zoom(2), '-': () => this.zoom(.5), 0: () => this.setScale(1), f: () => this.fit(),
+      s: () => this.setSplit(!this.isSplit),
+      c: () => this.setCropping(!this.isCropping),
+      Escape: () => this.setCropping(false),
+    };
+    if (event.key >= '1' && event.key <= '9') this.show(Number(event.key) - 1);
+    else if (event.key === 'Enter' && this.isCropping && document.activeElement === this.canvas) this.cropHere();
+    else if (actions[event.key]) actions[event.key]();
+    else return false;
+    return true;
+  }
+
+  // --- crops -------------------------------------------------------------------------------------
+
+  // Whole pixels inside of the picture.
+  rectangle(a, b) {
+    const limit = (value, most) => Math.min(Math.max(Math.round(value), 0), most);
+    const x = [a.x, b.x].map(v => limit(v, this.spec.width)), y = [a.y, b.y].map(v => limit(v, this.spec.height));
+    return { x: Math.min(...x), y: Math.min(...y), width: Math.abs(x[1] - x[0]), height: Math.abs(y[1] - y[0]) };
+  }
+
+  addCrop(crop) {
+    this.areCropsChosen = true;
+    this.crops.push(crop);
+    if (this.crops.length > CROPS_MAX) this.crops.shift();
+    this.updateAll();
+  }
+
+  // An eighth of the width, around the pixel or the middle of what is seen.
+  cropHere() {
+    const size = Math.max(Math.round(this.spec.width / 8), 2), at = this.cursor || this.centre;
+    this.addCrop(this.rectangle({ x: at.x - size / 2, y: at.y - size / 2 }, { x: at.x + size / 2, y: at.y + size / 2 }));
+  }
+
+  // At first: where the pictures' relative errors are greatest, in two places apart.
+  chooseCrops() {
+    const { width, height } = this.spec, size = Math.max(Math.round(Math.min(width, height) / 5), 2);
+    const columns = Math.floor(width / size), rows = Math.floor(height / size);
+    const others = this.pictures.filter(p => !p.isReference), blocks = [];
+    for (let j = 0; j < rows; j++)
+      for (let i = 0; i < columns; i++) {
+        let sum = 0;
+        for (let y = j * size; y < (j + 1) * size; y++)
+          for (let x = i * size; x < (i + 1) * size; x++)
+            for (const picture of others) sum += Math.min(picture.error('relative', y * width + x) || 0, 1);
+        blocks.push({ x: i * size, y: j * size, width: size, height: size, sum });
+      }
+    blocks.sort((a, b) => b.sum - a.sum);
+    const first = blocks[0];
+    const second = blocks.find(b => first && Math.abs(b.x - first.x) + Math.abs(b.y - first.y) > 2 * size);
+    this.crops = [first, second].filter(Boolean).map(({ x, y, width: w, height: h }) => ({ x, y, width: w, height: h }));
+  }
+
+  updateCrops() {
+    this.cropHead.textContent = this.areCropsChosen || !this.crops.length ? 'Crops' : 'Crops, where errors are greatest';
+    const rows = this.crops.map((crop, i) => {
+      const box = key => make('td', {}, make('input', { type: 'number', min: 0, value: crop[key], 'aria-label': `${key} of crop ${i + 1}`,
+        onchange: event => {
+          const changed = Object.assign({}, crop, { [key]: Math.round(Number(event.target.value)) || 0 });
+          this.crops[i] = this.rectangle(changed, { x: changed.x + Math.max(changed.width, 1), y: changed.y + Math.max(changed.height, 1) });
+          this.areCropsChosen = true;
+          this.updateAll();
+        } }));
+      const swatch = make('span', { className: 'viewer-swatch' });
+      swatch.style.background = figures.COLORS[i % figures.COLORS.length];
+      return make('tr', {}, make('th', {}, swatch, String(i + 1)), box('x'), box('y'), box('width'), box('height'),
+        make('td', {}, figures.button('\u00d7', 'Remove this crop', () => { this.crops.splice(i, 1); this.areCropsChosen = true; this.updateAll(); })));
+    });
+    const head = ['', 'x', 'y', 'width', 'height', ''].map(text => make('th', {}, text));
+    this.cropList.replaceChildren(make('tr', {}, ...head), ...rows);
+    if (!rows.length)
+      this.cropList.replaceChildren(make('tr', {}, make('th', {}, 'None: press Crop and drag over the picture.')));
+  }
+}
+
+// --- the page ------------------------------------------------------------------------------------
+
+document.addEventListener('DOMContentLoaded', async () => {
+  const viewers = Array.from(document.querySelectorAll('.viewer'), root => new Viewer(root));
+  let last = viewers[0];
+  document.addEventListener('keydown', event => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches('input, select, textarea')) return;
+    if (last && last.canvas && last.key(event)) event.preventDefault();
+  });
+  for (const viewer of viewers) {
+    for (const name of ['pointerenter', 'focusin']) viewer.root.addEventListener(name, () => { last = viewer; });
+    try {
+      await viewer.begin();
+    } catch (error) {
+      viewer.root.prepend(make('p', { className: 'note' }, `The pictures cannot be shown: ${error.message}`));
+      viewer.root.dataset.ready = 'failed';
+    }
+  }
+});
