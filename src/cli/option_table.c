@@ -274,9 +274,17 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_RENDER | FOR_CONVERGE, .fallback = "auto; of render, none",
         .common = FOR_CONVERGE, .brief = "The image that errors are taken against.",
         .help = "What errors are taken against: a picture (its own noise is subtracted where it "
-                "has the layers of --aov halves), one made now with a hundred times the samples, "
-                "or none: the half-buffers then tell the error, and no bias. render takes a "
-                "picture only.",
+                "has the layers of --aov halves or variance), one made now with a hundred times the "
+                "samples, which is announced with its cost, or none: the half-buffers then tell the "
+                "error, and no bias. render takes a picture only.",
+        FIELD(reference),
+    },
+    [OPTION_REFERENCE_FROM] = {
+        .name = "reference-from", .argument = "FILE", .type = VALUE_TEXT, .group = "Curves",
+        .commands = FOR_CONVERGE, .fallback = "--reference",
+        .help = "The reference from a file of an earlier run (--images keeps it) or of another renderer, of "
+                "the scene's size. Its own noise is subtracted where it has layers half_a and half_b, "
+                "or variance, the variance of each value; else it is said to be unknown.",
         FIELD(reference),
     },
     [OPTION_VARY] = {

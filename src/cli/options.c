@@ -189,6 +189,7 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_EXPLAIN, OPTION_PIXEL, false},
         {OPTION_TEV, OPTION_PIXEL, false},
         {OPTION_REFERENCE, OPTION_PIXEL, false},
+        {OPTION_REFERENCE, OPTION_REFERENCE_FROM, false},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
         const char *name = option_table[rules[i].id].name;

@@ -131,12 +131,35 @@ static const char *distrust(const char *path, struct arena *arena)
     return NULL;
 }
 
+// Sets the noise by the layer `variance`, where there is one that knows of all pixels. False only
+// where asked to stop.
+static bool read_variance(const char *path, const struct progress *progress, struct arena *arena,
+                          struct reference *out, struct err *err)
+{
+    const struct image_read_params params = {
+        .path = path, .layer = "variance", .progress = progress};
+    struct image variance;
+    struct err none = {0};
+    if (!image_read(&params, arena, &variance, &none)) {
+        *err = none.code == ERR_STOPPED ? none : *err;
+        return none.code != ERR_STOPPED;
+    }
+    const char *reason = distrust(path, arena);
+    if (reason)
+        out->reason = reason;
+    else if (!reference_set_variance(out, path, (const float(*)[3])variance.pixels, &none))
+        out->reason = "its layer variance has values that are no variance";
+    return true;
+}
+
 bool reference_read(const char *path, const struct progress *progress, struct arena *arena,
                     struct reference *out, struct err *err)
 {
     static const char *const layers[2] = {"half_a", "half_b"};
     struct image halves[2];
-    *out = (struct reference){.reason = "it has no layers half_a and half_b (--aov halves)"};
+    *out = (struct reference){
+        .reason =
+            "it has no layers half_a and half_b, nor variance (--aov halves, --aov variance)"};
     struct image_read_params params = {.path = path, .progress = progress};
     if (!image_read(&params, arena, &out->image, err) ||
         !reference_find_means(out, progress, arena, err))
@@ -144,10 +167,12 @@ bool reference_read(const char *path, const struct progress *progress, struct ar
     for (int h = 0; h < 2; h++) {
         struct err none = {0};
         params.layer = layers[h];
-        if (!image_read(&params, arena, &halves[h], &none)) {
-            *err = none.code == ERR_STOPPED ? none : *err;
-            return none.code != ERR_STOPPED;
-        }
+        if (image_read(&params, arena, &halves[h], &none))
+            continue;
+        if (none.code != ERR_STOPPED)
+            return read_variance(path, progress, arena, out, err);
+        *err = none;
+        return false;
     }
     const char *reason = distrust(path, arena);
     if (reason)

@@ -18,9 +18,9 @@ struct reference {
     const char *reason; // why not; NULL where known
 };
 
-// Reads a picture, and, of an EXR file with the layers half_a and half_b (--aov halves), its noise;
-// finds its means. Pixels live in `arena`. That its noise is not known is no failure; ERR_STOPPED
-// where `progress`, which may be NULL, asks to stop.
+// Reads a picture, and its noise, of an EXR file with the layers half_a and half_b (--aov halves)
+// or variance (--aov variance, of each value); finds its means. Pixels live in `arena`. That its
+// noise is not known is no failure; ERR_STOPPED where `progress`, which may be NULL, asks to stop.
 bool reference_read(const char *path, const struct progress *progress, struct arena *arena,
                     struct reference *out, struct err *err);
 

@@ -201,8 +201,8 @@ bool html_plot(struct html_page *page, const char *name, const char *script, str
 
 // --- pictures ------------------------------------------------------------------------------------
 
-bool html_picture(struct html_page *page, const char *name, const struct image *image,
-                  const char *attributes, struct err *err)
+static bool encode(struct html_page *page, const char *name, const struct image *image,
+                   uint8_t **png, size_t *size, struct err *err)
 {
     const struct image_write_params params = {
         .path = "a picture.png",
@@ -210,15 +210,29 @@ bool html_picture(struct html_page *page, const char *name, const struct image *
         .exposure_stops = page->exposure_stops,
         .tone = page->tone,
     };
+    return image_encode(&params, page->arena, png, size, err) &&
+           keep_part(page, name, "png", *png, *size, err);
+}
+
+bool html_picture(struct html_page *page, const char *name, const struct image *image,
+                  const char *attributes, struct err *err)
+{
     uint8_t *png;
     size_t size;
-    if (!image_encode(&params, page->arena, &png, &size, err) ||
-        !keep_part(page, name, "png", png, size, err))
+    if (!encode(page, name, image, &png, &size, err))
         return false;
     fprintf(page->out, "<img %s src=\"data:image/png;base64,", attributes);
     html_base64(page, png, size);
     fputs("\">", page->out);
     return true;
+}
+
+bool html_keep_picture(struct html_page *page, const char *name, const struct image *image,
+                       struct err *err)
+{
+    uint8_t *png;
+    size_t size;
+    return !page->keeps_parts || encode(page, name, image, &png, &size, err);
 }
 
 // --- the machine ---------------------------------------------------------------------------------

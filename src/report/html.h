@@ -53,19 +53,12 @@ void html_plot_words(FILE *script, const char *text);
 // where parts are kept, NAME.png.
 bool html_picture(struct html_page *page, const char *name, const struct image *image,
                   const char *attributes, struct err *err);
-// False colours of relative differences, as metrics_difference_picture has them: the picture, in
-// fewer colours, so that the page stays small, and the scale that tells what they mean.
-bool html_difference(struct html_page *page, const char *name, const struct image *image,
-                     const struct image *reference, const char *attributes, struct err *err);
-bool html_difference_scale(struct html_page *page, struct err *err);
-// Two of the page's pictures, one above the other with a slider between them: which ones is chosen
-// from `count` pictures by their ids and labels; at first that is number 0 on the left and number
-// `right` on the right. They are shown `width` pixels wide.
-struct html_choice {
-    const char *id, *label;
-};
-void html_slider(struct html_page *page, const struct html_choice *choices, uint32_t count,
-                 uint32_t right, uint32_t width);
+// Where parts are kept, writes a picture beside the page, NAME.png; and false colours of relative
+// differences, as metrics_difference_picture has them, in fewer colours.
+bool html_keep_picture(struct html_page *page, const char *name, const struct image *image,
+                       struct err *err);
+bool html_keep_difference(struct html_page *page, const char *name, const struct image *image,
+                          const struct image *reference, struct err *err);
 // The machine, the device and its driver, our version and the command that was given.
 void html_machine(struct html_page *page, const struct gpu *gpu, const char *command);
 

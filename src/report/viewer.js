@@ -191,7 +191,7 @@ class Viewer {
     this.hasFlip = this.spec.pictures.some(entry => 'flip' in entry.sums);
     this.current = 0;
     this.mode = 'light';
-    this.exposure = this.spec.exposure;
+    this.exposure = Number(this.spec.exposure.toPrecision(4)); // a float's, in few digits
     this.tone = this.spec.tone;
     this.isSplit = false;
     this.isCropping = false;
@@ -330,7 +330,7 @@ class Viewer {
   }
 
   setExposure(stops) {
-    this.exposure = Math.min(Math.max(stops, -30), 30);
+    this.exposure = Number(Math.min(Math.max(stops, -30), 30).toPrecision(4));
     this.updateAll();
   }
 

@@ -38,7 +38,8 @@ class Axis {
   }
 
   ticks() {
-    return this.isLog ? logTicks(this.low, this.high) : evenTicks(this.low, this.high);
+    const ticks = this.isLog ? logTicks(this.low, this.high) : [];
+    return ticks.length > 1 ? ticks : evenTicks(this.low, this.high); // short ranges are almost even
   }
 
   label(value) {

@@ -159,9 +159,27 @@ class Converge(unittest.TestCase):
             self.assertEqual((reference['name'], reference['spp']), (path, 0))
             self.assertTrue(0 < reference['own_local_relmse'] < reference['own_relmse'] < 1e-3,
                             reference)
-            wrong = run('converge', SCENE, '--size', '13x12', '--reference', path)
+            # The variance of each value tells the same; without either it is said to be unknown.
+            for aov, noise in (('variance', reference['own_local_relmse']), ('albedo', None)):
+                other = os.path.join(folder, aov + '.exr')
+                made = run('render', SCENE, '--size', '12x12', '--spp', '2000', '--seed', '9',
+                           '--aov', aov, '-o', other)
+                self.assertEqual(made.returncode, 0, made.stderr)
+                told = run('converge', SCENE, '--size', '12x12', '--spp-from', '4', '--spp', '8',
+                           '--replicates', '2', '--json', '--reference-from', other)
+                self.assertEqual('its own noise is unknown' in told.stderr, noise is None)
+                self.assertEqual(json.loads(told.stdout)['references'][0]['own_local_relmse'], noise)
+            wrong = run('converge', SCENE, '--size', '13x12', '--reference-from', path)
             self.assertEqual(wrong.returncode, 2)
             self.assertIn('is 12 x 12 pixels, but', wrong.stderr)
+
+    def test_the_cost_of_a_reference_is_said_before(self):
+        result = run('converge', SCENE, '--size', '8x8', '--spp-from', '2', '--spp', '4', '--replicates', '2')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, r'the reference takes 400 samples a pixel, 100 times those of '
+                                        r'the longest curve; expected time about [\d.e-]+ s\. ')
+        quiet = run('converge', SCENE, '--size', '8x8', '--spp-from', '2', '--spp', '4', '--replicates', '2', '-q')
+        self.assertEqual((quiet.returncode, quiet.stderr), (0, ''))
 
     def test_points_at_times(self):
         result = converge_at_times('0.02,0.04,0.08', '--vary', 'sampler=pcg,stratified')
@@ -215,7 +233,7 @@ class Report(unittest.TestCase):
             converge('--vary', 'sampler=sobol,stratified', '--replicates', '3', '--report', report)
             with open(os.path.join(report, 'report.html'), encoding='utf-8') as file:
                 page = file.read()
-            for part in ('sampler=stratified', 'data:image/png;base64,', '<table>'):
+            for part in ('sampler=stratified', 'id="pixels-0-0-0">', '<table>'):
                 self.assertIn(part, page)
             for part in ('src="http', ' href="', '@import', 'url('):
                 self.assertFalse(part in page, part)
@@ -296,6 +314,8 @@ class Report(unittest.TestCase):
                 (('--times', '0'), '0.001'), (('--images',), '--images needs --report'),
                 (('--replicates', '1'), 'outside [2, 4096]'), (('--curve', 'mis'), 'KEY=VALUE'),
                 (('--reference', '/nonexistent.exr'), '/nonexistent.exr'),
+                (('--reference-from', 'auto'), 'auto: No such file'),
+                (('--reference-from', 'a.exr', '--reference', 'none'), 'exclude each other'),
                 (('--reference', SCENE), 'no picture that can be read'),
                 (('--vary', 'max-bounces=1,x'), '"x"'),
                 (('--spp', '1G', '--spp-from', '1G'), '100 times the samples')):

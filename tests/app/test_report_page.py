@@ -243,5 +243,32 @@ class Page(unittest.TestCase):
         self.assertIn(b' Tj ET', words)
 
 
+class Others(unittest.TestCase):
+    """The viewer inside of the reports of converge and bench, and their plots."""
+
+    def look(self, command, pictures, *arguments):
+        scene = os.path.join(os.environ['LAMPYRIS_SOURCE_ROOT'], 'scenes', 'cornell.json')
+        with tempfile.TemporaryDirectory() as folder:
+            out = program.checked(LAMPYRIS, command, scene, '--size', '12x8', *arguments, '--report', folder)
+            self.assertIn(f'wrote   {folder}/report.html', out)
+            for width in (1200, 800):
+                with Browser(width, 900) as browser:
+                    browser.open(os.path.join(folder, 'report.html'))
+                    browser.wait('document.querySelector(".viewer").dataset.ready === "true"')
+                    self.assertEqual(browser.run('document.querySelectorAll(".viewer-tabs button").length'), pictures)
+                    # Nothing is wider than the window, and what scrolls says so by its scroll bar.
+                    self.assertEqual(browser.run('document.documentElement.scrollWidth'), width)
+                    browser.click('figure.plot button:nth-of-type(2)')
+                    name = browser.run('document.querySelector("figure.plot").dataset.name')
+                    Page.check_pdf(self, browser.download(name + '.pdf'))
+                    self.assertEqual(browser.complaints(), [])
+
+    def test_converge(self):
+        self.look('converge', 3, '--spp-from', '2', '--spp', '4', '--replicates', '2', '--vary', 'sampler=sobol,pcg')
+
+    def test_bench(self):
+        self.look('bench', 2, '--sweep', 'max-bounces=1,2', '--repeats', '2', '--spp', '1')
+
+
 if __name__ == '__main__':
     unittest.main()

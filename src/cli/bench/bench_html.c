@@ -2,7 +2,7 @@
 #include "cli/bench/bench.h"
 
 #include "cli/bench/bench_chart.h"
-#include "report/html.h"
+#include "report/html_viewer.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -93,13 +93,59 @@ static void put_rows(struct page *page, const struct bench_variant *v)
     FILE *out = page->html.out;
     fputs("<h3>", out);
     html_text(&page->html, bench_label(v));
-    fputs("</h3>\n<table><tr><th></th><th>ms</th><th>% of the frame</th><th>launches</th><th>items"
+    fputs("</h3>\n<div class=\"wide\"><table><tr><th></th><th>ms</th><th>% of the "
+          "frame</th><th>launches</th><th>items"
           "</th><th>M/s</th><th>bytes an item</th><th>nodes</th><th>primitives</th><th>GB/s</th>"
           "<th>speed</th></tr>\n",
           out);
     for (uint32_t i = 0; i < v->row_count; i++)
         put_row(page, v, &v->rows[i]);
-    fputs("</table>\n", out);
+    fputs("</table></div>\n", out);
+}
+
+// --- pictures ------------------------------------------------------------------------------------
+
+// Whether the variant's picture is there, of the first one's size, and no earlier variant's.
+static bool is_shown(const struct bench_variant *first, uint32_t index)
+{
+    const struct bench_variant *v = first + index;
+    const struct film_image *film = &v->job.film;
+    if (!v->image_hash || !film->mean || film->width != first->job.film.width ||
+        film->height != first->job.film.height)
+        return false;
+    for (uint32_t i = 0; i < index; i++)
+        if (variants_share_picture(&first[i].variant, &v->variant))
+            return false;
+    return true;
+}
+
+// The last repetition's pictures, one for variants that make the same.
+static bool put_pictures(struct page *page, const struct bench_variant *first, uint32_t count,
+                         struct err *err)
+{
+    const struct settings *settings = &first->scene_data.settings;
+    struct html_viewer_params params = {
+        .width = first->job.film.width,
+        .height = first->job.film.height,
+        .exposure_stops = settings->exposure,
+        .tone = settings->tone_curve,
+    };
+    for (uint32_t i = 0; i < count; i++)
+        params.count += is_shown(first, i);
+    if (params.count == 0)
+        return true;
+    struct html_viewer viewer;
+    fprintf(page->html.out, "<h3>Picture%s</h3>\n", params.count > 1 ? "s" : "");
+    bool ok = html_viewer_begin(&page->html, &params, &viewer, err);
+    for (uint32_t i = 0; i < count && ok; i++) {
+        const struct html_viewer_picture picture = {
+            .label = bench_label(&first[i]),
+            .title = bench_label(&first[i]),
+            .pixels = (const float(*)[3])first[i].job.film.mean,
+        };
+        ok = !is_shown(first, i) || html_viewer_add(&viewer, &picture, err);
+    }
+    return html_viewer_end(&viewer, ok, err);
 }
 
 static bool put_scene(struct page *page, const struct bench_variant *first, struct err *err)
@@ -117,16 +163,17 @@ static bool put_scene(struct page *page, const struct bench_variant *first, stru
             s->width, s->height, (uint64_t)s->spp);
     if (!bench_put_charts(&page->html, b, first, count, err))
         return false;
-    fputs("</div>\n<table><tr><th>variant</th><th>ms a frame</th><th>frames/s</th><th>Msamples/s"
+    fputs("</div>\n<div class=\"wide\"><table><tr><th>variant</th><th>ms a "
+          "frame</th><th>frames/s</th><th>Msamples/s"
           "</th><th>Mrays/s</th><th>speed to the first</th><th></th><th>load s</th><th>BVH</th>"
           "<th>upload</th><th>compile</th><th>SAH cost</th><th>MiB</th><th>picture</th></tr>\n",
           out);
     for (uint32_t i = 0; i < count; i++)
         put_variant(page, first + i);
-    fputs("</table>\n", out);
+    fputs("</table></div>\n", out);
     for (uint32_t i = 0; i < count; i++)
         put_rows(page, first + i);
-    return true;
+    return put_pictures(page, first, count, err);
 }
 
 static void put_changes(struct page *page)
@@ -137,7 +184,8 @@ static void put_changes(struct page *page)
         return;
     fputs("<h2>Since ", out);
     html_text(&page->html, b->options->bench.baseline);
-    fputs("</h2>\n<table><tr><th></th><th>variant</th><th>ms before</th><th>now</th><th>ratio of "
+    fputs("</h2>\n<div class=\"wide\"><table><tr><th></th><th>variant</th><th>ms "
+          "before</th><th>now</th><th>ratio of "
           "times</th><th></th></tr>\n",
           out);
     for (uint32_t i = 0; i < b->change_count; i++) {
@@ -150,11 +198,12 @@ static void put_changes(struct page *page)
         html_interval(&page->html, c->ratio, "%.3f");
         fprintf(out, "<td>%s</td></tr>\n", bench_change_word(c));
     }
-    fprintf(out,
-            "</table>\n<p>The intervals hold for all rows at once: in at most %.0f runs of 100 "
-            "anything is called slower or faster that is not, on a machine as busy as it was. "
-            "What changes by less than %.0f %% is not told.</p>\n",
-            100.0 * BENCH_FALSE_ALARMS, 100.0 * (BENCH_FLOOR - 1));
+    fprintf(
+        out,
+        "</table></div>\n<p>The intervals hold for all rows at once: in at most %.0f runs of 100 "
+        "anything is called slower or faster that is not, on a machine as busy as it was. "
+        "What changes by less than %.0f %% is not told.</p>\n",
+        100.0 * BENCH_FALSE_ALARMS, 100.0 * (BENCH_FLOOR - 1));
 }
 
 static void put_explanation(struct page *page)

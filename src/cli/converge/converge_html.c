@@ -1,7 +1,7 @@
 // The report for people: one file that needs no network, with plots, tables and pictures.
 #include "cli/converge/converge.h"
 
-#include "report/html.h"
+#include "report/html_viewer.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -31,90 +31,73 @@ static bool put_plot(struct page *page, uint32_t scene, bool over_time, struct e
 
 // --- pictures ------------------------------------------------------------------------------------
 
-static bool put_reference(struct page *page, uint32_t scene, struct err *err)
+static bool put_reference(struct page *page, struct html_viewer *viewer, uint32_t scene,
+                          struct err *err)
 {
     const struct converge_reference *reference = &page->c->references[scene];
     if (!reference->name)
         return true;
     const char *name = arena_printf(page->html.arena, "reference-%u", scene);
-    const char *attributes = arena_printf(page->html.arena, "id=\"reference-%u\" alt=\"\"", scene);
-    if (!name || !attributes)
+    const struct html_viewer_picture picture = {
+        .label = "reference",
+        .title = reference->name,
+        .pixels = (const float(*)[3])reference->picture.image.pixels,
+        .is_reference = true,
+    };
+    if (!name)
         return err_memory(err, "file names", 0);
-    fputs("<figure><figcaption>reference</figcaption>", page->html.out);
-    if (!html_picture(&page->html, name, &reference->picture.image, attributes, err))
-        return false;
-    fputs("</figure>\n", page->html.out);
-    return true;
+    return html_keep_picture(&page->html, name, &reference->picture.image, err) &&
+           html_viewer_add(viewer, &picture, err);
 }
 
-static bool put_picture(struct page *page, uint32_t index, struct err *err)
+static bool put_picture(struct page *page, struct html_viewer *viewer, uint32_t index,
+                        struct err *err)
 {
     const struct converge_curve *curve = &page->c->curves[index];
     const struct converge_reference *reference = &page->c->references[curve->variant.scene];
     const struct settings *settings = &curve->scene_data.settings;
     const struct image image = {settings->width, settings->height, curve->pictures[0]};
-    struct arena *arena = page->html.arena;
-    const char *name = arena_printf(arena, "curve-%u", index);
-    const char *map = arena_printf(arena, "curve-%u-error", index);
-    const char *attributes = arena_printf(arena, "id=\"curve-%u\" alt=\"\"", index);
-    const char *map_attributes = arena_printf(arena, "id=\"curve-%u-error\" alt=\"\"", index);
-    if (!name || !map || !attributes || !map_attributes)
+    const struct converge_point *last = &curve->points[page->c->point_count - 1];
+    const char *name = arena_printf(page->html.arena, "curve-%u", index);
+    const char *map = arena_printf(page->html.arena, "curve-%u-error", index);
+    const struct html_viewer_picture picture = {
+        .label = converge_label(curve),
+        .title = converge_label(curve),
+        .pixels = (const float(*)[3])image.pixels,
+    };
+    if (!name || !map)
         return err_memory(err, "file names", 0);
-    fputs("<figure><figcaption>", page->html.out);
-    html_text(&page->html, converge_label(curve));
-    fputs("</figcaption>", page->html.out);
-    if (!html_picture(&page->html, name, &image, attributes, err) ||
-        (reference->name && !html_difference(&page->html, map, &image, &reference->picture.image,
-                                             map_attributes, err)))
+    if (!html_keep_picture(&page->html, name, &image, err) ||
+        (reference->name &&
+         !html_keep_difference(&page->html, map, &image, &reference->picture.image, err)) ||
+        !html_viewer_add(viewer, &picture, err))
         return false;
-    fputs("</figure>\n", page->html.out);
-    return true;
-}
-
-// The slider's choice: the reference and the curves, then the maps.
-static bool put_slider(struct page *page, uint32_t first, uint32_t count, struct err *err)
-{
-    const struct converge *c = page->c;
-    const struct settings *settings = &c->curves[first].scene_data.settings;
-    struct arena *arena = page->html.arena;
-    uint32_t scene = c->curves[first].variant.scene, used = 0;
-    bool has_reference = c->references[scene].name != NULL;
-    struct html_choice *choices = ARENA_NEW(arena, struct html_choice, 2 * (size_t)count + 1);
-    if (!choices)
-        return err_memory(err, "pictures", count);
-    for (uint32_t i = 0; i < count; i++)
-        choices[used++] = (struct html_choice){arena_printf(arena, "curve-%u", first + i),
-                                               converge_label(&c->curves[first + i])};
-    if (has_reference)
-        choices[used++] =
-            (struct html_choice){arena_printf(arena, "reference-%u", scene), "reference"};
-    for (uint32_t i = 0; i < count && has_reference; i++)
-        choices[used++] = (struct html_choice){
-            arena_printf(arena, "curve-%u-error", first + i),
-            arena_printf(arena, "error of %s", converge_label(&c->curves[first + i]))};
-    for (uint32_t i = 0; i < used; i++)
-        if (!choices[i].id || !choices[i].label)
-            return err_memory(err, "pictures", used);
-    uint32_t times = settings->width < 512 ? 512 / settings->width : 1;
-    html_slider(&page->html, choices, used, has_reference ? count : used - 1,
-                times * settings->width);
+    html_viewer_figure(viewer, "local relMSE", last->metric[CONVERGE_LOCAL_RELMSE]);
+    html_viewer_figure(viewer, "relMSE", last->metric[CONVERGE_RELMSE]);
+    html_viewer_figure(viewer, "MSE", last->metric[CONVERGE_MSE]);
     return true;
 }
 
 static bool put_pictures(struct page *page, uint32_t scene, uint32_t first, uint32_t count,
                          struct err *err)
 {
-    fputs("<h3>Pictures of the first replicate, and their errors</h3>\n", page->html.out);
-    if (page->c->references[scene].name && !html_difference_scale(&page->html, err))
-        return false;
-    fputs("<div class=\"pictures\">", page->html.out);
-    if (!put_reference(page, scene, err))
-        return false;
-    for (uint32_t i = 0; i < count; i++)
-        if (!put_picture(page, first + i, err))
-            return false;
-    fputs("</div>\n", page->html.out);
-    return put_slider(page, first, count, err);
+    const struct settings *settings = &page->c->curves[first].scene_data.settings;
+    const struct html_viewer_params params = {
+        .width = settings->width,
+        .height = settings->height,
+        .count = count + (page->c->references[scene].name != NULL),
+        .exposure_stops = page->html.exposure_stops,
+        .tone = page->html.tone,
+    };
+    struct html_viewer viewer;
+    fputs("<h3>Pictures of the first replicate</h3>\n<p>Numbers below the insets are of all "
+          "replicates.</p>\n",
+          page->html.out);
+    bool ok = html_viewer_begin(&page->html, &params, &viewer, err);
+    for (uint32_t i = 0; i < count && ok; i++)
+        ok = put_picture(page, &viewer, first + i, err);
+    ok = ok && put_reference(page, &viewer, scene, err);
+    return html_viewer_end(&viewer, ok, err);
 }
 
 // --- tables --------------------------------------------------------------------------------------

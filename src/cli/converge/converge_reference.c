@@ -24,6 +24,41 @@ static double longest_samples(const struct converge *c, uint32_t scene)
     return ceil(most);
 }
 
+// Shorter pilots know the speed to some tenths, which tells seconds from hours.
+#define PILOT_SECONDS 0.1
+
+static const char *duration(struct arena *arena, double seconds)
+{
+    if (seconds < 120)
+        return arena_printf(arena, "about %.2g s", seconds);
+    return seconds < 7200 ? arena_printf(arena, "about %.0f minutes", seconds / 60)
+                          : arena_printf(arena, "about %.1f hours", seconds / 3600);
+}
+
+// Says what the reference will cost, as soon as a pilot of it has told how fast it is. It is a note
+// that is told by default, for the longest part of the run begins with it.
+static bool announce(struct converge *c, uint32_t scene, struct job *job, struct err *err)
+{
+    const struct converge_reference *reference = &c->references[scene];
+    struct job_speed speed;
+    if (!job_warm_up(job, PILOT_SECONDS, &speed, err))
+        return false;
+    if (job->stopped)
+        return err_set(err, ERR_STOPPED, "stopped before the reference was rendered");
+    const char *time = "not known";
+    if (speed.seconds > 0 && speed.samples > 0)
+        time = duration(&c->arena, speed.seconds * (double)reference->spp / (double)speed.samples);
+    enum log_level level = c->options->log_level;
+    if (!c->options->quiet && level == LOG_WARN)
+        log_set_level(LOG_INFO);
+    log_info("%s: the reference takes %llu samples a pixel, %d times those of the longest curve; "
+             "expected time %s. --reference-from FILE takes one that is there",
+             c->options->arguments[scene], (unsigned long long)reference->spp, REFERENCE_FACTOR,
+             time ? time : "not known");
+    log_set_level(level);
+    return true;
+}
+
 static bool render(struct converge *c, uint32_t scene, struct err *err)
 {
     struct converge_reference *out = &c->references[scene];
@@ -34,10 +69,10 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
     if (samples > SETTINGS_SPP_MAX)
         return err_set(err, ERR_USAGE,
                        "--reference auto takes %d times the samples of a curve, here %.3g a pixel; "
-                       "expected at most %u, or --reference FILE",
+                       "expected at most %u, or --reference-from FILE",
                        REFERENCE_FACTOR, samples, (unsigned)SETTINGS_SPP_MAX);
     out->spp = (uint64_t)samples;
-    bool ok = converge_open(c, &curve, err);
+    bool ok = converge_open(c, &curve, err) && announce(c, scene, &curve.job, err);
     c->phase = "Reference";
     const struct job_step all = {.samples = out->spp, .to = 1.0};
     ok = ok &&
@@ -71,22 +106,24 @@ static bool read(struct converge *c, uint32_t scene, struct err *err)
             return false;
     }
     if (!out->picture.noise_known)
-        log_info("%s: %s: its own noise is not subtracted", out->name, out->picture.reason);
+        log_warn("%s: its own noise is unknown, and is part of the errors: %s", out->name,
+                 out->picture.reason);
     return true;
 }
 
 bool converge_reference(struct converge *c, struct err *err)
 {
     const char *name = c->options->reference ? c->options->reference : "auto";
+    bool is_file = options_given(c->options, OPTION_REFERENCE_FROM); // whatever its name
     uint32_t scenes = c->options->argument_count;
     c->references = ARENA_NEW(&c->arena, struct converge_reference, scenes);
     if (!c->references)
         return err_memory(err, "references", scenes * sizeof *c->references);
     for (uint32_t scene = 0; scene < scenes; scene++) {
-        if (strcmp(name, "none") == 0)
+        if (!is_file && strcmp(name, "none") == 0)
             continue;
         c->references[scene].name = name;
-        if (!(strcmp(name, "auto") == 0 ? render(c, scene, err) : read(c, scene, err)))
+        if (!(!is_file && strcmp(name, "auto") == 0 ? render(c, scene, err) : read(c, scene, err)))
             return false;
     }
     return true;
