@@ -1,9 +1,10 @@
-// One thread adds the samples of one pixel to the film, in ascending order and compensated, so that
-// neither the wave's size nor the number of samples changes what a sum is worth. For comparison
-// also in a plain sum or as a running mean, whose value depends on the number of samples.
+// One thread adds the samples of one pixel to the film, in sums that depend neither on their order
+// nor on how they are shared between waves and films. For comparison also in a plain sum or as a
+// running mean, in ascending order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/film_sums.glsl"
 #include "lib/halves.glsl"
 #include "lib/queue.glsl"
 #include "lib/radiance.glsl"
@@ -12,45 +13,64 @@ layout(std430, set = 0, binding = BINDING_FILM) buffer film_block {
     uvec4 film_words[];
 };
 
-struct compensated {
-    vec3 sum;
-    vec3 lost; // what the sum holds too much
-};
-
 const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 const uint PIXEL_WORDS = AOV_FILM_WORDS(AOVS);
 
-// Kahan 1965, "Further remarks on reducing truncation errors".
-void add(inout compensated c, vec3 value)
+// The sums of a half, or of what a class of --error-by brings to it.
+struct half_sums {
+    uvec4 bins[3];
+    uint digits;
+};
+
+// `at`: of gpu_film_pixel or of a class.
+half_sums load_half(uint at, uint number)
 {
-    precise vec3 y = value - c.lost;
-    precise vec3 t = c.sum + y;
-    precise vec3 lost = (t - c.sum) - y;
-    c.sum = t;
-    c.lost = lost;
+    uint sums = at + 1u + FILM_HALF_WORDS * number;
+    return half_sums(uvec4[3](film_words[sums], film_words[sums + 1u], film_words[sums + 2u]),
+                     film_words[at][2u + number]);
 }
 
-void add(inout vec4 sum, inout vec4 lost, vec4 value)
+void store_half(uint at, uint number, half_sums sums)
 {
-    precise vec4 y = value - lost;
-    precise vec4 t = sum + y;
-    precise vec4 rounded = (t - sum) - y;
-    sum = t;
-    lost = rounded;
+    for (uint c = 0u; c < 3u; c++)
+        film_words[at + 1u + FILM_HALF_WORDS * number + c] = sums.bins[c];
 }
 
-// Sample number `count` of a half, from 1.
-void accumulate(inout compensated c, vec3 value, uint count)
+void add(inout half_sums sums, vec3 value)
 {
-    if (ACCUMULATION == ACCUMULATION_SUM) {
-        precise vec3 sum = c.sum + value;
-        c.sum = sum;
-    } else if (ACCUMULATION == ACCUMULATION_RUNNING) {
-        precise vec3 mean = c.sum + (value - c.sum) / float(count);
-        c.sum = mean;
-    } else {
-        add(c, value);
+    for (uint c = 0u; c < 3u; c++) {
+        uint top = film_top_digit(sums.digits, c);
+        film_add(sums.bins[c], top, value[c]);
+        sums.digits |= film_digit_bit(value[c], c);
     }
+}
+
+// Adds to one of both.
+void add(inout half_sums halves[2], bool second, vec3 value)
+{
+    half_sums sums;
+    sums.digits = second ? halves[1].digits : halves[0].digits;
+    for (uint c = 0u; c < 3u; c++)
+        sums.bins[c] = second ? halves[1].bins[c] : halves[0].bins[c];
+    add(sums, value);
+    halves[0].digits = second ? halves[0].digits : sums.digits;
+    halves[1].digits = second ? sums.digits : halves[1].digits;
+    for (uint c = 0u; c < 3u; c++) {
+        halves[0].bins[c] = second ? halves[0].bins[c] : sums.bins[c];
+        halves[1].bins[c] = second ? sums.bins[c] : halves[1].bins[c];
+    }
+}
+
+// Sample number `count` of a half whose floats these are, from 1.
+void add_float(inout half_sums sums, vec3 value, uint count)
+{
+    vec3 before = vec3(uintBitsToFloat(sums.bins[0].x), uintBitsToFloat(sums.bins[1].x),
+                       uintBitsToFloat(sums.bins[2].x));
+    precise vec3 after = ACCUMULATION == ACCUMULATION_SUM
+                             ? before + value
+                             : before + (value - before) / float(count);
+    for (uint c = 0u; c < 3u; c++)
+        sums.bins[c].x = floatBitsToUint(after[c]);
 }
 
 // A word of the records of a sample's slots: their sum, in ascending order.
@@ -70,12 +90,23 @@ void add_aovs(uint item, uint at)
 {
     uint samples = 1u << push.sample_shift;
     for (uint word = 0u; word < SUM_WORDS; word++) {
-        vec4 sum = uintBitsToFloat(film_words[at + FILM_WORDS + word]);
-        vec4 lost = uintBitsToFloat(film_words[at + FILM_WORDS + SUM_WORDS + word]);
-        for (uint i = 0u; i < samples; i++)
-            add(sum, lost, load_sample((item << push.sample_shift) + i, 1u + word));
-        film_words[at + FILM_WORDS + word] = floatBitsToUint(sum);
-        film_words[at + FILM_WORDS + SUM_WORDS + word] = floatBitsToUint(lost);
+        uint sums = at + FILM_WORDS + 4u * word;
+        uint group = at + AOV_FILM_DIGITS_AT(AOVS) + word / FILM_GROUPS_A_WORD;
+        uint digits = film_words[group][word % FILM_GROUPS_A_WORD];
+        uvec4 bins[4];
+        for (uint c = 0u; c < 4u; c++)
+            bins[c] = film_words[sums + c];
+        for (uint i = 0u; i < samples; i++) {
+            vec4 values = load_sample((item << push.sample_shift) + i, 1u + word);
+            for (uint c = 0u; c < 4u; c++) {
+                uint top = film_top_digit(digits, c);
+                film_add(bins[c], top, values[c]);
+                digits |= film_digit_bit(values[c], c);
+            }
+        }
+        for (uint c = 0u; c < 4u; c++)
+            film_words[sums + c] = bins[c];
+        film_words[group][word % FILM_GROUPS_A_WORD] = digits;
     }
 }
 
@@ -85,23 +116,16 @@ void add_classes(uint item, uint at, uint first)
 {
     uint samples = 1u << push.sample_shift;
     for (uint number = 0u; number < AOV_CLASSES(AOVS); number++) {
-        uint word = at + AOV_FILM_CLASSES_AT(AOVS) + 4u * number;
-        compensated halves[2];
-        for (uint h = 0u; h < 2u; h++)
-            halves[h] = compensated(uintBitsToFloat(film_words[word + 2u * h].xyz),
-                                    uintBitsToFloat(film_words[word + 2u * h + 1u].xyz));
+        uint class_at = at + AOV_FILM_CLASSES_AT(AOVS) + FILM_WORDS * number;
+        half_sums halves[2] = half_sums[2](load_half(class_at, 0u), load_half(class_at, 1u));
         for (uint i = 0u; i < samples; i++) {
             vec3 light = load_sample((item << push.sample_shift) + i,
                                      AOV_SLOT_CLASSES_AT(AOVS) + number).rgb;
-            if (half_of_sample(first + i) == 0u)
-                add(halves[0], light);
-            else
-                add(halves[1], light);
+            add(halves, half_of_sample(first + i) == 1u, light);
         }
-        for (uint h = 0u; h < 2u; h++) {
-            film_words[word + 2u * h] = uvec4(floatBitsToUint(halves[h].sum), 0u);
-            film_words[word + 2u * h + 1u] = uvec4(floatBitsToUint(halves[h].lost), 0u);
-        }
+        film_words[class_at] = uvec4(0u, 0u, halves[0].digits, halves[1].digits);
+        store_half(class_at, 0u, halves[0]);
+        store_half(class_at, 1u, halves[1]);
     }
 }
 
@@ -135,42 +159,47 @@ void main()
         counters.unfinished != 0u)
         return;
     uint at = (item_pixel(item) - push.film_first_pixel) * PIXEL_WORDS;
-    uvec4 words[FILM_WORDS];
-    for (uint i = 0u; i < FILM_WORDS; i++)
-        words[i] = film_words[at + i];
-    compensated halves[2];
-    halves[0] = compensated(uintBitsToFloat(words[0].xyz), uintBitsToFloat(words[1].xyz));
-    halves[1] = compensated(uintBitsToFloat(words[2].xyz), uintBitsToFloat(words[3].xyz));
+    uvec4 head = film_words[at];
+    uint before = head.x, dropped = head.y;
+    half_sums halves[2] = half_sums[2](load_half(at, 0u), load_half(at, 1u));
 
     uint samples = 1u << push.sample_shift;
     bool has_means = ACCUMULATION == ACCUMULATION_RUNNING;
-    uint count_a = has_means ? max(words[2].w, 1u) - 1u : 0u;
-    uint count_b = words[0].w - count_a;
+    uint count_a = has_means ? max(head.w, 1u) - 1u : 0u;
+    uint count_b = before - count_a;
     for (uint i = 0u; i < samples; i++) {
         vec4 radiance = load_sample((item << push.sample_shift) + i, 0u);
 #ifdef PLANTED_FILM_FACTOR // tests of tests only: is a film that gains light found?
         radiance.rgb *= PLANTED_FILM_FACTOR;
 #endif
-        if (half_of_sample(words[0].w + i) == 0u)
-            accumulate(halves[0], radiance.rgb, ++count_a);
+        // The sum over branches may leave what floats can hold.
+        if (HAS(FEATURE_SPLIT_LOBES) && !is_finite(radiance.rgb))
+            radiance = vec4(0.0, 0.0, 0.0, 1.0);
+        bool second = half_of_sample(before + i) == 1u;
+        if (ACCUMULATION == ACCUMULATION_BINNED)
+            add(halves, second, radiance.rgb);
+        else if (second)
+            add_float(halves[1], radiance.rgb, ++count_b);
         else
-            accumulate(halves[1], radiance.rgb, ++count_b);
+            add_float(halves[0], radiance.rgb, ++count_a);
         // Samples are counted, not their branches.
-        words[1].w += HAS(FEATURE_SPLIT_LOBES) ? min(uint(radiance.w), 1u) : uint(radiance.w);
+        dropped += HAS(FEATURE_SPLIT_LOBES) ? min(uint(radiance.w), 1u) : uint(radiance.w);
     }
 
     if (HAS_AOV(AOVS_SUMMED))
         add_aovs(item, at);
     if (HAS_AOV(AOVS_BY)) {
-        add_classes(item, at, words[0].w);
+        add_classes(item, at, before);
         keep_brightest_sample(item, at);
     }
     // The ids are those of the first sample that the pixel gets.
-    if (HAS_AOV(AOV_IDS) && words[0].w == 0u)
+    if (HAS_AOV(AOV_IDS) && before == 0u)
         film_words[at + PIXEL_WORDS - 1u] =
             load_radiance((first_slot(item << push.sample_shift) + 1u) * SLOT_WORDS - 1u);
-    film_words[at] = uvec4(floatBitsToUint(halves[0].sum), words[0].w + samples);
-    film_words[at + 1u] = uvec4(floatBitsToUint(halves[0].lost), words[1].w);
-    film_words[at + 2u] = uvec4(floatBitsToUint(halves[1].sum), has_means ? count_a + 1u : 0u);
-    film_words[at + 3u] = uvec4(floatBitsToUint(halves[1].lost), 0u);
+    uvec2 digits = ACCUMULATION == ACCUMULATION_BINNED
+                       ? uvec2(halves[0].digits, halves[1].digits)
+                       : uvec2(FILM_HAS_FLOATS, has_means ? count_a + 1u : 0u);
+    film_words[at] = uvec4(before + samples, dropped, digits);
+    store_half(at, 0u, halves[0]);
+    store_half(at, 1u, halves[1]);
 }

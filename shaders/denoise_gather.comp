@@ -29,17 +29,17 @@ const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 // that is reflected above dark paint, and smear it over brighter paint beside it.
 const float LEAST_ALBEDO = 0.04;
 
-// The sums of all AOVs, read once.
+// The means of all AOVs, read once.
 float aov_means[4u * SUM_WORDS];
 
 void read_aovs(uint at, float samples)
 {
     for (uint word = 0u; word < SUM_WORDS; word++) {
-        uint sum = at + FILM_WORDS + word;
-        vec4 mean = (uintBitsToFloat(film_words[sum]) -
-                     uintBitsToFloat(film_words[sum + SUM_WORDS])) / samples;
+        uint group = at + AOV_FILM_DIGITS_AT(AOVS) + word / FILM_GROUPS_A_WORD;
+        uint digits = film_words[group][word % FILM_GROUPS_A_WORD];
         for (uint c = 0u; c < 4u; c++)
-            aov_means[4u * word + c] = mean[c];
+            aov_means[4u * word + c] = film_mean(film_words[at + FILM_WORDS + 4u * word + c],
+                                                 film_top_digit(digits, c), samples);
     }
 }
 
@@ -48,12 +48,20 @@ vec3 aov_vector(uint place)
     return vec3(aov_means[place], aov_means[place + 1u], aov_means[place + 2u]);
 }
 
-// The sum of the half whose words begin `words` behind the pixel's: 0 or 2.
-vec3 half_sum(uint at, uint words)
+// The sum of half 0 or 1.
+vec3 half_sum(uint at, uint number)
 {
-    vec2 factors = sum_factors(film_words[at + 2u].w, film_words[at].w);
-    return (uintBitsToFloat(film_words[at + words].xyz) -
-            uintBitsToFloat(film_words[at + words + 1u].xyz)) * factors[words >> 1u];
+    uvec4 head = film_words[at];
+    float factor = film_sum_factors(head.w, head.x)[number];
+    uint sums = at + 1u + FILM_HALF_WORDS * number;
+    vec3 sum;
+    for (uint c = 0u; c < 3u; c++) {
+        uvec4 bins = film_words[sums + c];
+        sum[c] = head.z == FILM_HAS_FLOATS
+                     ? uintBitsToFloat(bins.x) * factor
+                     : film_mean(bins, film_top_digit(head[2u + number], c), 1.0);
+    }
+    return sum;
 }
 
 // Repeats lib/halves.glsl, which reads another kernel's bindings.
@@ -83,7 +91,7 @@ vec4 make_guide(float alpha, uint pixel)
 float halves_deviation(uint at, float a, float b, vec3 divisor)
 {
     float difference = luminance(half_sum(at, 0u) / (a * divisor)) -
-                       luminance(half_sum(at, 2u) / (b * divisor));
+                       luminance(half_sum(at, 1u) / (b * divisor));
     return difference * difference * (a * b / (a + b));
 }
 
@@ -125,7 +133,7 @@ void main()
         return;
     uint pixel = push.first_pixel + item;
     uint at = item * AOV_FILM_WORDS(AOVS);
-    uint samples = film_words[at].w;
+    uint samples = film_words[at].x;
     if (samples == 0u) {
         store_filtered(pixel, vec4(0.0, 0.0, 0.0, DENOISE_EMPTY), vec4(0.0), vec4(1.0));
         store_seen(pixel, vec4(0.0), vec4(0.0));
@@ -133,7 +141,7 @@ void main()
     }
     float n = float(samples);
     read_aovs(at, n);
-    vec3 mean = (half_sum(at, 0u) + half_sum(at, 2u)) / n;
+    vec3 mean = (half_sum(at, 0u) + half_sum(at, 1u)) / n;
     float alpha = aov_means[AOV_SCALAR_AT(AOVS, AOV_ALPHA)];
     vec3 emission = aov_vector(AOV_VECTOR_AT(AOVS, AOV_EMISSION));
     // Samples that meet nothing reflect nothing: at a silhouette the share of those that do

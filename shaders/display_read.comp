@@ -17,17 +17,13 @@ layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block 
     vec4 to_pixels[];
 };
 
-// A sum of the film. What rounding took from it is below half a unit in its last place: it matters
-// to further sums, not to eyes.
-vec4 sum_at(uint word)
-{
-    return uintBitsToFloat(film_word(word));
-}
-
-// The `place`-th float of those that pictures besides the radiance are summed in.
+// The sum of the `place`-th float of the layers.
 float aov_float(uint at, uint place)
 {
-    return sum_at(at + FILM_WORDS + (place >> 2u))[place & 3u];
+    uint word = place >> 2u;
+    uint digits = film_word(at + AOV_FILM_DIGITS_AT(AOVS) +
+                            word / FILM_GROUPS_A_WORD)[word % FILM_GROUPS_A_WORD];
+    return film_mean(film_word(at + FILM_WORDS + place), film_top_digit(digits, place & 3u), 1.0);
 }
 
 vec3 aov_vector(uint at, const uint aov)
@@ -49,13 +45,26 @@ uint samples_of_first_half(uint samples)
     return samples - samples / 2u;
 }
 
+// The sum of a half's radiance; `factor`: of a mean.
+vec3 half_sum(uint first, uint digits, bool is_float, float factor)
+{
+    vec3 sum;
+    for (uint c = 0u; c < 3u; c++) {
+        uvec4 bins = film_word(first + c);
+        sum[c] = is_float ? uintBitsToFloat(bins.x) * factor
+                          : film_mean(bins, film_top_digit(digits, c), 1.0);
+    }
+    return sum;
+}
+
 // The sums of both halves' radiance.
 void radiance_sums(uint at, out vec3 a, out vec3 b)
 {
-    uvec4 first = film_word(at), second = film_word(at + 2u);
-    vec2 factors = sum_factors(second.w, first.w);
-    a = uintBitsToFloat(first.xyz) * factors.x;
-    b = uintBitsToFloat(second.xyz) * factors.y;
+    uvec4 head = film_word(at);
+    bool is_float = head.z == FILM_HAS_FLOATS;
+    vec2 factors = film_sum_factors(head.w, head.x);
+    a = half_sum(at + 1u, head.z, is_float, factors.x);
+    b = half_sum(at + 1u + FILM_HALF_WORDS, head.w, is_float, factors.y);
 }
 
 // x: variance of the mean radiance, averaged over the three channels as struct film_aovs has it. y:
@@ -161,6 +170,6 @@ void main()
         return;
     }
     uint at = item * AOV_FILM_WORDS(AOVS);
-    uint samples = film_word(at).w;
+    uint samples = film_word(at).x;
     to_pixels[item] = samples > 0u ? shown_value(at, float(samples)) : vec4(0.0);
 }

@@ -37,7 +37,7 @@ layout(constant_id = CONSTANT_PIXEL_SAMPLING) const uint PIXEL_SAMPLING = PIXEL_
 layout(constant_id = CONSTANT_LEAF_INDEX_BITS) const uint LEAF_INDEX_BITS = 29u;
 layout(constant_id = CONSTANT_NORMALS) const uint NORMALS = NORMALS_VISIBLE;
 layout(constant_id = CONSTANT_RADIANCE_SCALING) const uint RADIANCE_SCALING = 1u;
-layout(constant_id = CONSTANT_ACCUMULATION) const uint ACCUMULATION = ACCUMULATION_COMPENSATED;
+layout(constant_id = CONSTANT_ACCUMULATION) const uint ACCUMULATION = ACCUMULATION_BINNED;
 layout(constant_id = CONSTANT_ROUNDING) const uint ROUNDING_MODE = ROUNDING_NEAREST;
 layout(constant_id = CONSTANT_STACK_SHARED) const uint STACK_SHARED = 0u;
 

@@ -1,10 +1,121 @@
-// Turns what a film has of its half-buffers into sums, however it was accumulated.
+// Sums of the film: adding to them, and reading them. shared/film_sums.h says how they are kept.
+// Pure functions.
 #ifndef FILM_SUMS_GLSL
 #define FILM_SUMS_GLSL
 
+#include "shared/types.h"
+
+// The digit of a finite value: v in [2^k, 2^(k + 1)) has (k + 128) / 32, and k + 127 is the field
+// of its exponent. 0 for what is not finite, which brings nothing.
+uint film_digit(float value)
+{
+    uint exponent = floatBitsToUint(value) >> 23u & 255u;
+    return exponent == 255u ? 0u : (exponent + 1u) >> 5u;
+}
+
+// The bit that a value's digit has in the digits' word of sums of which it is number `component`.
+uint film_digit_bit(float value, uint component)
+{
+    return (1u << film_digit(value)) >> 1u << (FILM_DIGIT_BITS * component);
+}
+
+// The highest digit of the values of sum `component`.
+uint film_top_digit(uint digits, uint component)
+{
+    return uint(findMSB(digits >> (FILM_DIGIT_BITS * component) & FILM_DIGITS_MASK) + 1);
+}
+
+// Which bins, the even (x) and the odd one (y), are emptied when the top digit rises.
+bvec2 film_emptied_bins(uint before, uint after)
+{
+    bool one = after - before == 1u, more = after - before > 1u;
+    return bvec2(more || (one && (after & 1u) == 0u), more || (one && (after & 1u) == 1u));
+}
+
+// What a value of at most the digit `top` brings to a sum's bins.
+uvec4 film_slices(float value, uint top)
+{
+    uint bits = floatBitsToUint(value), exponent = bits >> 23u & 255u;
+    uint mantissa = (bits & 0x7fffffu) | (exponent > 0u ? 0x800000u : 0u);
+    mantissa = exponent == 255u ? 0u : mantissa;
+    // The value is mantissa 2^(max(exponent, 1) - 150), and `left` its place above the lower unit.
+    int left = int(max(exponent, 1u)) - 150 - FILM_LEAST_EXPONENT - 32 * (int(top) - 1);
+    uint right = uint(clamp(-left, 0, 25)); // 25: to 0
+    mantissa = (mantissa + (1u << right >> 1u)) >> right;
+    uint up = uint(max(left, 0)); // 39 at most
+    uint low = up < 32u ? mantissa << (up & 31u) : 0u;
+    uint high = up < 32u ? mantissa >> 1u >> (31u - (up & 31u)) : mantissa << (up & 31u);
+    high += low >> 31u; // the nearest; the rest is signed
+    uvec2 upper = uvec2(high, 0u), lower = uvec2(low, 0u - (low >> 31u));
+    if ((bits >> 31u) != 0u) {
+        upper = uvec2(0u - high, high != 0u ? ~0u : 0u);
+        lower = uvec2(0u - low, ~lower.y + (low == 0u ? 1u : 0u));
+    }
+    return (top & 1u) == 0u ? uvec4(upper, lower) : uvec4(lower, upper);
+}
+
+// Adds to both bins, with carries. The order of two such sums does not matter.
+uvec4 film_add_bins(uvec4 bins, uvec4 slices)
+{
+    uvec2 low = bins.xz + slices.xz;
+    uvec2 carry = uvec2(lessThan(low, slices.xz));
+    uvec2 high = bins.yw + slices.yw + carry;
+    return uvec4(low.x, high.x, low.y, high.y);
+}
+
+// Adds a value to a sum whose top digit is `top`.
+void film_add(inout uvec4 bins, inout uint top, float value)
+{
+    uint before = top;
+    top = max(top, film_digit(value));
+    bvec2 emptied = film_emptied_bins(before, top);
+    bins.xy = emptied.x ? uvec2(0u) : bins.xy;
+    bins.zw = emptied.y ? uvec2(0u) : bins.zw;
+    bins = film_add_bins(bins, film_slices(value, top));
+}
+
+// 2^exponent, of [-126, 127].
+float film_power_of_two(int exponent)
+{
+    return uintBitsToFloat(uint(exponent + 127) << 23u);
+}
+
+// A sum over a number of samples, from the whole number of 96 bits that both bins are.
+float film_mean(uvec4 bins, uint top, float samples)
+{
+    uvec2 upper = (top & 1u) == 0u ? bins.xy : bins.zw;
+    uvec2 lower = (top & 1u) == 0u ? bins.zw : bins.xy;
+    uvec3 words = uvec3(lower.x, lower.y + upper.x, upper.y);
+    words.z += 0u - (lower.y >> 31u); // its sign
+    words.z += words.y < upper.x ? 1u : 0u;
+    bool negative = (words.z >> 31u) != 0u;
+    if (negative) {
+        words = ~words;
+        words.x++;
+        words.y += words.x == 0u ? 1u : 0u;
+        words.z += words.x == 0u && words.y == 0u ? 1u : 0u;
+    }
+    // Its highest 32 bits, of which the last one stands for all below.
+    uvec3 shifted = words.z != 0u ? words : words.y != 0u ? uvec3(0u, words.xy)
+                                                          : uvec3(0u, 0u, words.x);
+    int skipped = words.z != 0u ? 64 : words.y != 0u ? 32 : 0;
+    if (shifted.z == 0u)
+        return 0.0;
+    int most = findMSB(shifted.z);
+    uint left = uint(31 - most);
+    uint head = shifted.z << left | shifted.y >> 1u >> (31u - left);
+    head |= (shifted.y << left | shifted.x) != 0u ? 1u : 0u;
+    // In two steps, as one power of two might not be a float.
+    int exponent = skipped + most - 31 + FILM_LEAST_EXPONENT + 32 * (int(top) - 1);
+    int first = exponent / 2;
+    precise float mean = float(head) / samples * film_power_of_two(first) *
+                         film_power_of_two(exponent - first);
+    return negative ? -mean : mean;
+}
+
 // The factors that make sums of what struct gpu_film_pixel has for its halves: 1, or the numbers of
-// samples that the running means are of. By means_a and the samples of both halves.
-vec2 sum_factors(uint means_a, uint samples)
+// samples that the running means are of. By means_a, see there, and the samples of both halves.
+vec2 film_sum_factors(uint means_a, uint samples)
 {
     return means_a > 0u ? vec2(means_a - 1u, samples - (means_a - 1u)) : vec2(1.0);
 }

@@ -31,7 +31,8 @@
 #define AOV_VECTOR_AT(aovs, bit) (3u * AOV_VECTORS_BEFORE(aovs, bit))
 #define AOV_SCALAR_AT(aovs, bit)                                                                   \
     (3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, bit))
-// So many words of four take them, and as many what the film keeps of a sum's rounding.
+// So many words of four take them. In the film each component is a sum (film_sums.h), and each four
+// of them have a word for their digits.
 #define AOV_SUM_WORDS(aovs)                                                                        \
     ((3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, AOV_END) + 3u) / 4u)
 // The last word: x is the primitive of the pixel's first sample by its number in the flat scene,
@@ -39,8 +40,8 @@
 // the world itself. z is its material, plus 1.
 #define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
 
-// A film record and a slot keep what each class of --error-by brings to the radiance, in four words
-// for each class and half: the parts first, then the bounces, then the emitters, as far as they are
+// A film record and a slot keep what each class of --error-by brings to the radiance, for each class
+// and half: the parts first, then the bounces, then the emitters, as far as they are
 // asked for.
 #define BY_PART_COUNT 3u   // after no, one and more scattering events
 #define BY_BOUNCE_COUNT 8u // after so many events; the last one stands for all that have more
@@ -69,15 +70,18 @@
 #define BRIGHTEST_FIELD_MASK 15u        // of the last two
 
 // Records in words of four: of a slot, the radiance first, of the film behind gpu_film_pixel (sums,
-// then what they lost), and of what is read back behind gpu_resolved_pixel. The classes and the
-// brightest contribution follow the sums; of the film a class has four words, the sums of half A,
-// what they lost, and the same of half B; of what is read back the means of half A, then of half B.
+// then their digits), and of what is read back behind gpu_resolved_pixel. The classes and the
+// brightest contribution follow the sums; of the film a class has what gpu_film_pixel has, without
+// numbers of samples; of what is read back the means of half A, then of half B.
 #define AOV_SLOT_CLASSES_AT(aovs) (1u + AOV_SUM_WORDS(aovs))
 #define AOV_SLOT_BRIGHTEST_AT(aovs) (AOV_SLOT_CLASSES_AT(aovs) + AOV_CLASSES(aovs))
 #define AOV_SLOT_WORDS(aovs)                                                                       \
     (AOV_SLOT_BRIGHTEST_AT(aovs) + AOV_HAS_CLASSES(aovs) + AOV_ID_WORDS(aovs))
-#define AOV_FILM_CLASSES_AT(aovs) (FILM_WORDS + 2u * AOV_SUM_WORDS(aovs))
-#define AOV_FILM_BRIGHTEST_AT(aovs) (AOV_FILM_CLASSES_AT(aovs) + 4u * AOV_CLASSES(aovs))
+#define AOV_FILM_DIGITS_AT(aovs) (FILM_WORDS + 4u * AOV_SUM_WORDS(aovs))
+#define AOV_FILM_CLASSES_AT(aovs)                                                                  \
+    (AOV_FILM_DIGITS_AT(aovs) +                                                                    \
+     (AOV_SUM_WORDS(aovs) + FILM_GROUPS_A_WORD - 1u) / FILM_GROUPS_A_WORD)
+#define AOV_FILM_BRIGHTEST_AT(aovs) (AOV_FILM_CLASSES_AT(aovs) + FILM_WORDS * AOV_CLASSES(aovs))
 #define AOV_FILM_WORDS(aovs)                                                                       \
     (AOV_FILM_BRIGHTEST_AT(aovs) + 2u * AOV_HAS_CLASSES(aovs) + AOV_ID_WORDS(aovs))
 #define AOV_RESOLVED_CLASSES_AT(aovs) (RESOLVED_WORDS + AOV_SUM_WORDS(aovs))

@@ -21,9 +21,9 @@
 #define SAMPLER_SINE 6u // fractions of sines, to be shown how bad they are
 
 // How the film adds samples up.
-#define ACCUMULATION_COMPENSATED 0u // Kahan's sum
-#define ACCUMULATION_SUM 1u         // a plain sum in single precision
-#define ACCUMULATION_RUNNING 2u     // a mean that each sample moves
+#define ACCUMULATION_BINNED 0u  // sums that do not depend on the order (film_sums.h)
+#define ACCUMULATION_SUM 1u     // a plain sum in single precision
+#define ACCUMULATION_RUNNING 2u // a mean that each sample moves
 
 // How the two half-buffers, which tell the error, share the samples.
 #define HALVES_INDEPENDENT 0u // each has a sequence of its own: the estimate is unbiased

@@ -5,6 +5,7 @@
 #define LAMPYRIS_SHARED_TYPES_H
 
 #include "bindings.h"
+#include "film_sums.h"
 #include "material.h"
 #include "methods.h"
 
@@ -283,22 +284,25 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 // that it is in, and that of the hit.
 #define SUSPENDED_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 10u : 8u)
 
-// Compensated sums (Kahan 1965) of the two half-buffers: unless the halves are contiguous, a
-// pixel's samples go to one and the other in turn from when the film was last emptied. The value of
-// a sum is sum - lost. ACCUMULATION_SUM loses nothing that it knows of; ACCUMULATION_RUNNING has
-// means in place of sums.
+// The sums of the two half-buffers: unless the halves are contiguous, a pixel's samples go to one
+// and the other in turn from when the film was last emptied. A sum has four words (film_sums.h):
+// its bin of even digits, then that of odd ones, each with its low word first. ACCUMULATION_SUM and
+// ACCUMULATION_RUNNING have a float in the first of them, and FILM_HAS_FLOATS in digits_a;
+// digits_b then is 1 + how many samples the means of half a are of, and those of b of the others;
+// 0: they are sums.
 struct gpu_film_pixel {
-    float sum_a[3];
     uint samples; // both halves
-    float lost_a[3];
     uint dropped; // samples with a non-finite contribution left out
-    float sum_b[3];
-    uint means_a; // 1 + how many samples sum_a is the mean of, and sum_b of the others; 0: sums
-    float lost_b[3];
-    uint align_lost_b;
+    uint digits_a;
+    uint digits_b;
+    uint sums_a[12]; // r, g, b
+    uint sums_b[12];
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_film_pixel, 64);
-#define FILM_WORDS 4
+SHARED_STATIC_ASSERT_SIZE(gpu_film_pixel, 112);
+#define FILM_WORDS 7
+#define FILM_HALF_WORDS 3u // of four: the sums of a half
+// Of the layers, the digits of as many groups of four sums.
+#define FILM_GROUPS_A_WORD 4u
 
 struct gpu_resolved_pixel {
     float mean_a[3];

@@ -158,7 +158,7 @@ static void find_arithmetic(const struct job *job, struct biases *biases)
                  "fractions of sines are neither uniform nor independent: means are off, and the "
                  "error that the halves tell is not the picture's");
     }
-    if (settings->accumulation != ACCUMULATION_COMPENSATED) {
+    if (settings->accumulation != ACCUMULATION_BINNED) {
         struct job_bias *bias = next_bias(biases, "accumulation");
         snprintf(bias->text, sizeof bias->text,
                  "the film's %s drifts from the samples' mean as their number grows "

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define VERSION 1u
+#define VERSION 2u
 #define BYTE_ORDER_WORD 0x01020304u
 #define BLOCK_BYTES (UINT64_C(1) << 20)
 

@@ -580,17 +580,18 @@ def check_pixel_samplings(bits, kernels, folder):
 
 
 def check_accumulations(bits, kernels, folder):
-    """The film's sums are compensated, or divisions make running means, or neither is there."""
-    for number, (name, wanted) in enumerate({"compensated": (True, False), "sum": (False, False),
+    """The film's sums are binned, or divisions make running means, or neither is there."""
+    for number, (name, wanted) in enumerate({"binned": (True, False), "sum": (False, False),
                                              "running": (False, True)}.items()):
         module = freeze(kernels["accumulate"], 0, 0, folder, 0, "29:%d" % number)
-        there = (module.count("add()") > 0, module.count("OpFDiv") > 0)
+        there = (module.count("film_add()") > 0, module.count("OpFDiv") > 0)
         if there != wanted:
-            fail("accumulation %s: compensation, division: %s, expected %s" % (name, there, wanted))
+            fail("accumulation %s: bins, division: %s, expected %s" % (name, there, wanted))
         resolved = freeze(kernels["resolve"], 0, 0, folder, 0, "29:%d" % number)
-        if (resolved.count("sum_factors()") > 0) != (name == "running"):
-            fail("accumulation %s: resolve has %d calls of sum_factors()" %
-                 (name, resolved.count("sum_factors()")))
+        found = (resolved.count("film_mean()") > 0, resolved.count("film_sum_factors()") > 0)
+        if found != wanted:
+            fail("accumulation %s: resolve has bins, means: %s, expected %s" %
+                 (name, found, wanted))
         print("%-26s %-18s %5d instructions" % (name, "accumulate", module.instructions))
 
 

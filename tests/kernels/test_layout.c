@@ -37,7 +37,7 @@
     M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(media) M(t) M(u) M(v) M(primitive)
 #define SHADOW_RAY(M) M(origin) M(ignore_from) M(direction) M(ignore_to) M(radiance) M(light_pdf)
 #define FILM_PIXEL(M)                                                                              \
-    M(sum_a) M(samples) M(lost_a) M(dropped) M(sum_b) M(means_a) M(lost_b) M(align_lost_b)
+    M(samples) M(dropped) M(digits_a) M(digits_b) M(sums_a) M(sums_b)
 #define RESOLVED_PIXEL(M) M(mean_a) M(samples) M(mean_b) M(dropped)
 #define DISPATCH(M) M(x) M(y) M(z) M(items)
 #define QUEUE(M) M(count) M(align_queue)

@@ -1,5 +1,6 @@
 #include "denoise_fixture.h"
 
+#include "film_reference.h"
 #include "shared/aov.h"
 
 bool film_open(struct gpu *gpu, uint32_t width, uint32_t height, struct made_film *out,
@@ -29,30 +30,34 @@ void film_close(struct made_film *film)
     free(film->picture);
 }
 
-// Sums as the film has them, nothing lost by rounding.
-static void put_sums(float *words, uint32_t at, const float *mean, uint32_t components, float n)
+// Sums of the layers as the film has them.
+static void put_sums(uint32_t *words, uint32_t at, const float *mean, uint32_t components, float n)
 {
-    for (uint32_t c = 0; c < components; c++)
-        words[at + c] = mean[c] * n;
+    const uint32_t aovs = film_aovs_of_device(DENOISE_AOVS);
+    for (uint32_t i = at; i < at + components; i++)
+        film_reference_add(&words[4 * (FILM_WORDS + i)],
+                           &words[4 * AOV_FILM_DIGITS_AT(aovs) + i / 4], i % 4, mean[i - at] * n);
 }
 
-static void put_pixel(float *words, const struct made_pixel *p)
+static void put_pixel(uint32_t *words, const struct made_pixel *p)
 {
-    const uint32_t aovs = film_aovs_of_device(DENOISE_AOVS), behind = 4 * FILM_WORDS;
+    const uint32_t aovs = film_aovs_of_device(DENOISE_AOVS);
     uint32_t first = p->samples - p->samples / 2, second = p->samples / 2;
     float n = (float)p->samples;
-    memcpy(&words[3], &p->samples, sizeof p->samples);
-    for (int c = 0; c < 3; c++) {
-        words[c] = (float)first * (p->albedo[c] * (p->light[c] + p->apart[c]) + p->emission[c]);
-        words[8 + c] =
-            (float)second * (p->albedo[c] * (p->light[c] - p->apart[c]) + p->emission[c]);
+    struct gpu_film_pixel pixel = {.samples = p->samples};
+    for (uint32_t c = 0; c < 3; c++) {
+        float light_a = p->albedo[c] * (p->light[c] + p->apart[c]) + p->emission[c];
+        float light_b = p->albedo[c] * (p->light[c] - p->apart[c]) + p->emission[c];
+        film_reference_add(&pixel.sums_a[4 * c], &pixel.digits_a, c, (float)first * light_a);
+        film_reference_add(&pixel.sums_b[4 * c], &pixel.digits_b, c, (float)second * light_b);
     }
-    put_sums(words, behind + AOV_VECTOR_AT(aovs, AOV_ALBEDO), p->albedo, 3, n);
-    put_sums(words, behind + AOV_VECTOR_AT(aovs, AOV_NORMAL), p->normal, 3, n);
-    put_sums(words, behind + AOV_VECTOR_AT(aovs, AOV_EMISSION), p->emission, 3, n);
+    memcpy(words, &pixel, sizeof pixel);
+    put_sums(words, AOV_VECTOR_AT(aovs, AOV_ALBEDO), p->albedo, 3, n);
+    put_sums(words, AOV_VECTOR_AT(aovs, AOV_NORMAL), p->normal, 3, n);
+    put_sums(words, AOV_VECTOR_AT(aovs, AOV_EMISSION), p->emission, 3, n);
     float depth = p->depth * p->alpha;
-    put_sums(words, behind + AOV_SCALAR_AT(aovs, AOV_DEPTH), &depth, 1, n);
-    put_sums(words, behind + AOV_SCALAR_AT(aovs, AOV_ALPHA), &p->alpha, 1, n);
+    put_sums(words, AOV_SCALAR_AT(aovs, AOV_DEPTH), &depth, 1, n);
+    put_sums(words, AOV_SCALAR_AT(aovs, AOV_ALPHA), &p->alpha, 1, n);
     memcpy(&words[4 * (AOV_FILM_WORDS(aovs) - 1)], &p->primitive, sizeof p->primitive);
 }
 
@@ -61,7 +66,7 @@ bool film_make(struct made_film *film, make_pixel *make, const void *context, st
     const uint32_t words = 4 * AOV_FILM_WORDS(film_aovs_of_device(DENOISE_AOVS));
     const uint64_t chunk = film->renderer.plan.film_chunk_pixels;
     uint64_t pixels = (uint64_t)film->width * film->height;
-    float *data = calloc(pixels, words * sizeof *data);
+    uint32_t *data = calloc(pixels, words * sizeof *data);
     if (!data)
         return err_memory(err, "film", pixels * words * sizeof *data);
     for (uint64_t i = 0; i < pixels; i++) {

@@ -274,8 +274,8 @@ static void check_parts(const struct film_image *film)
             CHECK(fabs((double)film->aovs.variance[i][c] - variance) <= 1e-6 * variance, "pixel %u",
                   i);
         }
-    // A path's contributions are summed in 9 roundings at most, once all and once by parts; the
-    // means over samples are compensated.
+    // A path's contributions are summed in 9 roundings at most, once all and once by parts; sums
+    // over samples add nothing to that.
     CHECK(worst < 32 * 0x1p-24, "parts differ from the whole by %g", worst);
     CHECK(sums[0] > 1 && sums[1] > 1 && sums[2] > 1, "parts of %g, %g and %g", sums[0], sums[1],
           sums[2]);
@@ -391,7 +391,8 @@ TEST(steps)
 
 // --- memory --------------------------------------------------------------------------------------
 
-// Only what is asked for takes memory: words of 16 bytes a slot and, twice but for ids, a pixel.
+// Only what is asked for takes memory: words of 16 bytes a slot and, a pixel, 64 for four
+// sums, and 16 for the digits of up to 16.
 TEST(memory)
 {
     static const struct {
@@ -420,9 +421,10 @@ TEST(memory)
         REQUIRE_OK(renderer_create(&params, &r, &err));
         const struct planned_buffer *plan = r.plan.buffers;
         uint64_t sums = 16 * cases[i].sums, ids = 16 * cases[i].ids;
+        uint64_t digits = 16 * ((cases[i].sums + 3) / 4);
         CHECK(plan[BINDING_RADIANCE].bytes == 1024 * (16 + sums + ids), "0x%x: %llu bytes of slots",
               cases[i].aovs, (unsigned long long)plan[BINDING_RADIANCE].bytes);
-        CHECK(plan[BINDING_FILM].bytes == PIXELS * (64 + 2 * sums + ids), "0x%x: %llu of film",
+        CHECK(plan[BINDING_FILM].bytes == PIXELS * (112 + 4 * sums + digits + ids), "0x%x: %llu of film",
               cases[i].aovs, (unsigned long long)plan[BINDING_FILM].bytes);
         CHECK(plan[BINDING_RESOLVED].bytes == PIXELS * (32 + sums + ids), "0x%x: %llu to read",
               cases[i].aovs, (unsigned long long)plan[BINDING_RESOLVED].bytes);

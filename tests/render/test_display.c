@@ -456,7 +456,9 @@ TEST(extreme_values)
     for (uint32_t i = 0; i < VALUES * VALUES; i++) {
         const float rgb[3] = {values[i % VALUES], values[i / VALUES], values[(i + 3) % VALUES]};
         pixels[i].samples = 1;
-        memcpy(pixels[i].sum_a, rgb, sizeof rgb);
+        pixels[i].digits_a = FILM_HAS_FLOATS;
+        for (int c = 0; c < 3; c++)
+            memcpy(&pixels[i].sums_a[4 * c], &rgb[c], sizeof rgb[c]);
         set_value(&expected.pixels[i], rgb);
         expected.pixels[i].weight = 1;
     }

@@ -97,7 +97,7 @@ RENDERER = [
     ('renderer.halves', 'contiguous'),
     # A half of a single sample is the same as a sum and as a mean; tests of the film tell them apart.
     ('renderer.film_accumulation', 'running', 'none', None),
-    ('renderer.film_accumulation', 'compensated', 'none', None),
+    ('renderer.film_accumulation', 'binned', 'none', None),
     ('renderer.wave', '1024'),
     ('renderer.workgroup', '32'),
     ('renderer.features', 'all'),

@@ -19,7 +19,7 @@ const char *const sampler_names[] = {
 };
 
 const char *const accumulation_names[] = {
-    [ACCUMULATION_COMPENSATED] = "compensated",
+    [ACCUMULATION_BINNED] = "binned",
     [ACCUMULATION_SUM] = "sum",
     [ACCUMULATION_RUNNING] = "running",
     NULL,

@@ -73,9 +73,9 @@ SETTING(HALVES, uint32_t, halves, "halves", "halves", "Method",
     "first and the second half of one: less noise in the picture, and an upper bound of its error.",
     (CHOICE(halves_names)), .fallback = HALVES_INDEPENDENT, .label = "Halves")
 SETTING(ACCUMULATION, uint32_t, accumulation, "film_accumulation", "accumulation", "Method",
-    "How the film adds samples up: compensated, in a plain sum, or as a running mean. The latter "
-    "two drift with many samples: they are for comparison.",
-    (CHOICE(accumulation_names)), .fallback = ACCUMULATION_COMPENSATED, .label = "Accumulation")
+    "How the film adds samples up: in bins whose sum has no order, in a plain sum, or as a running "
+    "mean. The latter two drift with many samples: they are for comparison.",
+    (CHOICE(accumulation_names)), .fallback = ACCUMULATION_BINNED, .label = "Accumulation")
 SETTING(FILTER, uint32_t, filter, "filter", "filter", "Method",
     "Pixel filter, sampled by importance.",
     (CHOICE(filter_names)), .fallback = FILTER_BOX, .label = "Filter",
