@@ -22,5 +22,13 @@ bool film_copy_take(struct renderer *renderer, bool is_empty, struct arena *aren
                     struct film_copy *out, struct err *err);
 // Into the film of a renderer that was reopened. The seconds in its statistics go on.
 bool film_copy_put(const struct film_copy *copy, struct renderer *renderer, struct err *err);
+// Adds the film `part` to `to`, both of them copies of films of this renderer or of one of the same
+// scene, settings and device: in any order and grouping the bits are those of one film with all
+// samples. Both have records, and no sample is in both. The sample numbers of `to` then span both;
+// its statistics stay. Refuses films whose samples have an order (--accumulation sum or running,
+// --halves contiguous), films by tiles, other seeds, and films that begin with an odd sample, which
+// would be the other half's.
+bool film_copy_add(const struct renderer *renderer, const struct film_copy *part,
+                   struct film_copy *to, struct err *err);
 
 #endif
