@@ -19,18 +19,24 @@ const uint PIXEL_WORDS = AOV_FILM_WORDS(AOVS);
 // The sums of a half, or of what a class of --error-by brings to it.
 struct half_sums {
     uvec4 bins[3];
+    uint tops[3]; // digits
     uint digits;
 };
 
 // `at`: of gpu_film_pixel or of a class.
 half_sums load_half(uint at, uint number)
 {
-    uint sums = at + 1u + FILM_HALF_WORDS * number;
-    return half_sums(uvec4[3](film_words[sums], film_words[sums + 1u], film_words[sums + 2u]),
-                     film_words[at][2u + number]);
+    half_sums sums;
+    sums.digits = film_words[at][2u + number];
+    for (uint c = 0u; c < 3u; c++) {
+        sums.bins[c] = film_words[at + 1u + FILM_HALF_WORDS * number + c];
+        sums.tops[c] = film_top_digit(sums.digits, c);
+    }
+    return sums;
 }
 
-void store_half(uint at, uint number, half_sums sums)
+// All but the digits.
+void store_bins(uint at, uint number, half_sums sums)
 {
     for (uint c = 0u; c < 3u; c++)
         film_words[at + 1u + FILM_HALF_WORDS * number + c] = sums.bins[c];
@@ -39,25 +45,8 @@ void store_half(uint at, uint number, half_sums sums)
 void add(inout half_sums sums, vec3 value)
 {
     for (uint c = 0u; c < 3u; c++) {
-        uint top = film_top_digit(sums.digits, c);
-        film_add(sums.bins[c], top, value[c]);
+        film_add(sums.bins[c], sums.tops[c], value[c]);
         sums.digits |= film_digit_bit(value[c], c);
-    }
-}
-
-// Adds to one of both.
-void add(inout half_sums halves[2], bool second, vec3 value)
-{
-    half_sums sums;
-    sums.digits = second ? halves[1].digits : halves[0].digits;
-    for (uint c = 0u; c < 3u; c++)
-        sums.bins[c] = second ? halves[1].bins[c] : halves[0].bins[c];
-    add(sums, value);
-    halves[0].digits = second ? halves[0].digits : sums.digits;
-    halves[1].digits = second ? sums.digits : halves[1].digits;
-    for (uint c = 0u; c < 3u; c++) {
-        halves[0].bins[c] = second ? halves[0].bins[c] : sums.bins[c];
-        halves[1].bins[c] = second ? sums.bins[c] : halves[1].bins[c];
     }
 }
 
@@ -110,22 +99,18 @@ void add_aovs(uint item, uint at)
     }
 }
 
-// Adds what each class of --error-by has brought, in sums of the samples of either half. `first` is
-// the number of samples that the pixel had before.
-void add_classes(uint item, uint at, uint first)
+// Adds what each class of --error-by has brought to the samples of half `number`, which are those of
+// `range` (samples_of_half()).
+void add_classes(uint item, uint at, uint number, uvec3 range)
 {
-    uint samples = 1u << push.sample_shift;
-    for (uint number = 0u; number < AOV_CLASSES(AOVS); number++) {
-        uint class_at = at + AOV_FILM_CLASSES_AT(AOVS) + FILM_WORDS * number;
-        half_sums halves[2] = half_sums[2](load_half(class_at, 0u), load_half(class_at, 1u));
-        for (uint i = 0u; i < samples; i++) {
-            vec3 light = load_sample((item << push.sample_shift) + i,
-                                     AOV_SLOT_CLASSES_AT(AOVS) + number).rgb;
-            add(halves, half_of_sample(first + i) == 1u, light);
-        }
-        film_words[class_at] = uvec4(0u, 0u, halves[0].digits, halves[1].digits);
-        store_half(class_at, 0u, halves[0]);
-        store_half(class_at, 1u, halves[1]);
+    for (uint i = 0u; i < AOV_CLASSES(AOVS); i++) {
+        uint class_at = at + AOV_FILM_CLASSES_AT(AOVS) + FILM_WORDS * i;
+        half_sums sums = load_half(class_at, number);
+        for (uint j = range.x; j < range.y; j += range.z)
+            add(sums, load_sample((item << push.sample_shift) + j,
+                                  AOV_SLOT_CLASSES_AT(AOVS) + i).rgb);
+        film_words[class_at][2u + number] = sums.digits;
+        store_bins(class_at, number, sums);
     }
 }
 
@@ -152,6 +137,30 @@ void keep_brightest_sample(uint item, uint at)
     film_words[word + 1u] = uvec4(its_sample, 0u, 0u, 0u);
 }
 
+// Adds the radiance of the samples of `range` to a half of the pixel's that has `count` samples, and
+// returns its digits. dropped: counts those of which something was left out.
+uint add_samples(uint item, uint at, uint number, uvec3 range, uint count, inout uint dropped)
+{
+    half_sums sums = load_half(at, number);
+    for (uint i = range.x; i < range.y; i += range.z) {
+        vec4 radiance = load_sample((item << push.sample_shift) + i, 0u);
+#ifdef PLANTED_FILM_FACTOR // tests of tests only: is a film that gains light found?
+        radiance.rgb *= PLANTED_FILM_FACTOR;
+#endif
+        // The sum over branches may leave what floats can hold.
+        if (HAS(FEATURE_SPLIT_LOBES) && !is_finite(radiance.rgb))
+            radiance = vec4(0.0, 0.0, 0.0, 1.0);
+        if (ACCUMULATION == ACCUMULATION_BINNED)
+            add(sums, radiance.rgb);
+        else
+            add_float(sums, radiance.rgb, ++count);
+        // Samples are counted, not their branches.
+        dropped += HAS(FEATURE_SPLIT_LOBES) ? min(uint(radiance.w), 1u) : uint(radiance.w);
+    }
+    store_bins(at, number, sums);
+    return sums.digits;
+}
+
 void main()
 {
     uint item = item_index();
@@ -160,46 +169,33 @@ void main()
         return;
     uint at = (item_pixel(item) - push.film_first_pixel) * PIXEL_WORDS;
     uvec4 head = film_words[at];
-    uint before = head.x, dropped = head.y;
-    half_sums halves[2] = half_sums[2](load_half(at, 0u), load_half(at, 1u));
-
-    uint samples = 1u << push.sample_shift;
+    uint before = head.x, samples = 1u << push.sample_shift;
     bool has_means = ACCUMULATION == ACCUMULATION_RUNNING;
-    uint count_a = has_means ? max(head.w, 1u) - 1u : 0u;
-    uint count_b = before - count_a;
-    for (uint i = 0u; i < samples; i++) {
-        vec4 radiance = load_sample((item << push.sample_shift) + i, 0u);
-#ifdef PLANTED_FILM_FACTOR // tests of tests only: is a film that gains light found?
-        radiance.rgb *= PLANTED_FILM_FACTOR;
-#endif
-        // The sum over branches may leave what floats can hold.
-        if (HAS(FEATURE_SPLIT_LOBES) && !is_finite(radiance.rgb))
-            radiance = vec4(0.0, 0.0, 0.0, 1.0);
-        bool second = half_of_sample(before + i) == 1u;
+    uvec2 counts = uvec2(has_means ? max(head.w, 1u) - 1u : 0u, 0u);
+    counts.y = before - counts.x;
+    // A single sample leaves the other half's memory alone.
+    uint first = samples > 1u ? 0u : half_of_sample(before);
+    uint last = samples > 1u ? 1u : first;
+    for (uint number = first; number <= last; number++) {
+        uvec3 range = samples_of_half(before, samples, number);
+        uint digits = add_samples(item, at, number, range, counts[number], head.y);
         if (ACCUMULATION == ACCUMULATION_BINNED)
-            add(halves, second, radiance.rgb);
-        else if (second)
-            add_float(halves[1], radiance.rgb, ++count_b);
-        else
-            add_float(halves[0], radiance.rgb, ++count_a);
-        // Samples are counted, not their branches.
-        dropped += HAS(FEATURE_SPLIT_LOBES) ? min(uint(radiance.w), 1u) : uint(radiance.w);
+            head[2u + number] = digits;
+        if (number == 0u)
+            counts.x += range.y > range.x ? (range.y - range.x + range.z - 1u) / range.z : 0u;
+        if (HAS_AOV(AOVS_BY))
+            add_classes(item, at, number, range);
     }
-
     if (HAS_AOV(AOVS_SUMMED))
         add_aovs(item, at);
-    if (HAS_AOV(AOVS_BY)) {
-        add_classes(item, at, before);
+    if (HAS_AOV(AOVS_BY))
         keep_brightest_sample(item, at);
-    }
     // The ids are those of the first sample that the pixel gets.
     if (HAS_AOV(AOV_IDS) && before == 0u)
         film_words[at + PIXEL_WORDS - 1u] =
             load_radiance((first_slot(item << push.sample_shift) + 1u) * SLOT_WORDS - 1u);
-    uvec2 digits = ACCUMULATION == ACCUMULATION_BINNED
-                       ? uvec2(halves[0].digits, halves[1].digits)
-                       : uvec2(FILM_HAS_FLOATS, has_means ? count_a + 1u : 0u);
-    film_words[at] = uvec4(before + samples, dropped, digits);
-    store_half(at, 0u, halves[0]);
-    store_half(at, 1u, halves[1]);
+    if (ACCUMULATION != ACCUMULATION_BINNED)
+        head.zw = uvec2(FILM_HAS_FLOATS, has_means ? counts.x + 1u : 0u);
+    head.x = before + samples;
+    film_words[at] = head;
 }

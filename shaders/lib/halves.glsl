@@ -30,6 +30,18 @@ uint half_of_sample(uint samples)
     return samples & 1u;
 }
 
+// Which of a pixel's next `count` samples a half gets, where the film has `samples`: from x to before
+// y, in steps of z.
+uvec3 samples_of_half(uint samples, uint count, uint number)
+{
+    if (HALVES == HALVES_CONTIGUOUS) {
+        uint planned = frame.samples - frame.samples / 2u;
+        uint to_first = min(planned - min(samples, planned), count);
+        return number == 0u ? uvec3(0u, to_first, 1u) : uvec3(to_first, count, 1u);
+    }
+    return uvec3((samples ^ number) & 1u, count, 2u);
+}
+
 // How many of the first `samples` samples belong to half 0.
 uint samples_of_first_half(uint samples)
 {
