@@ -128,6 +128,7 @@ struct renderer_params options_renderer_params(const struct device_options *opti
         .gpu = gpu,
         .scene = scene,
         .wave = options->wave,
+        .tunes_wave = true,
         .workgroup = options->workgroup,
         .bvh = options->bvh,
         .instancing = options->instances,

@@ -47,6 +47,17 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
     return plan_waves(r, wave, 0, wave_is_wish, err);
 }
 
+// Where the size of waves is chosen by measured speed, there is room for the largest, if memory
+// suffices. Smaller images fill no such wave, and tiles fill the same waves whatever their size.
+static bool plan_first_memory(struct renderer *r, uint32_t wave, struct err *err)
+{
+    bool is_large = r->pixels >= WAVE_SIZE_MOST && !(r->specialization.features & FEATURE_TILES);
+    r->tunes_wave = r->tunes_wave && wave == 0 && is_large && r->gpu->info.is_cpu;
+    if (r->tunes_wave)
+        return plan_memory(r, WAVE_SIZE_MOST << r->specialization.split_lobes, true, err);
+    return plan_memory(r, wave, false, err);
+}
+
 static bool create_buffer(struct renderer *r, uint32_t binding, enum gpu_memory memory, bool texel,
                           struct err *err)
 {
@@ -282,6 +293,7 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
         .camera = params->scene->cameras[params->camera],
         .pixels = (uint64_t)settings->width * settings->height,
         .aovs = params->aovs,
+        .tunes_wave = params->tunes_wave,
         .kernel_set = params->kernels,
         .progress = params->progress,
     };
@@ -292,7 +304,7 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
     uint64_t start = clock_ns();
     far_camera_warn(&r->flat, &r->camera, settings->height);
     choose_features(params, r);
-    if (!build_tables(r, err) || !plan_memory(r, params->wave, false, err))
+    if (!build_tables(r, err) || !plan_first_memory(r, params->wave, err))
         goto fail;
     frame_fill(r);
     sampling_plan(r, params->open_ended || params->tiles);
@@ -376,6 +388,7 @@ bool renderer_resize(struct renderer *r, uint32_t wave, uint32_t workgroup, stru
     if (!check_workgroup(r->gpu, workgroup, err))
         return false;
     uint64_t resolved = r->buffers[BINDING_RESOLVED].bytes;
+    r->tunes_wave = false;
     specialization_set_workgroup(&r->specialization, r->gpu, workgroup);
     if (!plan_memory(r, wave, true, err))
         return false;
@@ -394,8 +407,9 @@ static bool has_tiles(const struct renderer *r)
 // one wave.
 static uint32_t pass_samples(const struct renderer *r)
 {
-    return r->pass.shift > USUAL_SAMPLE_SHIFT ? r->plan.wave_samples
-                                              : pace_samples(&r->pace, &r->plan);
+    if (r->pass.shift > USUAL_SAMPLE_SHIFT)
+        return r->plan.wave_samples;
+    return r->pace.is_on ? pace_samples(&r->pace, &r->plan) : wave_size_samples(&r->wave_size);
 }
 
 // The pixels of the pass from `pixel` on, in a wave that does not cross the film's buffers.
@@ -438,6 +452,16 @@ static void end_pass(struct renderer *r)
     r->pass = (struct pass){0};
 }
 
+// Takes account of a wave that began at `start`, when the device had traced so many rays.
+static void learn_from_wave(struct renderer *r, const struct wave *wave, uint64_t start,
+                            double rays)
+{
+    uint64_t ns = clock_ns() - start;
+    r->stats.render_seconds += (double)ns * 1e-9;
+    wave_size_learn(&r->wave_size, (uint64_t)wave->pixel_count << wave->sample_shift,
+                    render_stats_rays(&r->stats) - rays, (double)ns);
+}
+
 // Renders the next wave of the pass, and begins the one after it where two may be in flight. They
 // have no pixel in common, so that each pixel's samples are added in order.
 static bool render_next(struct renderer *r, const struct render_call *call, struct wave *wave,
@@ -463,6 +487,7 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
     while (r->pass.position < r->pass.length && (!*call->stopped || r->ahead.is_begun)) {
         struct wave wave;
         bool voided = false;
+        double rays = render_stats_rays(&r->stats);
         if (!render_next(r, call, &wave, &voided, err))
             return false;
         if (voided) {
@@ -474,7 +499,7 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
             return true;
         }
         r->pass.position += wave.pixel_count;
-        r->stats.render_seconds += clock_seconds_since(start);
+        learn_from_wave(r, &wave, start, rays);
         report(r, work, &wave);
         bool is_over = r->pass.position == r->pass.length;
         if (is_over)

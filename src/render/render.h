@@ -22,6 +22,7 @@
 #include "render/memory_plan.h"
 #include "render/pace.h"
 #include "render/specialize.h"
+#include "render/wave_size.h"
 #include "scene/core/scene.h"
 #include "shared/types.h"
 
@@ -44,6 +45,7 @@ struct renderer_params {
     const struct kernel_set *kernels; // NULL: the embedded ones. Must outlive the device, or be
                                       // forgotten by it (gpu_kernels_forget)
     uint32_t wave;                    // paths in flight; 0: the device's default
+    bool tunes_wave;                  // the default may change by measured speed: see wave_size.h
     uint32_t workgroup;               // threads, a power of two; 0: the device's default
     struct bvh_method bvh;
     enum instancing instancing;
@@ -194,6 +196,8 @@ struct renderer {
     bool barrier_is_due;   // something was recorded since the last one
     uint64_t recording_ns; // when recording them began
     struct pace pace;
+    bool tunes_wave;
+    struct wave_size wave_size;
     uint32_t wave_items;     // slots that the wave in flight has
     struct other_wave other; // with plan.waves of 2
     struct wave_ahead ahead;

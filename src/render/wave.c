@@ -698,6 +698,7 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
     struct wave none = {0};
     push_wave(r, &none);
     pace_begin(&r->pace, r->gpu, &r->plan);
+    wave_size_begin(&r->wave_size, r->tunes_wave, r->plan.wave_samples);
     r->push.queue = 0;
     r->push.part_items = 0;
     struct render_stats kept = r->stats; // compilation is no run time

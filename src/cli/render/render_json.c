@@ -220,6 +220,10 @@ bool render_print_json(const struct render_run *run, struct err *err)
     add_ending(object, run);
     json_object_set_new(object, "workgroup",
                         json_integer(run->job.renderer.specialization.workgroup));
+    const struct wave_size *sizes = &run->job.renderer.wave_size;
+    json_object_set_new(object, "wave_samples",
+                        json_pack("{s:I, s:I, s:I}", "least", (json_int_t)sizes->least_used, "most",
+                                  (json_int_t)sizes->most_used, "last", (json_int_t)sizes->now));
     json_object_set_new(object, "waves_in_flight", json_integer(run->job.renderer.plan.waves));
     json_object_set_new(object, "waves_begun_ahead", json_integer((json_int_t)stats->waves_ahead));
     json_object_set_new(object, "shared_stack_entries",

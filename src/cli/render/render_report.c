@@ -123,6 +123,18 @@ static void print_ending(const struct render_run *run)
     }
 }
 
+static void print_memory(const struct render_run *run)
+{
+    const struct renderer *r = &run->job.renderer;
+    printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; ",
+           (double)run->gpu.peak_bytes / 1048576.0, (double)memory_peak() / 1048576.0);
+    if (r->wave_size.least_used < r->wave_size.most_used)
+        printf("waves of %u to %u samples, at last of %u, which was the fastest\n",
+               r->wave_size.least_used, r->wave_size.most_used, r->wave_size.now);
+    else
+        printf("wave of %u paths%s\n", r->plan.wave_slots, memory_plan_in_flight(&r->plan));
+}
+
 void report_print_kernels(const struct render_stats *stats)
 {
     bool any = false;
@@ -311,10 +323,7 @@ void render_print_summary(struct render_run *run)
                " crossings of surfaces that are open, or nest deeper than four: "
                "what is inside is not certain there\n",
                run->job.renderer.stats.media_lost);
-    printf(
-        "memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths%s\n",
-        (double)run->gpu.peak_bytes / 1048576.0, (double)memory_peak() / 1048576.0,
-        run->job.renderer.plan.wave_slots, memory_plan_in_flight(&run->job.renderer.plan));
+    print_memory(run);
     explain_print_line(&run->job.renderer);
     print_outputs(run);
     if (run->options->render.trace) {
