@@ -486,7 +486,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_REOPEN] = {
         .name = "reopen", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = 1000,
         .group = "Device", .commands = FOR_RENDER, .fallback = "2",
-        .help = "How often a device that is lost in the middle of a render is opened again. "
+        .help = "How often a device that is lost is opened again. "
                 "Rendering then goes on from the last copy of the film, and the picture is the "
                 "same.", FIELD(render.reopens),
     },

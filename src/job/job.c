@@ -1,5 +1,6 @@
 #include "job/job_internal.h"
 
+#include "base/log.h"
 #include "render/sampling_plan.h"
 #include <math.h>
 #include <string.h>
@@ -131,6 +132,25 @@ static void note_start(struct job *job)
     job->seconds.compile = stats->compile_seconds;
 }
 
+// Creates the renderer, with the device opened again where it is lost on the way: nothing has been
+// rendered yet, so that all of it begins anew.
+static bool create_renderer(struct job *job, const struct renderer_params *params, struct err *err)
+{
+    struct err failure = {0};
+    while (!renderer_create(params, &job->renderer, err)) {
+        if (!job->gpu->lost || err->code != ERR_GPU ||
+            job->rescue.reopened == job->params.reopens)
+            return false;
+        job->rescue.reopened++;
+        log_warn("%s: opening the device again, to begin anew", err->msg);
+        if (!gpu_reopen(job->gpu, &failure))
+            return err_set(err, ERR_GPU, "%s; it could not be opened again: %s", err->msg,
+                           failure.msg);
+        *err = (struct err){0};
+    }
+    return true;
+}
+
 bool job_create(struct job *job, struct err *err)
 {
     struct renderer_params params = job->params.renderer;
@@ -139,7 +159,7 @@ bool job_create(struct job *job, struct err *err)
     params.tiles = job->params.goal.adaptive;
     params.open_ended = job_is_open_ended(job);
     params.progress = &job->progress;
-    if (!renderer_create(&params, &job->renderer, err))
+    if (!create_renderer(job, &params, err))
         return false;
     note_start(job);
     return job_checkpoint_restore(job, err);

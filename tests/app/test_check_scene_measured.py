@@ -66,6 +66,16 @@ class Texels(Checks):
         self.assertAlmostEqual(found['missing-image']['share'], 3.14159 * 4 / 36, delta=0.02)
         self.assert_found(self.check(self.scene(False)), {})
 
+    def test_a_sun_without_strength(self):
+        scene = self.scene(False)
+        texels = [[(1.0, 1.0, 1.0)] * 32 for _ in range(16)]
+        texels[3][7] = (2e5, 2e5, 2e5)
+        write_exr(os.path.join(self.folder.name, 'sky.exr'), 32, 16, texels)
+        scene['environment']['strength'] = 0
+        found = self.check(scene)
+        self.assert_found(found, {'black': 'wrong'})
+        self.assertIn('strengths', found['black']['remedy'])
+
 
 class LampTexels(Checks):
     """The image of a lamp over a floor; a wall is in between where the floor is not lit."""

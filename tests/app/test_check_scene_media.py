@@ -91,6 +91,26 @@ class Rooms(Media):
             ([0, 0.3, 0], z, y), ([0, 1.3, 1], x, back), ([0, 0.3, 0], x, z))))), {})
 
 
+class Several(Media):
+    def test_all_of_a_kind_are_counted(self):
+        """Each is named or counted, with the figure of the one that is named."""
+        self.write('in.obj', box((-0.3, 0, -0.3), (0.3, 0.6, 0.3), inside_out=True))
+        scene = {'camera': {'position': [0, 1, 4], 'target': [0, 0.5, 0], 'fov_degrees': 40},
+                 'environment': {'radiance': [1, 1, 1]},
+                 'materials': {'grey': {'base_color': [0.5] * 3}, 'one': {'type': 'dielectric'},
+                               'other': {'type': 'dielectric', 'ior': 1.3}},
+                 'shapes': [quad([-2, -0.01, 2], [4, 0, 0], [0, 0, -4], 'grey')]}
+        bodies = [{'type': 'mesh', 'file': 'in.obj', 'material': name, 'transform': [{'translate': [x, 0, 0]}]}
+                  for name, x in (('one', -0.6), ('other', 0.6))]
+        figures = []
+        for count in 1, 2:
+            found = self.media_found({**scene, 'shapes': [*scene['shapes'], *bodies[:count]]})
+            self.assert_found(found, {'medium-not-entered': 'wrong'})
+            figures.append(found['medium-not-entered']['figure'])
+            self.assertEqual('and 1 more' in found['medium-not-entered']['place'], count == 2)
+        self.assertEqual(figures[1].split()[:2], figures[0].split()[:2])
+
+
 class Camera(Media):
     def test_media_about_the_camera(self):
         """A ball of water in the fog that the camera is in: of one priority the fog, which is later in

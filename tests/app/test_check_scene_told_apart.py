@@ -46,6 +46,35 @@ class Gaps(Checks):
         self.assert_found(self.check(self.scene('veil', 'veil')), {'object-twice': 'wrong'})
 
 
+class OutOfView(Checks):
+    """Two objects at one place that the camera does not see, but whose light or shadow it does."""
+
+    def scene(self, *materials):
+        disc = {'type': 'disc', 'center': [0, 3, 0], 'normal': [0, -1, 0], 'radius': 0.7}
+        return {'camera': {'position': [0, 1, 4], 'target': [0, 0.5, 0], 'fov_degrees': 40},
+                'film': FILM, 'environment': {'radiance': [0.2, 0.2, 0.2]},
+                'materials': {'grey': GREY, 'lamp': {'emission': [12, 11, 9]},
+                              'veil': {'base_color': [0.1, 0.1, 0.1], 'opacity': 0.5}},
+                'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-2, 0, 2], 'u': [4, 0, 0],
+                            'v': [0, 0, -4]}, *({**disc, 'material': name} for name in materials)]}
+
+    def test_count_where_their_light_falls(self):
+        """The floor is 46 % of the picture, and all of it is lit twice as brightly."""
+        found = self.check(self.scene('lamp', 'lamp'))
+        self.assert_found(found, {'object-twice': 'wrong'})
+        self.assertAlmostEqual(found['object-twice']['share'], 0.46, delta=0.02)
+
+    def test_clash_where_their_light_falls(self):
+        found = self.check(self.scene('lamp', 'grey'))
+        self.assertAlmostEqual(found['object-twice']['share'], 0.46, delta=0.02)
+
+    def test_are_a_remark_where_they_change_nothing(self):
+        scene = self.scene('veil', 'veil')
+        for shape in scene['shapes'][1:]:
+            shape['center'] = [0, -3, 0]  # below the floor
+        self.assert_found(self.check(scene), {'object-twice': 'remark'})
+
+
 class Upon(Checks):
     def found(self, *shapes):
         return self.check({

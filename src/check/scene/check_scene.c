@@ -187,8 +187,8 @@ static bool search(struct survey *survey, struct err *err)
         find_thin,         find_twice,           find_coincident,    find_normals,
         find_texels,       measure_noise,        find_hidden_lights, find_mirrored_lights,
         find_narrow_spots, find_lights_on_faces, find_media,         find_biases,
-        end_job,           find_memory,          find_idle_lights,   find_coarse,
-        find_unscaled,     find_albedos,         measure_depth,
+        end_job,           name_twice,           find_memory,        find_idle_lights,
+        find_coarse,       find_unscaled,        find_albedos,       measure_depth,
     };
     for (size_t i = 0; i < sizeof searches / sizeof *searches; i++) {
         if (!searches[i](survey, err))

@@ -13,14 +13,18 @@
 
 // What went wrong with media.
 enum loss_kind { LOSS_LEFT, LOSS_OPEN, LOSS_NESTED, LOSS_KINDS };
+// The losses of one object.
 struct losses {
-    uint32_t object, material; // of the first one
-    uint32_t count;            // of pixels
+    uint32_t material; // of the first surface
+    uint32_t count;    // of pixels
+    uint32_t last;     // of them, plus 1
 };
 // It went wrong along the lines of sight, or along the paths that go on from their ends.
 struct ways {
-    struct losses losses[LOSS_KINDS];
-    uint32_t *lost; // by each pixel: the kinds, as bits
+    struct losses *losses[LOSS_KINDS]; // of all objects
+    uint32_t *lost;                    // by each pixel: the kinds, as bits
+    uint32_t *told;                    // the same, without losses of objects in `named`
+    const bool *named;                 // objects that another finding has named already; NULL: none
 };
 
 struct entered {
@@ -38,7 +42,6 @@ struct media_search {
     struct ways sight, paths;
     struct stack *stacks; // by each pixel: at the end of its line of sight
     struct overlaps overlaps;
-    uint32_t named[2 * LOSS_KINDS], named_count; // objects that are said to be open
 };
 
 static bool is_infinite(const struct survey *survey, uint32_t object)
@@ -49,13 +52,15 @@ static bool is_infinite(const struct survey *survey, uint32_t object)
 
 static void note(struct ways *ways, enum loss_kind kind, const struct entered *what, uint32_t pixel)
 {
-    struct losses *losses = &ways->losses[kind];
-    if (losses->count == 0) {
-        losses->object = what->object;
-        losses->material = what->material;
-    }
-    losses->count += !(ways->lost[pixel] >> kind & 1u);
+    struct losses *losses = &ways->losses[kind][what->object];
     ways->lost[pixel] |= 1u << kind;
+    if (ways->named && ways->named[what->object])
+        return;
+    ways->told[pixel] |= 1u << kind;
+    if (losses->count == 0)
+        losses->material = what->material;
+    losses->count += losses->last != pixel + 1;
+    losses->last = pixel + 1;
 }
 
 static bool has_left(const struct ways *ways, uint32_t pixel)
@@ -290,72 +295,85 @@ static bool follow_paths(struct media_search *search, struct err *err)
 
 // --- what is said --------------------------------------------------------------------------------
 
-static const char *place_of(const struct media_search *search, const struct losses *losses)
-{
-    const char *object = survey_object_name(search->survey, losses->object);
-    const char *material = survey_material_name(search->survey, losses->material);
-    return object && material ? arena_printf(search->survey->arena, "%s, %s", object, material)
-                              : NULL;
-}
-
-static uint8_t *pixels_that_lost(const struct media_search *search, const struct ways *ways,
-                                 enum loss_kind kind)
-{
-    uint8_t *flags = survey_flags(search->survey);
-    for (uint32_t i = 0; flags && i < search->survey->line_count; i++)
-        flags[i] = ways->lost[i] >> kind & 1u;
-    return flags;
-}
-
-// What a path has lost matters where the path is seen, and where the medium is.
-static const uint8_t *touched_by(const struct media_search *search, const struct ways *ways,
-                                 enum loss_kind kind)
-{
-    struct survey *survey = search->survey;
-    uint8_t *flags = pixels_that_lost(search, ways, kind);
-    const uint8_t *seen =
-        ways == &search->paths ? survey_touched_by_object(survey, ways->losses[kind].object) : NULL;
-    for (uint32_t i = 0; flags && seen && i < survey->line_count; i++)
-        flags[i] |= seen[i];
-    return flags;
-}
+// The objects that a finding is about.
+struct unclosed {
+    uint32_t first, count; // the one with the most pixels; how many there are
+    bool *marked;          // one flag for each object
+};
 
 // One line may leave by an edge that rounding has opened; two hardly do.
 #define OPEN_LINES_MIN 2u
 
-static bool is_to_tell(const struct media_search *search, const struct ways *ways,
-                       enum loss_kind kind)
+static bool list_unclosed(const struct media_search *search, const struct ways *ways,
+                          enum loss_kind kind, struct unclosed *out, struct err *err)
 {
-    const struct losses *losses = &ways->losses[kind];
+    struct survey *survey = search->survey;
+    uint32_t objects = survey_object_count(survey);
     uint32_t least = kind == LOSS_OPEN || ways == &search->paths ? OPEN_LINES_MIN : 1u;
-    for (uint32_t i = 0; i < search->named_count; i++)
-        if (ways == &search->paths && search->named[i] == losses->object)
-            return false;
-    // The renders so far have counted what paths have left without having entered.
-    return losses->count >= least &&
-           (kind == LOSS_OPEN || search->survey->job.renderer.stats.media_lost > 0);
+    const struct losses *losses = ways->losses[kind];
+    *out = (struct unclosed){.marked = ARENA_NEW(&survey->scratch, bool, objects)};
+    if (!out->marked)
+        return err_memory(err, "marks of objects", objects);
+    for (uint32_t i = 0; i < objects; i++) {
+        if (losses[i].count < least)
+            continue;
+        out->marked[i] = true;
+        if (out->count++ == 0 || losses[i].count > losses[out->first].count)
+            out->first = i;
+    }
+    return true;
+}
+
+static const char *place_of(const struct media_search *search, const struct ways *ways,
+                            enum loss_kind kind, const struct unclosed *list)
+{
+    struct survey *survey = search->survey;
+    const char *object = survey_object_name(survey, list->first);
+    const char *material = survey_material_name(survey, ways->losses[kind][list->first].material);
+    if (!object || !material)
+        return NULL;
+    return list->count == 1 ? arena_printf(survey->arena, "%s, %s", object, material)
+                            : arena_printf(survey->arena, "%s, %s, and %u more", object, material,
+                                           list->count - 1);
+}
+
+// What a path has lost matters where the path is seen, and where the media are.
+static const uint8_t *touched_by(const struct media_search *search, const struct ways *ways,
+                                 enum loss_kind kind, const struct unclosed *list)
+{
+    struct survey *survey = search->survey;
+    uint8_t *flags = survey_flags(survey);
+    const uint8_t *seen =
+        ways == &search->paths ? survey_touched_by_objects(survey, list->marked) : NULL;
+    for (uint32_t i = 0; flags && i < survey->line_count; i++)
+        flags[i] = (ways->told[i] >> kind & 1u) | (seen ? seen[i] : 0u);
+    return flags;
 }
 
 static bool add_unclosed(struct media_search *search, const struct ways *ways, enum loss_kind kind,
                          struct err *err)
 {
     struct survey *survey = search->survey;
-    const struct losses *losses = &ways->losses[kind];
+    struct unclosed list;
     bool is_left = kind == LOSS_LEFT;
-    if (!is_to_tell(search, ways, kind))
+    if (!list_unclosed(search, ways, kind, &list, err))
+        return false;
+    // The renders so far have counted what paths have left without having entered.
+    if (list.count == 0 || (is_left && survey->job.renderer.stats.media_lost == 0))
         return true;
-    search->named[search->named_count++] = losses->object;
-    const uint8_t *touched = touched_by(search, ways, kind);
+    const uint8_t *touched = touched_by(search, ways, kind, &list);
     return survey_add(
         survey,
         &(struct scene_finding){
             .name = is_left ? "medium-not-entered" : "medium-not-left",
             .level = FINDING_WRONG,
-            .place = place_of(search, losses),
+            .place = place_of(search, ways, kind, &list),
             .figure = arena_printf(
-                survey->arena, "%u of %u %s %s", losses->count, survey->line_count,
+                survey->arena, "%u of %u %s %s%s", ways->losses[kind][list.first].count,
+                survey->line_count,
                 ways == &search->sight ? "lines of sight" : "paths that were followed",
-                is_left ? "leave it without having entered" : "enter it and never leave"),
+                is_left ? "leave it without having entered" : "enter it and never leave",
+                list.count == 1 ? "" : ", the most of them"),
             .consequence =
                 "What bounds this medium is open, or its faces point inwards: refraction "
                 "and absorption are wrong.",
@@ -370,16 +388,18 @@ static bool add_unclosed(struct media_search *search, const struct ways *ways, e
 static bool add_nested(struct media_search *search, struct err *err)
 {
     struct survey *survey = search->survey;
-    const struct losses *losses = &search->sight.losses[LOSS_NESTED];
-    if (losses->count == 0)
+    struct unclosed list;
+    if (!list_unclosed(search, &search->sight, LOSS_NESTED, &list, err))
+        return false;
+    if (list.count == 0)
         return true;
-    const uint8_t *touched = pixels_that_lost(search, &search->sight, LOSS_NESTED);
+    const uint8_t *touched = touched_by(search, &search->sight, LOSS_NESTED, &list);
     return survey_add(
         survey,
         &(struct scene_finding){
             .name = "media-nested",
             .level = FINDING_WRONG,
-            .place = place_of(search, losses),
+            .place = place_of(search, &search->sight, LOSS_NESTED, &list),
             .figure = "a fifth medium inside of four others",
             .consequence = "Paths remember four media: what is inside is not certain there.",
             .remedy = "Let fewer closed surfaces with media lie within each other.",
@@ -389,26 +409,59 @@ static bool add_nested(struct media_search *search, struct err *err)
         err);
 }
 
+static bool make_ways(struct survey *survey, struct ways *ways, struct err *err)
+{
+    uint32_t objects = survey_object_count(survey);
+    bool ok = true;
+    ways->lost = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count);
+    ways->told = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count);
+    for (int kind = 0; kind < LOSS_KINDS; kind++) {
+        ways->losses[kind] = ARENA_NEW(&survey->scratch, struct losses, objects);
+        ok = ok && ways->losses[kind];
+    }
+    return (ok && ways->lost && ways->told) ||
+           err_memory(err, "losses of media", objects * sizeof(struct losses));
+}
+
+// Names the objects that lines of sight have found to be open, so that paths name others only.
+static bool name_seen(struct media_search *search, struct err *err)
+{
+    struct unclosed left, open;
+    if (!list_unclosed(search, &search->sight, LOSS_LEFT, &left, err) ||
+        !list_unclosed(search, &search->sight, LOSS_OPEN, &open, err))
+        return false;
+    for (uint32_t i = 0; i < survey_object_count(search->survey); i++)
+        left.marked[i] |= open.marked[i];
+    search->paths.named = left.marked;
+    return true;
+}
+
+static void look_along_lines(struct media_search *search)
+{
+    const struct survey *survey = search->survey;
+    for (uint32_t i = 0; i < survey->line_count; i++) {
+        if (survey->through_faces[i])
+            continue;
+        begin(search, &survey->lines[i], &search->stacks[i]);
+        look_at_line(search, &search->sight, &survey->lines[i], i, &search->stacks[i]);
+    }
+}
+
 bool find_media(struct survey *survey, struct err *err)
 {
     struct media_search search = {
         .survey = survey,
         .materials = survey_gpu_materials(survey),
-        .sight.lost = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count),
-        .paths.lost = ARENA_NEW(&survey->scratch, uint32_t, survey->line_count),
-        .stacks = ARENA_NEW(&survey->scratch, struct stack, survey->line_count),
     };
     if (survey->job.renderer.tables.medium_count == 0)
         return true;
-    if (!search.sight.lost || !search.paths.lost || !search.stacks)
+    search.stacks = ARENA_NEW(&survey->scratch, struct stack, survey->line_count);
+    if (!search.stacks)
         return err_memory(err, "sight lines", survey->line_count * sizeof *search.stacks);
-    for (uint32_t i = 0; i < survey->line_count; i++) {
-        if (survey->through_faces[i])
-            continue;
-        begin(&search, &survey->lines[i], &search.stacks[i]);
-        look_at_line(&search, &search.sight, &survey->lines[i], i, &search.stacks[i]);
-    }
-    return look_aside(&search, err) && follow_paths(&search, err) &&
+    if (!make_ways(survey, &search.sight, err) || !make_ways(survey, &search.paths, err))
+        return false;
+    look_along_lines(&search);
+    return look_aside(&search, err) && name_seen(&search, err) && follow_paths(&search, err) &&
            overlaps_add(survey, &search.overlaps, err) &&
            add_unclosed(&search, &search.sight, LOSS_LEFT, err) &&
            add_unclosed(&search, &search.sight, LOSS_OPEN, err) &&

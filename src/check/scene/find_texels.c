@@ -273,7 +273,8 @@ static struct sun_texel brightest_texel(const struct environment *sky)
 static bool find_sun_texel(struct survey *survey, struct err *err)
 {
     const struct environment *sky = &survey->scene->environment;
-    if (sky->width == 0 || (uint64_t)sky->width * sky->height < TEXELS_MIN)
+    bool is_dark = fmaxf(fmaxf(sky->radiance[0], sky->radiance[1]), sky->radiance[2]) <= 0.0f;
+    if (is_dark || sky->width == 0 || (uint64_t)sky->width * sky->height < TEXELS_MIN)
         return true;
     const struct sun_texel sun = brightest_texel(sky);
     double solid_angle = environment_texel_solid_angle(sky, sun.row);

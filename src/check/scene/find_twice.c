@@ -149,6 +149,7 @@ static enum twins twins_of(const struct survey *survey, uint32_t a, uint32_t b)
 struct twin_list {
     uint32_t count, first, second; // objects that are there again; the first pair
     bool *marked;                  // flags of all objects: those that are there twice
+    bool *firsts, *again;          // the same: the first one of a pair, and the others
 };
 
 // Takes the objects at one place. One of them is hidden only where all of them are equal: which of
@@ -173,6 +174,7 @@ static void take_place(struct survey *survey, const struct identity *list, uint3
             out->second = object;
         }
         out->marked[twin] = out->marked[object] = true;
+        out->firsts[twin] = out->again[object] = true;
         if (is_idle)
             *survey_hidden(survey, object) |= survey->params->fixes;
     }
@@ -183,13 +185,16 @@ static bool find_twins(struct survey *survey, struct twin_list *lists, struct er
     struct scene *scene = survey->scene;
     uint32_t all = survey_object_count(survey), count = 0;
     struct identity *list = ARENA_NEW(&survey->scratch, struct identity, all);
-    bool *marked = ARENA_NEW(&survey->scratch, bool, (size_t)all *TWINS_COUNT);
+    bool *marked = ARENA_NEW(&survey->scratch, bool, (size_t)all * 3 * TWINS_COUNT);
     survey->places = ARENA_NEW(&survey->scratch, uint32_t, all);
     uint64_t *forms = ARENA_NEW(&survey->scratch, uint64_t, scene->mesh_count);
     if (!list || !marked || !survey->places || !forms)
         return err_memory(err, "objects", all * sizeof *list);
-    for (uint32_t i = 0; i < TWINS_COUNT; i++)
-        lists[i].marked = &marked[(size_t)i * all];
+    for (uint32_t i = 0; i < TWINS_COUNT; i++) {
+        lists[i].marked = &marked[(size_t)i * 3 * all];
+        lists[i].firsts = lists[i].marked + all;
+        lists[i].again = lists[i].firsts + all;
+    }
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         forms[i] = form_of_mesh(&scene->meshes[i]);
     for (uint32_t i = 0; i < all; i++)
@@ -239,24 +244,55 @@ static const char *change_of(struct survey *survey, const struct twin_list *list
                               list->count, object, name);
 }
 
+// Returns in *touched the pixels that show the objects, and those that differ between the images
+// that may have been meant: of doubled objects with all of them and with one at each place, of
+// objects that clash without the first ones and without the others. Lamps and panes change pixels
+// in which they are not seen. NULL where neither is so.
+static bool find_touched(struct survey *survey, enum twins twins, const struct twin_list *list,
+                         const uint8_t **touched, struct err *err)
+{
+    double *one, *other;
+    const uint8_t *different, *seen = survey_touched_by_objects(survey, list->marked);
+    uint8_t *flags = survey_flags(survey);
+    *touched = seen;
+    if (twins != TWINS_DOUBLED && twins != TWINS_CLASH)
+        return true;
+    if (!flags)
+        return err_memory(err, "flags", survey->line_count);
+    if (!(twins == TWINS_DOUBLED ? survey_render_again(survey, &one, err)
+                                 : survey_render_without(survey, list->firsts, &one, err)) ||
+        !survey_render_without(survey, list->again, &other, err))
+        return false;
+    bool differs = survey_difference(survey, one, other, &different) >= DIFFERENCE_MIN;
+    for (uint32_t i = 0; seen && different && i < survey->line_count; i++)
+        flags[i] = seen[i] | (differs ? different[i] : 0u);
+    *touched = differs || survey_share(survey, seen) > 0.0 ? flags : NULL;
+    return true;
+}
+
 static bool add_list(struct survey *survey, enum twins twins, const struct twin_list *list,
                      struct err *err)
 {
     struct arena *arena = survey->arena;
+    const uint8_t *touched;
     const char *a = survey_object_name(survey, list->first);
     const char *b = survey_object_name(survey, list->second);
     const char *change = twins == TWINS_IDLE ? change_of(survey, list) : NULL;
-    const uint8_t *touched = survey_touched_by_objects(survey, list->marked);
     if (twins == TWINS_IDLE && !change)
         return err_memory(err, "names", 0);
+    if (!find_touched(survey, twins, list, &touched, err))
+        return false;
     return survey_add(survey,
                       &(struct scene_finding){
                           .name = "object-twice",
-                          .level = words[twins].level,
+                          .level = touched ? words[twins].level : FINDING_REMARK,
                           .place = a && b ? arena_printf(arena, "%s, and %s", a, b) : NULL,
                           .figure = arena_printf(arena, "%u object%s at the very place of another",
                                                  list->count, list->count == 1 ? "" : "s"),
-                          .consequence = words[twins].consequence,
+                          .consequence = touched
+                                             ? words[twins].consequence
+                                             : "They cost memory and time; the image is the same "
+                                               "without them, as renders say.",
                           .remedy = words[twins].remedy,
                           .share = survey_share(survey, touched),
                           .pixels = touched,
@@ -267,11 +303,15 @@ static bool add_list(struct survey *survey, enum twins twins, const struct twin_
 
 bool find_twice(struct survey *survey, struct err *err)
 {
-    struct twin_list lists[TWINS_COUNT] = {0};
-    if (!find_twins(survey, lists, err))
-        return false;
+    survey->twins = ARENA_NEW(&survey->scratch, struct twin_list, TWINS_COUNT);
+    return survey->twins ? find_twins(survey, survey->twins, err)
+                         : err_memory(err, "objects", TWINS_COUNT * sizeof *survey->twins);
+}
+
+bool name_twice(struct survey *survey, struct err *err)
+{
     for (enum twins twins = TWINS_IDLE; twins < TWINS_COUNT; twins++)
-        if (lists[twins].count > 0 && !add_list(survey, twins, &lists[twins], err))
+        if (survey->twins[twins].count > 0 && !add_list(survey, twins, &survey->twins[twins], err))
             return false;
     return true;
 }

@@ -49,6 +49,7 @@ struct survey {
     struct sightline *lines;  // one a pixel of it
     uint32_t line_count;
     uint32_t *places; // by find_twice(): a number for each object, the same for those at one place
+    struct twin_list *twins;      // by the same: the objects at one place, for name_twice()
     const uint8_t *through_faces; // by find_coincident(): flags of the lines; see there
     bool names_faces;             // faces that lie upon each other are among the findings
     const char *unscaled;         // by find_biases(): what it is to be told of, if anything
@@ -232,7 +233,8 @@ double light_sent(const struct light *light, const double place[3], double towar
 
 bool find_coarse(struct survey *survey, struct err *err);     // objects, meshes, cameras
 bool find_thin(struct survey *survey, struct err *err);       // slivers, zero areas, no volume
-bool find_twice(struct survey *survey, struct err *err);      // objects at one place
+bool find_twice(struct survey *survey, struct err *err);      // objects at one place, which
+bool name_twice(struct survey *survey, struct err *err);      // this one names
 bool find_coincident(struct survey *survey, struct err *err); // faces upon each other
 bool find_normals(struct survey *survey, struct err *err);    // those that contradict the surface
 bool find_media(struct survey *survey, struct err *err);      // open, inside-out, overlapping
