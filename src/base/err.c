@@ -56,7 +56,8 @@ bool err_memory(struct err *err, const char *what, unsigned long long bytes)
 {
     uint64_t left, refused = memory_refused(&left);
     if (refused == 0)
-        return err_set(err, ERR_SYSTEM, "out of memory (%llu bytes for %s)", bytes, what);
+        return err_set(err, ERR_SYSTEM, "out of memory (%s for %s)", memory_print(bytes).text,
+                       what);
     return err_set(err, ERR_BUDGET,
                    "out of memory for %s: %s are needed, but %s are left of the budget of %s; "
                    "expected a smaller scene or picture, or a larger --memory",

@@ -3,6 +3,7 @@
 #include "base/file_handle.h"
 #include "base/file_inputs.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/process.h"
 #include <errno.h>
 #include <stdatomic.h>
@@ -346,6 +347,6 @@ bool file_check_space(const char *path, uint64_t bytes, struct err *err)
     free(target);
     if (!is_known || bytes < left)
         return true;
-    return err_set(err, ERR_OUTPUT, "%s: may take %llu bytes, but its disk has only %llu left",
-                   path, (unsigned long long)bytes, (unsigned long long)left);
+    return err_set(err, ERR_OUTPUT, "%s: may take %s, but its disk has only %s left", path,
+                   memory_print(bytes).text, memory_print(left).text);
 }

@@ -1,6 +1,8 @@
 // The buffers that kernels see.
 #include "gpu/gpu_internal.h"
 
+#include "base/memory.h"
+
 static bool storage_range(const struct gpu *gpu, const struct gpu_binding *binding,
                           const struct gpu_buffer *dummy, VkDescriptorBufferInfo *out,
                           struct err *err)
@@ -21,10 +23,10 @@ static bool storage_range(const struct gpu *gpu, const struct gpu_binding *bindi
     uint64_t bytes = binding->bytes ? binding->bytes : buffer->bytes - binding->offset;
     if (bytes > gpu->max_storage_range)
         return err_set(err, ERR_GPU,
-                       "buffer %s: a storage range of %llu bytes is above the device's limit of "
-                       "%llu (maxStorageBufferRange)",
-                       buffer->name, (unsigned long long)bytes,
-                       (unsigned long long)gpu->max_storage_range);
+                       "buffer %s: a storage range of %s is above the device's limit of %s "
+                       "(maxStorageBufferRange)",
+                       buffer->name, memory_print(bytes).text,
+                       memory_print(gpu->max_storage_range).text);
     *out = (VkDescriptorBufferInfo){buffer->handle, binding->offset, bytes};
     return true;
 }

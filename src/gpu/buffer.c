@@ -1,5 +1,7 @@
 // Buffers, each with its own memory.
 #include "gpu/gpu_internal.h"
+
+#include "base/memory.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -157,9 +159,9 @@ bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu
     bool fits = out->bytes <= gpu->max_allocation && out->bytes <= UINT64_MAX - TEXEL_BYTES;
     if (!(fits || too_large(err)) || !handle_create(gpu, out, err) ||
         !memory_create(gpu, out, memory, err) || (texel && !texel_view_create(gpu, out, err))) {
-        err_prepend(err, "buffer %s, %llu bytes (in use: %llu; largest allocation: %llu)", name,
-                    (unsigned long long)out->bytes, (unsigned long long)gpu->allocated_bytes,
-                    (unsigned long long)gpu->max_allocation);
+        err_prepend(err, "buffer %s, %s (in use: %s; largest allocation: %s)", name,
+                    memory_print(out->bytes).text, memory_print(gpu->allocated_bytes).text,
+                    memory_print(gpu->max_allocation).text);
         handles_destroy(gpu, out);
         return false;
     }
@@ -174,9 +176,9 @@ bool gpu_buffer_create(struct gpu *gpu, const char *name, uint64_t bytes, enum g
     *out = (struct gpu_buffer){0};
     if (texel && !gpu_texel_fits(gpu, bytes))
         return err_set(err, ERR_GPU,
-                       "buffer %s: %llu bytes are above the device's limit of %llu texels of %d "
-                       "bytes (maxTexelBufferElements)",
-                       name, (unsigned long long)bytes, (unsigned long long)gpu->max_texel_elements,
+                       "buffer %s: %s are above the device's limit of %llu texels of %d bytes "
+                       "(maxTexelBufferElements)",
+                       name, memory_print(bytes).text, (unsigned long long)gpu->max_texel_elements,
                        TEXEL_BYTES);
     if (!buffer_allocate(gpu, name, bytes, memory, texel, out, err))
         return false;

@@ -172,9 +172,8 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
         slots = unit;
     if (p->wave && !p->wave_is_wish && slots < wanted / unit * unit)
         log_warn("wave of %" PRIu64 " paths lowered to %" PRIu64
-                 ": the device's buffers hold %" PRIu64 " bytes, its texel buffers %" PRIu64
-                 " elements",
-                 wanted, slots, range, gpu->max_texel_elements);
+                 ": the device's buffers hold %s, its texel buffers %" PRIu64 " elements",
+                 wanted, slots, memory_print(range).text, gpu->max_texel_elements);
     return (uint32_t)slots;
 }
 
@@ -292,12 +291,12 @@ static bool check(const struct memory_plan_params *p, const struct memory_plan *
         return true;
     char parts[80] = "";
     if (b <= BINDING_TEXELS && limit > p->gpu->max_storage_range && !is_texels(p, b))
-        snprintf(parts, sizeof parts, " (%" PRIu64 " bytes in each of %u bindings that are left)",
-                 part_bytes(p->gpu), 1 + parts_left(p->gpu, plan->parts));
+        snprintf(parts, sizeof parts, " (%s in each of %u bindings that are left)",
+                 memory_print(part_bytes(p->gpu)).text, 1 + parts_left(p->gpu, plan->parts));
     return err_set(err, ERR_GPU,
-                   "buffer %s needs %" PRIu64 " bytes, but %s takes at most %" PRIu64
-                   " a buffer%s: expected %s",
-                   binding_name(b), bytes, p->gpu->info.name, limit, parts, advice(p, b));
+                   "buffer %s needs %s, but %s takes at most %s a buffer%s: expected %s",
+                   binding_name(b), memory_print(bytes).text, p->gpu->info.name,
+                   memory_print(limit).text, parts, advice(p, b));
 }
 
 static uint64_t picture_pixels(const struct memory_plan_params *p)
@@ -327,16 +326,17 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
     uint64_t host_needed = pixels * host_bytes + (is_shared ? further : 0);
     if (plan->total_bytes > device)
         return err_set(err, ERR_GPU,
-                       "the plan needs %" PRIu64 " bytes of device memory, but %s has %" PRIu64
-                       " left: expected a smaller scene, picture (--size) or --wave",
-                       plan->total_bytes, p->gpu->info.name, device);
+                       "the plan needs %s of device memory, but %s has %s left: expected a smaller "
+                       "scene, picture (--size) or --wave",
+                       memory_print(plan->total_bytes).text, p->gpu->info.name,
+                       memory_print(device).text);
     if (!memory_check(pixels * host_bytes, "the picture on the host", err))
         return false;
     if (host_needed > host)
         return err_set(err, ERR_SYSTEM,
-                       "the plan needs %" PRIu64 " bytes of memory, but %" PRIu64
-                       " are free: expected a smaller picture (--size)",
-                       host_needed, host);
+                       "the plan needs %s of memory, but %s are free: expected a smaller picture "
+                       "(--size)",
+                       memory_print(host_needed).text, memory_print(host).text);
     return true;
 }
 

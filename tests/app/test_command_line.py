@@ -552,7 +552,7 @@ class Render(unittest.TestCase):
         result = run_gpu('render', self.SCENE, '--size', '65536x32768', '--frames', '1k',
                          '--every', '1', '-o', self.path('a.exr'))
         self.assertEqual((result.returncode, result.stdout), (4, ''))
-        self.assertRegex(result.stderr, r'a\.exr: may take \d+ bytes, but its disk has only \d+ left')
+        self.assertRegex(result.stderr, r'a\.exr: may take [\d.]+ (?:bytes|[KMGT]iB), but its disk has only [\d.]+ (?:bytes|[KMGT]iB) left')
 
     def test_frames_say_which_and_how_to_repeat_them(self):
         result = self.render('--frames', '3', '--every', '1', '--accumulate', 'off', '-o',

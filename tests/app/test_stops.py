@@ -165,8 +165,8 @@ class Stops(unittest.TestCase):
         process = self.render(*LARGE, prepare=prepare)
         _, messages = process.communicate(timeout=100)
         self.assertEqual(process.returncode, 4, messages)
-        self.assertIn('at most %d bytes' % limit, messages)
-        self.assertIn('%d before compression' % (512 * 384 * 3 * 4), messages)
+        self.assertRegex(messages, r'at most [\d.]+ [KM]iB here')
+        self.assertIn('%.1f MiB before compression' % (512 * 384 * 3 * 4 / 1048576), messages)
         self.assertIn('could not be saved in', messages)
 
     # --- a sample of every pixel ---

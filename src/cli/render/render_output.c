@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/file_system.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/signals.h"
 #include "base/terminal.h"
 #include "image/image.h"
@@ -177,9 +178,9 @@ static bool save(const struct render_run *run, const char *path, uint64_t limit,
         return true;
     }
     if (is_limited)
-        log_warn("files may have at most %llu bytes here (RLIMIT_FSIZE, ulimit -f); the picture "
-                 "has %llu before compression",
-                 (unsigned long long)limit, (unsigned long long)picture_bytes(run, false));
+        log_warn("files may have at most %s here (RLIMIT_FSIZE, ulimit -f); the picture has %s "
+                 "before compression",
+                 memory_print(limit).text, memory_print(picture_bytes(run, false)).text);
     return false;
 }
 

@@ -1,6 +1,7 @@
 #include "render/probe/kernel_recording.h"
 
 #include "base/hash.h"
+#include "base/memory.h"
 #include "render/counters.h"
 #include <inttypes.h>
 #include <string.h>
@@ -144,9 +145,9 @@ static bool check_memory(const struct renderer *r, struct kernel_recording *rec,
     uint64_t free = gpu_memory_free(r->gpu);
     return rec->bytes <= free ||
            err_set(err, ERR_GPU,
-                   "keeping what %s gets takes %" PRIu64 " bytes, but %s has %" PRIu64
-                   " left: expected a smaller --wave",
-                   r->kernels[rec->step.kernel].name, rec->bytes, r->gpu->info.name, free);
+                   "keeping what %s gets takes %s, but %s has %s left: expected a smaller --wave",
+                   r->kernels[rec->step.kernel].name, memory_print(rec->bytes).text,
+                   r->gpu->info.name, memory_print(free).text);
 }
 
 // No commands are being recorded.

@@ -1,6 +1,7 @@
 #include "render/show/denoise.h"
 
 #include "base/maths.h"
+#include "base/memory.h"
 #include "render/show/denoise_view.h"
 #include "render/show/paced.h"
 #include "shared/aov.h"
@@ -272,10 +273,10 @@ static bool prepare_buffers(struct denoiser *d, uint32_t width, uint32_t height,
         return true;
     if (pixels * WORD_BYTES > d->gpu->max_storage_range)
         return err_set(err, ERR_GPU,
-                       "a denoised preview of %u x %u pixels takes buffers of %llu bytes, expected "
-                       "at most %llu, the device's limit (maxStorageBufferRange)",
-                       width, height, (unsigned long long)(pixels * WORD_BYTES),
-                       (unsigned long long)d->gpu->max_storage_range);
+                       "a denoised preview of %u x %u pixels takes buffers of %s, expected at most "
+                       "%s, the device's limit (maxStorageBufferRange)",
+                       width, height, memory_print(pixels * WORD_BYTES).text,
+                       memory_print(d->gpu->max_storage_range).text);
     struct layers history = {0};
     uint32_t was = 1 - own->now;
     if (d->has_history) {

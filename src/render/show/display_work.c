@@ -1,6 +1,8 @@
 // Kernels, descriptor sets and buffers of the display.
 #include "render/show/display_internal.h"
 
+#include "base/memory.h"
+
 #include "display_range.spv.h"
 #include "display_read.spv.h"
 #include "display_scale.spv.h"
@@ -136,10 +138,10 @@ bool display_reserve(struct display *d, const char *name, uint32_t width, uint32
     uint64_t bytes = (uint64_t)width * height * 16;
     if (bytes > d->gpu->max_storage_range)
         return err_set(err, ERR_GPU,
-                       "a picture of %u x %u pixels takes %llu bytes; the device's limit of a "
-                       "buffer that kernels write is %llu (maxStorageBufferRange)",
-                       width, height, (unsigned long long)bytes,
-                       (unsigned long long)d->gpu->max_storage_range);
+                       "a picture of %u x %u pixels takes %s; the device's limit of a buffer that "
+                       "kernels write is %s (maxStorageBufferRange)",
+                       width, height, memory_print(bytes).text,
+                       memory_print(d->gpu->max_storage_range).text);
     out->width = width;
     out->height = height;
     return display_reserve_bytes(d, name, bytes, true, &out->buffer, err);
