@@ -11,6 +11,10 @@
 // Up to so many bytes of all pictures together, as floats, they stay floats. Encoded as PNG and
 // base64 a page is at most as large again as that; noise of 16 bits does not compress.
 #define FLOATS_MAX (UINT64_C(8) << 20)
+// Above so many bytes as halves, these lose two bits: noise does not compress, and so a page of
+// four pictures of 1280 x 720 pixels stays near 20 MB. What is left, 9 bits of a number, is three
+// digits.
+#define ALL_BITS_MAX (UINT64_C(16) << 20)
 // Above so many bytes as halves, pictures are reduced: five of 1920 x 1080 pixels stay whole.
 #define HALVES_MAX (UINT64_C(64) << 20)
 
@@ -32,6 +36,14 @@ static uint32_t choose_reduction(const struct html_viewer_params *params)
 static uint32_t choose_bits(const struct html_viewer_params *params, uint32_t reduction)
 {
     return component_count(params, reduction) * sizeof(float) <= FLOATS_MAX ? 32 : 16;
+}
+
+// Decimal digits that components have in the page.
+static uint32_t choose_digits(const struct html_viewer_params *params, uint32_t reduction)
+{
+    if (choose_bits(params, reduction) == 32)
+        return 9;
+    return component_count(params, reduction) * sizeof(uint16_t) <= ALL_BITS_MAX ? 4 : 3;
 }
 
 // Base64 takes 4 bytes for 3, the stream that holds them up to twice their size while it grows. The
@@ -87,17 +99,19 @@ bool html_viewer_begin(struct html_page *page, const struct html_viewer_params *
         .height = (params->height + reduction - 1) / reduction,
         .reduction = reduction,
         .bits = choose_bits(params, reduction),
+        .digits = choose_digits(params, reduction),
         .source_width = params->width,
         .number = page->viewers++,
         .pictures = json_array(),
     };
-    out->spec = json_pack(
-        "{s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:s, s:f, s:f, s:o, s:o, s:O}", "width",
-        (int)out->width, "height", (int)out->height, "reduction", (int)reduction, "sourceWidth",
-        (int)params->width, "sourceHeight", (int)params->height, "bits", (int)out->bits, "exposure",
-        (double)params->exposure_stops, "tone", params->tone == TONE_ACES ? "aces" : "none",
-        "epsilon", METRICS_RELMSE_EPSILON, "smapeEpsilon", METRICS_SMAPE_EPSILON, "maps",
-        maps_json(), "palette", palette_json(), "pictures", out->pictures);
+    out->spec = json_pack("{s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:s, s:f, s:f, s:o, s:o, s:O}",
+                          "width", (int)out->width, "height", (int)out->height, "reduction",
+                          (int)reduction, "sourceWidth", (int)params->width, "sourceHeight",
+                          (int)params->height, "bits", (int)out->bits, "digits", (int)out->digits,
+                          "exposure", (double)params->exposure_stops, "tone",
+                          params->tone == TONE_ACES ? "aces" : "none", "epsilon",
+                          METRICS_RELMSE_EPSILON, "smapeEpsilon", METRICS_SMAPE_EPSILON, "maps",
+                          maps_json(), "palette", palette_json(), "pictures", out->pictures);
     if (!out->spec)
         return err_memory(err, "a viewer", 0);
     fprintf(page->out, "<section class=\"viewer\" id=\"viewer-%u\" aria-label=\"pictures\">\n",
@@ -154,12 +168,23 @@ static bool put_plane(struct html_viewer *v, const uint8_t *codes, const char *n
     return true;
 }
 
+// To a multiple of four units in the last place; infinity and NaN stay what they are, and what
+// would be rounded up to infinity is the greatest half.
+static uint32_t round_half_bits(uint32_t half)
+{
+    const uint32_t sign = half & 0x8000u, magnitude = half & 0x7fffu, greatest = 0x7bffu;
+    if (magnitude > greatest)
+        return half;
+    const uint32_t rounded = (magnitude + 2u) & ~3u;
+    return sign | (rounded > greatest ? greatest : rounded);
+}
+
 // The bits of a component as they stand in the page.
 static uint32_t bits_of(const struct html_viewer *v, float value)
 {
     uint32_t bits;
     if (v->bits == 16)
-        return half_from_float(value);
+        return v->digits == 3 ? round_half_bits(half_from_float(value)) : half_from_float(value);
     memcpy(&bits, &value, sizeof bits);
     return bits;
 }
@@ -184,7 +209,14 @@ static bool put_planes(struct html_viewer *v, const float (*pixels)[3], uint32_t
     return true;
 }
 
-// FLIP in red and HDR-FLIP in green, in steps of 1/255.
+// FLIP in red and HDR-FLIP in green, in steps of 1/255, and of 1/31 beside halves: of noisy
+// pictures the maps do not compress, and so many shades of false colours are enough.
+static uint8_t flip_code(const struct html_viewer *v, float value)
+{
+    const float steps = v->bits == 16 ? 31.0f : 255.0f;
+    return image_quantize(roundf(value * steps) / steps);
+}
+
 static bool put_flip(struct html_viewer *v, const struct html_viewer_picture *picture,
                      uint32_t source_height, uint8_t *codes, struct arena *arena, json_t *sums,
                      struct err *err)
@@ -194,7 +226,7 @@ static bool put_flip(struct html_viewer *v, const struct html_viewer_picture *pi
     for (uint32_t y = 0; y < v->height; y++)
         for (uint32_t x = 0; x < v->width; x++) {
             for (int m = 0; m < 2; m++)
-                codes[i++] = image_quantize(reduced(v, maps[m], 1, source_height, x, y));
+                codes[i++] = flip_code(v, reduced(v, maps[m], 1, source_height, x, y));
             codes[i++] = 0;
         }
     return put_plane(v, codes, "flip", arena, sums, err);

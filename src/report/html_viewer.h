@@ -28,13 +28,14 @@ struct html_viewer {
     uint32_t width, height;  // of what the page shows
     uint32_t reduction;      // pixels a side of which each pixel in the page is the mean; 1: none
     uint32_t bits;           // a component in the page: 16 (halves) or 32 (floats)
+    uint32_t digits;         // decimal ones that a component has in the page: 9, 4 or 3
     uint32_t source_width;
     uint32_t number; // of this viewer in the page
 };
 
 // Pictures stand in the page as 32-bit floats where all of them together are small, as halves
-// otherwise, and averaged over squares of pixels where even these would be too many, which the page
-// says. html_viewer_end() is to be called in any case.
+// otherwise, with 9 of their 11 bits where they are many, and averaged over squares of pixels where
+// even these would be too many, which the page says. html_viewer_end() is to be called in any case.
 bool html_viewer_begin(struct html_page *page, const struct html_viewer_params *params,
                        struct html_viewer *out, struct err *err);
 bool html_viewer_add(struct html_viewer *viewer, const struct html_viewer_picture *picture,

@@ -30,15 +30,14 @@ function srgbCode(linear) {
   return Math.floor(255 * (x <= .0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - .055) + .5);
 }
 
-function formatValue(value, bits) {
+function formatValue(value, digits) {
   if (Number.isNaN(value)) return 'NaN';
   if (!Number.isFinite(value)) return value > 0 ? '\u221e' : '\u2212\u221e';
-  if (bits === 16 && Math.abs(value) === HALF_MAX) return `beyond ${value}`;
-  if (bits === 16) return String(Number(value.toPrecision(4)));
+  if (digits < 9) return Math.abs(value) === HALF_MAX ? `beyond ${value}` : String(Number(value.toPrecision(digits)));
   // As few digits as tell this float from all others.
-  for (let digits = 6; ; digits++) {
-    const short = Number(value.toPrecision(digits));
-    if (digits === 9 || Math.fround(short) === Math.fround(value)) return String(short);
+  for (let count = 6; ; count++) {
+    const short = Number(value.toPrecision(count));
+    if (count === 9 || Math.fround(short) === Math.fround(value)) return String(short);
   }
 }
 
@@ -47,8 +46,11 @@ function formatValue(value, bits) {
 // 32-bit FNV-1a of the codes without alpha, as html_viewer.c has it.
 function hashCodes(rgba) {
   let hash = 0x811c9dc5;
-  for (let i = 0; i < rgba.length; i++)
-    if ((i & 3) !== 3) hash = Math.imul(hash ^ rgba[i], 0x01000193);
+  for (let i = 0; i < rgba.length; i += 4) {
+    hash = Math.imul(hash ^ rgba[i], 0x01000193);
+    hash = Math.imul(hash ^ rgba[i + 1], 0x01000193);
+    hash = Math.imul(hash ^ rgba[i + 2], 0x01000193);
+  }
   return hash >>> 0;
 }
 
@@ -72,6 +74,7 @@ class Picture {
   constructor(viewer, entry, index) {
     Object.assign(this, { viewer, entry, index, label: entry.label, isReference: entry.reference });
     this.canvases = {}; // what was painted, by kind: { key, canvas }
+    this.errors = {};   // maps' numbers, by name
   }
 
   async load() {
@@ -85,9 +88,10 @@ class Picture {
     const bytes = new Uint8Array(count * size);
     for (let byte = 0; byte < size; byte++) {
       const rgba = await plane(byte);
-      for (let i = 0, from = 0, to = byte; i < count; i++, to += size) {
+      for (let from = 0, to = byte; from < rgba.length; from += 4, to += 3 * size) {
         bytes[to] = rgba[from];
-        from += i % 3 === 2 ? 2 : 1; // over alpha
+        bytes[to + size] = rgba[from + 1];
+        bytes[to + 2 * size] = rgba[from + 2];
       }
     }
     this.halves = size === 2 ? new Uint16Array(bytes.buffer) : null;
@@ -106,18 +110,24 @@ class Picture {
     return this.words ? this.words[component] >>> 15 : this.halves[component];
   }
 
-  // A pixel's number in a map of errors; NaN where a picture is not finite.
-  error(map, pixel) {
-    const reference = this.viewer.reference;
-    let sum = 0;
-    for (let k = 3 * pixel; k < 3 * pixel + 3; k++) {
-      const x = this.value(k), r = reference.value(k), d = Math.abs(x - r);
-      if (map === 'squared') sum += d * d / (r * r + this.viewer.spec.epsilon);
-      else if (map === 'smape') sum += 2 * d / (Math.abs(x) + Math.abs(r) + this.viewer.spec.smapeEpsilon);
-      else sum += d / (Math.abs(r) + this.viewer.spec.epsilon);
+  // The numbers of all pixels in a map of errors; NaN where a picture is not finite.
+  errorsOf(map) {
+    if (this.errors[map]) return this.errors[map];
+    const { spec, reference } = this.viewer, count = spec.width * spec.height;
+    const isFlip = map === 'flip' || map === 'hdr-flip', at = map === 'flip' ? 0 : 1;
+    const out = new Float32Array(count);
+    for (let pixel = 0; pixel < count; pixel++) {
+      let sum = 0;
+      for (let k = 3 * pixel; k < 3 * pixel + 3; k++) {
+        const x = this.value(k), r = reference.value(k), d = Math.abs(x - r);
+        if (map === 'squared') sum += d * d / (r * r + spec.epsilon);
+        else if (map === 'smape') sum += 2 * d / (Math.abs(x) + Math.abs(r) + spec.smapeEpsilon);
+        else sum += d / (Math.abs(r) + spec.epsilon);
+      }
+      out[pixel] = !Number.isFinite(sum) ? NaN : isFlip ? this.flip[4 * pixel + at] / 255 : sum / 3;
     }
-    if (!Number.isFinite(sum)) return NaN;
-    return map === 'flip' ? this.flip[4 * pixel] / 255 : map === 'hdr-flip' ? this.flip[4 * pixel + 1] / 255 : sum / 3;
+    this.errors[map] = out;
+    return out;
   }
 
   paintLight(data) {
@@ -131,11 +141,15 @@ class Picture {
   }
 
   paintErrors(data, map) {
-    const palette = this.viewer.spec.palette;
-    for (let pixel = 0; pixel < data.length / 4; pixel++) {
-      const level = errorLevel(map, this.error(map.name, pixel));
-      const color = Number.isNaN(level) ? [0, 255, 0] : palette[Math.floor(level * (palette.length - 1) + .5)];
-      data.set([color[0], color[1], color[2], 255], 4 * pixel);
+    const { palette } = this.viewer.spec, errors = this.errorsOf(map.name), last = palette.length - 1;
+    const colors = Uint8Array.from([].concat(...palette));
+    for (let pixel = 0, i = 0; pixel < errors.length; pixel++, i += 4) {
+      const level = errorLevel(map, errors[pixel]);
+      const color = 3 * Math.floor(level * last + .5), isKnown = color >= 0; // not of NaN
+      data[i] = isKnown ? colors[color] : 0;
+      data[i + 1] = isKnown ? colors[color + 1] : 255;
+      data[i + 2] = isKnown ? colors[color + 2] : 0;
+      data[i + 3] = 255;
     }
   }
 
@@ -249,6 +263,8 @@ class Viewer {
     if (spec.reduction > 1)
       this.notes.append(make('p', { className: 'note' }, `Pictures of ${spec.sourceWidth} \u00d7 ${spec.sourceHeight} pixels ` +
         `are reduced here: each pixel is the mean of ${spec.reduction} \u00d7 ${spec.reduction}. Errors in tables are those of the whole pictures.`));
+    if (spec.digits === 3)
+      this.notes.append(make('p', { className: 'viewer-help' }, 'The pictures are large: the page has three digits of each value.'));
     if (this.isAltered)
       this.notes.append(make('p', { className: 'note' }, 'This browser alters what is read from canvases (a protection against ' +
         'fingerprinting): pixels and values here are not those of the files.'));
@@ -384,13 +400,14 @@ class Viewer {
     const { cursor, spec } = this, map = this.spec.maps.find(m => m.name === this.mode) || spec.maps[0];
     const head = ['', 'red', 'green', 'blue'].concat(this.reference ? [map.name] : []);
     this.valuesHead.textContent = cursor ? `Pixel ${cursor.x}, ${cursor.y}` : 'Pixel values';
+    this.valuesHead.title = spec.digits < 9 ? `The page has ${spec.digits} digits of each value.` : 'The page has all digits of each value.';
     const rows = this.pictures.map((picture, i) => {
       const row = make('tr', { className: i === this.current ? 'shown' : '' });
       const swatch = make('span', { className: 'viewer-swatch' });
       row.append(make('th', {}, swatch, picture.label));
       const pixel = cursor ? cursor.y * spec.width + cursor.x : -1;
       for (let k = 0; k < 3; k++)
-        row.append(make('td', { className: 'number' }, cursor ? formatValue(picture.value(3 * pixel + k), spec.bits) : '\u2013'));
+        row.append(make('td', { className: 'number' }, cursor ? formatValue(picture.value(3 * pixel + k), spec.digits) : '\u2013'));
       if (this.reference)
         row.append(make('td', { className: 'number' }, !cursor || picture.isReference ? '\u2013' : this.errorText(picture, map, pixel)));
       if (cursor) swatch.style.background = `rgb(${[0, 1, 2].map(k => this.displayCodes()[picture.code(3 * pixel + k)])})`;
@@ -400,8 +417,8 @@ class Viewer {
   }
 
   errorText(picture, map, pixel) {
-    const value = picture.error(map.name, pixel);
-    return map.name.includes('flip') ? value.toFixed(3) : formatValue(Number(value.toPrecision(4)), 32);
+    const value = picture.errorsOf(map.name)[pixel];
+    return map.name.includes('flip') ? value.toFixed(this.spec.bits === 16 ? 2 : 3) : formatValue(Number(value.toPrecision(4)), 9);
   }
 
   // --- geometry ----------------------------------------------------------------------------------
@@ -607,13 +624,13 @@ class Viewer {
   chooseCrops() {
     const { width, height } = this.spec, size = Math.max(Math.round(Math.min(width, height) / 5), 2);
     const columns = Math.floor(width / size), rows = Math.floor(height / size);
-    const others = this.pictures.filter(p => !p.isReference), blocks = [];
+    const maps = this.pictures.filter(p => !p.isReference).map(p => p.errorsOf('relative')), blocks = [];
     for (let j = 0; j < rows; j++)
       for (let i = 0; i < columns; i++) {
         let sum = 0;
         for (let y = j * size; y < (j + 1) * size; y++)
           for (let x = i * size; x < (i + 1) * size; x++)
-            for (const picture of others) sum += Math.min(picture.error('relative', y * width + x) || 0, 1);
+            for (const errors of maps) sum += Math.min(errors[y * width + x] || 0, 1);
         blocks.push({ x: i * size, y: j * size, width: size, height: size, sum });
       }
     blocks.sort((a, b) => b.sum - a.sum);

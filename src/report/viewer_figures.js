@@ -77,12 +77,25 @@ class ViewerFigures {
     this.timer = setTimeout(() => this.build(), 120);
   }
 
-  build() {
+  async build() {
     const { viewer } = this;
-    this.insets.replaceChildren(viewer.crops.length ? this.drawInsets() : make('p', {}, 'No crops, and so no insets.'));
+    this.insets.closest('figure').hidden = !viewer.crops.length;
+    if (viewer.crops.length) this.insets.replaceChildren(this.drawInsets());
     if (this.intervals) this.intervals.replaceChildren(this.drawIntervals());
-    if (this.distribution) this.distribution.replaceChildren(this.drawDistribution());
+    if (this.distribution) await this.buildDistribution();
     viewer.root.dataset.figures = String(Number(viewer.root.dataset.figures || 0) + 1);
+  }
+
+  // Picture by picture, so that keys are answered in between.
+  async buildDistribution() {
+    const { viewer } = this, mode = viewer.mode;
+    const map = viewer.spec.maps.find(m => m.name === mode) || viewer.spec.maps[0];
+    for (const picture of viewer.pictures) {
+      if (!picture.isReference) this.shares(picture, map);
+      await new Promise(done => setTimeout(done));
+      if (viewer.mode !== mode) return; // which begins anew
+    }
+    this.distribution.replaceChildren(this.drawDistribution(map));
   }
 
   // A name that fits into so many pixels; its end tells more than its middle.
@@ -203,29 +216,28 @@ class ViewerFigures {
 
   // The share of pixels whose error is above a value, in steps of the map's scale.
   shares(picture, map) {
-    if (picture.sharesOf === map.name) return picture.shares;
-    const BINS = 128, counts = new Float64Array(BINS + 1), pixels = this.viewer.spec.width * this.viewer.spec.height;
+    picture.shares = picture.shares || {};
+    if (picture.shares[map.name]) return picture.shares[map.name];
+    const BINS = 128, counts = new Float64Array(BINS + 1);
     let known = 0;
-    for (let pixel = 0; pixel < pixels; pixel++) {
-      const level = errorLevel(map, picture.error(map.name, pixel));
+    for (const error of picture.errorsOf(map.name)) {
+      const level = errorLevel(map, error);
       if (Number.isNaN(level)) continue;
       counts[Math.floor(level * BINS)]++;
       known++;
     }
     let above = known;
-    picture.sharesOf = map.name;
-    picture.shares = Array.from({ length: BINS + 1 }, (_, bin) => {
+    picture.shares[map.name] = Array.from({ length: BINS + 1 }, (_, bin) => {
       const share = above / known; // of those at this step's beginning or beyond
       above -= counts[bin];
       const level = bin / BINS;
       return { value: map.log ? map.low * (map.high / map.low) ** level : map.low + level * (map.high - map.low), share };
     });
-    return picture.shares;
+    return picture.shares[map.name];
   }
 
-  drawDistribution() {
-    const { viewer } = this, { spec } = viewer, WIDTH = 560, LEFT = 52, TOP = 12, BOTTOM = 236;
-    const map = spec.maps.find(m => m.name === viewer.mode) || spec.maps[0];
+  drawDistribution(map) {
+    const { viewer } = this, WIDTH = 560, LEFT = 52, TOP = 12, BOTTOM = 236;
     const others = viewer.pictures.filter(p => !p.isReference), svg = figures.create(WIDTH, BOTTOM + 46);
     const x = new Axis(map.low, map.high, map.log, LEFT, WIDTH - 16), y = new Axis(0, 100, false, BOTTOM, TOP);
     this.drawFrame(svg, x, y, `pixels with an error above this, % (${map.name})`);
