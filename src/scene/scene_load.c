@@ -1,4 +1,5 @@
-// From a path to a complete scene: the loader for the extension, then what a file may leave out.
+// From a path to a complete scene: calls the loader for the extension, then adds what the file
+// lacks.
 #include "scene/core/scene.h"
 
 #include "base/ascii.h"
@@ -16,7 +17,7 @@
 #include "scene/sky/studio.h"
 #include <string.h>
 
-// --- what a file may leave out -------------------------------------------------------------------
+// --- defaults for what a file lacks --------------------------------------------------------------
 
 static bool provide_material(struct scene *scene, struct err *err)
 {
@@ -62,15 +63,15 @@ static void look_for_surfaces(struct scene *scene)
     scene->is_hidden = has_any && !has_visible;
 }
 
-// A surface that lost an image is pink all over, whatever the image was for: nobody overlooks it,
-// and no other map or lobe hides it.
+// A surface that uses a missing image becomes pink all over, whatever the image was for, so that
+// nobody overlooks it and no other map or lobe hides it.
 static bool mark_missing_textures(struct scene *scene, struct err *err)
 {
     uint32_t images = 0, materials = 0;
     for (uint32_t i = 0; i < scene->image_count; i++) {
         if (!scene->images[i].is_missing)
             continue;
-        log_warn("%s; what it belongs on is pink", scene->images[i].name);
+        log_warn("%s; its surfaces are shown in pink", scene->images[i].name);
         images++;
     }
     for (uint32_t m = 0; m < scene->material_count && images > 0; m++)
@@ -87,7 +88,8 @@ static bool mark_missing_textures(struct scene *scene, struct err *err)
     return true;
 }
 
-// Our own format has defines and one scene; models in it stand as they are without animation.
+// Scene files of our own format have "define" and one scene; models in them are shown without
+// animation.
 static bool check_gltf_only(const struct scene_load_params *params, struct err *err)
 {
     const struct {
@@ -155,9 +157,9 @@ static bool finish_environment(struct scene *scene, const struct scene_load_para
            scene_add_sky_sun(scene, err);
 }
 
-// What was not composed as a picture is shown by what there is to see: exposed by its luminance,
-// with a curve that has a shoulder for highlights. So is what a sky of the command line shines on:
-// it has units of its own, whatever exposure the file has for its own light.
+// A model was not composed as an image, so its exposure is computed from the luminance of the
+// image, and its tone curve has a shoulder for highlights. The same holds under a sky from the
+// command line, whose radiance does not fit the exposure that the file chose for its own light.
 static bool provide_exposure(struct scene *scene, const struct scene_load_params *params)
 {
     struct settings *settings = &scene->settings;
@@ -173,7 +175,7 @@ static bool provide_exposure(struct scene *scene, const struct scene_load_params
     return true;
 }
 
-// A file with a "base" changes what is complete already.
+// A file with a "base" changes a scene that is complete already.
 static bool provide_missing(struct scene *scene, const struct scene_load_params *params,
                             struct err *err)
 {

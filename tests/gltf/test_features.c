@@ -519,7 +519,7 @@ TEST(cameras)
               strcmp(scene.cameras[1].name, "back") == 0);
         CHECK(near_double3(scene.cameras[1].direction, 0, 0, 1) &&
               near_double3(scene.cameras[1].up, 0, 1, 0));
-        CHECK(has_note(&scene, "1 orthographic cameras are as high as their ymag says") &&
+        CHECK(has_note(&scene, "1 orthographic cameras take their height from ymag") &&
               has_note(&scene, "1 cameras are skipped"));
     }
     scene_finish(&scene);

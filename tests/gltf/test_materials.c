@@ -226,7 +226,7 @@ TEST(image_sources)
             CHECK(scene.images[0].width == 3 && scene.images[0].height == 2 &&
                   strcmp(scene.images[0].name, "test.glb: images[1]") == 0);
         CHECK(scene.material_count == 2 && scene.materials[0].texture_count == 0);
-        CHECK(has_note(&scene, "1 textures are left out: they name no image"));
+        CHECK(has_note(&scene, "1 textures are ignored: they name no image"));
         CHECK(has_note(&scene, "1 meshes lack the texture coordinates"));
         CHECK(has_note(&scene, "1 images are not of the type") == mislabelled);
         scene_finish(&scene);

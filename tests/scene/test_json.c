@@ -108,7 +108,7 @@ TEST(film_and_settings)
     scene_finish(&scene);
 }
 
-// Every scene that was saved when there was fading by distance has it.
+// Scenes that earlier versions saved, with attenuation by distance, have this key.
 TEST(no_fading_by_distance_is_read)
 {
     struct scene scene = load_body("\"settings\": {\"falloff\": 0, \"spp\": 9}");

@@ -478,7 +478,7 @@ TEST(errors_in_mtl_files)
         {"newmtl a\nKd\n", "bad.mtl:2: expected a number after Kd, found the end of the line"},
         {"newmtl a\nKd 1 2\n", "bad.mtl:2: expected a number after Kd"},
         {"newmtl a\nKe 1 2 red\n", "bad.mtl:2: expected a number after Ke, found 'red'"},
-        {"newmtl a\nKd 1 inf 1\n", "bad.mtl:2: a number after Kd: inf, expected a finite one"},
+        {"newmtl a\nKd 1 inf 1\n", "bad.mtl:2: a number after Kd: inf, expected a finite number"},
         {"newmtl a\nillum x\n", "bad.mtl:2: expected an integer after illum, found 'x'"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -98,7 +98,7 @@ void affine_box(const double m[3][4], const double min[3], const double max[3], 
 
 bool affine_uniform_scale(const double m[3][4], double *scale)
 {
-    // Matrices are often written to six or seven digits; their columns then disagree that much.
+    // Matrices are often written with six or seven digits; their columns then differ by that much.
     const double tolerance = 1e-5;
     double columns[3][3], lengths[3];
     for (int j = 0; j < 3; j++) {

@@ -34,7 +34,7 @@ void bounds_add_point(struct bounds *bounds, const double point[3])
     }
 }
 
-// How far a disc reaches along n: |n| times the sine of the angle between n and its normal.
+// Returns how far a disc extends along n: |n| times the sine of the angle between n and its normal.
 static double disc_extent(const double normal[3], double radius, const double n[3])
 {
     double along = vec3_dot(normal, n);
@@ -102,7 +102,8 @@ bool bounds_are_a_point(const struct bounds *bounds)
     return true;
 }
 
-// Calls `visit` with every corner of an instance's triangles. Inlined, so that `visit` is no call.
+// Calls `visit` with every corner of an instance's triangles. It is inlined so that `visit` is
+// inlined as well.
 static inline void each_corner(const struct scene *scene, const struct instance *instance,
                                void (*visit)(void *context, const double point[3]), void *context)
 {
@@ -183,7 +184,7 @@ static void extend_reach(void *context, const double point[3])
     reach->radius = fmax(reach->radius, distance(point, reach->center));
 }
 
-// The largest distance from `center` to a shape, or a little more; 0 for a plane.
+// Returns an upper bound of the distance from `center` to any point of a shape; 0 for a plane.
 static double shape_radius(const struct shape *shape, const double center[3])
 {
     double radius = 0;
@@ -200,7 +201,7 @@ static double shape_radius(const struct shape *shape, const double center[3])
     default:
         return 0;
     }
-    // Corners, or the ends of an axis and what is around them.
+    // The farthest points are among the corners, or around the ends of an axis.
     bool is_round = shape->kind == SHAPE_CYLINDER || shape->kind == SHAPE_TUBE;
     double across = is_round ? 0 : 1;
     double depth = shape->kind == SHAPE_BOX || shape->kind == SHAPE_SDF ? 1 : 0;

@@ -1,10 +1,10 @@
-// Bounds of what a scene places in the world, in double precision.
+// Bounds of the objects of a scene in the world, in double precision.
 #ifndef LAMPYRIS_SCENE_CORE_BOUNDS_H
 #define LAMPYRIS_SCENE_CORE_BOUNDS_H
 
 #include "scene/core/scene.h"
 
-// A run of instances and one of shapes.
+// A range of instances and a range of shapes.
 struct scene_part {
     uint32_t first_instance, instance_count;
     uint32_t first_shape, shape_count;
@@ -18,27 +18,28 @@ extern const struct bounds BOUNDS_EMPTY;
 
 struct scene_part scene_whole(const struct scene *scene);
 
-// Position of a vertex in its mesh's space, as exact as is known.
+// Writes the position of a vertex in its mesh's space, as exactly as it is known.
 void mesh_vertex(const struct mesh *mesh, uint32_t vertex, double out[3]);
 
 void bounds_add_point(struct bounds *bounds, const double point[3]);
-// Planes, which have no end, have no bounds.
+// Planes are infinite and add nothing.
 void bounds_add_shape(struct bounds *bounds, const struct shape *shape);
-// How far a shape reaches from its centre along each axis; false where that is without end.
+// Computes how far a shape extends from its centre along each axis. Returns false if it is
+// infinite.
 bool shape_reach(const struct shape *shape, double reach[3]);
-// From its centre along n, which may have any length: the largest n.(v - centre) of its points v.
+// Returns the largest n.(v - centre) over the points v of the shape; n may have any length.
 double shape_extent(const struct shape *shape, const double n[3]);
 bool bounds_is_empty(const struct bounds *bounds);
-bool bounds_are_a_point(const struct bounds *bounds); // or empty
+bool bounds_are_a_point(const struct bounds *bounds); // true for empty bounds, too
 
-// Vertices that no triangle uses do not count. When scene->progress asks to stop, these two do,
-// with part of the result: ask it again afterwards.
+// Vertices that no triangle uses do not count. If scene->progress asks to stop, this and the two
+// functions below return part of the result: the caller asks scene->progress afterwards.
 struct bounds bounds_of_part(const struct scene *scene, const struct scene_part *part);
-// For each normal n the largest n.v of the part's points v; -INFINITY when it is empty. Planes do
-// not count.
+// Computes for each normal n the largest n.v over the points v of the part; -INFINITY if it is
+// empty. Planes do not count.
 void bounds_support(const struct scene *scene, const struct scene_part *part, uint32_t count,
                     const double (*normals)[3], double *out);
-// The largest distance from `center` to anything in the part; 0 when that is empty.
+// Returns the largest distance from `center` to any point of the part; 0 if it is empty.
 double bounds_radius(const struct scene *scene, const struct scene_part *part,
                      const double center[3]);
 

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-// Scales `count` parameters from `first` on by the means of their textures.
+// Scales `count` parameters, beginning with `first`, by the means of their textures.
 static void scale_by_textures(const struct scene *scene, const struct material *material,
                               uint32_t first, uint32_t count, float *values)
 {
@@ -127,7 +127,7 @@ bool scene_has_emissive_triangles(const struct scene *scene)
     return false;
 }
 
-// --- lights without extent -----------------------------------------------------------------------
+// --- lights --------------------------------------------------------------------------------------
 
 static double cap_solid_angle(double angle)
 {
@@ -135,7 +135,7 @@ static double cap_solid_angle(double angle)
     return 4 * M_PI * half * half;
 }
 
-// Returns the solid angle of those directions in which a light at this place sends that meet the
+// Returns the solid angle of the directions in which a light at this place emits and that hit the
 // sphere.
 static double solid_angle_towards(const struct light *light, const double center[3], double radius)
 {

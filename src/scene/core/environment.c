@@ -28,7 +28,8 @@ static bool hash_file(struct scene *scene, const char *path, struct err *err)
     return ok;
 }
 
-// Zeroes what is no radiance; false with *err set for a texel beyond all limits.
+// Sets texels that are no valid radiance to 0. Returns false with *err set if a texel exceeds the
+// greatest radiance.
 static bool clean_texels(struct scene *scene, const char *path, struct image *image,
                          const float factor[3], uint64_t *zeroed, struct err *err)
 {
@@ -104,7 +105,7 @@ bool scene_set_gradient(struct scene *scene, const struct environment_gradient *
     *source = *gradient;
     environment.gradient = source;
     for (uint32_t row = 0; row < environment.height; row++) {
-        // The mean of what is linear in the height.
+        // The mean of a function that is linear in the height is its value at the mean height.
         double height = 0.5 * (cos(M_PI * row / environment.height) +
                                cos(M_PI * (row + 1) / environment.height));
         const float *pole = height > 0 ? gradient->zenith : gradient->nadir;

@@ -1,4 +1,4 @@
-// Images of what surrounds the scene, in latitude and longitude.
+// Environment images in latitude and longitude.
 //
 // The convention is that of the Khronos glTF Sample Viewer (function dirToUV of its shader
 // panorama_to_cubemap.frag), so that an image lights a glTF model here as it does there. A unit
@@ -9,84 +9,86 @@
 //
 // The upper edge is the zenith (+Y), the lower one the nadir. The middle of the image is +X; to the
 // right follow +Z (u = 3/4), -X (the right edge and the left), and -Z (u = 1/4). Inside the sphere
-// with +Y upwards this is not mirrored: +Z is to the right of one who looks along +X.
+// To a viewer inside the sphere with +Y upwards this is not mirrored: looking along +X, +Z is to
+// the right.
 //
-// The radiance of column i, row j of an image is that of the centre of its texel, where u width is
-// i + 1/2 and v height is j + 1/2. Between centres it is bilinear in u and v. To the right of the
-// last column is the first one. What is seen at a pole is the mean of the texels about it, that is
-// of the first or the last row, and from there to their centres radiance is bilinear, too: so it is
-// a continuous function of the direction. (All texels of the row are equally far from the pole;
-// where radiance has a gradient there, each cancels the one half a turn away.)
+// The radiance of column i, row j of an image is that at the centre of its texel, where u width is
+// i + 1/2 and v height is j + 1/2. Between centres it is bilinear in u and v. The column to the
+// right of the last one is the first. The radiance at a pole is the mean of the texels of the first
+// or the last row; between the pole and their centres it is bilinear, too, so that radiance is a
+// continuous function of the direction. (All texels of the row are equally far from the pole; where
+// radiance has a gradient there, each texel cancels the opposite one.)
 //
-// With ENVIRONMENT_FILTER_NEAREST a texel is a patch of constant radiance instead: column
-// floor(u width), row floor(v height), and the last one where that reaches the end.
+// With ENVIRONMENT_FILTER_NEAREST a texel is a patch of constant radiance instead: column floor(u
+// width), row floor(v height), clamped to the last ones.
 //
-// Its rotation turns the environment about +Y, counter-clockwise seen from above: by 90 degrees,
-// what was seen towards +Z is seen towards +X.
+// The rotation turns the environment about +Y, counter-clockwise as seen from above: after a
+// rotation by 90 degrees, what was in direction +Z is in direction +X.
 #ifndef LAMPYRIS_SCENE_CORE_ENVIRONMENT_H
 #define LAMPYRIS_SCENE_CORE_ENVIRONMENT_H
 
 #include "scene/core/scene.h"
 
-// Sides of an image: the kernels take each in 16 bits.
+// Largest width and height of an image: the kernels store each in 16 bits.
 #define ENVIRONMENT_SIZE_MAX 65535
-// Angular diameters of suns, degrees: below, directions in single precision say nothing of a place
-// on the disc.
+// Angular diameters of suns, degrees. Below the least one, directions in single precision no longer
+// resolve positions on the disc.
 #define ENVIRONMENT_SUN_DIAMETER_MIN 1e-4
 #define ENVIRONMENT_SUN_DIAMETER_MAX 180.0
-// Rows that a gradient is baked to.
+// Number of rows of the image that represents a gradient.
 #define ENVIRONMENT_GRADIENT_ROWS 1024
 
-// Replaces the scene's environment. file NULL: `radiance`, W/(sr m^2), from all directions; else
-// the image of that (trusted) path times `radiance`, where NULL means 1. Texels that are negative
-// or not finite become 0, with a note that counts them. The scene's hash goes on over what is set.
-// ERR_INPUT for the file, for radiance outside [0, SCENE_RADIANCE_MAX] and for an image with a
-// texel that exceeds it after the multiplication.
+// Replaces the scene's environment. If file is NULL, it is constant: `radiance`, W/(sr m^2), from
+// all directions. Otherwise it is the image at that (trusted) path times `radiance`, where NULL
+// means 1. Texels that are negative or not finite become 0, and a note counts them. The scene's
+// hash is continued over all of this. ERR_INPUT if the file cannot be read, if radiance is outside
+// [0, SCENE_RADIANCE_MAX] or if a texel exceeds it after the multiplication.
 bool scene_set_environment(struct scene *scene, const char *file, const float radiance[3],
                            struct err *err);
 
-// Radiance that changes evenly with the height y of a direction: from the horizon's at 0 to the
-// zenith's at 1 and the nadir's at -1. A texel holds its mean, and differs from what is at its
-// edges by at most 0.16 % of the difference of two colours. The hash goes on over the colours.
+// Radiance that is piecewise linear in the height y of a direction: from the horizon's at 0 to the
+// zenith's at 1 and the nadir's at -1. A texel holds its mean, which differs from the radiance at
+// its edges by at most 0.16 % of the difference of two colours. The hash is continued over the
+// colours.
 struct environment_gradient {
     float zenith[3], horizon[3], nadir[3]; // W/(sr m^2)
 };
 bool scene_set_gradient(struct scene *scene, const struct environment_gradient *gradient,
                         struct err *err);
 
-// Turns the scene's environment by a further angle, and multiplies its radiance, that of a sky's
-// sun and of the light that it may have become, too. Does nothing to a scene without one. ERR_INPUT
-// where that exceeds SCENE_RADIANCE_MAX.
+// Rotates the scene's environment by a further angle, and multiplies its radiance, including that
+// of a sky's sun and of the light that the sun may have become. Does nothing to a scene without an
+// environment. ERR_INPUT if the result exceeds SCENE_RADIANCE_MAX.
 bool scene_adjust_environment(struct scene *scene, double radians, double strength,
                               struct err *err);
-// Appends the sky's sun to the lights. To be called once, when nothing replaces the environment any
-// more.
+// Appends the sky's sun to the lights. Call it once, after the last replacement of the environment.
 bool scene_add_sky_sun(struct scene *scene, struct err *err);
 
-// Adds a light before the sky's sun, which stays the last one, and takes the last of those before
-// it away. *index: the light's place. NULL when out of memory.
+// Inserts a light before the sky's sun, which stays the last light; *index is its index. Returns
+// NULL when out of memory. scene_take_light removes the last light before the sun.
 struct light *scene_insert_light(struct scene *scene, uint32_t *index);
 void scene_take_light(struct scene *scene);
-// The light that the sky's sun is; SCENE_NONE.
+// Returns the index of the light that is the sky's sun; SCENE_NONE if there is none.
 uint32_t scene_sun_light(const struct scene *scene);
 
-// Takes the sun of an environment that was replaced, the last of the lights, from them.
+// Removes the sun of an environment that was replaced; it is the last light.
 void scene_remove_sun(struct scene *scene, const struct environment *former);
 
-// Radiance of a disc of that angular radius (radians, to pi / 2) which has this irradiance on a
-// surface that faces it.
+// Returns the radiance of a disc of this angular radius (radians, up to pi / 2) that causes this
+// irradiance on a surface that faces it.
 double environment_sun_radiance(double irradiance, double angular_radius);
 
-// The solid angle of each texel of a row, steradians.
+// Returns the solid angle of each texel of a row, steradians.
 double environment_texel_solid_angle(const struct environment *environment, uint32_t row);
-// Returns the solid angle of a cell between centres of texels. Row 0 of cells is between the zenith
-// and the first row of texels, row `height` between the last one and the nadir.
+// Returns the solid angle of a cell between centres of texels. Row 0 of the cells is between the
+// zenith and the first row of texels, row `height` between the last row and the nadir.
 double environment_cell_solid_angle(const struct environment *environment, uint32_t row);
-// The greatest component of all its radiance, its factor included.
+// Returns the greatest component of the radiance, including the factor.
 float environment_greatest(const struct environment *environment);
-// The mean luminance (BT.709) over all directions, its factor included.
+// Returns the mean luminance (BT.709) over all directions, including the factor.
 double environment_luminance(const struct environment *environment);
-// The mean over all directions of what its image's luminance, factor included, exceeds `floor` by.
+// Returns the mean over all directions of max(0, luminance - `floor`) of the image, including the
+// factor.
 double environment_luminance_above(const struct environment *environment, double floor);
 
 #endif

@@ -5,13 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-// A three-quarter view: from the right of the front, so that depth is seen, and from above, so that
-// the ground is. The lens is one of 45 mm before film 24 mm high, which hardly distorts.
+// A three-quarter view: from the right of the front, which shows depth, and from above, which shows
+// the ground. The field of view is that of a 45 mm lens and film 24 mm high, which hardly distorts.
 #define FRAMED_AZIMUTH (35 * DEGREE)
 #define FRAMED_ELEVATION (20 * DEGREE)
 #define FRAMED_FOV_Y (30 * DEGREE)
-// What the model fills of the picture's width or height, whichever is the tighter: the rest is for
-// its shadow and for air.
+// The part of the image's width or height, whichever is the tighter, that the model fills. The rest
+// is a margin and shows its shadow.
 #define FRAMED_PART 0.8
 
 struct scene_axes scene_axes(enum scene_up up)
@@ -38,16 +38,16 @@ void framing_towards_camera(enum scene_up up, double out[3])
             cos(FRAMED_ELEVATION) * cos(FRAMED_AZIMUTH), out);
 }
 
-// What is framed, seen along the axes of the camera: x to the right, y up, z towards it.
+// The model to frame, in the axes of the camera: x to the right, y up, z towards the camera.
 struct subject {
     const struct scene *scene;
     double axes[3][3];
-    double center[3]; // of its box
-    bool is_a_point;  // or nothing: framed like a ball of radius 1
+    double center[3]; // centre of its bounding box
+    bool is_a_point;  // or empty: it is framed like a ball of radius 1
 };
 
-// The largest of s.v + t z.v, for the camera's axis s = +-x or +-y, over the points v as seen from
-// the centre: first for the axis, then for its opposite.
+// Computes the largest s.v + t z.v over the points v relative to the centre, where s is the
+// camera's axis, +x or +y, for out[0] and the opposite axis for out[1].
 static void support_pair(const struct subject *subject, int axis, double tangent, double out[2])
 {
     double normals[2][3];
@@ -63,10 +63,10 @@ static void support_pair(const struct subject *subject, int axis, double tangent
                                      : out[i] - vec3_dot(normals[i], subject->center);
 }
 
-// Everything lies between the pair of planes through the camera with this tangent to either side of
-// its axis, and touches both: with a and b the supports, the camera at (p, d) along x and z needs
-// t d >= a - p and t d >= b + p. The nearest one that has room for all has p = (a - b) / 2 and
-// d = (a + b) / 2t.
+// The whole model lies between the two planes through the camera at slope `tangent` to either side
+// of its axis, and touches both. With a and b the supports, a camera at (p, d) along x and z needs
+// t d >= a - p and t d >= b + p. The nearest camera that sees everything has p = (a - b) / 2 and d
+// = (a + b) / 2t.
 static double fit_pair(const struct subject *subject, int axis, double tangent, double *position)
 {
     double support[2];
@@ -75,10 +75,10 @@ static double fit_pair(const struct subject *subject, int axis, double tangent, 
     return (support[0] + support[1]) / (2 * tangent);
 }
 
-// The position from which everything is in the middle, where the distance is given: that of the
-// pair of planes that is as tight as the other, at the tangent t = (a(t) + b(t)) / 2d. As a and b
-// change with t by the depth of a point, less than a quarter of the distance, so many steps leave
-// 4^-5 of what was wrong.
+// Finds the position that centres the model at a given distance: both planes are equally tight at
+// the tangent t = (a(t) + b(t)) / 2d. The derivative of a and b by t is the depth of a point, which
+// is less than a quarter of the distance; so each step of this iteration reduces the error to a
+// quarter, and five of them to 4^-5.
 static double center_pair(const struct subject *subject, int axis, double tangent, double distance)
 {
     double position;

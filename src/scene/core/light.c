@@ -16,7 +16,7 @@ const char *const light_kind_names[] = {
 
 void light_init(struct light *light)
 {
-    memset(light, 0, sizeof *light); // all bytes: editors compare lights as they are
+    memset(light, 0, sizeof *light); // clears padding, too: editors compare lights byte by byte
     light->name = "";
     light->kind = LIGHT_POINT;
     light->direction[1] = -1;
@@ -41,8 +41,8 @@ double spot_width(const struct light *light)
     return width > SPOT_WIDTH_MIN ? width : SPOT_WIDTH_MIN;
 }
 
-// Over the cosines from the outer one to `width` above it a third of the width, and all of what is
-// beyond.
+// The falloff integrates to a third of `width` over the cosines from the outer one to `width` above
+// it, and to the full solid angle inside of that.
 double spot_solid_angle(const struct light *light)
 {
     double width = spot_width(light), cone = versine((double)light->outer_angle);
@@ -60,7 +60,7 @@ void light_aim(struct light *light, const double direction[3])
     memcpy(light->direction, d, sizeof d);
     if (!light->profile)
         return;
-    // Where the plane's direction is the new axis, the old axis is at a right angle to it.
+    // If the plane's direction is the new axis, the old axis is perpendicular to it.
     memcpy(x, light->profile_x, sizeof x);
     if (fabs(vec3_dot(x, d)) > 0.999)
         memcpy(x, former, sizeof x);

@@ -1,4 +1,4 @@
-// Materials: what their parameters are, and what follows from them.
+// Materials: the table of their parameters, and properties that are derived from them.
 #include "scene/core/scene_material.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 #define MICROFACETS                                                                                \
     (PRINCIPLED | ONLY(MATERIAL_DIELECTRIC) | ONLY(MATERIAL_CONDUCTOR) | ONLY(MATERIAL_MICROFACET))
 
-// Single precision squares and sums so much without overflow; see SCENE_RADIANCE_MAX.
+// Squares and sums of this many do not overflow in single precision; see SCENE_RADIANCE_MAX.
 #define RADIANCE_MAX 1e30f
 #define EXPONENT_MAX 1e6f
 
@@ -74,11 +74,11 @@ const struct material_parameter material_parameters[] = {
      "Real part of the index of refraction, for red, green and blue."},
     {"exponent", PARAMETER_EXPONENT, 1, 0, EXPONENT_MAX, 32,
      ONLY(MATERIAL_PHONG) | ONLY(MATERIAL_BLINN_PHONG),
-     "Of the cosine; \"smoothness\" s in [0, 1] sets it to 1000^(s^2)."},
+     "Exponent of the cosine; \"smoothness\" s in [0, 1] sets it to 1000^(s^2)."},
     {"conductor_k", PARAMETER_CONDUCTOR_K, 3, 0, 100, 3.9f, ONLY(MATERIAL_CONDUCTOR),
      "Imaginary part of the index of refraction, for red, green and blue."},
     {"alpha_cutoff", PARAMETER_ALPHA_CUTOFF, 1, 0, 1e3f, 0.5f, ALL,
-     "With \"alpha\": \"mask\", the opacity from which on the surface is there."},
+     "With \"alpha\": \"mask\", the least opacity at which the surface is present."},
 };
 const uint32_t material_parameter_count = sizeof material_parameters / sizeof *material_parameters;
 
@@ -148,7 +148,7 @@ void material_set_absorption(struct material *material, const float color[3], fl
         material->extinction[c] = color[c] < 1.0f ? -logf(color[c]) / distance : 0.0f;
 }
 
-// Textures only scale parameters down: what is 0 stays 0.
+// Textures only scale parameters down, so a parameter that is 0 stays 0.
 static bool transmits(const struct material *material)
 {
     return material->model == MATERIAL_DIELECTRIC ||
@@ -159,7 +159,7 @@ static bool transmits(const struct material *material)
 
 uint32_t material_shading_model(const struct material *material)
 {
-    // All that would add to glTF's diffuse base, or take from it.
+    // These parameters would add lobes to glTF's diffuse base, or weaken it.
     static const uint32_t others[] = {PARAMETER_METALLIC,        PARAMETER_SPECULAR_WEIGHT,
                                       PARAMETER_TRANSMISSION,    PARAMETER_CLEARCOAT,
                                       PARAMETER_SHEEN_COLOR,     PARAMETER_SHEEN_COLOR + 1,

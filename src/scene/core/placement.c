@@ -8,7 +8,7 @@
 struct placement placement_none(const double about[3])
 {
     struct placement none;
-    memset(&none, 0, sizeof none); // all bytes: placements are compared as they are
+    memset(&none, 0, sizeof none); // clears padding, too: placements are compared byte by byte
     memcpy(none.about, about, sizeof none.about);
     for (int c = 0; c < 3; c++)
         none.scale[c] = 1;
@@ -23,9 +23,9 @@ bool placement_is_none(const struct placement *p)
     return is_none;
 }
 
-// --- where things go -----------------------------------------------------------------------------
+// --- transforms ----------------------------------------------------------------------------------
 
-// The rotation about x, then y, then z; exactly none where no angle is one.
+// The rotation about x, then y, then z; exactly the identity if all angles are 0.
 static void rotation_of(const struct placement *p, double out[3][4])
 {
     memcpy(out, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
@@ -37,8 +37,8 @@ static void rotation_of(const struct placement *p, double out[3][4])
     }
 }
 
-// Turned and scaled M: its linear part is R M S, and what it takes to the point that everything is
-// about goes there as before.
+// Applies a placement to the transform M: the linear part becomes R M S, and the point that M maps
+// to `about` is still mapped there.
 static bool place_transform(const struct placement *p, const double from[3][4], double to[3][4],
                             struct err *err)
 {
@@ -58,7 +58,8 @@ static bool place_transform(const struct placement *p, const double from[3][4], 
     return true;
 }
 
-// How many of a shape's axes are edges, which have a length; the others are unit vectors or 0.
+// Returns how many of a shape's axes are edges, which have a length. The others are unit vectors or
+// 0.
 static int edge_count(enum shape_kind kind)
 {
     switch (kind) {
@@ -140,9 +141,10 @@ static bool place_shape(const struct placement *p, const struct shape *from, str
     return check_shape(to, err);
 }
 
-// --- a scene's -----------------------------------------------------------------------------------
+// --- the placed objects of a scene ---------------------------------------------------------------
 
-// Where the object stands among the placed ones, or is to stand: they are in ascending order.
+// Returns the index of the object in the list of placed objects, or at which to insert it: the list
+// is in ascending order.
 static uint32_t place_in_list(const struct scene *scene, uint32_t object)
 {
     uint32_t low = 0, high = scene->placed_count;
@@ -244,7 +246,7 @@ bool scene_place(struct scene *scene, uint32_t object, const struct placement *t
     bool is_back = placement_is_none(to), ok = is_back || place(scene, placed, to, err);
     if (is_back)
         put_back(scene, placed);
-    // What was added for a placement that is refused is not placed.
+    // An entry that was added for a placement that failed is removed again.
     if (is_back || placement_is_none(&placed->placement))
         remove_placed(scene, placed);
     return ok;

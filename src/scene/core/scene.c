@@ -1,4 +1,4 @@
-// The scene's growing arrays and its end of life.
+// The scene's growing arrays and its destruction.
 #include "scene/core/scene.h"
 
 #include "scene/core/affine.h"
@@ -10,7 +10,8 @@ const char *const scene_up_names[] = {"y", "x", "z", NULL};
 const char *const scene_studio_names[] = {"off", "auto", "on", NULL};
 const char *const scene_ground_names[] = {"auto", "on", "off", NULL};
 
-// Appends to scene->ITEMS, of which there are ITEM_count, and says as which if `index` is not NULL.
+// Appends to scene->ITEMS, of which there are ITEM_count; writes the new index unless `index` is
+// NULL.
 #define APPEND(scene, items, item, index)                                                          \
     arena_append(&(scene)->arena, &(scene)->items, &(scene)->item##_count,                         \
                  &(scene)->item##_capacity, sizeof *(scene)->items, index)

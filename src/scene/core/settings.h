@@ -1,5 +1,5 @@
-// Everything about a render that is not the scene. Defaults come from settings_default(), the scene
-// file overrides them, the command line overrides both.
+// Settings of a render: everything that is not the scene. settings_default() gives the defaults;
+// the scene file overrides them, and the command line overrides both.
 #ifndef LAMPYRIS_SCENE_CORE_SETTINGS_H
 #define LAMPYRIS_SCENE_CORE_SETTINGS_H
 
@@ -13,18 +13,18 @@
 #define SETTINGS_BOUNCES_MAX (UINT32_C(1) << 20)
 #define SETTINGS_EXPOSURE_MAX 100 // stops; 2^100 is within single precision
 #define SETTINGS_FILTER_RADIUS_MAX 16
-#define SETTINGS_STRATA_MAX 16 // a side of a pixel
+#define SETTINGS_STRATA_MAX 16 // strata along one side of a pixel
 #define SETTINGS_EXPONENT_MAX 1e6
-#define SETTINGS_SPLIT_LOBES_MAX 4 // a sample has 2^this slots
+#define SETTINGS_SPLIT_LOBES_MAX 4 // a sample then has 2^4 slots
 #define SETTINGS_REAL_MAX 3.4e38
 #define SETTINGS_LENGTH_MIN 1e-37
 
-// The members are those of settings_list.h, which says what each is.
+// settings_list.h lists and documents the members.
 struct settings {
 #define SETTING(ID, type, member, ...) type member;
 #define SETTING_OF_FILE SETTING
 #include "scene/core/settings_list.h"
-    uint32_t exposure_is_auto; // 1: `exposure` is found from the picture, see image.h; else 0
+    uint32_t exposure_is_auto; // 1: `exposure` is computed from the image, see image.h; else 0
 };
 
 enum setting_id {
@@ -33,54 +33,57 @@ enum setting_id {
 #include "scene/core/settings_list.h"
     SETTING_TOTAL
 };
-// Those of the section "film" in scene files; the others stand in "settings".
+// The settings of the section "film" in scene files; the others are in "settings".
 #define SETTINGS_FILM_FIRST SETTING_WIDTH
 #define SETTINGS_FILM_LAST SETTING_TONE
 
 struct setting {
     struct field field;
-    const char *option;   // without the dashes; NULL: scene files alone have it
-    const char *group;    // of the option in the help
+    const char *option;   // without the dashes; NULL: only scene files have it
+    const char *group;    // group of the option in the help
     const char *help;     // sentences, with the unit
     const char *brief;    // a line of it, for options that matter most; NULL: none of them
     bool changes_samples; // of the film; else how many it has, or how it is shown
     double fallback;      // the default
-    // The meaning of the word that stands in place of a number, or of the least number where there
-    // is no word; NULL: nothing but what it says.
+    // The meaning of the word that stands in place of a number, or of the least number if there is
+    // no word; NULL: there is no special meaning.
     const char *special;
-    const char *argument; // what the help calls a number
-    // In the viewer's panel: NULL: not in its list of settings.
+    const char *argument; // placeholder of the number in the help
+    // The label in the viewer's panel; NULL: it is not in the panel's list of settings.
     const char *label;
-    const char *unit; // shown behind the number
-    double drag; // what dragging over all of the control's width adds; 0: follows from the range
-    bool gap;    // before it
-    // It makes a difference where that setting has one of these values, a bit each; 0: always.
+    const char *unit; // shown after the number
+    double drag;      // change by dragging over the whole width of the control; 0: derived from the
+                      // range
+    bool gap;         // leave a gap before it
+    // The setting matters only while the setting `needs` has one of these values, one bit each; 0:
+    // always.
     enum setting_id needs;
     uint32_t needs_values;
-    bool needs_image; // likewise: where the environment is an image
+    bool needs_image; // likewise: only if the environment is an image
 };
 
 extern const struct setting settings_table[SETTING_TOTAL];
 
 struct settings settings_default(void);
-// Returns whether all are the same to the bit.
+// Returns whether all members are bitwise equal.
 bool settings_same(const struct settings *a, const struct settings *b);
 bool setting_is_in_use(const struct setting *setting, const struct settings *settings,
                        bool has_image);
-// "From 0.01 to 1.", with what its word or its least number means; "" of words and switches.
+// Writes "From 0.01 to 1.", with the meaning of its word or its least number; "" for choices and
+// switches.
 #define SETTING_RANGE_MAX 120
 void setting_range(const struct setting *setting, char out[SETTING_RANGE_MAX]);
-// "off (any distance)"
+// Writes the default, such as "off (any distance)".
 void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_MAX]);
 
-// The one that was set, or the filter's own.
+// Returns the radius that was set, or else the filter's default radius.
 float settings_filter_radius(const struct settings *settings);
 
-// Returns whether samples lie at more than one place of a pixel.
+// Returns whether samples lie at more than one position in a pixel.
 bool settings_spread_over_pixel(const struct settings *settings);
 
-// The words for the choices, in the order of their values; each list ends with NULL. Scene files,
-// options and reports say the same.
+// The names of the choices in the order of their values; each list ends with NULL. Scene files,
+// options and reports use these names.
 extern const char *const integrator_names[];
 extern const char *const sampler_names[];
 extern const char *const accumulation_names[];

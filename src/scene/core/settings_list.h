@@ -1,14 +1,15 @@
-// Every setting of a render, a row each: the one place where a setting is listed. Whoever includes
-// this defines SETTING first, and gets of each row what it makes of
+// Every setting of a render, one row each: the only place that lists them. The including file first
+// defines
 //   SETTING(ID, C type, member of struct settings, key in scene files, option, group in the help,
 //           help, designated members of struct field in parentheses, those of struct setting)
-// A row with SETTING_OF_FILE has no option of its own; one with SETTING_OF_COUNT changes how many
-// samples the film has, and none of them; one with SETTING_OF_IMAGE changes how the
-// film is shown, and no bit of it.
+// A row with SETTING_OF_FILE has no option of its own. One with SETTING_OF_COUNT changes the number
+// of samples in the film but not their values. One with SETTING_OF_IMAGE changes how the film is
+// displayed, and no bit of the film.
 //
-// Ranges: counts end at 2^20, where paths end, or are "off"; what is stored in single precision
-// ends at 3.4e38, the round number below its greatest, and lengths begin at 1e-37, above which it
-// has all its digits. No range refuses what an earlier one took and a kernel can tell from 0.
+// Ranges: counts end at 2^20, where paths end, or are "off". Numbers that are stored in single
+// precision end at 3.4e38, which is just below its maximum, and lengths begin at 1e-37, above which
+// all digits are available. No range excludes a value that earlier versions accepted and that a
+// kernel can distinguish from 0.
 #ifndef SETTING_OF_FILE
 #define SETTING_OF_FILE(...)
 #endif

@@ -1,5 +1,5 @@
-// Words, numbers and lines of text formats. Numbers have a parser of their own because strtof obeys
-// the locale, and takes twice as long for the short numbers of meshes.
+// Words, numbers and lines of text formats. Numbers are parsed here because strtof depends on the
+// locale, and takes twice as long for the short numbers of meshes.
 #include "scene/core/text.h"
 
 #include "base/ascii.h"
@@ -153,7 +153,7 @@ void text_printable(struct text_span span, char *out, size_t size)
 
 // A decimal number as written: digits * 10^exponent.
 struct decimal {
-    uint64_t digits; // the first 19 significant ones: they always fit
+    uint64_t digits; // the first 19 significant ones, which always fit
     int64_t exponent;
     bool is_negative;
     bool is_truncated; // there were more significant digits
@@ -161,8 +161,8 @@ struct decimal {
 
 #define MAX_DIGITS 19
 
-// Reads a run of digits; those after the point lower the exponent, those that no longer fit are
-// dropped and raise it.
+// Reads a run of digits. Digits after the decimal point decrease the exponent; digits that no
+// longer fit are dropped and increase it.
 static const char *scan_digits(const char *at, bool is_fraction, int *digit_count,
                                struct decimal *out)
 {
@@ -180,7 +180,7 @@ static const char *scan_digits(const char *at, bool is_fraction, int *digit_coun
     return at;
 }
 
-// Reads "e+12" into the exponent where one follows; else moves nowhere.
+// Reads an exponent such as "e+12" if there is one; otherwise does not move.
 static const char *scan_exponent(const char *at, struct decimal *out)
 {
     if (*at != 'e' && *at != 'E')
@@ -221,7 +221,7 @@ static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 static const int64_t max_power = sizeof powers / sizeof powers[0] - 1;
 
-// digits * 10^exponent by one operation; |exponent| is at most max_power.
+// Computes digits * 10^exponent with one operation; |exponent| is at most max_power.
 static double scale_digits(const struct decimal *decimal)
 {
     double value = (double)decimal->digits;
@@ -229,11 +229,12 @@ static double scale_digits(const struct decimal *decimal)
                                  : value * powers[decimal->exponent];
 }
 
-// Converts by one double operation (Clinger 1990, "How to read floating point numbers accurately",
-// the fast path), then to float. The conversion of the digits and the operation each err by half
-// an ulp at most, 2^-53 of the value, together less than 2.1 of the double's ulps. So the float is
-// the correctly rounded one unless the double lies within 3 ulps of the middle between two floats,
-// which the double's last 29 bits tell. False there, and outside the floats' normal range.
+// Converts with one double operation (Clinger 1990, "How to read floating point numbers
+// accurately", the fast path), then rounds to float. The conversion of the digits and the operation
+// each err by at most half an ulp, 2^-53 of the value, together by less than 2.1 ulps of the
+// double. So the float is correctly rounded unless the double lies within 3 ulps of the midpoint
+// between two floats, which its last 29 bits show. Returns false in that case, and outside of the
+// floats' normal range.
 static bool convert_fast(const struct decimal *decimal, float *out)
 {
     double value = 0;
@@ -255,7 +256,7 @@ static bool convert_fast(const struct decimal *decimal, float *out)
     return true;
 }
 
-// The same to double precision: where digits and power are exact, the one operation rounds
+// Does the same for double precision: if digits and power are exact, the one operation rounds
 // correctly.
 static bool convert_fast_double(const struct decimal *decimal, double *out)
 {

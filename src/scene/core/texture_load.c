@@ -1,4 +1,4 @@
-// Images as textures: read, decoded once, judged.
+// Loads images as textures: each is read and decoded once, and its texels are checked.
 #include "scene/core/texture_load.h"
 
 #include "base/file.h"
@@ -11,15 +11,15 @@
 
 // --- texels --------------------------------------------------------------------------------------
 
-// The findings of a pass over the texels.
+// Statistics of a pass over the texels.
 struct judgement {
     double sum[4];
     float greatest;
-    size_t zeroed; // texels
+    size_t zeroed; // number of texels
     bool has_alpha;
 };
 
-// Whatever a texture does, it scales or is mapped from [0, 1]: below 0 nothing makes sense.
+// A texture scales a parameter or is mapped from [0, 1], so negative texels are invalid.
 static bool is_usable(const float texel[4])
 {
     for (int c = 0; c < 4; c++)
@@ -37,7 +37,7 @@ static void judge_texel(const float texel[4], struct judgement *judgement)
     judgement->has_alpha |= texel[3] < 1;
 }
 
-// Halves come from codes, so they are in [0, 1]. Floats that are no use become 0, alpha 1.
+// Halves are decoded from codes, so they are in [0, 1]. Invalid floats become 0, with alpha 1.
 static void judge_texels(const struct image_texels *texels, const struct progress *progress,
                          struct judgement *out)
 {
@@ -68,7 +68,7 @@ struct texture_file {
     const char *name;
     const void *data;
     size_t size;
-    uint64_t hash; // of the bytes and of how they are decoded
+    uint64_t hash; // of the bytes and of the parameters of decoding
 };
 
 static bool find_image(const struct scene *scene, uint64_t hash, uint32_t *index)
@@ -121,7 +121,7 @@ static bool load_file(struct scene *scene, struct texture_file *file, bool is_sr
         .side_max = SIDE_MAX,
         .is_linear = !is_srgb,
     };
-    // Where the encoding makes no difference, both share one image.
+    // If the encoding makes no difference, both encodings share one image.
     const uint8_t decoding = is_srgb && image_has_encoding(file->data, file->size);
     struct image_texels texels;
     scene->hash = hash_bytes(scene->hash, file->data, file->size);
@@ -156,7 +156,7 @@ bool texture_image_load(struct scene *scene, const struct texture_source *source
     return ok;
 }
 
-// --- images that are not there -------------------------------------------------------------------
+// --- missing images ------------------------------------------------------------------------------
 
 static const float missing_color[3] = {1.0f, 0.0f, 0.5f};
 
@@ -214,7 +214,7 @@ bool material_is_missing(const struct material *material)
 
 // --- textures ------------------------------------------------------------------------------------
 
-// lib/texture.glsl cuts what would take parameters out of their range.
+// lib/texture.glsl clamps texels that would take parameters out of their range.
 static bool note_if_cut(struct scene *scene, const struct material *material,
                         const struct texture *texture, struct err *err)
 {

@@ -1,7 +1,8 @@
-// Figures without a file, for tests, benchmarks and pictures that want a scan's size and detail: a
-// skull, a dragon, a monkey's head. A field of smoothly joined parts is made a mesh, subdivided and
-// displaced by scales, sutures, wrinkles and pits. Only exactly rounded operations are used: the
-// same on every machine, and below 50000 triangles with every meshoptimizer of one version.
+// Procedural figures for tests, benchmarks and images that need the size and detail of a scan: a
+// skull, a dragon, a monkey's head. A field of smoothly joined parts is converted to a mesh, which
+// is subdivided and displaced by scales, sutures, wrinkles and pits. Only correctly rounded
+// operations are used, so that the mesh is the same on every machine; below 50000 triangles it also
+// depends on the version of meshoptimizer.
 #ifndef LAMPYRIS_SCENE_GENERATE_FIGURE_H
 #define LAMPYRIS_SCENE_GENERATE_FIGURE_H
 
@@ -12,14 +13,15 @@
 
 enum figure { FIGURE_SKULL, FIGURE_DRAGON, FIGURE_MONKEY, FIGURE_COUNT };
 extern const char *const figure_names[FIGURE_COUNT + 1]; // ended by NULL
-// The numbers of triangles of the scans that the figures stand for: 10000, 900000, 500.
+// The numbers of triangles of the scans that the figures replace: 10000, 900000, 500.
 extern const uint32_t figure_triangles[FIGURE_COUNT];
 
-// Appends a closed mesh with normals of about `triangles` triangles (FIGURE_TRIANGLES_MIN to _MAX;
+// Appends a closed mesh with normals and about `triangles` triangles (FIGURE_TRIANGLES_MIN to _MAX;
 // within a tenth). y is up. The heads look along +z and are about 2 high; the dragon looks along
 // +x, is about 4 long and stands on y = 0.
 bool generate_figure(struct scene *scene, enum figure figure, uint32_t triangles, uint32_t material,
                      uint32_t *index, struct err *err);
-uint64_t generate_figure_bytes(uint32_t triangles); // that it takes, with what it needs meanwhile
+// Returns the memory for the mesh and for its generation.
+uint64_t generate_figure_bytes(uint32_t triangles);
 
 #endif

@@ -1,6 +1,6 @@
-// Shapes a figure's surface as it is seen close up: by noise (Perlin 2002, "Improving noise"), its
-// ridges (Musgrave 1994, in "Texturing and modeling") in a domain that noise warps, and cells
-// (Worley 1996, "A cellular texture basis function").
+// The detail of a figure's surface: noise (Perlin 2002, "Improving noise"), its ridges (Musgrave
+// 1994, in "Texturing and modeling") in a domain that noise warps, and cells (Worley 1996, "A
+// cellular texture basis function").
 #include "scene/generate/figure_field.h"
 #include "scene/generate/scatter.h"
 
@@ -22,7 +22,7 @@ static double mix(double a, double b, double t)
     return a + t * (b - a);
 }
 
-// One of twelve gradients towards the middles of a cube's edges.
+// The dot product with one of twelve gradients, which point to the midpoints of a cube's edges.
 static double gradient(uint32_t bits, double x, double y, double z)
 {
     uint32_t h = bits & 15;
@@ -30,7 +30,7 @@ static double gradient(uint32_t bits, double x, double y, double z)
     return (h & 1 ? -u : u) + (h & 2 ? -v : v);
 }
 
-// In about [-1, 1].
+// Perlin's noise, in about [-1, 1].
 static double noise(const double p[3])
 {
     double cell[3], f[3], corner[8];
@@ -55,7 +55,8 @@ static double noise_at(const double p[3], double frequency, double shift)
     return noise(q);
 }
 
-// How much of a detail of this wavelength a mesh of this edge length can show.
+// Returns the fraction of a detail of this wavelength that a mesh of this edge length can
+// represent.
 static double shown(double wavelength, double finest)
 {
     double t = wavelength / (2 * finest) - 1;
@@ -68,7 +69,8 @@ static void warp(const double p[3], double frequency, double amount, double out[
         out[i] = p[i] + amount * noise_at(p, frequency, 11.3 + 7.1 * i);
 }
 
-// Sum of octaves of noise, or of its ridges, each half as high and twice as fine.
+// Returns a sum of octaves of noise, or of its ridges, each with half the height and twice the
+// frequency.
 static double octaves(const double p[3], double frequency, int count, bool ridges, double finest)
 {
     double sum = 0, height = 1;
@@ -79,7 +81,8 @@ static double octaves(const double p[3], double frequency, int count, bool ridge
     return sum;
 }
 
-// Distances to the nearest and to the second nearest point of one a cell.
+// Computes the distances to the nearest and to the second nearest point, one of which is in each
+// cell.
 static void cells(const double p[3], double out[2])
 {
     double base[3] = {floor(p[0]), floor(p[1]), floor(p[2])};
@@ -102,7 +105,7 @@ static void cells(const double p[3], double out[2])
     out[1] = sqrt(out[1]);
 }
 
-// Domes with grooves between them.
+// Returns domes with grooves between them.
 static double scales(const double p[3], double size, double finest)
 {
     double q[3], d[2];
@@ -114,7 +117,7 @@ static double scales(const double p[3], double size, double finest)
     return size * shown(size, finest) * (0.22 * groove * (2 - groove) - 0.18 * d[0]);
 }
 
-// A wave of period 1 between -1 and 1, of parabolas.
+// A wave of period 1 between -1 and 1, made of parabolas.
 static double wave(double x)
 {
     double u = 2 * (x - floor(x)) - 1;
@@ -125,7 +128,7 @@ static double bone(const double p[3], double finest)
 {
     double q[3];
     warp(p, 2.5, 0.12, q);
-    // A suture: a thin groove that wanders along where a broad noise is 0.
+    // A suture: a thin groove along the zeros of a low-frequency noise.
     double seam = fabs(noise_at(q, 1.1, 5)) * 9;
     double suture = seam < 1 ? (1 - seam) * (1 - seam) : 0;
     return 0.012 * octaves(q, 2, 3, false, finest) + 0.008 * octaves(q, 6, 4, true, finest) -
@@ -152,7 +155,7 @@ double figure_detail(enum part_skin skin, const double p[3], double finest)
         return 0.012 * octaves(q, 3, 4, true, finest);
     case SKIN_FUR:
         warp(p, 4, 0.1, q);
-        q[1] *= 0.3; // strands
+        q[1] *= 0.3; // stretches the noise into strands
         return 0.03 * octaves(p, 2.5, 2, false, finest) + 0.02 * octaves(q, 14, 3, true, finest);
     case SKIN_PLAIN:
         break;

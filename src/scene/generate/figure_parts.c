@@ -1,4 +1,4 @@
-// The parts of each figure, in the order in which they join.
+// The parts of each figure, in the order in which they are joined.
 #include "scene/generate/figure_field.h"
 
 #include "base/maths.h"
@@ -147,7 +147,7 @@ static const struct part dragon[] = {
      SIDES},
 };
 
-// From the tip of the tail to the head: place and radius.
+// From the tip of the tail to the head: position and radius.
 static const double spine[][4] = {
     {-1.05, 0.05, 1.42, 0.015}, {-1.45, 0.06, 1.36, 0.045}, {-1.85, 0.08, 1.05, 0.075},
     {-2.02, 0.11, 0.55, 0.105}, {-1.88, 0.17, 0.12, 0.14},  {-1.45, 0.30, -0.06, 0.19},
@@ -157,7 +157,7 @@ static const double spine[][4] = {
 };
 enum { SPINE_POINTS = sizeof spine / sizeof *spine, SPINE_STEPS = 5 };
 
-// Catmull and Rom 1974, between two points of the spine.
+// A spline through the points of the spine, after Catmull and Rom 1974.
 static void spine_at(uint32_t segment, double t, double out[4])
 {
     uint32_t last = SPINE_POINTS - 1;
@@ -169,7 +169,7 @@ static void spine_at(uint32_t segment, double t, double out[4])
                         (3 * p[1][i] - p[0][i] - 3 * p[2][i] + p[3][i]) * t * t * t);
 }
 
-// --- putting them together -----------------------------------------------------------------------
+// --- construction --------------------------------------------------------------------------------
 
 static void add(struct figure_field *field, const struct part *original)
 {
@@ -213,7 +213,7 @@ static void add_all(struct figure_field *field, const struct part *parts, size_t
         add(field, &parts[i]);
 }
 
-// Two rows of teeth along a parabola, larger towards the sides.
+// Adds two rows of teeth along a parabola, larger towards the sides.
 static void add_teeth(struct figure_field *field)
 {
     for (int row = 0; row < 2; row++)
@@ -226,7 +226,7 @@ static void add_teeth(struct figure_field *field)
         }
 }
 
-// The body around the spine and the plates on its back.
+// Adds the body around the spine and the plates on its back.
 static void add_spine(struct figure_field *field)
 {
     double from[4], to[4];
@@ -249,7 +249,7 @@ static void add_spine(struct figure_field *field)
             length += back[c] * back[c];
         }
         length = sqrt(length);
-        // Across the spine and upwards: y less its part along the spine.
+        // The upward direction perpendicular to the spine: y without its part along the spine.
         for (int c = 0; c < 3; c++)
             up[c] = (c == 1) - back[1] / length * back[c] / length;
         double size = vec3_norm(up);
@@ -266,7 +266,7 @@ static void add_spine(struct figure_field *field)
     }
 }
 
-// Upper teeth along the snout, and lower ones.
+// Adds upper teeth along the snout, and lower ones.
 static void add_fangs(struct figure_field *field)
 {
     for (int i = 0; i < 6; i++) {

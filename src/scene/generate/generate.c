@@ -49,8 +49,8 @@ struct grid {
     uint32_t rings, columns;
 };
 
-// With n bands of latitude, n - 1 rings and 2 n columns there are 4 n (n - 1) triangles: the poles'
-// bands have one a column, the others two.
+// With n bands of latitude, n - 1 rings and 2 n columns there are 4 n (n - 1) triangles: the bands
+// at the poles have one triangle per column, the others two.
 static struct grid choose_grid(uint32_t triangles)
 {
     double bands = floor(0.5 * (1.0 + sqrt(1.0 + (double)triangles)));
@@ -90,7 +90,7 @@ static void set_triangle(struct mesh *mesh, uint32_t *next, uint32_t a, uint32_t
     corners[2] = c;
 }
 
-// Counter-clockwise seen from outside: columns run eastwards, rings southwards.
+// Triangles are counter-clockwise as seen from outside: columns run eastwards, rings southwards.
 static void fill_triangles(struct grid grid, struct mesh *mesh)
 {
     uint32_t next = 0, south = mesh->vertex_count - 1;

@@ -1,24 +1,25 @@
-// Meshes without a file: for tests and benchmarks that need size, and for pictures that need a
+// Procedural meshes: for tests and benchmarks that need many triangles, and for images that need a
 // shape.
 #ifndef LAMPYRIS_SCENE_GENERATE_GENERATE_H
 #define LAMPYRIS_SCENE_GENERATE_GENERATE_H
 
 #include "scene/core/scene.h"
 
-// Appends a closed, bumpy sphere ("blob") about the origin with mean radius 1, normals included:
-// latitude-longitude grid with about `triangles` triangles (at least 8), radius modulated by sums
-// of sines so that curvature and triangle size vary. Deterministic.
+// Appends a closed, bumpy sphere ("blob") about the origin with mean radius 1 and normals: a
+// latitude-longitude grid with about `triangles` triangles (at least 8), with its radius modulated
+// by sums of sines so that curvature and triangle size vary. Deterministic.
 bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, uint32_t *mesh,
                    struct err *err);
-uint64_t generate_blob_bytes(uint32_t triangles); // that it takes, as those below
+// memory of the mesh; likewise for the functions below
+uint64_t generate_blob_bytes(uint32_t triangles);
 
 #define TEAPOT_RESOLUTION_MAX 1024
 
 // Appends the Utah teapot, with normals and texture coordinates: 32 patches of `resolution` (1 to
-// TEAPOT_RESOLUTION_MAX) squared cells. It stands on y = 0, its lid's knob at y = 3.15, its spout
-// towards +x (to x = 3.434), its handle towards -x (to x = -3). Not closed: the spout is open, and
-// there is a gap between body and lid. Each of body, lid, bottom, handle and spout has the whole
-// picture: s around it, t along it.
+// TEAPOT_RESOLUTION_MAX) squared cells. It stands on y = 0, its lid's knob is at y = 3.15, its
+// spout points to +x (to x = 3.434), its handle to -x (to x = -3). It is not closed: the spout is
+// open, and there is a gap between body and lid. The texture covers each of body, lid, bottom,
+// handle and spout once: s around it, t along it.
 bool generate_teapot(struct scene *scene, uint32_t resolution, uint32_t material, uint32_t *mesh,
                      struct err *err);
 uint64_t generate_teapot_bytes(uint32_t resolution);
@@ -30,7 +31,7 @@ struct torus {
     uint32_t segments, tube_segments; // 3 to TORUS_SEGMENTS_MAX
 };
 
-// Appends a closed ring about the y axis, of radius 1 to the middle of its tube, with normals.
+// Appends a closed torus about the y axis, of major radius 1, with normals.
 bool generate_torus(struct scene *scene, const struct torus *torus, uint32_t material,
                     uint32_t *index, struct err *err);
 uint64_t generate_torus_bytes(const struct torus *torus);
@@ -39,13 +40,13 @@ uint64_t generate_torus_bytes(const struct torus *torus);
 #define STADIUM_SEGMENTS_MAX 4096
 
 struct stadium {
-    uint32_t steps;    // of the stands, 1 to STADIUM_STEPS_MAX
-    uint32_t segments; // around, 3 to STADIUM_SEGMENTS_MAX
+    uint32_t steps;    // steps of the stands, 1 to STADIUM_STEPS_MAX
+    uint32_t segments; // segments around, 3 to STADIUM_SEGMENTS_MAX
 };
 
 // Appends an elliptic stadium about the y axis, without normals: a field on y = 0 with semi-axes
-// 0.6 along x and 0.4 along z, and around it stands of 0.4 in width that rise in equal steps to
-// y = 0.25, with a wall outside. segments * (4 steps + 3) triangles. Open beneath.
+// 0.6 along x and 0.4 along z, and around it stands 0.4 wide that rise in equal steps to y = 0.25,
+// with a wall outside. It has segments * (4 steps + 3) triangles and is open at the bottom.
 bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32_t material,
                       uint32_t *index, struct err *err);
 uint64_t generate_stadium_bytes(const struct stadium *stadium);

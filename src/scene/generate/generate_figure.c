@@ -1,8 +1,8 @@
-// From a figure's field to a mesh: surface nets (Gibson 1998, "Constrained elastic surface nets",
-// with vertices at the mean of a cell's crossings), each quadrilateral split into four as often as
-// it takes, vertices moved to the surface and displaced along its normal. Figures of few triangles
-// are made of more and simplified (Garland and Heckbert 1997, by meshoptimizer), so that triangles
-// are where the shape wants them.
+// Converts a figure's field to a mesh: surface nets (Gibson 1998, "Constrained elastic surface
+// nets", with vertices at the mean of a cell's crossings), whose quadrilaterals are split into four
+// as often as needed; vertices are moved to the surface and displaced along its normal. Figures of
+// few triangles are made of more and simplified (Garland and Heckbert 1997, by meshoptimizer), so
+// that the triangles are where the shape needs them.
 #include "scene/generate/figure_field.h"
 
 #include "base/maths.h"
@@ -12,20 +12,20 @@
 #include <string.h>
 
 #define NOTHING UINT32_MAX
-// The net is made of at most so many quadrilaterals: what is finer comes from splitting these.
+// The maximal number of quadrilaterals of the net; splitting makes finer meshes.
 #define NET_MAX 40000.0
-// Below so many triangles figures are simplified from SIMPLIFIED_OF times as many, and no fewer
-// than SIMPLIFIED_MIN.
+// Figures of fewer triangles than SIMPLIFIED_BELOW are simplified from SIMPLIFIED_OF times as many,
+// at least from SIMPLIFIED_MIN.
 #define SIMPLIFIED_BELOW 50000u
 #define SIMPLIFIED_OF 12.0
 #define SIMPLIFIED_MIN 24000.0
-#define FIRST_STEPS 40 // of the grid along the figure's longest side, where its area is not known
+#define FIRST_STEPS 40 // grid steps along the figure's longest side, while its area is unknown
 
 struct grid {
     double origin[3], step;
     uint32_t size[3]; // samples
     float *values;
-    uint32_t *vertices; // of the cell from each sample on
+    uint32_t *vertices; // vertex of the cell that begins at each sample
 };
 
 struct net {
@@ -36,7 +36,7 @@ struct net {
 
 // --- sampling ------------------------------------------------------------------------------------
 
-// Values of ellipsoids overestimate distances; none of a figure's by more than twice.
+// Ellipsoids' values overestimate distances, by at most a factor of two in these figures.
 #define SAFE_PART 0.4
 
 struct sampling {
@@ -61,7 +61,8 @@ static void sample_rows(void *context, size_t begin, size_t end, unsigned thread
                                  g->origin[1] + g->step * (double)(row % g->size[1]),
                                  g->origin[2] + g->step * (double)(row / g->size[1])};
             double value = figure_field_value(s->field, p, NULL);
-            // No surface is nearer than a part of that: samples until there are on the same side.
+            // The distance to the surface is at least a part of the value, so samples up to there
+            // are on the same side.
             double known = SAFE_PART * fabs(value) / g->step;
             next = x + 1 + (known < g->size[0] - x - 1 ? (uint32_t)known : g->size[0] - x - 1);
             for (uint32_t i = x; i < next; i++)
@@ -69,7 +70,7 @@ static void sample_rows(void *context, size_t begin, size_t end, unsigned thread
         }
 }
 
-// With a margin of a cell around the figure.
+// The grid has a margin of a cell around the figure.
 static bool grid_make(const struct figure_field *field, double step,
                       const struct progress *progress, struct arena *arena, struct grid *out)
 {
@@ -91,7 +92,8 @@ static bool grid_make(const struct figure_field *field, double step,
 
 // --- the net -------------------------------------------------------------------------------------
 
-// The mean of the places where the surface crosses the edges of a cell; false where it does not.
+// Computes the mean of the points where the surface crosses the edges of a cell. Returns false if
+// it crosses none.
 static bool cell_vertex(const struct grid *g, const uint32_t cell[3], double out[3])
 {
     double sum[3] = {0, 0, 0};
@@ -116,7 +118,7 @@ static bool cell_vertex(const struct grid *g, const uint32_t cell[3], double out
     return crossings > 0;
 }
 
-// Fills positions, if there are any, and says how many there are.
+// Writes the positions unless `positions` is NULL, and returns their number.
 static uint32_t place_vertices(struct grid *g, double (*positions)[3])
 {
     uint32_t count = 0;
@@ -135,8 +137,8 @@ static uint32_t place_vertices(struct grid *g, double (*positions)[3])
     return count;
 }
 
-// Around each edge of the grid that the surface crosses, the four cells' vertices,
-// counter-clockwise as seen from outside.
+// Makes a quadrilateral around each edge of the grid that the surface crosses, from the vertices of
+// the four cells, counter-clockwise as seen from outside.
 static uint32_t place_quads(const struct grid *g, uint32_t (*quads)[4])
 {
     const size_t strides[3] = {1, g->size[0], (size_t)g->size[0] * g->size[1]};
@@ -174,7 +176,7 @@ static bool net_make(struct grid *grid, struct arena *arena, struct net *out)
 
 // --- splitting -----------------------------------------------------------------------------------
 
-// The middles of edges, by their ends: a table that is at most half full.
+// A hash table of the midpoints of edges, by their ends; at most half full.
 struct middles {
     struct {
         uint32_t ends[2], vertex;
@@ -186,7 +188,7 @@ static uint32_t middle_of(struct middles *table, struct net *net, uint32_t a, ui
 {
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
     uint32_t slot = (low * 0x9e3779b1u ^ high * 0x85ebca77u) >> 3 & table->mask;
-    while (table->slots[slot].vertex != 0) { // vertex 0 is never a middle
+    while (table->slots[slot].vertex != 0) { // vertex 0 is never a midpoint
         if (table->slots[slot].ends[0] == low && table->slots[slot].ends[1] == high)
             return table->slots[slot].vertex;
         slot = (slot + 1) & table->mask;
@@ -200,13 +202,13 @@ static uint32_t middle_of(struct middles *table, struct net *net, uint32_t a, ui
     return vertex;
 }
 
-// Each quadrilateral becomes four around its middle.
+// Splits each quadrilateral into four around its centre.
 static bool net_split(struct arena *arena, struct net *net)
 {
     struct net old = *net;
     struct arena scratch = {0};
     struct middles table = {.mask = 1};
-    // A closed net of quadrilaterals has twice as many edges.
+    // A closed net has twice as many edges as quadrilaterals.
     while (table.mask < 4 * (uint64_t)old.quad_count)
         table.mask *= 2;
     table.slots = arena_alloc(&scratch, table.mask--, sizeof *table.slots);
@@ -239,11 +241,11 @@ static bool net_split(struct arena *arena, struct net *net)
 struct displacement {
     const struct figure_field *field;
     const struct net *net;
-    double edge; // of the mesh
+    double edge; // edge length of the mesh
     const struct progress *progress;
 };
 
-// To the surface by one step of Newton's, then as far out as the detail there says.
+// Moves vertices to the surface by one step of Newton's method, then outwards by the detail there.
 static void displace(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;
@@ -253,7 +255,7 @@ static void displace(void *context, size_t begin, size_t end, unsigned thread)
         enum part_skin skin = SKIN_PLAIN;
         figure_field_normal(d->field, p, 0.5 * d->edge, n);
         double away = figure_field_value(d->field, p, &skin);
-        // No farther than the net is wide: where parts meet the value is no distance.
+        // The step is limited to the edge length: where parts join, the value is not a distance.
         double limit = d->edge;
         away = fmin(fmax(away, -limit), limit);
         double out = figure_detail(skin, p, d->edge) - away;
@@ -262,7 +264,7 @@ static void displace(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-// Along the shorter diagonal.
+// Splits it along the shorter diagonal.
 static void split_quad(const struct net *net, uint32_t quad, uint32_t triangles[2][3])
 {
     const uint32_t *q = net->quads[quad];
@@ -278,7 +280,7 @@ static void split_quad(const struct net *net, uint32_t quad, uint32_t triangles[
             triangles[t][i] = q[(first + 2 * t + i) % 4];
 }
 
-// Means of the triangles' normals, by their areas.
+// The normals are means of the triangles' normals, weighted by area.
 static void set_normals(struct mesh *mesh)
 {
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
@@ -303,7 +305,7 @@ static void set_normals(struct mesh *mesh)
     }
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- the complete mesh ---------------------------------------------------------------------------
 
 uint64_t generate_figure_bytes(uint32_t triangles)
 {
@@ -313,8 +315,8 @@ uint64_t generate_figure_bytes(uint32_t triangles)
            (triangles + triangles / 8) * (uint64_t)sizeof *mesh->indices;
 }
 
-// A net of about `quads`, by the area that the last grid found, and the field that it is of. *step
-// is that of the grid.
+// Makes a net of about `quads` quadrilaterals, and its field, from the area that the previous grid
+// found. *step is the step of the grid.
 static bool fit_net(enum figure figure, double quads, const struct progress *progress,
                     struct arena *arena, struct figure_field *field, double *step, struct net *net)
 {
@@ -360,7 +362,8 @@ static bool mesh_of_net(const struct net *net, struct arena *arena, struct mesh 
     return true;
 }
 
-// Makes a mesh of about so many triangles from a finer one, with the vertices that they have.
+// Makes a mesh of about `triangles` triangles from a finer one by collapsing edges; vertices stay
+// where they are.
 static bool mesh_simplify(const struct mesh *fine, uint32_t triangles, struct arena *scratch,
                           struct arena *arena, struct mesh *out)
 {

@@ -4,12 +4,13 @@
 #include <math.h>
 
 #define TRIES 1024
-#define GRID_CELLS_MAX 1024 // a side
+#define GRID_CELLS_MAX 1024 // cells per side
 #define NOTHING UINT32_MAX
 
 // --- random numbers ------------------------------------------------------------------------------
 
-// The finalizer of MurmurHash3 (Appleby 2011): a bijection in which every bit depends on all.
+// The finalizer of MurmurHash3 (Appleby 2011): a bijection in which every output bit depends on all
+// input bits.
 static uint32_t mix(uint32_t x)
 {
     x = (x ^ x >> 16) * 0x85ebca6bu;
@@ -22,7 +23,7 @@ uint32_t scatter_bits(uint32_t seed, uint32_t item, uint32_t n)
     return mix(mix(mix(seed + 0x9e3779b9u) ^ item) + n * 0x9e3779b9u);
 }
 
-// In [0, 1).
+// Returns a number in [0, 1).
 static double random_number(const struct scatter *scatter, uint32_t sphere, uint32_t n)
 {
     return scatter_bits(scatter->seed, sphere, n) * 0x1p-32;
@@ -30,12 +31,12 @@ static double random_number(const struct scatter *scatter, uint32_t sphere, uint
 
 // --- placing -------------------------------------------------------------------------------------
 
-// Spheres by the cell that their centre lies in. A cell is at least as wide as two centres may lie
-// apart, seen from above, whose spheres overlap.
+// Spheres by the cell in which their centre lies. A cell is at least as wide as the largest
+// horizontal distance of the centres of two overlapping spheres.
 struct grid {
     uint32_t side;
     double origin, cells_per_metre;
-    uint32_t *first, *next; // of a cell; after a sphere
+    uint32_t *first, *next; // first sphere of a cell; next sphere after a sphere
 };
 
 static uint32_t cell_of(const struct grid *grid, double x)
@@ -44,7 +45,8 @@ static uint32_t cell_of(const struct grid *grid, double x)
     return cell < 0 ? 0 : cell >= grid->side ? grid->side - 1 : (uint32_t)cell;
 }
 
-// Spheres on a plane touch where the squared distance of their feet is 4 r1 r2.
+// Spheres on a plane touch where the squared distance of their points of contact with it is 4 r1
+// r2.
 static bool overlap(const struct scattered_sphere *a, const struct scattered_sphere *b)
 {
     double x = a->center[0] - b->center[0], z = a->center[2] - b->center[2];
@@ -63,9 +65,9 @@ static bool is_free(const struct grid *grid, const struct scattered_sphere *sphe
     return true;
 }
 
-// A place may take a thousand tries, and a try as many comparisons as there are spheres.
+// A position may take a thousand tries, and a try as many comparisons as there are spheres.
 struct polling {
-    uint64_t work, polled; // comparisons and tries: so far, when the listener was last asked
+    uint64_t work, polled; // comparisons and tries: so far, and at the last poll
     bool is_stopped;
 };
 
@@ -77,7 +79,7 @@ static void poll(struct polling *polling, const struct progress *progress)
     polling->is_stopped = progress_should_stop(progress);
 }
 
-// Uniformly over the part of the disc in which the whole sphere lies above it.
+// Positions are uniform over the part of the disc in which the whole sphere lies above it.
 static bool find_place(const struct scatter *scatter, const struct grid *grid,
                        const struct scattered_sphere *spheres, uint32_t number,
                        struct scattered_sphere *sphere, struct polling *polling)
@@ -202,7 +204,7 @@ uint64_t generate_icosphere_bytes(uint32_t subdivision)
 
 bool generate_icosphere(struct scene *scene, uint32_t subdivision, uint32_t *index, struct err *err)
 {
-    // Corners of three golden rectangles; faces counter-clockwise as seen from outside.
+    // Corners of three golden rectangles; faces are counter-clockwise as seen from outside.
     static const double g = 1.6180339887498949;
     const double corners[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
                                    {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},

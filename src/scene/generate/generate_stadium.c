@@ -1,13 +1,13 @@
-// Stands around an elliptic field.
+// An elliptic stadium.
 #include "scene/generate/generate.h"
 
 #include <math.h>
 
-// Semi-axes of the field and of the stands' outside along x and z, and how high the stands are.
+// Semi-axes of the field and of the outer wall along x and z, and the height of the stands.
 static const double field[2] = {0.6, 0.4}, outside[2] = {1.0, 0.8}, height = 0.25;
 
-// Point `at` of the section from the field's edge up the steps and down the outer wall: `out` from
-// 0 at the field to 1 outside, and how high.
+// Computes point `at` of the section from the field's edge up the steps and down the outer wall:
+// `out` grows from 0 at the field to 1 outside, y is the height.
 static void section(uint32_t steps, uint32_t at, double *out, double *y)
 {
     uint32_t trodden = at / 2, risen = (at + 1) / 2; // riser and tread in turn
@@ -63,7 +63,8 @@ bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32
             return false;
         add_ring(&mesh, stadium, at);
     }
-    // Counter-clockwise as seen from the field and from above, and the wall's from outside.
+    // Triangles are counter-clockwise as seen from the field and from above; those of the wall,
+    // from outside.
     for (uint32_t i = 0; i < segments; i++) {
         uint32_t next = (i + 1) % segments;
         add_triangle(&mesh, 0, 1 + i, 1 + next);

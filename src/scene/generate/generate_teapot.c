@@ -1,23 +1,23 @@
 // The Utah teapot: 32 bicubic Bezier patches (M. Newell, University of Utah, 1975; the four of the
 // bottom are later: F. Crow, "The Origins of the Teapot", IEEE CG&A 7(1), 1987).
 //
-// The published patches are of two kinds, so that a few numbers give them all: surfaces of
-// revolution, of which each control point of a profile makes a quarter circle, and tubes, of which
-// each section makes two halves. Here z is up as in those numbers; the mesh has y up.
+// The published patches are of two kinds, so that a few numbers define them all: surfaces of
+// revolution, in which each control point of a profile makes a quarter circle, and tubes, in which
+// each section makes two halves. z is up in these numbers; the mesh has y up.
 #include "scene/generate/generate.h"
 
 #include "base/maths.h"
 #include <math.h>
 #include <string.h>
 
-// A profile's control point. A quarter circle about the axis is approximated by the control points
-// (radius, 0), (radius, handle), (handle, radius), (0, radius).
+// A control point of a profile. A quarter circle about the axis is approximated by the control
+// points (radius, 0), (radius, handle), (handle, radius), (0, radius).
 struct ring {
     double radius, handle, height;
 };
 
-// From the rim's inner edge to the bottom's edge; from the lid's knob to its edge; from the edge of
-// the bottom to its middle: outside is to the right of the way.
+// The profiles: from the rim's inner edge to the bottom's edge; from the lid's knob to its edge;
+// from the edge of the bottom to its centre. The outside is to the right along each profile.
 static const struct ring body[] = {
     {1.4, 0.784, 2.4},   {1.3375, 0.749, 2.53125}, {1.4375, 0.805, 2.53125}, {1.5, 0.84, 2.4},
     {1.75, 0.98, 1.875}, {2.0, 1.12, 1.35},        {2.0, 1.12, 0.9},         {2.0, 1.12, 0.45},
@@ -34,8 +34,8 @@ static const struct ring bottom[] = {
     {0.0, 0.0, 0.0},
 };
 
-// A tube's control point: (x, z) of the side where a half begins and of the other, and how far the
-// two control points between them are from the plane y = 0.
+// A control point of a tube: (x, z) of the side where a half begins and of the other side, and the
+// distance of the two control points between them from the plane y = 0.
 struct section {
     double near[2], far[2], half_width;
 };
@@ -53,8 +53,8 @@ static const struct section spout[] = {
     {{2.8, 2.4}, {3.2, 2.4}, 0.15},
 };
 
-// A profile or a tube: a chain of curves, each of which begins with the last point of the one
-// before it, swept over two halves or four quarters.
+// A profile or a tube: a chain of curves, each of which begins with the last point of the previous
+// one, swept over two halves or four quarters.
 static const struct part {
     const struct ring *rings;       // or NULL
     const struct section *sections; // or NULL
@@ -71,7 +71,7 @@ static const struct part {
 struct patch {
     double points[4][4][3];      // [along the profile][across it]
     bool pole_first, pole_last;  // the first or last row is one point
-    double s, s_size, t, t_size; // the texture's rectangle
+    double s, s_size, t, t_size; // the texture coordinates' range
 };
 
 static void revolve(const struct ring *rings, uint32_t turn, struct patch *patch)
@@ -101,7 +101,7 @@ static void revolve(const struct ring *rings, uint32_t turn, struct patch *patch
     patch->pole_last = rings[3].radius == 0.0;
 }
 
-// The second half begins where the first one ends: outside stays on the same side.
+// The second half begins where the first one ends, so that the outside stays on the same side.
 static void sweep(const struct section *sections, uint32_t turn, struct patch *patch)
 {
     for (int row = 0; row < 4; row++) {
@@ -137,9 +137,9 @@ static struct patch make_patch(const struct part *part, uint32_t curve, uint32_t
 
 // --- points on a patch ---------------------------------------------------------------------------
 
-// Weights of the four control points for a cubic curve's point and for its derivative. The latter
-// are those of the differences, expanded, but summed as differences below: exactly 0 where these
-// are.
+// Computes the weights of the four control points for the point and the derivative of a cubic
+// curve. The derivative's weights apply to differences of control points, so that it is exactly 0
+// where these are.
 static void bernstein(double t, double point[4], double difference[3])
 {
     double s = 1.0 - t;
@@ -152,7 +152,7 @@ static void bernstein(double t, double point[4], double difference[3])
     difference[2] = 3.0 * t * t;
 }
 
-// Computes the point and the derivative that a row of control points gives at v.
+// Computes the point and the derivative of a row of control points at v.
 static void evaluate_row(const double row[4][3], const double weight[4], const double difference[3],
                          double point[3], double derivative[3])
 {
@@ -165,8 +165,8 @@ static void evaluate_row(const double row[4][3], const double weight[4], const d
     }
 }
 
-// The point, and the normal dP/du x dP/dv. At a pole dP/dv vanishes like u or 1 - u, and its
-// direction is that of d2P/dudv.
+// Computes the point, and the normal dP/du x dP/dv. At a pole dP/dv vanishes like u or 1 - u, and
+// its direction is that of d2P/dudv.
 static void evaluate(const struct patch *patch, double u, double v, double point[3],
                      double normal[3])
 {
@@ -190,7 +190,7 @@ static void evaluate(const struct patch *patch, double u, double v, double point
 
 // --- the mesh ------------------------------------------------------------------------------------
 
-// z up to y up.
+// Converts from z up to y up.
 static void store(const double v[3], float out[3])
 {
     out[0] = (float)v[0];

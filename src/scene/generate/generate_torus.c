@@ -1,9 +1,9 @@
-// A ring.
+// A torus.
 #include "scene/generate/generate.h"
 
 #include <math.h>
 
-// The point at `around` of the ring and `about` its tube, radians.
+// Computes the point at angle `around` the axis and angle `about` the tube, radians.
 static void evaluate(double around, double about, double tube, float position[3], float normal[3])
 {
     const double n[3] = {cos(about) * cos(around), sin(about), -cos(about) * sin(around)};
@@ -46,7 +46,7 @@ bool generate_torus(struct scene *scene, const struct torus *torus, uint32_t mat
             uint32_t beside = across + column, opposite = across + (column + 1) % columns;
             evaluate(2 * M_PI * ring / rings, 2 * M_PI * column / columns, torus->tube,
                      mesh.positions[at], mesh.normals[at]);
-            // Counter-clockwise as seen from outside.
+            // Triangles are counter-clockwise as seen from outside.
             const uint32_t corners[2][3] = {{at, beside, opposite}, {at, opposite, above}};
             for (int t = 0; t < 2; t++, next++)
                 for (int c = 0; c < 3; c++)

@@ -22,7 +22,7 @@ static const char *const type_names[] = {
 
 // --- the window ----------------------------------------------------------------------------------
 
-// A run of elements that an accessor, or a part of it, claims in a buffer view.
+// A range of elements of a buffer view that an accessor, or its sparse part, uses.
 struct claim {
     const struct json_node *holder; // the object with "bufferView" and "byteOffset"
     uint32_t count, size, component_size;
@@ -31,7 +31,7 @@ struct claim {
 
 struct buffer_view {
     struct json_node node;
-    uint64_t offset, length, stride; // stride 0: none is given
+    uint64_t offset, length, stride; // stride 0: not given
     const uint8_t *data;
 };
 
@@ -76,7 +76,8 @@ bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struc
     return true;
 }
 
-// The distance between elements: the view's stride, or the size of an element where it has none.
+// Chooses the distance between elements: the view's stride, or the size of an element if it has
+// none.
 static bool choose_stride(const struct buffer_view *view, const struct claim *claim,
                           uint64_t *stride, struct err *err)
 {
@@ -84,7 +85,7 @@ static bool choose_stride(const struct buffer_view *view, const struct claim *cl
     if (*stride < claim->size)
         return node_fail(claim->holder, err, "elements of %u bytes, but a byteStride of %llu",
                          claim->size, (unsigned long long)*stride);
-    // Other data than vertex attributes has no stride; one that says the same does no harm.
+    // Only vertex attributes may have a stride; one that equals the element's size is harmless.
     if (!claim->is_vertex_attribute && *stride != claim->size)
         return node_fail(claim->holder, err,
                          "a byteStride of %llu; expected elements of %u bytes without gaps",
@@ -95,8 +96,8 @@ static bool choose_stride(const struct buffer_view *view, const struct claim *cl
     return true;
 }
 
-// Turns a claim into a pointer to its first byte and a stride, once every byte of it is known to
-// lie inside the buffer view, and the buffer view inside the buffer.
+// Converts a claim to a pointer to its first byte and a stride. Checks that every byte of it lies
+// inside the buffer view, and the buffer view inside the buffer.
 static bool open_window(const struct gltf_document *document, const struct claim *claim,
                         const uint8_t **data, size_t *stride_out, struct err *err)
 {
@@ -140,7 +141,7 @@ static bool read_component_type(const struct json_node *object, uint32_t allowed
     if (!gltf_require(object, "componentType", err) ||
         !node_read_integer(object, "componentType", 0, INT64_MAX, &code, err))
         return false;
-    uint64_t type = code - COMPONENT_CODE_BASE; // wraps to something large when below
+    uint64_t type = code - COMPONENT_CODE_BASE; // wraps to a large number if it is too small
     if (type >= COMPONENT_TYPE_COUNT || !components[type].name)
         return node_fail(&node, err, "%llu is no component type", (unsigned long long)code);
     if (!(allowed & COMPONENT_BIT(type)))
@@ -319,7 +320,7 @@ static float load_float(const uint8_t *at, enum component_type type, bool is_nor
     return value;
 }
 
-// replaced: counts numbers that are not finite, which become 0; NULL: they are errors.
+// replaced: counts numbers that are not finite, which become 0; NULL: such numbers are errors.
 static bool read_element(const struct accessor_view *view, const uint8_t *at, uint32_t element,
                          float *out, uint32_t *replaced, struct err *err)
 {
@@ -385,7 +386,7 @@ static bool check_index(const struct accessor_view *view, uint32_t element, uint
     return true;
 }
 
-// The integers of element `at`, one a component.
+// Loads the components of element `at` as integers.
 static void load_joints(const struct accessor_view *view, const uint8_t *at, uint32_t out[4])
 {
     for (size_t c = 0; c < 4; c++)

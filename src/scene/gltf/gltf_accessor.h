@@ -4,7 +4,8 @@
 
 #include "scene/gltf/gltf_document.h"
 
-// The codes of the specification less COMPONENT_CODE_BASE; 5124 (INT) is none of them.
+// The codes of the specification minus COMPONENT_CODE_BASE; 5124 (INT) is not supported there
+// either.
 enum component_type {
     COMPONENT_I8 = 0,
     COMPONENT_U8 = 1,
@@ -19,32 +20,33 @@ enum component_type {
 #define COMPONENTS_SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
 #define COMPONENTS_SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
 
-// Zeros cost a file nothing: the count of an accessor without a buffer view is the one size that
-// the file's own size does not bound. 2^24 is more than anybody writes and less than hurts.
+// The largest count of an accessor without a buffer view, whose elements are zeros: it is the only
+// size that the size of the file does not bound. 2^24 is more than real files need and needs little
+// memory.
 #define ACCESSOR_MAX_UNBACKED_COUNT (UINT64_C(1) << 24)
 
 #define ACCESSOR_MAT4 16 // components
 
-// The demands of a use of an accessor.
+// What a use of an accessor requires of it.
 struct accessor_rule {
     const char *use;               // "POSITION", for messages
     uint32_t components;           // 1 SCALAR, 2 VEC2, 3 VEC3, 4 VEC4, 16 MAT4
-    uint32_t fewer_components;     // of another type that will do; 0: none
-    uint32_t types;                // COMPONENT_BITs allowed as they are
-    uint32_t normalized_types;     // and with "normalized": true
-    uint32_t quantized_types;      // as `types`, but only with KHR_mesh_quantization
-    uint32_t quantized_normalized; // as `normalized_types`, likewise
+    uint32_t fewer_components;     // number of components of another permitted type; 0: none
+    uint32_t types;                // COMPONENT_BITs permitted without "normalized"
+    uint32_t normalized_types;     // COMPONENT_BITs permitted with "normalized": true
+    uint32_t quantized_types;      // like `types`, but only with KHR_mesh_quantization
+    uint32_t quantized_normalized; // like `normalized_types`, but only with KHR_mesh_quantization
     bool is_vertex_attribute;      // may be interleaved; elements aligned to 4 bytes
 };
 
-// A checked window on an accessor's elements: every byte of every element lies inside its buffer,
-// and sparse indices ascend strictly below the count. Valid as long as the document.
+// A checked view of an accessor's elements: every byte of every element lies inside its buffer, and
+// sparse indices increase strictly and are below the count. Valid as long as the document.
 struct accessor_view {
     struct json_node node; // for messages
     uint32_t count, components;
     enum component_type type;
     bool is_normalized;
-    const uint8_t *data; // NULL: zeros
+    const uint8_t *data; // NULL: all elements are zero
     size_t stride;       // bytes from one element to the next
     uint32_t sparse_count;
     enum component_type sparse_index_type;
@@ -55,20 +57,23 @@ struct accessor_view {
 bool accessor_view(const struct gltf_document *document, uint32_t index,
                    const struct accessor_rule *rule, struct accessor_view *out, struct err *err);
 
-// Writes count * components numbers. One that is not finite is an error that names the element.
+// Writes count * components numbers. A number that is not finite is an error that names the
+// element.
 bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err);
-// Reads as accessor_read() does, but numbers that are not finite become 0 and are counted in
+// Like accessor_read_floats(), but numbers that are not finite become 0 and are counted in
 // *replaced. Returns true.
 bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_t *replaced);
-// Writes 4 * count unsigned integers of a VEC4 accessor, each below `limit`, the number of joints.
+// Writes 4 * count unsigned integers of a VEC4 accessor, each of which must be below `limit`, the
+// number of joints.
 bool accessor_read_joints(const struct accessor_view *view, uint32_t limit, uint32_t *out,
                           struct err *err);
-// Writes count unsigned integers of a SCALAR accessor. One that is not below `limit` is an error
-// that calls the limit by its name, "the vertex count", and so is the primitive restart value.
+// Writes count unsigned integers of a SCALAR accessor. An index that is not below `limit` is an
+// error that names the limit, such as "the vertex count", and so is the primitive restart value.
 bool accessor_read_indices(const struct accessor_view *view, uint32_t limit, const char *limit_name,
                            uint32_t *out, struct err *err);
 
-// The bytes of buffer view `index`, which is below the document's count. They are the document's.
+// Returns the bytes of buffer view `index`, which is below the document's count. The document owns
+// them.
 bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struct file_bytes *out,
                      struct err *err);
 

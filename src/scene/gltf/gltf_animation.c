@@ -29,19 +29,19 @@ static const struct accessor_rule value_rules[] = {
                       .normalized_types = SMALL},
 };
 
-// A channel with its sampler read, and where in it the time falls.
+// A channel with its sampler, and the position of the time between its keys.
 struct channel {
     struct arena arena;
     enum path path;
     uint32_t node;
-    uint32_t width; // numbers of a key's value
+    uint32_t width; // numbers per key
     enum interpolation interpolation;
     uint32_t key_count;
-    const float *times; // of the player's
+    const float *times; // owned by the player
     float *values;
     struct json_node output; // the accessor of the values, for messages
-    // Between key `before` and the next, `part` of the `interval` seconds on; before the first key
-    // and after the last, part is 0.
+    // The time is `part` (0 to 1) of the `interval`, in seconds, from key `before` to the next;
+    // before the first key and after the last, part is 0.
     uint32_t before;
     double part, interval;
 };
@@ -53,7 +53,7 @@ struct player {
     struct json_node samplers;
     double seconds;
     struct gltf_node_pose *poses;
-    // Accessors that are inputs are read and checked once: most animations have but a few.
+    // Accessors that are inputs are read and checked once, because channels share them.
     struct key_times {
         float *values; // NULL: not read yet
         uint32_t count;
@@ -144,7 +144,7 @@ static bool read_sampler(struct player *player, const struct json_node *sampler,
     return read_times(player, channel, input, err) && read_values(load, channel, output, err);
 }
 
-// The numbers of the channel's value: 0 where it has nothing to do.
+// Finds the number of components of the channel's value; 0 if the target does not exist.
 static bool find_width(struct gltf_load *load, const struct json_node *target,
                        struct channel *channel, struct err *err)
 {
@@ -164,7 +164,7 @@ static bool find_width(struct gltf_load *load, const struct json_node *target,
            node_fail(target, err, "nodes[%u] has no mesh with morph targets", channel->node);
 }
 
-// Where a channel leads. *is_ignored: to something that only an extension knows.
+// Reads the target of a channel. *is_ignored: only an extension knows the target.
 static bool read_target(struct gltf_load *load, const struct json_node *node,
                         struct channel *channel, bool *is_ignored, struct err *err)
 {
@@ -203,7 +203,7 @@ static void place_time(struct channel *channel, double seconds)
     channel->part = (seconds - (double)channel->times[low]) / channel->interval;
 }
 
-// Component c of key `key`; slot: 0 the in-tangent, 1 the value, 2 the out-tangent of a spline.
+// Returns component c of key `key`; slot of a spline: 0 in-tangent, 1 value, 2 out-tangent.
 static double key_number(const struct channel *channel, uint32_t key, uint32_t slot, uint32_t c)
 {
     size_t index = channel->interpolation == CUBICSPLINE ? 3 * (size_t)key + slot : key;
@@ -241,7 +241,7 @@ static bool turn(const struct channel *channel, double out[4], struct err *err)
     return true;
 }
 
-// Appendix C.5: a cubic Hermite spline; its tangents are by second.
+// Appendix C.5: a cubic Hermite spline, with tangents per second.
 static double spline(const struct channel *channel, uint32_t c)
 {
     double t = channel->part, t2 = t * t, t3 = t2 * t;
@@ -273,7 +273,8 @@ static bool evaluate(const struct channel *channel, double *out, struct err *err
 
 // --- the pose ------------------------------------------------------------------------------------
 
-// Where the channel's value goes; NULL with *err set when another channel has been there.
+// Returns where to store the channel's value; NULL with *err set when another channel sets it
+// already.
 static double *open_value(struct gltf_load *load, const struct json_node *node,
                           const struct channel *channel, struct gltf_node_pose *pose,
                           struct err *err)

@@ -1,4 +1,4 @@
-// Vertex attributes, glTF 2.0, section 3.7.2.1, and what KHR_mesh_quantization adds to them.
+// Vertex attributes, glTF 2.0, section 3.7.2.1, with the additions of KHR_mesh_quantization.
 #include "scene/gltf/gltf_attribute.h"
 
 #include "scene/gltf/gltf_accessor.h"
@@ -37,16 +37,16 @@ static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
                     .is_vertex_attribute = true},
 };
 
-// --- what a file may get wrong -------------------------------------------------------------------
+// --- corrections of invalid data -----------------------------------------------------------------
 
 static void unit_tangent(float tangent[4])
 {
     mesh_unit_normal(tangent, tangent);
-    // The specification has 1 or -1; quantized ones are rounded, and zero is no side.
+    // The specification has 1 or -1. Quantized values are rounded, and 0 counts as 1.
     tangent[3] = tangent[3] < 0 ? -1.0f : 1.0f;
 }
 
-// A reflectance is multiplied by it, so that a number beyond 1 would make energy.
+// The colour multiplies a reflectance, so a component above 1 would create energy.
 static bool clamp_color(float color[4])
 {
     bool was_outside = false;
@@ -73,7 +73,8 @@ static void prepare(struct gltf_tally *tally, enum gltf_attribute attribute, uin
 
 // --- reading -------------------------------------------------------------------------------------
 
-// Spreads `count` elements of three numbers, from the last on, over elements of four; alpha is 1.
+// Expands `count` elements of three numbers in place to four, from the last to the first; alpha is
+// 1.
 static void widen_colors(float *values, uint32_t count)
 {
     for (uint32_t i = count; i-- > 0;) {
@@ -83,7 +84,7 @@ static void widen_colors(float *values, uint32_t count)
     }
 }
 
-// Decodes an accessor into the scene's arena, unless *cached, its place in load->vectors, has it.
+// Decodes an accessor into the scene's arena unless *cached, its entry in load->vectors, is set.
 static bool share_values(struct gltf_load *load, uint32_t accessor, enum gltf_attribute attribute,
                          float **cached, struct err *err)
 {
@@ -96,7 +97,7 @@ static bool share_values(struct gltf_load *load, uint32_t accessor, enum gltf_at
     float *values = arena_alloc(&load->scene->arena, view.count, size);
     if (!values)
         return gltf_no_memory(&load->document, "vertices", view.count * size, err);
-    // Texture coordinates that are not finite are common, and harmless where nothing shows them.
+    // Texture coordinates that are not finite are common, and harmless unless they are used.
     if (!(attribute == GLTF_TEXCOORD
               ? accessor_read_or_zero(&view, values, &load->tally.infinite_texcoords)
               : accessor_read_floats(&view, values, err)))

@@ -1,4 +1,4 @@
-// Where a glTF document's bytes come from.
+// Loads the bytes of a glTF document's buffers.
 #include "scene/gltf/gltf_buffer.h"
 
 #include "base/ascii.h"
@@ -44,7 +44,7 @@ struct glb_chunk {
     struct file_bytes content;
 };
 
-// The chunk at *at, which moves behind it.
+// Reads the chunk at *at and moves *at to its end.
 static bool glb_next_chunk(const struct file_bytes *bytes, size_t *at, struct glb_chunk *out,
                            struct err *err)
 {
@@ -96,7 +96,7 @@ bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err
 
 // --- URIs ----------------------------------------------------------------------------------------
 
-// The value of a base64 digit, or -1.
+// Returns the value of a base64 digit, or -1.
 static int base64_digit(char c)
 {
     return c >= 'A' && c <= 'Z'   ? c - 'A'
@@ -194,7 +194,7 @@ bool gltf_uri_load(const struct gltf_document *document, const struct json_node 
 
 // --- buffers -------------------------------------------------------------------------------------
 
-// The bytes of one buffer; data stays NULL where the file names none.
+// Finds the bytes of one buffer; data stays NULL if the file names none.
 static bool find_bytes(struct gltf_document *document, const struct json_node *node,
                        const struct file_bytes *binary, struct file_bytes *out, bool *is_external,
                        struct err *err)
@@ -219,7 +219,7 @@ static bool load_buffer(struct gltf_document *document, uint32_t index,
     const struct json_node node = gltf_item(document, GLTF_BUFFERS, index);
     struct file_bytes bytes = {0};
     struct json_node extensions, meshopt;
-    bool is_fallback = false; // for readers without EXT_meshopt_compression: nothing here reads it
+    bool is_fallback = false; // for readers without EXT_meshopt_compression; its bytes are not used
     if (!gltf_require(&node, "byteLength", err) ||
         !node_read_integer(&node, "byteLength", 1, INT64_MAX, &buffer->size, err) ||
         !gltf_read_extension(&node, "EXT_meshopt_compression", &extensions, &meshopt, err) ||

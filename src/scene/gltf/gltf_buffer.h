@@ -1,18 +1,18 @@
-// The bytes behind a glTF document's buffers: data URIs, files beside the document, and the binary
+// The bytes of a glTF document's buffers: data URIs, files beside the document, and the binary
 // chunk of a GLB file. Internal to scene/.
 #ifndef LAMPYRIS_SCENE_GLTF_GLTF_BUFFER_H
 #define LAMPYRIS_SCENE_GLTF_GLTF_BUFFER_H
 
 #include "scene/gltf/gltf_document.h"
 
-// The two chunks of a GLB file that the specification knows.
+// The two chunks of a GLB file that the specification defines.
 struct glb_chunks {
     struct file_bytes json;
     struct file_bytes binary; // data is NULL when there is none
 };
 
 bool glb_is_container(const struct file_bytes *bytes); // begins with the magic "glTF"
-// Finds the chunks and checks the container to its last byte. err without the file's name.
+// Finds the chunks and checks the whole container. Errors do not name the file.
 bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err *err);
 
 // Loads all buffers into document->buffers. `binary` is the GLB file's chunk, data NULL if none.
@@ -20,11 +20,11 @@ bool gltf_buffers_load(struct gltf_document *document, const struct file_bytes *
                        struct err *err);
 
 // gltf_meshopt.c: decodes the buffer views with EXT_meshopt_compression into
-// document->decoded_views. Buffers that they alone name need have no bytes.
+// document->decoded_views. Buffers that only such views use need not have bytes.
 bool gltf_meshopt_decode(struct gltf_document *document, struct err *err);
 
-// The bytes that a "uri" stands for, in `arena`: a data URI, or a file where the document may have
-// one. *path is the file's, NULL for a data URI.
+// Loads the bytes of a "uri" into `arena`: a data URI, or a file in a permitted folder. *path is
+// the file's path, NULL for a data URI.
 bool gltf_uri_load(const struct gltf_document *document, const struct json_node *uri,
                    struct arena *arena, struct file_bytes *out, const char **path, struct err *err);
 

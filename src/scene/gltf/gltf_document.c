@@ -1,4 +1,4 @@
-// Parsing the JSON of a glTF document and checking its frame: version, extensions, arrays.
+// Parses the JSON of a glTF document and checks its structure: version, extensions, arrays.
 #include "scene/gltf/gltf_document.h"
 
 #include "base/file.h"
@@ -21,7 +21,7 @@ static const char *const list_names[GLTF_LIST_COUNT] = {
 
 #define QUANTIZATION "KHR_mesh_quantization"
 
-// What the loader reads, and so what a file may require.
+// The extensions that the loader supports and that a file may therefore require.
 static const char *const known_extensions[] = {
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -45,7 +45,7 @@ static const char *const known_extensions[] = {
     NULL,
 };
 
-#undef gltf_no_memory // here the function itself is meant
+#undef gltf_no_memory // this file defines the function itself
 bool gltf_no_memory(const struct gltf_document *document, const char *what, uint64_t bytes,
                     struct err *err)
 {
@@ -130,7 +130,7 @@ bool gltf_read_name(const struct json_node *object, struct arena *arena, const c
 bool gltf_read_numbers(const struct json_node *object, const char *key, size_t count, double *out,
                        struct err *err)
 {
-    // The parser has rejected what no double holds, so every number is finite.
+    // The parser rejects numbers that a double cannot hold, so every number is finite.
     const struct range any = {-DBL_MAX, DBL_MAX, false};
     const struct json_node node = node_member(object, key);
     return !node.value || node_numbers(&node, count, any, out, err);
@@ -157,7 +157,7 @@ static bool parse_json(struct gltf_document *document, const struct file_bytes *
 
 // --- asset and extensions ------------------------------------------------------------------------
 
-// Splits "MAJOR.MINOR", nothing but digits around the one dot.
+// Parses "MAJOR.MINOR", which may contain only digits around the one dot.
 static bool parse_version(const char *text, unsigned *major, unsigned *minor)
 {
     static const char digits[] = "0123456789";
@@ -179,7 +179,7 @@ static bool check_version(const struct json_node *asset, const char *key, struct
         return false;
     if (!parse_version(text, &major, &minor))
         return node_unexpected(&node, "a version like \"2.0\"", err);
-    // A file that needs more than 2.0 says so in minVersion; version itself may be any 2.x.
+    // A file that needs more than version 2.0 gives minVersion; "version" itself may be any 2.x.
     bool is_minimum = strcmp(key, "minVersion") == 0;
     if (major != 2 || (is_minimum && minor > 0))
         return node_unexpected(&node, is_minimum ? "\"2.0\"" : "a version 2.x", err);
@@ -289,7 +289,7 @@ static bool check_frame(struct gltf_document *document, struct err *err)
     return true;
 }
 
-// The JSON text and the binary chunk, whichever the container.
+// Finds the JSON text and the binary chunk in either container.
 static bool open_container(const struct gltf_source *source, struct glb_chunks *out,
                            struct err *err)
 {

@@ -1,5 +1,5 @@
-// A glTF 2.0 file (JSON or binary container) opened: its JSON checked for shape, its buffers in
-// memory. Internal to scene/.
+// An opened glTF 2.0 file (JSON or binary container): its JSON is checked for structure, its
+// buffers are in memory. Internal to scene/.
 #ifndef LAMPYRIS_SCENE_GLTF_GLTF_DOCUMENT_H
 #define LAMPYRIS_SCENE_GLTF_GLTF_DOCUMENT_H
 
@@ -31,31 +31,34 @@ enum gltf_list {
     GLTF_LIST_COUNT,
 };
 
-// What a file's bytes are, and how they are to be read.
+// The bytes of a file, and how to read them.
 struct gltf_source {
-    const char *path;         // for messages, and for the folder that buffers are looked for in
+    const char *path;         // for messages, and for the folder of the buffers
     struct file_bytes bytes;  // must outlive the document
-    bool allow_outside_paths; // let buffers lie outside that folder
+    bool allow_outside_paths; // permits buffers outside of that folder
 };
 
 struct gltf_buffer {
-    const uint8_t *data; // NULL: the file gives no bytes, as for the fallback of a compressed view
-    uint64_t size;       // byteLength, all of it in memory when data is not NULL
+    const uint8_t *data; // NULL: the file has no bytes for it, as for the fallback of a compressed
+                         // view
+    uint64_t size;       // byteLength; all bytes are in memory unless data is NULL
     bool is_external;    // read from a file of its own
 };
 
 struct gltf_document {
     const struct gltf_source *source;
-    struct arena arena; // owns the buffers; for whatever else lives as long as the document
+    struct arena arena; // owns the buffers and other data that lives as long as the document
     json_t *json;
     struct json_node root; // the nodes point into this struct: do not copy it
     struct json_node lists[GLTF_LIST_COUNT];
     uint32_t counts[GLTF_LIST_COUNT];
     struct gltf_buffer *buffers; // counts[GLTF_BUFFERS]
-    // counts[GLTF_BUFFER_VIEWS]: byteLength bytes that were compressed; NULL: they are in a buffer.
+    // counts[GLTF_BUFFER_VIEWS] elements: the decompressed byteLength bytes; NULL: the view is in a
+    // buffer.
     const uint8_t **decoded_views;
     bool is_quantized;              // KHR_mesh_quantization is declared
-    const char *ignored_extensions; // "A, B": used by the file, unknown here; NULL: none
+    const char *ignored_extensions; // "A, B": extensions that the file uses and that are unknown
+                                    // here; NULL: none
 };
 
 // Parses and checks *source, which must outlive *document, and loads all buffers.
@@ -63,41 +66,42 @@ bool gltf_document_open(struct gltf_document *document, const struct gltf_source
                         struct err *err);
 void gltf_document_close(struct gltf_document *document); // accepts {0} and half-opened ones
 
-// ERR_SYSTEM with the file's name in front; returns false.
+// Sets ERR_SYSTEM with the file's name as prefix; returns false.
 bool gltf_no_memory(const struct gltf_document *document, const char *what, uint64_t bytes,
                     struct err *err);
-// As in err.h: the value is seen to be false.
+// As in err.h: analysers see that the value is false.
 #define gltf_no_memory(...) (gltf_no_memory(__VA_ARGS__), err_false())
 
-// An element of one of the arrays, always an object. index < document->counts[list].
+// Returns an element of one of the arrays, which is always an object. index <
+// document->counts[list].
 struct json_node gltf_item(const struct gltf_document *document, enum gltf_list list,
                            uint32_t index);
 
-// --- readers that add glTF's habits to json_node.h -----------------------------------------------
+// --- readers of glTF's data types, in addition to json_node.h ------------------------------------
 
 bool gltf_require(const struct json_node *object, const char *key, struct err *err);
-// An index below `count`; GLTF_NONE where the key is absent.
+// Reads an index below `count`; GLTF_NONE if the key is absent.
 bool gltf_read_index(const struct json_node *object, const char *key, uint32_t count, uint32_t *out,
                      struct err *err);
-// The element of a list that has this name, else this index; `what` is one of them, "animation".
-// The wish comes from the command line: ERR_USAGE where there is none.
+// Finds the element of a list with this name, or else with this index; `what` names the kind of
+// element, "animation". The name comes from the command line: ERR_USAGE if there is none.
 bool gltf_find(const struct gltf_document *document, enum gltf_list list, const char *what,
                const char *wanted, uint32_t *out, struct err *err);
-// A member that is an object or absent (its value is then NULL), and the same for an array.
+// Read a member that is an object, or an array, or absent; its value is NULL then.
 bool gltf_read_object(const struct json_node *object, const char *key, struct json_node *out,
                       struct err *err);
 bool gltf_read_array(const struct json_node *object, const char *key, struct json_node *out,
                      struct err *err);
-// object.extensions.NAME; extensions is kept by the caller because *out points at it.
+// Reads object.extensions.NAME. The caller keeps `extensions`, because *out points at it.
 bool gltf_read_extension(const struct json_node *object, const char *name,
                          struct json_node *extensions, struct json_node *out, struct err *err);
-// A copy of object.name in the arena, "" where it has none.
+// Copies object.name into the arena; "" if it has none.
 bool gltf_read_name(const struct json_node *object, struct arena *arena, const char **out,
                     struct err *err);
-// A number into single precision; an absent key leaves *out as it is.
+// Reads a number in single precision; an absent key leaves *out unchanged.
 bool gltf_read_float(const struct json_node *object, const char *key, struct range range,
                      float *out, struct err *err);
-// Any finite numbers, exactly `count`; an absent key leaves *out as it is.
+// Reads exactly `count` finite numbers; an absent key leaves *out unchanged.
 bool gltf_read_numbers(const struct json_node *object, const char *key, size_t count, double *out,
                        struct err *err);
 

@@ -1,5 +1,5 @@
-// Images of a glTF document, section 3.8.3: found, told by their content, decoded several at a
-// time.
+// Images of a glTF document, section 3.8.3: they are located, identified by their content, and
+// decoded in parallel.
 #include "scene/gltf/gltf_material.h"
 
 #include "base/hash.h"
@@ -16,11 +16,12 @@
 struct image_source {
     struct json_node node;
     struct file_bytes bytes;
-    const char *name; // for messages: a file's path, or the way to the image in the document
+    const char *name; // for messages: a file's path, or the place of the image in the document
     bool is_file, is_mislabelled;
 };
 
-// "uri" or "bufferView": one of them. Files, decoded URIs and names are put into `arena`.
+// Finds the bytes from "uri" or "bufferView", one of which must be given. Files, decoded URIs and
+// names are put into `arena`.
 static bool find_bytes(const struct gltf_document *document, struct image_source *source,
                        struct arena *arena, struct err *err)
 {
@@ -40,15 +41,15 @@ static bool find_bytes(const struct gltf_document *document, struct image_source
     return source->name || err_memory(err, "a name", 0);
 }
 
-// Before a message that begins with a file's name says which image that is; an image inside of the
-// document is named so already. Returns false.
+// If a message begins with a file's name, prepends which image that is; an image inside the
+// document is named already. Returns false.
 static bool fail_image(const struct image_source *source, struct err *err)
 {
     return source->is_file ? node_prepend(&source->node, err) : err_false();
 }
 
-// The content says what a file is; "mimeType" is only compared with it. What is neither PNG nor
-// JPEG may still come with an extension that nothing here knows.
+// The content determines the type; "mimeType" is only compared with it. A file that is neither PNG
+// nor JPEG may be of an extension that is not supported.
 static bool check_content(struct image_source *source, struct err *err)
 {
     static const uint8_t png_magic[4] = {0x89, 'P', 'N', 'G'};
@@ -67,7 +68,7 @@ static bool check_content(struct image_source *source, struct err *err)
 
 // --- texels --------------------------------------------------------------------------------------
 
-// An image decoded into a scene of its own, for a thread of its own.
+// An image that one thread decodes into a scene of its own.
 struct image_job {
     struct gltf_image *image;
     const struct gltf_document *document;
@@ -77,12 +78,12 @@ struct image_job {
     bool ok, is_mislabelled, is_strict;
 };
 
-// Green becomes mix(ends[0], ends[1], green), so that one factor on the texel can do what a minimum
-// and a maximum ask for; linear interpolation between texels keeps to it.
+// Green becomes mix(ends[0], ends[1], green), so that a minimum and a maximum need only one factor
+// on the texel; linear interpolation between texels commutes with this.
 static void map_green(struct texture_image *image, const float ends[2])
 {
     size_t count = (size_t)image->width * image->height;
-    void *texels = (void *)image->texels; // the job's own
+    void *texels = (void *)image->texels; // owned by the job
     float *floats = texels;
     uint16_t *halves = texels;
     const float step = ends[1] - ends[0];
@@ -137,7 +138,7 @@ static void run_job(struct image_job *job)
     arena_finish(&scratch);
 }
 
-// --- several at a time ---------------------------------------------------------------------------
+// --- parallel decoding ---------------------------------------------------------------------------
 
 static void run_jobs(void *context, size_t begin, size_t end, unsigned thread)
 {
@@ -155,7 +156,7 @@ static bool find_image(const struct scene *scene, uint64_t hash, uint32_t *index
     return false;
 }
 
-// Copies what the job has decoded into the scene, which may have it already.
+// Copies the decoded image into the scene, unless the scene has it already.
 static bool adopt_image(struct gltf_load *load, struct image_job *job, struct err *err)
 {
     struct scene *scene = load->scene;
@@ -177,7 +178,7 @@ static bool adopt_image(struct gltf_load *load, struct image_job *job, struct er
     return true;
 }
 
-// They are to be decoded again, each when it has all the memory for itself.
+// Releases the images, which are decoded again later, one at a time with all the memory.
 static void release(struct image_job *jobs, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-// Instances of meshes, one by one or by EXT_mesh_gpu_instancing.
+// Adds instances of meshes, single ones and those of EXT_mesh_gpu_instancing.
 #include "scene/gltf/gltf_load.h"
 
 #include "scene/core/affine.h"
@@ -25,7 +25,7 @@ static const struct accessor_rule rules[ATTRIBUTE_COUNT] = {
                .is_vertex_attribute = true},
 };
 
-// The transforms' parts; NULL where the file leaves one out.
+// The components of the transforms; NULL if the file omits one.
 struct parts {
     struct arena arena;
     uint32_t count;
@@ -85,7 +85,7 @@ static bool read_parts(struct gltf_load *load, const struct json_node *attribute
     return true;
 }
 
-// Overwrites the default in `out` with element `i` of a part, if the file has it.
+// Overwrites the default in `out` with element `i` of a component, if the file has it.
 static void take(const struct parts *parts, int attribute, uint32_t i, double *out)
 {
     uint32_t n = rules[attribute].components;

@@ -1,6 +1,6 @@
 // Materials, glTF 2.0, section 3.9, as principled ones: metallic-roughness, normals, emission and
-// alpha, or what replaces them. Back faces are not culled: what a material is made of it is on both
-// sides, "doubleSided" or not.
+// alpha, or their replacements. Back faces are not culled: both sides have the same material,
+// "doubleSided" or not.
 #include "scene/gltf/gltf_material.h"
 
 #include "scene/core/texture_load.h"
@@ -10,7 +10,8 @@
 
 #define OPAQUE_MASK (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)
 
-// A colour and, of materials that are not opaque, its alpha; and the texture that scales them.
+// The keys of a colour, with alpha if the material is not opaque, and of the texture that scales
+// it.
 struct color_keys {
     const char *factor, *texture;
 };
@@ -59,8 +60,8 @@ static bool read_metallic_roughness(struct gltf_material_reader *reader, struct 
 }
 
 // KHR_materials_pbrSpecularGlossiness, archived, replaces the above: a dielectric whose reflectance
-// at normal incidence is the specular colour, over a diffuse part that it takes its share of. That
-// reflectance is relative to that of the index 1.5, the material's.
+// at normal incidence is the specular colour, over a diffuse base that receives the remaining
+// light. The parameter is relative to the reflectance of the material's index of refraction, 1.5.
 static bool read_specular_glossiness(struct gltf_material_reader *reader,
                                      const struct json_node *object, struct err *err)
 {
@@ -77,7 +78,7 @@ static bool read_specular_glossiness(struct gltf_material_reader *reader,
     material->roughness = 1 - glossiness;
     for (int c = 0; c < 3; c++)
         material->specular_color[c] = specular[c] / GLTF_REFLECTANCE;
-    // 1 - roughness, the glossiness, is scaled by alpha.
+    // Alpha scales the glossiness, which is 1 - roughness.
     const struct gltf_texture_use color = {
         .flags = texture_scales(GROUP_SPECULAR, (const int[]){0, 1, 2, -1}),
         .is_srgb = true,
@@ -103,7 +104,7 @@ static bool read_base(struct gltf_material_reader *reader, struct err *err)
 
 static bool read_normal(struct gltf_material_reader *reader, struct err *err)
 {
-    const struct range scales = {-1e3, 1e3, false}; // those of normal_scale
+    const struct range scales = {-1e3, 1e3, false}; // the range of normal_scale
     struct json_node normal;
     return gltf_read_object(reader->node, "normalTexture", &normal, err) &&
            gltf_read_float(&normal, "scale", scales, &reader->material->normal_scale, err) &&
@@ -122,8 +123,8 @@ static const struct gltf_texture_use emission_texture = {
     .is_srgb = true,
 };
 
-// Emission is in candela per square metre in the file and in W/(sr m^2) in the scene; the numbers
-// are taken as they are, since neither says which spectrum is meant.
+// Emission is in candela per square metre in the file and in W/(sr m^2) in the scene. The numbers
+// are not converted, because the spectrum is not specified.
 static bool read_emission(struct gltf_material_reader *reader, struct err *err)
 {
     struct material *material = reader->material;
@@ -144,7 +145,7 @@ static bool read_alpha(struct gltf_material_reader *reader, struct err *err)
 {
     static const char *const modes[] = {"OPAQUE", "MASK", "BLEND", NULL};
     static const uint32_t flags[] = {0, MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND};
-    const struct range cutoffs = {0, 1e3, false}; // those of alpha_cutoff
+    const struct range cutoffs = {0, 1e3, false}; // the range of alpha_cutoff
     uint32_t mode = 0;
     if (!node_read_choice(reader->node, "alphaMode", modes, &mode, err) ||
         !gltf_read_float(reader->node, "alphaCutoff", cutoffs, &reader->material->alpha_cutoff,
@@ -154,7 +155,8 @@ static bool read_alpha(struct gltf_material_reader *reader, struct err *err)
     return true;
 }
 
-// KHR_materials_unlit: the base colour is what is seen; of the rest only alpha counts.
+// KHR_materials_unlit: the base colour is displayed; of the other parameters only alpha has an
+// effect.
 static bool read_unlit(struct gltf_material_reader *reader, struct err *err)
 {
     struct material *material = reader->material;

@@ -1,14 +1,15 @@
-// Extensions that add to the metallic-roughness model of glTF 2.0: KHR_materials_* but those that
-// replace it. docs/gltf.md says how each is mapped.
+// Extensions of the metallic-roughness model of glTF 2.0: KHR_materials_* except those that replace
+// it. docs/gltf.md describes the mapping of each.
 #include "scene/gltf/gltf_material.h"
 
 #include "scene/core/texture_load.h"
 #include <math.h>
 
-// One of these extensions of a material.
+// One of these extensions in a material.
 struct layer {
     struct gltf_material_reader *reader;
-    struct json_node extensions, node; // node.value is NULL where there is no such extension
+    struct json_node extensions, node; // node.value is NULL if the material does not have the
+                                       // extension
 };
 
 static bool open_layer(struct gltf_material_reader *reader, const char *name, struct layer *out,
@@ -23,13 +24,13 @@ static bool read_number(const struct layer *layer, const char *key, float *out, 
     return gltf_read_float(&layer->node, key, gltf_unit, out, err);
 }
 
-// A texture whose channel, 0 to 3, scales one parameter.
+// Reads a texture whose channel, 0 to 3, scales one parameter.
 static bool read_channel(const struct layer *layer, const char *key, uint32_t parameter,
                          int channel, struct err *err)
 {
     int channels[4] = {-1, -1, -1, -1};
     channels[parameter % 4] = channel;
-    // Alpha is linear either way; with colours beside it the image is the same as theirs.
+    // Alpha is linear in either case; if the image holds colours, too, both uses share it.
     const struct gltf_texture_use use = {
         .flags = texture_scales(parameter / 4, channels),
         .is_srgb = channel == 3,
@@ -79,11 +80,11 @@ static bool read_sheen(struct gltf_material_reader *reader, struct err *err)
            read_channel(&layer, "sheenRoughnessTexture", PARAMETER_SHEEN_ROUGHNESS, 3, err);
 }
 
-// Thickness without a texture is the maximum; with one, mix(minimum, maximum, green): the greater
-// of both, scaled by what the texture is made into.
+// Without a texture the thickness is the maximum. With one it is mix(minimum, maximum, green): the
+// parameter is the greater of both, and the texture is converted so that it scales this.
 static bool read_film_thickness(const struct layer *layer, float *thickness, struct err *err)
 {
-    const struct range thicknesses = {0, 1e6, false}; // nm; those of film_thickness
+    const struct range thicknesses = {0, 1e6, false}; // nm; the range of film_thickness
     static const char key[] = "iridescenceThicknessTexture";
     float minimum = 100, maximum = 400;
     if (!gltf_read_float(&layer->node, "iridescenceThicknessMinimum", thicknesses, &minimum, err) ||
@@ -102,7 +103,7 @@ static bool read_film_thickness(const struct layer *layer, float *thickness, str
 
 static bool read_iridescence(struct gltf_material_reader *reader, struct err *err)
 {
-    const struct range iors = {1, 100, false}; // those of film_ior
+    const struct range iors = {1, 100, false}; // the range of film_ior
     struct material *material = reader->material;
     struct layer layer;
     if (!open_layer(reader, "KHR_materials_iridescence", &layer, err))
@@ -116,8 +117,9 @@ static bool read_iridescence(struct gltf_material_reader *reader, struct err *er
 
 // --- the base's reflection -----------------------------------------------------------------------
 
-// An index of 0 stands for an infinite one, which reflects all that KHR_materials_specular lets it:
-// specular-glossiness materials are written so. As there, that is relative to the index of 1.5.
+// An index of 0 stands for an infinite one: only KHR_materials_specular then limits the
+// reflectance. Specular-glossiness materials are exported so. As there, the colour is relative to
+// the index 1.5.
 static bool read_ior(struct gltf_material_reader *reader, bool *is_infinite, struct err *err)
 {
     const struct range iors = {0, 100, false};
@@ -143,7 +145,7 @@ static bool read_specular(struct gltf_material_reader *reader, struct err *err)
     bool is_infinite;
     if (!read_ior(reader, &is_infinite, err))
         return false;
-    // So that the parameter is at most 1000.
+    // This limits the parameter to 1000.
     const struct range colors = {0, is_infinite ? 1e3 * (double)GLTF_REFLECTANCE : 1e3, false};
     if (!open_layer(reader, "KHR_materials_specular", &layer, err) ||
         !node_read_color(&layer.node, "specularColorFactor", colors, material->specular_color,
@@ -157,13 +159,14 @@ static bool read_specular(struct gltf_material_reader *reader, struct err *err)
     return true;
 }
 
-// The extension widens along the tangent, alpha_t = mix(alpha, 1, strength^2), and leaves alpha_b =
-// alpha. Here the two are alpha' / aspect and alpha' aspect with aspect^2 = 1 - 0.9 anisotropic
-// (Burley 2012, addendum): alpha'^2 = alpha_t alpha_b and aspect^2 = alpha_b / alpha_t make both
-// the same as long as the ratio is not below 1 / 10, and with factors that no texture scales.
+// The extension widens the lobe along the tangent, alpha_t = mix(alpha, 1, strength^2), and keeps
+// alpha_b = alpha. The parameters here are alpha' / aspect and alpha' aspect with aspect^2 = 1 -
+// 0.9 anisotropic (Burley 2012, addendum). alpha'^2 = alpha_t alpha_b and aspect^2 = alpha_b /
+// alpha_t make both equal, unless the ratio is below 1 / 10 or a texture scales the factors.
 static bool read_anisotropy(struct gltf_material_reader *reader, struct err *err)
 {
-    const struct range turns = {-1e6, 1e6, false}; // beyond, single precision knows no angle
+    const struct range turns = {-1e6, 1e6, false}; // beyond this, single precision does not resolve
+                                                   // angles
     static const char key[] = "anisotropyTexture";
     struct material *material = reader->material;
     struct layer layer;
@@ -206,7 +209,7 @@ static bool is_same_color(const float a[3], const float b[3])
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-// Light passes in the base colour here, and in a colour of its own there.
+// Diffusely transmitted light has the base colour here, but a separate colour in the extension.
 static bool read_diffuse_transmission(struct gltf_material_reader *reader, struct err *err)
 {
     static const char key[] = "diffuseTransmissionColorTexture";
@@ -226,8 +229,8 @@ static bool read_diffuse_transmission(struct gltf_material_reader *reader, struc
     return true;
 }
 
-// Where there is a thickness the surface is the boundary of what is inside; the ray itself finds
-// how thick that is. Without one the surface is a sheet, which bends nothing.
+// With a thickness, the surface is the boundary of a medium, and rays find its thickness
+// themselves. Without one, the surface is a thin sheet that does not refract.
 static bool read_volume(struct gltf_material_reader *reader, struct err *err)
 {
     const struct range lengths = {0, SCENE_COORDINATE_MAX, false};
@@ -254,7 +257,7 @@ static bool read_volume(struct gltf_material_reader *reader, struct err *err)
 
 static bool read_dispersion(struct gltf_material_reader *reader, struct err *err)
 {
-    const struct range dispersions = {0, 10, false}; // those of dispersion
+    const struct range dispersions = {0, 10, false}; // the range of dispersion
     struct layer layer;
     return open_layer(reader, "KHR_materials_dispersion", &layer, err) &&
            gltf_read_float(&layer.node, "dispersion", dispersions, &reader->material->dispersion,
@@ -263,7 +266,7 @@ static bool read_dispersion(struct gltf_material_reader *reader, struct err *err
 
 bool gltf_material_read_layers(struct gltf_material_reader *reader, struct err *err)
 {
-    // Each surface that light crosses has the base colour, in and out.
+    // Each surface that light crosses, entering or leaving, multiplies it by the base colour.
     reader->material->flags |= MATERIAL_TINT_EACH;
     return read_clearcoat(reader, err) && read_sheen(reader, err) &&
            read_iridescence(reader, err) && read_specular(reader, err) &&

@@ -1,4 +1,4 @@
-// Completes materials with what only the meshes and images of a glTF document tell.
+// Completes materials with information that depends on the meshes and images of a glTF document.
 #include "scene/gltf/gltf_material.h"
 
 // Returns whether one of the material's textures can make it less opaque.
@@ -21,7 +21,8 @@ static bool has_alpha_colors(const struct mesh *mesh)
     return false;
 }
 
-// Exporters like to call everything blended. Alpha that is 1 everywhere is none: rays need not ask.
+// Exporters often mark opaque materials as blended. If alpha is 1 everywhere, the flag is removed,
+// so that rays need not test it.
 static void drop_full_alpha(struct gltf_load *load, const bool *has_colors, uint32_t index)
 {
     struct scene *scene = load->scene;
@@ -52,7 +53,8 @@ bool gltf_materials_finish(struct gltf_load *load, struct err *err)
         return gltf_no_memory(&load->document, "materials", count, err);
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
         const struct mesh *mesh = &scene->meshes[i];
-        uint32_t material = mesh->material - load->first_material; // wraps for those of other files
+        uint32_t material = mesh->material - load->first_material; // wraps to a large number for
+                                                                   // materials of other files
         if (material >= count)
             continue;
         load->tally.meshes_without_texcoords +=

@@ -1,4 +1,4 @@
-// Counts the memory that the nodes of a glTF file will take at least, from the accessors' counts,
+// Computes a lower bound of the memory for the nodes of a glTF file, from the accessors' counts,
 // before any of them is loaded.
 #include "scene/gltf/gltf_load.h"
 
@@ -7,9 +7,9 @@
 
 struct tally {
     const struct gltf_load *load;
-    struct gltf_mesh_needs *meshes; // of each glTF mesh
-    bool *counted;                  // of each: in `meshes`, and its arrays in `bytes`
-    uint8_t *seen;                  // of each accessor, see gltf_mesh_count
+    struct gltf_mesh_needs *meshes; // for each glTF mesh
+    bool *counted;                  // for each: it is in `meshes`, and its arrays are in `bytes`
+    uint8_t *seen;                  // for each accessor, see gltf_mesh_count
     uint64_t bytes;
 };
 
@@ -30,8 +30,8 @@ static void add_node(struct tally *tally, uint32_t index)
         tally->bytes += needs->vertex_bytes;
         tally->counted[mesh] = true;
     }
-    // A skin moves its mesh into the world: once for each node, which is then no instance of
-    // others.
+    // A skin moves its mesh into the world, so each skinned node has a mesh of its own and one
+    // instance.
     bool has_skin = skin != GLTF_NONE;
     uint32_t instances = has_skin ? 1 : gltf_instancing_count(document, &node);
     if (is_new || has_skin)
@@ -42,7 +42,7 @@ static void add_node(struct tally *tally, uint32_t index)
 static bool add_nodes(struct tally *tally, const struct gltf_nodes *nodes, struct err *err)
 {
     static const char what[] =
-        "instances and meshes of all nodes, of which this is the first that does not fit";
+        "the instances and meshes of all nodes; this node is the first that does not fit";
     uint32_t refused = GLTF_NONE;
     for (uint32_t i = 0; i < nodes->count; i++) {
         if (!nodes->is_in_scene[i])
@@ -73,7 +73,7 @@ bool gltf_check_memory(const struct gltf_load *load, const struct gltf_nodes *no
     };
     bool ok = tally.meshes && tally.counted && tally.seen
                   ? add_nodes(&tally, nodes, err)
-                  : gltf_no_memory(&load->document, "the sum of what nodes take",
+                  : gltf_no_memory(&load->document, "the memory counts of nodes",
                                    counts[GLTF_MESHES] * sizeof *tally.meshes, err);
     arena_finish(&scratch);
     return ok;

@@ -1,4 +1,4 @@
-// Meshes, glTF 2.0, section 3.7: a mesh of the scene for each primitive made of triangles.
+// Meshes, glTF 2.0, section 3.7: a mesh of the scene for each primitive that consists of triangles.
 #include "scene/gltf/gltf_load.h"
 
 #include "scene/gltf/gltf_accessor.h"
@@ -24,9 +24,9 @@ static const struct accessor_rule index_rule = {
 
 // --- vertices ------------------------------------------------------------------------------------
 
-// The arrays of *mesh, which shares them with other primitives of the same accessors. All that a
-// mesh may carry is kept, used by its material or not: arrays are shared, and what no used material
-// needs is left out when the scene is flattened.
+// Reads the arrays of *mesh, which primitives with the same accessors share. All attributes are
+// kept, whether the material uses them or not, because the arrays are shared; flattening omits what
+// no material needs.
 static bool read_vertices(struct gltf_load *load, const struct json_node *attributes,
                           uint32_t position_accessor, struct mesh *mesh, struct err *err)
 {
@@ -42,7 +42,7 @@ static bool read_vertices(struct gltf_load *load, const struct json_node *attrib
         return false;
     mesh->vertex_count = count;
     mesh->positions = (float(*)[3])positions;
-    // Section 3.7.2.1: without normals a mesh is flat, and its tangents do not count.
+    // Section 3.7.2.1: a mesh without normals is flat-shaded, and its tangents are ignored.
     mesh->normals = (float(*)[3])normals;
     mesh->tangents = normals ? (float(*)[4])tangents : NULL;
     for (int set = 0; set < 2; set++)
@@ -53,11 +53,12 @@ static bool read_vertices(struct gltf_load *load, const struct json_node *attrib
 
 // --- triangles -----------------------------------------------------------------------------------
 
-// The corners of triangle `i`, as places in the sequence of vertices or indices (section 3.7.2.1).
+// Computes the corners of triangle `i` as positions in the sequence of vertices or indices (section
+// 3.7.2.1).
 static void triangle_corners(enum primitive_mode mode, uint32_t i, uint32_t corners[3])
 {
     switch (mode) {
-    case MODE_TRIANGLE_STRIP: // every other one is turned, so that all face the same way
+    case MODE_TRIANGLE_STRIP: // every other triangle is reversed, so that all face the same side
         corners[0] = i;
         corners[1] = i + 1 + i % 2;
         corners[2] = i + 2 - i % 2;
@@ -73,7 +74,7 @@ static void triangle_corners(enum primitive_mode mode, uint32_t i, uint32_t corn
     }
 }
 
-// `count` vertices or indices, given by `node`, make whole triangles.
+// Checks that `count` vertices or indices, given by `node`, make whole triangles.
 static bool count_triangles(const struct json_node *node, enum primitive_mode mode, uint32_t count,
                             uint32_t *out, struct err *err)
 {
@@ -86,7 +87,7 @@ static bool count_triangles(const struct json_node *node, enum primitive_mode mo
     return true;
 }
 
-// Makes room for the triangles of `count` vertices or indices, which `node` gave.
+// Allocates the triangles of `count` vertices or indices, which `node` gives.
 static bool allocate_triangles(struct gltf_load *load, const struct json_node *node,
                                enum primitive_mode mode, uint32_t count, struct mesh *mesh,
                                struct err *err)
@@ -100,8 +101,8 @@ static bool allocate_triangles(struct gltf_load *load, const struct json_node *n
     return true;
 }
 
-// sequence: the vertices' order; NULL: 0, 1, 2, … Strips repeat vertices where they turn: triangles
-// with a vertex twice are left out of them.
+// sequence: the order of the vertices; NULL: 0, 1, 2, … Strips repeat vertices to turn: triangles
+// with the same vertex twice are omitted from them.
 static void write_triangles(struct mesh *mesh, enum primitive_mode mode, const uint32_t *sequence)
 {
     uint32_t count = 0;
@@ -168,7 +169,7 @@ static bool read_material(struct gltf_load *load, const struct json_node *primit
     return true;
 }
 
-// Returns whether the primitive makes triangles in space at all; what does not is counted.
+// Returns whether the primitive has triangles and positions; counts it if it has not.
 static bool is_drawable(struct gltf_tally *tally, enum primitive_mode mode, uint32_t position)
 {
     if (mode <= MODE_LINE_STRIP)
@@ -261,9 +262,9 @@ bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_we
     return true;
 }
 
-// --- what it will take ---------------------------------------------------------------------------
+// --- memory --------------------------------------------------------------------------------------
 
-// Mistakes in the file are for the readers above to report, and count as nothing here.
+// Errors in the file are reported by the readers above; here they count as nothing.
 
 static uint64_t new_vertex_bytes(const struct gltf_document *document,
                                  const struct json_node *attributes, uint8_t *seen)
@@ -328,7 +329,7 @@ static void count_primitive(const struct gltf_document *document, const struct j
         return;
     needs->vertex_bytes += new_vertex_bytes(document, &attributes, seen);
     needs->primitive_bytes += triangles * (uint64_t)sizeof *mesh->indices;
-    // Nothing may be left of strips.
+    // All triangles of a strip may be omitted.
     needs->count += triangles > 0 && (mode == MODE_TRIANGLES || !is_indexed);
 }
 

@@ -1,5 +1,5 @@
-// EXT_meshopt_compression: buffer views that hold vertices or indices compressed. All are decoded
-// when the document is opened; accessors then check the decoded bytes as they check any.
+// EXT_meshopt_compression: buffer views that hold compressed vertices or indices. All are decoded
+// when the document is opened; accessors then check the decoded bytes like any others.
 #include "scene/gltf/gltf_buffer.h"
 
 #include <meshoptimizer.h>
@@ -7,7 +7,7 @@
 enum mode { ATTRIBUTES, TRIANGLES, INDICES };
 enum filter { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL };
 
-#define MAX_STRIDE 256 // of ATTRIBUTES
+#define MAX_STRIDE 256 // of mode ATTRIBUTES
 
 struct compressed {
     struct json_node node; // the extension's object
@@ -62,7 +62,7 @@ static bool read_layout(struct compressed *out, struct err *err)
     return true;
 }
 
-// The rules of the extension, on which the decoder relies.
+// Checks the rules of the extension on which the decoder relies.
 static bool check_layout(const struct compressed *in, struct err *err)
 {
     unsigned long long stride = in->stride, count = in->count;
@@ -83,7 +83,7 @@ static bool check_layout(const struct compressed *in, struct err *err)
     return true;
 }
 
-// That the view around it is as large as what it holds.
+// Checks that the buffer view that contains the extension has the size of the decoded data.
 static bool check_view(const struct json_node *view, const struct compressed *in, struct err *err)
 {
     uint64_t length = 0, stride = in->stride, size = in->count * in->stride;

@@ -1,4 +1,4 @@
-// Morph targets, glTF 2.0, section 3.7.2.2: displacements of vertex attributes, by weights.
+// Morph targets, glTF 2.0, section 3.7.2.2: weighted displacements of vertex attributes.
 #include "scene/gltf/gltf_pose.h"
 
 #include "scene/gltf/gltf_accessor.h"
@@ -7,7 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-// The rules of displacements: a tangent's has no side, and a colour's may have no alpha.
+// The rules of displacements: that of a tangent has no sign, and that of a colour may have no
+// alpha.
 static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
     [GLTF_POSITION] = {.use = "displacements of POSITION",
                        .components = 3,
@@ -99,7 +100,7 @@ bool gltf_morph_weights(struct gltf_load *load, uint32_t node, uint32_t mesh,
 
 // --- displacements -------------------------------------------------------------------------------
 
-// One attribute of a mesh while its displacements are summed up.
+// An attribute of a mesh while its displacements are added.
 struct sum {
     struct arena arena;
     const struct json_node *targets;
@@ -108,7 +109,7 @@ struct sum {
     enum gltf_attribute attribute;
     uint32_t vertex_count, width;
     double *numbers; // vertex_count * width; NULL until a target changes them
-    float *scratch;  // as many
+    float *scratch;  // of the same size
 };
 
 static bool open_sum(struct gltf_load *load, const float *base, struct sum *sum, struct err *err)
@@ -175,13 +176,13 @@ static bool store(struct gltf_load *load, const struct sum *sum, float **out, st
         if (sum->attribute == GLTF_NORMAL || sum->attribute == GLTF_TANGENT)
             mesh_unit_normal(to, to);
         for (uint32_t c = 0; c < sum->width && sum->attribute == GLTF_COLOR; c++)
-            to[c] = fminf(fmaxf(to[c], 0.0f), 1.0f); // as the specification demands
+            to[c] = fminf(fmaxf(to[c], 0.0f), 1.0f); // the specification requires this
     }
     *out = stored;
     return true;
 }
 
-// Replaces *values by themselves with the displacements.
+// Replaces *values by a new array with the displacements added.
 static bool morph(struct gltf_load *load, const struct json_node *primitive, struct sum *sum,
                   float **values, struct err *err)
 {

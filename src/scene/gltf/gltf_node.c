@@ -1,4 +1,5 @@
-// Nodes, glTF 2.0, section 3.5. Nothing here recurses: a chain of nodes may be as long as the file.
+// Nodes, glTF 2.0, section 3.5. Nothing here recurses, because a chain of nodes may be as long as
+// the file.
 #include "scene/gltf/gltf_node.h"
 
 #include "scene/core/affine.h"
@@ -30,7 +31,7 @@ bool gltf_compose(const double translation[3], const double rotation[4], const d
         largest = fmax(largest, fabs(rotation[i]));
     if (!(largest > 0))
         return false;
-    // Scaled by the largest component, so that no square overflows or vanishes.
+    // It is scaled by the largest component, so that no square overflows or underflows.
     double q[4], square = 0;
     for (int i = 0; i < 4; i++) {
         q[i] = rotation[i] / largest;
@@ -48,7 +49,7 @@ bool gltf_compose(const double translation[3], const double rotation[4], const d
     return true;
 }
 
-// "matrix" has 16 numbers, column by column; its last row must leave points in three dimensions.
+// "matrix" has 16 numbers in column-major order; its last row must be that of an affine map.
 static bool read_matrix(const struct json_node *node, double out[3][4], struct err *err)
 {
     static const char *const others[] = {"translation", "rotation", "scale"};
@@ -59,7 +60,8 @@ static bool read_matrix(const struct json_node *node, double out[3][4], struct e
     double m[16];
     if (!gltf_read_numbers(node, "matrix", 16, m, err))
         return false;
-    // Exporters write products of single-precision matrices: that much rounding is no projection.
+    // Exporters write products of single-precision matrices: rounding errors do not make a
+    // projection.
     bool is_affine = fabs(m[3]) <= FLT_EPSILON && fabs(m[7]) <= FLT_EPSILON &&
                      fabs(m[11]) <= FLT_EPSILON && fabs(m[15] - 1) <= FLT_EPSILON;
     const struct json_node matrix = node_member(node, "matrix");
@@ -72,7 +74,7 @@ static bool read_matrix(const struct json_node *node, double out[3][4], struct e
     return true;
 }
 
-// pose: what an animation has set, or NULL.
+// pose: values that an animation sets, or NULL.
 static bool read_local(const struct json_node *node, const struct gltf_node_pose *pose,
                        double out[3][4], struct err *err)
 {
@@ -140,8 +142,8 @@ static bool link_children(const struct gltf_document *document, struct gltf_node
     return true;
 }
 
-// With one parent at most a node, whoever climbs from a node either ends at a root or goes round.
-// Every node is climbed over once: visit[n] says from which start, plus one.
+// As every node has at most one parent, following the parents from a node ends at a root or is a
+// cycle. Every node is visited once: visit[n] is the start from which it was visited, plus one.
 static bool check_acyclic(const struct gltf_document *document, const struct gltf_nodes *nodes,
                           uint32_t *visit, struct err *err)
 {
@@ -161,8 +163,8 @@ static bool check_acyclic(const struct gltf_document *document, const struct glt
 
 // --- the scene -----------------------------------------------------------------------------------
 
-// Nodes in the scene, parents before children: places [0, count) are known, and those below `next`
-// have handed on to their children.
+// The nodes in the scene, parents before children: [0, count) are known, and the children of those
+// below `next` were added.
 struct walk {
     const struct gltf_nodes_params *params;
     uint32_t *order;

@@ -6,19 +6,19 @@
 
 struct gltf_node_pose;
 
-// Which scene, where, and how its nodes stand.
+// Selects a scene, its placement and the pose of its nodes.
 struct gltf_nodes_params {
-    const double (*place)[4];           // 3x4, the file's world to the scene's
-    const char *scene;                  // by name or index; NULL: the document's "scene", else its
-                                        // first, else all roots
-    const struct gltf_node_pose *poses; // what an animation sets, by node; NULL: nothing
+    const double (*place)[4];           // 3x4, from the file's world to the scene's
+    const char *scene;                  // name or index; NULL: the document's "scene", or else its
+                                        // first, or else all roots
+    const struct gltf_node_pose *poses; // values set by an animation, by node; NULL: none
 };
 
 struct gltf_nodes {
-    uint32_t count;        // of the file's nodes; all arrays have as many elements
+    uint32_t count;        // number of the file's nodes; all arrays have as many elements
     uint32_t *parent;      // GLTF_NONE: a root
-    bool *is_in_scene;     // reached from the scene's roots
-    double (*world)[3][4]; // of nodes in the scene
+    bool *is_in_scene;     // it is reached from the scene's roots
+    double (*world)[3][4]; // set for nodes in the scene
 };
 
 // Checks the hierarchy of all nodes (every node has at most one parent and is not its own ancestor)
@@ -26,12 +26,12 @@ struct gltf_nodes {
 bool gltf_nodes_open(struct gltf_nodes *nodes, const struct gltf_document *document,
                      const struct gltf_nodes_params *params, struct arena *arena, struct err *err);
 
-// Reads element `i` of an array of indices of nodes, which are `count`.
+// Reads element `i` of an array of node indices, which must be below `count`.
 bool gltf_node_index(const struct json_node *array, size_t i, uint32_t count, uint32_t *out,
                      struct err *err);
 
-// The map of a translation, a rotation and a scale, in this order from the left. The quaternion is
-// (x, y, z, w) of any length; false when it is zero.
+// Computes the map translation * rotation * scale. The quaternion is (x, y, z, w) of any length;
+// returns false when it is zero.
 bool gltf_compose(const double translation[3], const double rotation[4], const double scale[3],
                   double out[3][4]);
 

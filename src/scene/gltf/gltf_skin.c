@@ -1,5 +1,5 @@
-// Skins, glTF 2.0, section 3.7.3: vertices that follow joints, by weights. The mesh is baked in the
-// world, where its joints are; its own node's transform does not count.
+// Skins, glTF 2.0, section 3.7.3: vertices follow joints, by weights. The mesh is baked in world
+// space, where its joints are; the transform of its own node is ignored.
 #include "scene/gltf/gltf_pose.h"
 
 #include "scene/core/affine.h"
@@ -24,7 +24,7 @@ static const struct accessor_rule weight_rule = {.use = "WEIGHTS",
 
 // --- joints --------------------------------------------------------------------------------------
 
-// Node `i` of the skin's joints, as it stands in the world.
+// Reads node `i` of the skin's joints, which must have a world transform.
 static bool read_joint(const struct gltf_nodes *nodes, const struct json_node *joints, size_t i,
                        uint32_t *node, struct err *err)
 {
@@ -36,14 +36,14 @@ static bool read_joint(const struct gltf_nodes *nodes, const struct json_node *j
     return true;
 }
 
-// Section 3.7.3.1: the last row is (0, 0, 0, 1). Viewers drop what it is instead.
+// Section 3.7.3.1: the last row is (0, 0, 0, 1). Viewers ignore any other values.
 static bool is_affine(const float m[16])
 {
     return fabsf(m[3]) <= FLT_EPSILON && fabsf(m[7]) <= FLT_EPSILON &&
            fabsf(m[11]) <= FLT_EPSILON && fabsf(m[15] - 1) <= FLT_EPSILON;
 }
 
-// Puts the inverse bind matrices, column by column in the file, before the joints' transforms.
+// Multiplies the joints' transforms by the inverse bind matrices, which are in column-major order.
 static bool apply_bind_matrices(struct gltf_load *load, uint32_t accessor, struct gltf_skin *skin,
                                 struct err *err)
 {
@@ -105,15 +105,15 @@ const struct gltf_skin *gltf_skin_open(struct gltf_load *load, const struct gltf
 
 // --- weights -------------------------------------------------------------------------------------
 
-// A mesh while its vertices' transforms are summed up.
+// A mesh while the transforms of its vertices are summed up.
 struct blend {
     struct arena arena;
     const struct gltf_skin *skin;
     uint32_t vertex_count;
     double (*transforms)[3][4];
-    double *totals; // of weights
+    double *totals; // sums of weights
     uint32_t *joints;
-    float *weights; // of one set: four a vertex
+    float *weights; // of one set: four per vertex
 };
 
 static bool no_blend_memory(struct gltf_load *load, const struct blend *blend, struct err *err)
@@ -169,7 +169,7 @@ static void add_joint(struct blend *blend, uint32_t vertex, uint32_t joint, doub
                 weight * blend->skin->joints[joint][row][column];
 }
 
-// Adds JOINTS_set and WEIGHTS_set; *found: there are such.
+// Adds JOINTS_set and WEIGHTS_set; *found: they exist.
 static bool add_set(struct gltf_load *load, const struct json_node *attributes, uint32_t set,
                     struct blend *blend, bool *found, struct err *err)
 {
@@ -191,8 +191,8 @@ static bool add_set(struct gltf_load *load, const struct json_node *attributes, 
     return true;
 }
 
-// Weights add up to 1 but for their rounding. A vertex without any follows the first joint, as
-// viewers have it.
+// Weights add up to 1 except for their rounding. A vertex without weights follows the first joint,
+// as in other viewers.
 static void normalize_weights(struct gltf_load *load, struct blend *blend)
 {
     for (uint32_t v = 0; v < blend->vertex_count; v++) {
@@ -234,7 +234,8 @@ static bool move_position(const double transform[3][4], const float from[3], dou
     return true;
 }
 
-// By the inverse transpose up to a positive factor; a direction that is lost becomes zero.
+// Transforms a normal by the inverse transpose up to a positive factor; a degenerate result becomes
+// zero.
 static void move_normal(const double transform[3][4], const float from[3], float to[3])
 {
     double cofactors[3][3], turned[3];
@@ -255,7 +256,7 @@ static void move_tangent(const double transform[3][4], const float from[4], floa
     bool is_valid = vec3_normalize(turned);
     for (int i = 0; i < 3; i++)
         to[i] = is_valid ? (float)turned[i] : 0.0f;
-    // A reflection turns the cross product of normal and tangent round.
+    // A reflection reverses the cross product of normal and tangent.
     to[3] = affine_determinant(transform) < 0 ? -from[3] : from[3];
 }
 
@@ -283,7 +284,7 @@ static bool move_vertices(struct gltf_load *load, const struct json_node *primit
     return true;
 }
 
-// Exchanges two corners of triangles that the joints reflect, so that the outside stays outside.
+// Exchanges two corners of triangles that the joints reflect, so that their front stays outside.
 static void turn_reflected(const struct blend *blend, struct mesh *mesh)
 {
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {

@@ -4,9 +4,9 @@
 #include "scene/core/texture_load.h"
 #include <math.h>
 
-// --- how it is read ------------------------------------------------------------------------------
+// --- sampling ------------------------------------------------------------------------------------
 
-// The codes are WebGL's; what the specification gives as default comes first.
+// The codes are those of WebGL; the specification's default comes first.
 struct sampler_code {
     uint32_t code, meaning;
 };
@@ -23,7 +23,7 @@ static const struct sampler_code magnifications[] = {
     {9728, TEXTURE_NEAREST},
     {SAMPLER_CODES_END, 0},
 };
-// Only checked: many samples a pixel do what minification is for.
+// The filter is only checked: many samples per pixel have the effect of minification filters.
 static const struct sampler_code minifications[] = {
     {9729, 0}, {9728, 0}, {9984, 0}, {9985, 0}, {9986, 0}, {9987, 0}, {SAMPLER_CODES_END, 0},
 };
@@ -62,8 +62,8 @@ static bool read_sampler(const struct gltf_document *document, const struct json
     return true;
 }
 
-// With v downwards that turns coordinates counter-clockwise, as the extension's text and its first
-// example have it.
+// As v points downwards, this rotates coordinates counter-clockwise, as the text and the first
+// example of the extension do.
 static bool read_transform(const struct json_node *transform, struct texture *texture,
                            struct err *err)
 {
@@ -81,7 +81,7 @@ static bool read_transform(const struct json_node *transform, struct texture *te
     return true;
 }
 
-// The set of texture coordinates and their map; the extension's set replaces the other.
+// Reads the set of texture coordinates and their transform; the extension's set replaces the other.
 static bool read_coordinates(const struct json_node *info, struct texture *texture, struct err *err)
 {
     struct json_node extensions, transform;
@@ -98,7 +98,7 @@ static bool read_coordinates(const struct json_node *info, struct texture *textu
     return true;
 }
 
-// --- what it does --------------------------------------------------------------------------------
+// --- use -----------------------------------------------------------------------------------------
 
 #define SCALES_MASK ((15u << TEXTURE_MASK_SHIFT) | (15u << TEXTURE_INVERT_SHIFT))
 #define CHANNELS_MASK (255u << TEXTURE_CHANNELS_SHIFT)
@@ -117,7 +117,7 @@ static bool is_same_transform(const struct texture *a, const struct texture *b)
     return true;
 }
 
-// Returns whether one fetch will do for both: the same image, read alike, scaling the same group.
+// Returns whether one fetch serves both: the same image, sampled alike, scaling the same group.
 static bool can_merge(const struct gltf_texture *a, const struct gltf_texture *b)
 {
     const uint32_t differing = SCALES_MASK | CHANNELS_MASK;
@@ -134,7 +134,7 @@ static bool append_texture(struct gltf_material_reader *reader, const struct glt
     struct gltf_material *state = reader->state;
     for (struct gltf_texture *other = state->first_texture; other; other = other->next)
         if (can_merge(other, texture)) {
-            // Channels of what is not scaled are 0.
+            // The channels of parameters that are not scaled are 0.
             other->texture.flags |= texture->texture.flags;
             return true;
         }
@@ -183,7 +183,7 @@ bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_no
         !read_coordinates(&info, &texture.texture, err))
         return false;
     if (texture.image == GLTF_NONE) {
-        // Only an extension that is unknown here says which image it is.
+        // Only an unsupported extension names the image.
         reader->load->tally.textures_without_image++;
         return true;
     }
@@ -192,8 +192,8 @@ bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_no
 
 // --- textures of the scene -----------------------------------------------------------------------
 
-// Leaves out what scaling does not change: a parameter of 0, or of 1 where 1 - parameter is scaled.
-// False when nothing remains of the texture.
+// Removes scales without effect: of a parameter that is 0, or is 1 where 1 - parameter is scaled.
+// Returns false when the texture has no effect left.
 static bool keep_what_matters(const struct material *material, struct texture *texture)
 {
     if (!texture_is_scale(texture))
@@ -207,17 +207,18 @@ static bool keep_what_matters(const struct material *material, struct texture *t
     return scaled(texture) != 0;
 }
 
-// The used textures' images, each once, and for each texture in their order which it is.
+// The distinct images of the used textures, and for each texture, in their order, the index of its
+// image.
 struct image_list {
     struct gltf_image *images;
     uint32_t count;
-    uint32_t
-        *by_source; // of the document's images, linear and sRGB: 1 + index in `images`; 0: none
+    uint32_t *by_source; // for each of the document's images, linear and sRGB: 1 + index in
+                         // `images`; 0: none
 };
 
 static void find_image(struct image_list *list, const struct gltf_texture *texture, uint32_t *index)
 {
-    // Images that are changed are few, and the scene keeps each once anyway.
+    // Images with changed green are few, and the scene stores each once in any case.
     bool is_changed = texture->green[0] != 0 || texture->green[1] != 0;
     uint32_t *known = is_changed ? NULL : &list->by_source[2 * texture->image + texture->is_srgb];
     *index = known && *known ? *known - 1 : list->count;
@@ -232,7 +233,7 @@ static void find_image(struct image_list *list, const struct gltf_texture *textu
     };
 }
 
-// Calls for each texture of a used material that changes something.
+// Is called for each texture of a used material that has an effect.
 typedef bool visit_fn(struct gltf_load *load, struct image_list *list, struct material *material,
                       struct gltf_texture *texture, struct err *err);
 

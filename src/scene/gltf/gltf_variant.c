@@ -1,4 +1,4 @@
-// Which material a primitive has: its own, or that of the variant wished for,
+// Chooses the material of a primitive: its own, or that of the selected variant of
 // KHR_materials_variants.
 #include "scene/gltf/gltf_material.h"
 
@@ -32,7 +32,7 @@ static bool read_variant_name(const struct variant_list *list, uint32_t index, c
     return gltf_require(&node, "name", err) && node_read_string(&node, "name", name, err);
 }
 
-// As many names as a message has room for.
+// Lists as many names as fit into a message.
 static bool fail_unknown(const struct gltf_load *load, const struct variant_list *list,
                          const char *wish, struct err *err)
 {
@@ -73,7 +73,7 @@ bool gltf_variant_find(struct gltf_load *load, const char *name, struct err *err
     return fail_unknown(load, &list, name, err);
 }
 
-// *found: the mapping is for the variant.
+// *found: the mapping contains the variant.
 static bool read_mapping(const struct gltf_load *load, const struct json_node *mapping,
                          uint32_t variant_count, bool *found, uint32_t *material, struct err *err)
 {

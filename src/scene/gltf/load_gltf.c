@@ -1,4 +1,4 @@
-// glTF 2.0 and GLB files: opens the document and turns its default scene into meshes, instances,
+// glTF 2.0 and GLB files: opens the document and converts its default scene to meshes, instances,
 // materials and cameras.
 #include "scene/gltf/gltf_load.h"
 
@@ -12,8 +12,8 @@
 
 // --- cameras -------------------------------------------------------------------------------------
 
-// A camera looks along the -Z axis of its node with +Y up (section 3.10.2). False when the node's
-// transform leaves no such directions.
+// A camera looks along the -Z axis of its node with +Y up (section 3.10.2). Returns false when the
+// node's transform is degenerate in these directions.
 static bool place_camera(const double world[3][4], struct camera *camera)
 {
     double side[3];
@@ -38,8 +38,8 @@ static bool read_perspective(const struct json_node *node, double *fov_y, struct
            node_read_number(&perspective, "yfov", (struct range){0, pi, true}, fov_y, err);
 }
 
-// Half the height is given; the width follows the picture's. Rays begin in the camera's plane,
-// whatever znear says, and have no end.
+// The file gives half of the height; the width follows from the image. Rays begin in the camera's
+// plane, whatever znear is, and are infinite.
 static bool read_orthographic(const struct json_node *node, double *height, struct err *err)
 {
     static const struct range coordinates = {-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
@@ -56,7 +56,7 @@ static bool read_orthographic(const struct json_node *node, double *height, stru
            node_fail(&ymag, err, "%g; expected a height that is not 0", half);
 }
 
-// `holder` is the camera's node; it gives its name to a camera that has none.
+// `holder` is the camera's node; its name is used for a camera without one.
 static bool load_camera(struct gltf_load *load, uint32_t index, const struct json_node *holder,
                         const double world[3][4], struct err *err)
 {
@@ -90,7 +90,7 @@ static bool load_camera(struct gltf_load *load, uint32_t index, const struct jso
 
 // --- nodes ---------------------------------------------------------------------------------------
 
-// A skinned mesh is in the world already.
+// A skinned mesh is in world space already.
 static bool load_skinned_mesh(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t skin,
                               uint32_t mesh, const struct gltf_weights *weights, struct err *err)
 {
@@ -172,10 +172,10 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
          "materials: the normals of the clear coat are approximated by the base's"},
         {t->anisotropic, "materials: anisotropy is approximated"},
         {t->translucent, "materials: light that is transmitted diffusely has the base colour"},
-        {t->translucent_volumes, "materials: diffuse transmission into volumes is left out"},
-        {t->textures_without_image, "textures are left out: they name no image"},
+        {t->translucent_volumes, "materials: diffuse transmission into volumes is ignored"},
+        {t->textures_without_image, "textures are ignored: they name no image"},
         {t->meshes_without_texcoords, "meshes lack the texture coordinates of their textures"},
-        {t->mislabelled_images, "images are not of the type that their mimeType says"},
+        {t->mislabelled_images, "images are not of the type that their mimeType states"},
         {t->primitives_without_material, "primitives without a material are grey"},
         {t->point_and_line_primitives, "primitives of points or lines are skipped"},
         {t->primitives_without_positions, "primitives without positions are skipped"},
@@ -183,7 +183,7 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
         {t->infinite_texcoords, "texture coordinates that are not finite become 0"},
         {t->empty_primitives, "primitives whose triangles all have a vertex twice are skipped"},
         {load->poses ? 0 : document->counts[GLTF_ANIMATIONS],
-         "animations are not used: the nodes stand as they are without"},
+         "animations are not used: the nodes are shown without them"},
         {t->ignored_channels, "channels of the animation are ignored: their target is not a "
                               "node's translation, rotation, scale or weights"},
         {t->projective_joints, "inverse bind matrices have a last row other than (0, 0, 0, 1), "
@@ -192,7 +192,7 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
         {t->instanced_skins, "skinned nodes are shown once, without their instances"},
         {t->singular_lights, "lights are skipped: their node has a singular transform"},
         {t->orthographic_cameras,
-         "orthographic cameras are as high as their ymag says; xmag, znear and zfar are "
+         "orthographic cameras take their height from ymag; xmag, znear and zfar are "
          "ignored"},
         {t->singular_cameras, "cameras are skipped: their node has a singular transform"},
     };
@@ -215,7 +215,7 @@ static void hash_files(struct gltf_load *load)
             *hash = hash_bytes(*hash, document->buffers[i].data, document->buffers[i].size);
 }
 
-// Hashes the caller's wishes, which decide what is loaded, as the files do.
+// Hashes the caller's choices, which decide what is loaded, as the files are hashed.
 static void hash_wishes(struct scene *scene, const struct gltf_load_params *params)
 {
     const char *const names[] = {params->animation, params->scene_name, params->variant};
@@ -242,8 +242,8 @@ static bool allocate_tables(struct gltf_load *load, struct err *err)
                           err);
 }
 
-// Finds how long the first animation is where none is posed, so that it can be played. One that has
-// faults is no reason to refuse a file that shows nothing of it: its length stays 0.
+// Finds the duration of the first animation if none is posed, so that it can be played. Errors in
+// it are no reason to reject a file that does not show it: its duration stays 0.
 static void find_length(struct gltf_load *load)
 {
     const struct gltf_tally tally = load->tally;
@@ -254,8 +254,8 @@ static void find_length(struct gltf_load *load)
     load->tally = tally;
 }
 
-// Without a wish for an animation or a time, the nodes stand as they are: viewers that do not play
-// show the same.
+// If neither an animation nor a time is selected, the nodes are not animated, as in viewers that do
+// not play animations.
 static bool pose_nodes(struct gltf_load *load, const struct gltf_load_params *params,
                        struct err *err)
 {
@@ -268,12 +268,12 @@ static bool pose_nodes(struct gltf_load *load, const struct gltf_load_params *pa
     if (!gltf_animation_pose(load, params->animation, seconds, &load->poses, err))
         return false;
     return load->poses ||
-           scene_note(load->scene, "%s: no animation to show the time %g of",
+           scene_note(load->scene, "%s: the file has no animation; the time %g is ignored",
                       path_name(load->document.source->path), seconds) ||
            gltf_no_memory(&load->document, "notes", sizeof(char *), err);
 }
 
-// Cameras and instances come in the order of the file's nodes.
+// Cameras and instances are added in the order of the file's nodes.
 static bool convert(struct gltf_load *load, const struct gltf_load_params *params, struct err *err)
 {
     struct gltf_nodes nodes;
@@ -313,7 +313,7 @@ bool gltf_load_bytes(struct scene *scene, const struct gltf_load_params *params,
     return ok;
 }
 
-// Reads a file and loads it; params->source.bytes are filled in here.
+// Reads a file into params->source.bytes and loads it.
 static bool load_file(struct scene *scene, struct gltf_load_params *params, struct err *err)
 {
     struct arena arena = {0};

@@ -1,4 +1,4 @@
-// Our scene format: the document as a whole.
+// Our scene format: reads the document as a whole.
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
@@ -8,7 +8,7 @@
 
 #define FORMAT_VERSION 1
 
-// Before anything else: a file of a later version may differ in every way.
+// The version is checked first, because a file of a later version may differ in any way.
 static bool check_version(const struct json_node *document, struct err *err)
 {
     if (!json_is_object(document->value))
@@ -83,7 +83,8 @@ static void hash_inputs(struct scene *scene, const struct file_bytes *bytes,
 {
     scene->hash = hash_bytes(scene->hash, bytes->data, bytes->size);
     for (uint32_t i = 0; i < params->override_count; i++) {
-        // With their final NUL bytes, so that no two lists of strings run into the same bytes.
+        // The final NUL bytes are included, so that different lists of strings have different
+        // bytes.
         const char *key = params->overrides[i].key, *value = params->overrides[i].value;
         scene->hash = hash_bytes(scene->hash, key, strlen(key) + 1);
         scene->hash = hash_bytes(scene->hash, value, strlen(value) + 1);

@@ -9,8 +9,8 @@
 #include "scene/generate/figure.h"
 #include "scene/generate/generate.h"
 
-// A scene file describes; meshes and images lie in files of their own. jansson needs up to some
-// thirty times the text's size for its tree, outside the scene's byte budget.
+// The greatest size of a scene file; meshes and images are in files of their own. jansson's tree
+// needs up to some thirty times the size of the text, outside of the scene's memory budget.
 #define LOAD_JSON_BYTES_MAX ((size_t)64 << 20)
 
 struct json_loader {
@@ -18,18 +18,20 @@ struct json_loader {
     const struct scene_load_params *params;
     scene_load_fn load_base;
     const char *folder;      // of the scene file
-    const json_t *trusted;   // array of the values given with -D: paths in them are the user's own
-    json_t *material_names;  // object: the index of each named material
-    json_t *shape_names;     // object: the index of each named shape in the list of shapes
-    struct scene_base *base; // of a document with a "base"; else NULL
+    const json_t *trusted;   // array of the values given with -D: paths in them come from the user
+                             // and are trusted
+    json_t *material_names;  // object: index of each named material
+    json_t *shape_names;     // object: index of each named shape in the list of shapes
+    struct scene_base *base; // NULL unless the document has a "base"
 };
 
-// Puts the overrides into the document and replaces its references "${NAME}". The values given are
-// appended to the array `trusted`, which shares them with the document.
+// Puts the overrides into the document and replaces its references "${NAME}". The overrides' values
+// are appended to the array `trusted`, which shares them with the document.
 bool load_json_apply_overrides(const struct json_node *document,
                                const struct scene_load_params *params, json_t *trusted,
                                struct err *err);
-// The value of an override: JSON, or else the text itself. NULL with *err set where it is no UTF-8.
+// Parses the value of an override: JSON, or else the text itself. Returns NULL with *err set if it
+// is not UTF-8.
 json_t *load_json_override_value(const char *text, struct err *err);
 bool load_json_resolve_references(const struct json_node *document, struct err *err);
 
@@ -41,10 +43,10 @@ typedef bool load_json_fn(struct json_loader *loader, const struct json_node *no
                           struct err *err);
 load_json_fn load_json_camera, load_json_film, load_json_settings, load_json_materials;
 load_json_fn load_json_lights, load_json_environment, load_json_shapes, load_json_edits;
-// Where the document has it.
+// Reads the section `key` if the document has it.
 bool load_json_section(struct json_loader *loader, const struct json_node *document,
                        const char *key, load_json_fn *load, struct err *err);
-// All of a document with a "base" but its version.
+// Reads a document with a "base", except for its version.
 load_json_fn load_json_base;
 // Appends the textures of a material and sets the parameters that they scale. `owner` is the
 // material's node.
@@ -54,17 +56,17 @@ bool load_json_textures(struct json_loader *loader, const struct json_node *owne
 bool load_json_check_light(const struct json_node *node, const struct light *light,
                            struct err *err);
 
-// Shapes that need no other file. Each appends itself in its own space: an instance of a mesh with
-// the identity as its transform, or an analytic shape.
+// Shapes that need no other file. Each function appends a shape in its own space: an instance of a
+// mesh with the identity as its transform, or an analytic shape.
 typedef bool load_json_shape_fn(struct scene *scene, const struct json_node *node,
                                 uint32_t material, struct err *err);
 load_json_shape_fn load_json_quad, load_json_box, load_json_sphere, load_json_disc;
 load_json_shape_fn load_json_plane, load_json_cylinder, load_json_generated, load_json_teapot;
 load_json_shape_fn load_json_torus, load_json_stadium, load_json_figure;
-load_json_shape_fn load_json_phong_spheres; // with materials of their own
+load_json_shape_fn load_json_phong_spheres; // has materials of its own
 load_json_shape_fn load_json_sdf;           // placed by its own transforms
 
-// These read what describes the last five meshes; those that make them call these.
+// These read the parameters of the last five kinds of meshes; the functions above call them.
 bool load_json_read_generated(const struct json_node *generated, uint32_t *triangles,
                               struct err *err);
 bool load_json_read_teapot(const struct json_node *teapot, uint32_t *resolution, struct err *err);
@@ -73,7 +75,7 @@ bool load_json_read_figure(const struct json_node *node, enum figure *figure, ui
                            struct err *err);
 bool load_json_read_stadium(const struct json_node *node, struct stadium *stadium, struct err *err);
 
-// The kinds of a list of shapes.
+// The types of elements of the list of shapes.
 enum shape_type {
     SHAPE_TYPE_MESH,
     SHAPE_TYPE_QUAD,
@@ -91,50 +93,51 @@ enum shape_type {
     SHAPE_TYPE_INSTANCE,
     SHAPE_TYPE_PHONG_SPHERES,
     SHAPE_TYPE_FIGURE,
-    SHAPE_TYPE_STREW, // a scatter with "of", after those that have a name
+    SHAPE_TYPE_STREW, // "scatter" with "of"; follows the types that have a name
     SHAPE_TYPE_COUNT,
 };
-// The kind that an element's "type" names; its keys are that kind's.
+// Reads "type" and checks that the element has the keys of that type.
 bool load_json_shape_type(const struct json_node *node, uint32_t *type, struct err *err);
-// Asks the budget for what all shapes of the list will take at least, before any is made.
-// ERR_BUDGET, with the first one that is too many, where that is more than is left.
+// Checks the memory budget against a lower bound of what all shapes of the list need, before any is
+// made. ERR_BUDGET, with the first shape that does not fit, if it is exceeded.
 bool load_json_check_memory(const struct json_node *shapes, struct err *err);
 
-// Returns whether the object's "as" is "analytic" rather than "triangles"; as it was without.
+// Reads whether the object's "as" is "analytic" or "triangles"; *analytic is unchanged without it.
 bool load_json_is_analytic(const struct json_node *object, bool *analytic, struct err *err);
 bool load_json_analytic_quad(struct scene *scene, const struct json_node *quad,
                              const double vertices[4][3], uint32_t material, struct err *err);
 bool load_json_analytic_box(struct scene *scene, const struct json_node *box,
                             const double bounds[2][3], uint32_t material, struct err *err);
 
-// A "transform": a step or a list of steps, composed.
+// Reads a "transform": a step or a list of steps, composed.
 bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err);
-// Moves an analytic shape by a transform that keeps its kind; others are an error at `node`.
+// Moves an analytic shape by a transform that preserves its kind; others are an error at `node`.
 bool load_json_move_shape(const struct json_node *node, const double m[3][4], struct shape *shape,
                           struct err *err);
 
-// Spheres without number, with materials of their own.
+// Scattered spheres with materials of their own.
 load_json_fn load_json_scatter;
 
-// Finds what the shape of that name became; `parts` are those of all shapes in the list so far.
+// Finds the part of the scene that the named shape became; `parts` are those of all earlier shapes
+// in the list.
 bool load_json_find_part(const struct json_loader *loader, const struct json_node *name,
                          const struct scene_part *parts, struct scene_part *out, struct err *err);
-// Copies of named shapes, scattered.
+// Adds scattered copies of named shapes.
 bool load_json_strew(struct json_loader *loader, const struct json_node *scatter,
                      const struct scene_part *parts, struct err *err);
 
-// The index of the material that the object's "material" names; SCENE_NONE without it.
+// Reads the index of the material that "material" names; SCENE_NONE without it.
 bool load_json_material_name(const struct json_loader *loader, const struct json_node *object,
                              uint32_t *material, struct err *err);
 
-// A unit vector: the object's "direction", or where its "target" lies from the position. Without a
-// position there is no target.
+// Reads a unit vector: "direction", or the direction from `position` to "target". position NULL:
+// "target" is not permitted.
 bool load_json_direction(const struct json_node *object, const double position[3],
                          double direction[3], struct err *err);
 
-// The path that the string at `key` names: confined to the scene file's folder, unless it came from
-// the command line or the user allows it. NULL with *err set on failure; lives in the scene's
-// arena.
+// Returns the path that the string at `key` names. It is confined to the scene file's folder unless
+// it came from the command line or the user permits others. Returns NULL with *err set on failure;
+// the path lives in the scene's arena.
 const char *load_json_path(struct json_loader *loader, const struct json_node *object,
                            const char *key, struct err *err);
 

@@ -1,5 +1,4 @@
-// Shapes that stay what they are, analytic: sphere, disc, plane, cylinder; quads and boxes on
-// demand. And how transforms move them.
+// Analytic shapes: sphere, disc, plane, cylinder; quads and boxes on request. And their transforms.
 #include "scene/json/load_json.h"
 
 #include "scene/core/affine.h"
@@ -81,8 +80,8 @@ bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t 
 
 // --- plane, cylinder -----------------------------------------------------------------------------
 
-// Makes v the unit vector at right angles to the unit vector n that is nearest to it; false where
-// it is along n.
+// Replaces v by the unit vector orthogonal to the unit vector n that is nearest to it. Returns
+// false if v is parallel to n.
 static bool make_orthogonal(const double n[3], double v[3])
 {
     double along;
@@ -93,7 +92,7 @@ static bool make_orthogonal(const double n[3], double v[3])
         v[c] -= along * n[c];
     if (!(vec3_dot(v, v) > 1e-12) || !vec3_normalize(v))
         return false;
-    // Once more: what cancelled left the first one's rounding.
+    // The second pass removes the rounding error that cancellation left in the first.
     along = vec3_dot(n, v);
     for (int c = 0; c < 3; c++)
         v[c] -= along * n[c];
@@ -107,7 +106,7 @@ bool load_json_plane(struct scene *scene, const struct json_node *plane, uint32_
     if (!node_read_vector(plane, "point", RANGE_COORDINATE, shape.center, err) ||
         !read_direction(plane, "normal", shape.normal, err))
         return false;
-    // A picture stands upright; on floors and ceilings its lower edge is along +x.
+    // Textures are upright; on floors and ceilings their lower edge is along +x.
     const double up[3] = {0, 1, 0}, *n = shape.normal;
     if (fabs(n[1]) < 1 - 1e-9)
         vec3_cross(up, n, shape.axes[1]);
@@ -117,7 +116,7 @@ bool load_json_plane(struct scene *scene, const struct json_node *plane, uint32_
            add_shape(scene, &shape, err);
 }
 
-// From both ends, or from the centre, the axis' direction and the height.
+// Reads the axis from both ends, or from centre, direction and height.
 static bool read_axis(const struct json_node *cylinder, struct shape *shape, struct err *err)
 {
     double ends[2][3], height = 0;
@@ -163,7 +162,7 @@ bool load_json_cylinder(struct scene *scene, const struct json_node *cylinder, u
         !node_read_boolean(cylinder, "caps", &caps, err))
         return false;
     shape.kind = caps ? SHAPE_CYLINDER : SHAPE_TUBE;
-    // The seam of a picture is at the back, as on spheres.
+    // The seam of a texture is at the back, as on spheres.
     double unit[3], *across = shape.axes[1];
     memcpy(unit, shape.axes[0], sizeof unit);
     vec3_normalize(unit);
@@ -177,7 +176,7 @@ bool load_json_cylinder(struct scene *scene, const struct json_node *cylinder, u
 
 // --- quad, box -----------------------------------------------------------------------------------
 
-// What files say in six digits or more are right angles and equal edges.
+// With six digits or more in the file, angles count as right and edges as equal.
 #define SHAPE_TOLERANCE 1e-5
 
 static bool check_edge(const struct json_node *node, const double half_edge[3], struct err *err)
@@ -263,7 +262,7 @@ static bool move_round(const struct json_node *node, const double m[3][4], struc
 static bool move_plane(const struct json_node *node, const double m[3][4], struct shape *shape,
                        struct err *err)
 {
-    // The inverse transpose times the determinant, whose sign is taken back.
+    // The cofactors are the inverse transpose times the determinant, whose sign is undone.
     double cofactors[3][3], normal[3], determinant = affine_determinant(m);
     affine_cofactors(m, cofactors);
     for (int c = 0; c < 3; c++)
@@ -281,14 +280,14 @@ static bool move_quad(const struct json_node *node, const double m[3][4], struct
 {
     affine_vector(m, shape->axes[0], shape->axes[0]);
     affine_vector(m, shape->axes[1], shape->axes[1]);
-    // A reflection keeps the outside outside.
+    // A reflection must not exchange the two sides of the disc or plane.
     if (affine_determinant(m) < 0)
         for (int c = 0; c < 3; c++)
             shape->axes[0][c] = -shape->axes[0][c];
     return check_area(node, shape, err);
 }
 
-// Returns whether the cosine of the angle between two vectors is as good as none.
+// Returns whether two vectors are orthogonal within the tolerance.
 static bool is_right_angle(const double a[3], const double b[3])
 {
     return fabs(vec3_dot(a, b)) <= SHAPE_TOLERANCE * vec3_length(a) * vec3_length(b);
@@ -312,7 +311,7 @@ static bool move_box(const struct json_node *node, const double m[3][4], struct 
     memcpy(unit, axes, sizeof unit);
     if (!vec3_normalize(unit[0]) || !make_orthogonal(unit[0], unit[1]))
         return node_fail(node, err, "is singular; a box would have no volume");
-    vec3_cross(unit[0], unit[1], unit[2]); // right-handed, after a reflection too
+    vec3_cross(unit[0], unit[1], unit[2]); // right-handed, after a reflection, too
     for (int i = 0; i < 3; i++)
         for (int c = 0; c < 3; c++)
             axes[i][c] = lengths[i] * unit[i][c];
@@ -346,7 +345,7 @@ static bool move_cylinder(const struct json_node *node, const double m[3][4], st
             node_fail(node, err, "is singular; a cylinder would have no volume"));
 }
 
-// A reflection keeps its handedness: a field may be of either.
+// A reflection is allowed and changes the handedness of the axes.
 static bool move_field(const struct json_node *node, const double m[3][4], struct shape *shape,
                        struct err *err)
 {

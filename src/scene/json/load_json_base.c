@@ -1,4 +1,4 @@
-// A document with a "base": another scene file, loaded whole, and what is different here.
+// A document with a "base": loads another scene file and then applies the differences of this one.
 #include "scene/json/load_json.h"
 
 #include "base/ascii.h"
@@ -12,14 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-// More than anyone nests; what names itself comes to an end.
+// Deeper nesting is an error, which also catches files that name themselves.
 #define BASE_DEPTH_MAX 8
 
 static const struct range RANGE_SECONDS = {-1e9, 1e9, false};
 
 // --- what is loaded ------------------------------------------------------------------------------
 
-// The text of an override's value, which load_json_apply_overrides parses again.
+// Returns the text of an override's value, which load_json_apply_overrides parses again.
 static const char *dump_value(struct arena *arena, const json_t *value)
 {
     char *dumped = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
@@ -99,8 +99,8 @@ static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
                : err_memory(err, "a time", sizeof at);
 }
 
-// What the base is given where it brings no light is as the command line says, unless this file
-// does.
+// The light and the ground for a base without light are as the command line says, unless this file
+// sets them.
 static bool read_base(struct json_loader *loader, const struct json_node *node,
                       struct scene_load_params *load, struct err *err)
 {
@@ -124,7 +124,7 @@ static bool read_base(struct json_loader *loader, const struct json_node *node,
            read_gltf_choices(&loader->scene->arena, node, load, err);
 }
 
-// The file's fault, whatever the option that says the same.
+// Turns a usage error into an input error, because the file caused it, not an option.
 static bool blame_file(const struct json_node *file, struct err *err)
 {
     if (err->code == ERR_USAGE)
@@ -152,16 +152,16 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
         return false;
     }
     scene->path = path;
-    scene->placed_count = 0; // the base's are where this file finds its objects
+    scene->placed_count = 0; // in this file objects have no placement relative to the base
     base->base = scene->base;
     base->override_paths = scene->override_paths;
     base->override_path_count = scene->override_path_count;
     return true;
 }
 
-// --- what is different ---------------------------------------------------------------------------
+// --- the differences -----------------------------------------------------------------------------
 
-// Keeps the base, from which differences are told.
+// Keeps the base, so that differences from it can be found.
 static bool keep_base(struct scene *scene, struct scene_base *base, struct err *err)
 {
     base->environment = scene->environment;
@@ -171,7 +171,7 @@ static bool keep_base(struct scene *scene, struct scene_base *base, struct err *
     return base->lights || err_memory(err, "lights", scene->light_count * sizeof *scene->lights);
 }
 
-// It comes before those of the base, so that it is the one that is used; one that was made up goes.
+// The camera precedes those of the base, so that it is the one in use; a framed camera is removed.
 static bool put_camera_first(struct json_loader *loader, const struct json_node *node,
                              struct err *err)
 {

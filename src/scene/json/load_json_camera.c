@@ -9,11 +9,11 @@
 #include <math.h>
 #include <string.h>
 
-// The millimetres' range leaves fields of view that are neither 0 nor 180 degrees in double.
+// In this range of millimetres the field of view is neither 0 nor 180 degrees in double precision.
 static const struct range RANGE_MILLIMETRES = {1e-6, 1e6, false};
 static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
 
-// Those of every camera, of perspective ones alone, and last those that go with a lens.
+// First the keys of every camera, then those of perspective ones only, last those of a lens.
 static const char *const optional_keys[] = {
     "name",
     "type",
@@ -35,7 +35,7 @@ static const char *const optional_keys[] = {
     "blade_rotation_radians",
     NULL,
 };
-enum { PERSPECTIVE_KEYS = 6, LENS_KEYS = 13 }; // where these begin
+enum { PERSPECTIVE_KEYS = 6, LENS_KEYS = 13 }; // indices of the first of each group
 
 bool load_json_direction(const struct json_node *node, const double position[3],
                          double direction[3], struct err *err)
@@ -56,8 +56,8 @@ bool load_json_direction(const struct json_node *node, const double position[3],
            node_fail(&direction_node, err, "is zero; expected a direction");
 }
 
-// The basis that the kernels take in single precision keeps its digits as long as up deviates from
-// the line of sight by more than that precision resolves.
+// The camera's basis is accurate in single precision as long as `up` deviates from the line of
+// sight by more than that precision resolves.
 static bool read_up(const struct json_node *node, struct camera *camera, struct err *err)
 {
     if (!node_read_vector(node, "up", RANGE_COORDINATE, camera->up, err))
@@ -92,7 +92,7 @@ static bool read_field_of_view(const struct json_node *node, struct camera *came
     return true;
 }
 
-// The point's distance along the direction: of the plane through it that is in focus.
+// Computes the distance along the direction of the plane through the point, which is in focus.
 static bool read_focus(const struct json_node *node, struct camera *camera, struct err *err)
 {
     double point[3], to_point[3];
@@ -112,8 +112,8 @@ static bool read_focus(const struct json_node *node, struct camera *camera, stru
                      camera->focus_distance, RANGE_RADIUS.min, RANGE_RADIUS.max);
 }
 
-// The radius of the aperture: as such, or from the f-number, which is the focal length in
-// diameters.
+// Reads the radius of the aperture, or computes it from the f-number, the focal length divided by
+// the diameter.
 static bool read_aperture(const struct json_node *node, struct camera *camera, struct err *err)
 {
     double f_number = 0, focal_length = 0;
@@ -148,7 +148,7 @@ static bool read_blades(const struct json_node *node, struct camera *camera, str
     return true;
 }
 
-// False where one of the keys, ended by NULL, is there.
+// Fails if one of the keys, ended by NULL, is present.
 static bool check_absent(const struct json_node *node, const char *const *keys, const char *reason,
                          struct err *err)
 {
@@ -172,7 +172,7 @@ static bool read_lens(const struct json_node *node, struct camera *camera, struc
            read_blades(node, camera, err);
 }
 
-// Reads the keys of one kind of camera, and refuses those of others.
+// Reads the keys of one kind of camera, and rejects those of others.
 static bool read_kind(const struct json_node *node, struct camera *camera, struct err *err)
 {
     static const char *const of_orthographic[] = {"height", NULL};
@@ -190,7 +190,9 @@ static bool read_kind(const struct json_node *node, struct camera *camera, struc
     if (camera->kind == CAMERA_PANORAMIC)
         return true;
     if (!node_member(node, "height").value)
-        return node_fail(node, err, "\"height\" is missing: of what is seen, in metres");
+        return node_fail(
+            node, err,
+            "\"height\" is missing: expected the height of the visible region in metres");
     return node_read_number(node, "height", RANGE_RADIUS, &camera->height, err);
 }
 

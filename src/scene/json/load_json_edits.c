@@ -1,5 +1,5 @@
-// The section "edits": what is changed of a scene that is complete already. Numbers are taken as
-// they stand in memory, and keys that are absent change nothing.
+// The section "edits": changes of a complete scene. Numbers are stored as they are in memory, and
+// keys that are absent change nothing.
 #include "scene/json/load_json.h"
 
 #include "base/maths.h"
@@ -14,11 +14,11 @@
 
 static const char *const none[] = {NULL};
 
-// --- what is meant -------------------------------------------------------------------------------
+// --- references ----------------------------------------------------------------------------------
 
-// Things by index or name.
+// A list of the scene whose elements have indices and names.
 struct list {
-    const char *what; // one of them: "material"
+    const char *what; // one element: "material"
     uint32_t count;
     const char *(*name)(const struct scene *scene, uint32_t index);
 };
@@ -41,7 +41,7 @@ static bool find_index(const struct json_node *node, const char *what, uint32_t 
     return true;
 }
 
-// The only one of that name.
+// Finds the only element of that name.
 static bool find_name(const struct scene *scene, const struct json_node *node,
                       const struct list *list, uint32_t *index, struct err *err)
 {
@@ -76,7 +76,7 @@ static bool find(const struct scene *scene, const struct json_node *node, const 
                           : find_name(scene, &by_name, list, index, err);
 }
 
-// That the object has no keys but those of the fields, and these.
+// Checks that the object has no keys except those of the fields, and `others`.
 static bool check_keys(const struct json_node *node, const char *const *others,
                        const struct scene_fields *fields, struct err *err)
 {
@@ -92,9 +92,9 @@ static bool check_keys(const struct json_node *node, const char *const *others,
     return node_check_object(node, none, known, err);
 }
 
-// --- what is added -------------------------------------------------------------------------------
+// --- additions -----------------------------------------------------------------------------------
 
-// Returns whether the element says that it is no change of what there is.
+// Reads whether the element is an addition and not a change of an existing one.
 static bool read_is_new(const struct json_node *node, bool *out, struct err *err)
 {
     const struct json_node index = node_member(node, "index");
@@ -143,7 +143,7 @@ static bool edit_material(struct json_loader *loader, const struct json_node *no
 
 // --- lights --------------------------------------------------------------------------------------
 
-// A vector that was given becomes one of unit length.
+// Normalizes a vector that was given.
 static bool make_unit(const struct json_node *object, const char *key, bool may_be_zero,
                       double vector[3], struct err *err)
 {
@@ -153,7 +153,7 @@ static bool make_unit(const struct json_node *object, const char *key, bool may_
            node_fail(&node, err, "is zero; expected a direction");
 }
 
-// The word that another kind has for its radiance is an error.
+// Rejects the key for the radiance of another kind of light.
 static bool check_radiant(const struct json_node *node, const struct light *light, struct err *err)
 {
     bool is_directional = light->kind == LIGHT_DIRECTIONAL;
@@ -163,7 +163,7 @@ static bool check_radiant(const struct json_node *node, const struct light *ligh
                      light_kind_names[light->kind], is_directional ? "irradiance" : "intensity");
 }
 
-// A profile may be taken away; its plane at 0 degrees may be turned.
+// A profile may be removed, and its plane at 0 degrees may be rotated.
 static bool read_profile(const struct json_node *node, struct light *light, struct err *err)
 {
     const struct json_node profile = node_member(node, "profile");
@@ -175,7 +175,7 @@ static bool read_profile(const struct json_node *node, struct light *light, stru
     if (light->profile && light->kind == LIGHT_DIRECTIONAL)
         return node_fail(node, err,
                          "a directional light has no profile; expected \"profile\": false");
-    // Kernels take both in single precision.
+    // The kernels use both vectors in single precision.
     double along = vec3_dot(light->profile_x, light->direction);
     return !light->profile || fabs(along) <= (double)FLT_EPSILON ||
            node_fail(x.value ? &x : node, err,
@@ -183,7 +183,7 @@ static bool read_profile(const struct json_node *node, struct light *light, stru
                      along);
 }
 
-// Before the sky's sun, which is the last one. As a light of a file that says nothing of it.
+// Inserts a light before the sky's sun, which is the last one, with the defaults of a scene file.
 static bool add_light(struct scene *scene, const struct json_node *node, uint32_t *index,
                       struct err *err)
 {
@@ -227,7 +227,7 @@ static bool edit_light(struct json_loader *loader, const struct json_node *node,
 
 // --- objects -------------------------------------------------------------------------------------
 
-// A material by index or name, or null for the mesh's own.
+// Reads a material by index or name, or null for the mesh's own.
 static bool read_material(const struct scene *scene, const struct json_node *node, bool may_be_own,
                           uint32_t *out, struct err *err)
 {
@@ -244,7 +244,7 @@ static bool read_material(const struct scene *scene, const struct json_node *nod
                                    "an index or a name");
 }
 
-// The first object, and how many there are from it on.
+// Reads the first object, and the number of objects beginning with it.
 static bool read_span(const struct json_node *node, uint32_t total, uint32_t *first,
                       uint32_t *count, struct err *err)
 {
@@ -261,7 +261,7 @@ static bool read_span(const struct json_node *node, uint32_t total, uint32_t *fi
     return true;
 }
 
-// A quad: the only shape that is added, a lamp that an editor puts there.
+// Adds a quad, the only kind of shape that can be added: a lamp that an editor places.
 static bool add_shape(struct scene *scene, const struct json_node *node, struct err *err)
 {
     static const char *const kinds[] = {"quad", NULL};
@@ -339,7 +339,7 @@ static bool edit_environment(struct json_loader *loader, const struct json_node 
     struct environment *environment = &loader->scene->environment;
     if (!environment->present)
         return node_fail(node, err,
-                         "there is no environment; \"environment\" beside \"base\" "
+                         "there is no environment to edit; \"environment\" beside \"base\" "
                          "gives one");
     if (!node_check_object(node, none, keys, err) ||
         !fields_read(scene_environment_fields, 2, node, environment, err))
@@ -353,7 +353,7 @@ static bool edit_environment(struct json_loader *loader, const struct json_node 
 
 // --- all of them ---------------------------------------------------------------------------------
 
-// Calls `edit` of each element, in their order: later ones go on where earlier ones ended.
+// Calls `edit` for each element in order, so that later edits continue from earlier ones.
 static bool edit_each(struct json_loader *loader, const struct json_node *list, load_json_fn *edit,
                       struct err *err)
 {
@@ -369,7 +369,7 @@ static bool edit_each(struct json_loader *loader, const struct json_node *list, 
     return true;
 }
 
-// Keeps what is edited as it was before.
+// Keeps a copy of what is edited.
 static bool keep_former(struct json_loader *loader, bool has_materials, bool has_objects,
                         struct err *err)
 {

@@ -48,7 +48,7 @@ static bool read_gradient(struct json_loader *loader, const struct json_node *no
            (scene_set_gradient(loader->scene, &gradient, err) || node_prepend(node, err));
 }
 
-// By its direction, or by two angles.
+// Reads the sun's direction, as a vector or as two angles.
 static bool read_sun(const struct json_node *node, struct sky *sky, struct err *err)
 {
     const struct range elevations = {0, 90, false}, azimuths = {-360, 360, false};
@@ -76,7 +76,7 @@ static bool read_sky(struct json_loader *loader, const struct json_node *node, s
     return scene_set_sky(loader->scene, &sky, err) || node_prepend(node, err);
 }
 
-// Where nothing says so: an image if there is a file.
+// Without "type" it is an image if there is a file, else constant.
 static bool read_type(const struct json_node *node, uint32_t *type, struct err *err)
 {
     *type = node_member(node, "file").value ? TYPE_IMAGE : TYPE_CONSTANT;

@@ -1,4 +1,4 @@
-// Lights of a scene file that are no surfaces.
+// Lights of a scene file that are not surfaces.
 #include "scene/json/load_json.h"
 
 #include "json/field_json.h"
@@ -24,7 +24,7 @@ static const struct {
                            {"name", "angular_diameter_degrees"}},
 };
 
-// Where nothing is said: as in glTF.
+// the default, as in glTF
 #define SPOT_OUTER_DEGREES 45
 
 bool load_json_check_light(const struct json_node *node, const struct light *light, struct err *err)
@@ -38,7 +38,8 @@ bool load_json_check_light(const struct json_node *node, const struct light *lig
         return node_fail(node, err, "inner_degrees %.6g is not below outer_degrees %.6g", inner,
                          outer);
     if (degrees > 0 && degrees < ENVIRONMENT_SUN_DIAMETER_MIN)
-        return node_fail(diameter, err, "%.9g is below %g and not 0, a light without extent",
+        return node_fail(diameter, err,
+                         "%.9g is below %g; expected 0, for a delta light, or more than that",
                          degrees, ENVIRONMENT_SUN_DIAMETER_MIN);
     for (int c = 0; c < 3 && degrees > 0 && light->kind == LIGHT_DIRECTIONAL; c++) {
         double radiance =
@@ -50,8 +51,8 @@ bool load_json_check_light(const struct json_node *node, const struct light *lig
     return true;
 }
 
-// The plane at 0 degrees has the world's x axis, or its z axis where light goes along the former;
-// turned counter-clockwise as seen against the direction.
+// The plane at 0 degrees contains the world's x axis, or its z axis if light travels along the x
+// axis; it is rotated counter-clockwise as seen against the direction.
 static void place_profile(struct light *light, double rotation_degrees)
 {
     const double *d = light->direction;
@@ -64,7 +65,7 @@ static void place_profile(struct light *light, double rotation_degrees)
     for (int c = 0; c < 3; c++)
         x[c] -= along * d[c];
     vec3_normalize(x);
-    vec3_cross(x, d, y); // up times x, where up is against the direction
+    vec3_cross(x, d, y); // up times x, where up is opposite to the direction
     for (int c = 0; c < 3; c++)
         light->profile_x[c] = cos(angle) * x[c] + sin(angle) * y[c];
 }
@@ -97,7 +98,7 @@ static bool read_profile(struct json_loader *loader, const struct json_node *nod
            (ies_load(loader->scene, path, &light->profile, err) || node_prepend(&file, err));
 }
 
-// "intensity", or "power" divided by the solid angle that it is spread over.
+// Reads "intensity", or "power" divided by the solid angle into which it is emitted.
 static bool read_intensity(const struct json_node *node, struct light *light, struct err *err)
 {
     double solid_angle = 4 * M_PI;
@@ -108,7 +109,7 @@ static bool read_intensity(const struct json_node *node, struct light *light, st
     bool is_told = light->profile && !node_member(node, "power").value;
     if (!is_told && !node_check_either(node, "intensity", "power", err))
         return false;
-    // A profile without another word is as bright as its file says.
+    // The default is the intensity of the profile's file.
     for (int c = 0; c < 3 && light->profile && !node_member(node, "intensity").value; c++)
         light->radiant[c] = (float)light->profile->greatest;
     const struct json_node power_node = node_member(node, "power");

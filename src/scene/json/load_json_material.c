@@ -1,5 +1,5 @@
-// Materials of a scene file. The parameters are those of material_parameters[]; here is what the
-// format adds to them: choices, switches and other ways to say the same.
+// Materials of a scene file. The parameters are those of material_parameters[]; this file adds
+// choices, switches and alternative keys.
 #include "scene/json/load_json.h"
 
 #include "json/field_json.h"
@@ -19,7 +19,7 @@
 // Keys that are not parameters.
 static const struct {
     const char *name;
-    uint32_t models; // that take it
+    uint32_t models; // the models that use it
 } other_keys[] = {
     {"type", ALL_MODELS},
     {"like", ALL_MODELS},
@@ -64,7 +64,7 @@ static struct model_list list_models(uint32_t models)
     return list;
 }
 
-// That the material has no such key, or is of a model that takes it.
+// Checks that the material does not have the key, or that its model uses it.
 static bool check_model(const struct json_node *material, const char *key, uint32_t model,
                         uint32_t models, struct err *err)
 {
@@ -75,7 +75,7 @@ static bool check_model(const struct json_node *material, const char *key, uint3
                      material_model_names[model], list_models(models).text);
 }
 
-// That every key is known, and one of the material's model.
+// Checks that every key is known and used by the material's model.
 static bool check_keys(const struct json_node *node, uint32_t *model, struct err *err)
 {
     static const char *const none[] = {NULL};
@@ -111,8 +111,8 @@ static bool read_parameters(const struct json_node *node, struct material *mater
     return true;
 }
 
-// Sets what is expected of a model where nothing else is said: a mirror loses nothing, glass and
-// metal are smooth. The other fallbacks are the table's.
+// Sets the defaults of a model: a mirror reflects everything, glass and metal are smooth. The other
+// defaults are in the table.
 static void set_fallbacks(struct material *material)
 {
     if (material->model == MATERIAL_MIRROR)
@@ -122,7 +122,7 @@ static void set_fallbacks(struct material *material)
         material->roughness = 0.0f;
 }
 
-// The exponent of the classical models on a scale on which the highlight's width changes evenly.
+// Reads the exponent of the classical models on a perceptually even scale of the highlight's width.
 static bool read_smoothness(const struct json_node *node, struct material *material,
                             struct err *err)
 {
@@ -168,7 +168,7 @@ static bool read_metal(const struct json_node *node, struct material *material, 
 
 // --- choices -------------------------------------------------------------------------------------
 
-// Materials that may be transparent blend unless the file says otherwise.
+// Materials that may be transparent blend by default.
 static bool read_alpha(const struct scene *scene, const struct json_node *node,
                        struct material *material, struct err *err)
 {
@@ -187,7 +187,8 @@ static bool read_alpha(const struct scene *scene, const struct json_node *node,
     return true;
 }
 
-// Smith's, for both directions together or for each alone; the microfacet model has others as well.
+// Reads Smith's masking, for both directions together or separately; the microfacet model has
+// others as well.
 static bool read_masking(const struct json_node *node, struct material *material, struct err *err)
 {
     static const char *const names[] = {
@@ -212,7 +213,7 @@ static bool read_masking(const struct json_node *node, struct material *material
     return true;
 }
 
-// Burley's coat and glTF's are two; the roughness of the second chooses it.
+// Burley's coat and glTF's differ; giving the roughness of glTF's coat selects it.
 static bool read_coat(const struct json_node *node, struct material *material, struct err *err)
 {
     if (!node_member(node, "clearcoat_roughness").value)
@@ -225,7 +226,7 @@ static bool read_coat(const struct json_node *node, struct material *material, s
     return true;
 }
 
-// The exponent of Phong's distribution of normals stands in place of its roughness.
+// Reads the exponent of Phong's distribution of normals, which replaces the roughness.
 static bool read_phong_exponent(const struct json_node *node, struct material *material,
                                 struct err *err)
 {
@@ -244,7 +245,7 @@ static bool read_phong_exponent(const struct json_node *node, struct material *m
     return true;
 }
 
-// Choices and switches that files name as they stand in memory.
+// Reads choices and switches whose values in files and in memory are the same.
 static bool read_flags(const struct json_node *node, struct material *material, struct err *err)
 {
     static const char *const keys[] = {"layers",  "thin",    "compensate",       "distribution",
@@ -255,7 +256,7 @@ static bool read_flags(const struct json_node *node, struct material *material, 
     return true;
 }
 
-// --- the inside ----------------------------------------------------------------------------------
+// --- the medium ----------------------------------------------------------------------------------
 
 static bool read_absorption(const struct json_node *node, struct material *material,
                             struct err *err)
@@ -308,14 +309,14 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
            read_phong_exponent(node, material, err) && read_inside(node, material, err);
 }
 
-// Gives a material that is "like" one before it that one's keys, but those of its own. The values
-// themselves are shared, so that a path in them is still known to be the user's own.
+// Gives a material that is "like" an earlier one the keys of that material which it does not set.
+// The values themselves are shared, so that paths in them stay trusted if the user gave them.
 static bool inherit(struct json_loader *loader, const struct json_node *materials,
                     struct json_node *node, struct err *err)
 {
     const char *other = NULL;
     if (!json_is_object(node->value))
-        return true; // to be complained of later
+        return true; // reported later
     if (!node_read_string(node, "like", &other, err))
         return false;
     if (!other)

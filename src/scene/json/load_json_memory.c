@@ -1,4 +1,4 @@
-// Counts the memory that the shapes of a scene file will take at least, before any is made.
+// Computes a lower bound of the memory of the shapes of a scene file, before any is made.
 #include "scene/json/load_json.h"
 
 #include "base/ascii.h"
@@ -8,29 +8,29 @@
 #include "scene/generate/scatter.h"
 #include <string.h>
 
-// The memory that an element of the list will take. Never more than it does: a file that names
-// others, and spheres that may find no place, count with what is certain.
+// The memory of an element of the list. It is a lower bound: only what is certain counts in files
+// that name others, and in spheres that may not find a place.
 struct needs {
     uint64_t bytes;   // of meshes
-    uint64_t passing; // only while it is made
+    uint64_t passing; // temporary memory
     uint64_t instances, shapes;
-    // Room that is asked for together with them, where not all of it may be used.
+    // Capacity that is reserved in addition, which may stay unused.
     uint64_t spare_instances, spare_shapes;
 };
 
 struct needs_list {
-    struct needs *items; // of all elements so far
-    json_t *names;       // object: the index of each that has a name
-    // The sums of all so far: bytes of meshes, elements of the scene's arrays, and the room in
-    // these.
+    struct needs *items; // for all elements so far
+    json_t *names;       // object: the index of each named element
+    // The sums over all elements so far: bytes of meshes, elements of the scene's arrays, and the
+    // capacity of these.
     uint64_t bytes, instances, shapes, instance_room, shape_room;
     uint64_t peak;
 };
 
 // --- one shape -----------------------------------------------------------------------------------
 
-// Mistakes in the document are for the loader to report: its readers' complaints are dropped here,
-// and what they are about counts as nothing.
+// The loader reports errors in the document: here the readers' messages are dropped, and erroneous
+// elements count as nothing.
 
 static struct needs one_instance(bool is_readable, uint64_t bytes)
 {
@@ -65,7 +65,7 @@ static struct needs flat_sided_needs(const struct json_node *node)
     return is_analytic(node, false) ? (struct needs){.shapes = 1} : one_instance(true, 0);
 }
 
-// How many instances a glTF file has, it says itself.
+// A glTF file itself says how many instances it has, so only one mesh file counts here.
 static struct needs mesh_needs(const struct json_node *node)
 {
     struct err dropped = {0};
@@ -109,7 +109,7 @@ static struct needs stadium_needs(const struct json_node *node)
     return one_instance(ok, generate_stadium_bytes(&stadium));
 }
 
-// How many of the spheres find a place is not known yet.
+// How many of the spheres find a place is not known in advance.
 static struct needs scatter_needs(const struct json_node *node)
 {
     struct err dropped = {0};
@@ -168,7 +168,7 @@ static uint64_t most(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-// Each copy is one of the kinds, and there is room for whichever has the most.
+// Each copy is one of the kinds, and capacity is reserved for the kind with the most elements.
 static struct needs strew_needs(const struct needs_list *list, const struct json_node *node)
 {
     struct err dropped = {0};
@@ -188,7 +188,7 @@ static struct needs strew_needs(const struct needs_list *list, const struct json
         high.shapes = most(high.shapes, kind->shapes);
     }
     if (count * (high.instances + high.shapes) > STREW_COUNT_MAX)
-        return (struct needs){0}; // is refused for that
+        return (struct needs){0}; // this is rejected later
     return (struct needs){
         .instances = count * low.instances,
         .shapes = count * low.shapes,
@@ -256,7 +256,7 @@ static void add(struct needs_list *list, const struct needs *needs)
 
 static bool add_all(struct needs_list *list, const struct json_node *shapes, struct err *err)
 {
-    static const char what[] = "all shapes, of which this is the first that does not fit";
+    static const char what[] = "all shapes; this shape is the first that does not fit";
     size_t count = json_array_size(shapes->value), refused = count;
     for (size_t i = 0; i < count; i++) {
         const struct json_node node = node_element(shapes, i);

@@ -1,4 +1,4 @@
-// Changes the document before it is read: by overrides (-D KEY=VALUE) and references ("${NAME}").
+// Changes the document before it is read: overrides (-D KEY=VALUE) and references ("${NAME}").
 #include "scene/json/load_json.h"
 
 #include "json/json_parse.h"
@@ -9,8 +9,8 @@
 
 #define MAX_STEP 127
 
-// The next step of a key such as "shapes.0.material" or "shapes[0].material", copied to `step`;
-// *key moves behind it. False when the key is malformed.
+// Copies the next step of a key such as "shapes.0.material" or "shapes[0].material" to `step` and
+// advances *key. Returns false when the key is malformed.
 static bool next_step(const char **key, char step[MAX_STEP + 1])
 {
     size_t length = strcspn(*key, ".[]");
@@ -34,7 +34,7 @@ static bool parse_index(const char *step, size_t *index)
     return true;
 }
 
-// The value that `step` leads to from `from`, NULL with *err set when there is none.
+// Returns the value to which `step` leads from `from`, or NULL with *err set if there is none.
 static json_t *follow(json_t *from, const char *step, const char *key, struct err *err)
 {
     size_t index;
@@ -56,7 +56,7 @@ static json_t *follow(json_t *from, const char *step, const char *key, struct er
     return to;
 }
 
-// Puts the value where the last step leads: into an element or key that is there, or a new key.
+// Stores the value at the last step: in an existing element or key, or as a new key.
 static bool put(json_t *parent, const char *step, json_t *value, const char *key, struct err *err)
 {
     size_t index;
@@ -144,8 +144,8 @@ bool load_json_apply_overrides(const struct json_node *document,
 
 // --- references ----------------------------------------------------------------------------------
 
-// Returns whether the text is "${NAME}"; *name receives NAME then. *malformed: it has a "${"
-// elsewhere.
+// Returns whether the text is "${NAME}", and copies NAME to *name. *malformed: the text contains
+// "${" elsewhere.
 static bool is_reference(const char *text, char name[MAX_STEP + 1], bool *malformed)
 {
     size_t length = strlen(text);
@@ -164,8 +164,8 @@ static bool is_reference(const char *text, char name[MAX_STEP + 1], bool *malfor
 
 static bool resolve(const struct json_node *node, json_t *definitions, struct err *err);
 
-// Puts the definition in the string's place; it is shared, not copied, so that a path in it is
-// known to be the user's own.
+// Replaces the string by the definition, which is shared, not copied, so that a path in it stays
+// trusted if the user gave it.
 static bool resolve_string(const struct json_node *node, json_t *definitions, struct err *err)
 {
     char name[MAX_STEP + 1];
@@ -186,8 +186,8 @@ static bool resolve_object(const struct json_node *object, json_t *definitions, 
 {
     const char *key;
     json_t *value;
-    // Replacing the value of a key that is there leaves the iteration intact.
-    // What overrides the base refers to the base's definitions.
+    // Replacing the value of an existing key does not disturb the iteration. References in the
+    // overrides of a base refer to the base's definitions.
     bool is_base = object->parent && !object->parent->parent && object->key &&
                    strcmp(object->key, "base") == 0;
     json_object_foreach(object->value, key, value)
@@ -201,8 +201,8 @@ static bool resolve_object(const struct json_node *object, json_t *definitions, 
     return true;
 }
 
-// Replaces every reference at and below the node. The recursion is as deep as the document, which
-// jansson bounds at 2048 levels.
+// Replaces every reference at and below the node. The depth of the recursion is that of the
+// document, which jansson limits to 2048.
 static bool resolve(const struct json_node *node, json_t *definitions, struct err *err)
 {
     if (json_is_string(node->value))

@@ -1,19 +1,20 @@
-// Meshes of a scene file that need no other file: quad, box, generated ones.
+// Meshes of a scene file that need no other file: quad, box and procedural meshes.
 #include "scene/json/load_json.h"
 
 #include "scene/core/affine.h"
 #include "scene/generate/generate.h"
 #include <string.h>
 
-// Enough for any memory that a load may take; a clearer message than that it is exhausted.
+// This exceeds any memory that loading may use; the message is clearer than one about exhausted
+// memory.
 #define GENERATED_TRIANGLES_MAX 200000000
 
-// Where nothing is said: 16,000 triangles, smooth to the eye at some hundred pixels.
+// The default: 16,000 triangles look smooth at some hundred pixels.
 #define TEAPOT_RESOLUTION 16
 
-// Appends a mesh of convex quadrilaterals, and an instance of it: of each the corners in order, the
-// triangles 0 1 2 and 0 2 3, and where in the picture each corner is. The numbers of the document
-// are kept in double precision: they may be far from the origin in a world that is rebased later.
+// Appends a mesh of convex quadrilaterals, and an instance of it. Each has its corners in order,
+// the triangles 0 1 2 and 0 2 3, and its corners' texture coordinates. The document's numbers are
+// kept in double precision: they may be far from the origin in a world that is rebased later.
 static bool add_quadrilaterals(struct scene *scene, const char *name, uint32_t material,
                                const double (*corners)[3], const float (*uvs)[2], uint32_t count,
                                struct err *err)
@@ -47,7 +48,7 @@ static bool add_quadrilaterals(struct scene *scene, const char *name, uint32_t m
     return scene_append_mesh(scene, &mesh, &index, err) && scene_place_meshes(scene, index, 1, err);
 }
 
-// The corners of a picture, counter-clockwise from its lower left.
+// The corners of a texture, counter-clockwise from its lower left.
 static const float picture_corners[4][2] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
 
 // --- quad ----------------------------------------------------------------------------------------
@@ -65,7 +66,7 @@ static bool read_four_vertices(const struct json_node *quad, double vertices[4][
     return true;
 }
 
-// corner, corner + u, corner + u + v, corner + v: the normal is along u x v.
+// The vertices are corner, corner + u, corner + u + v, corner + v: the normal is along u x v.
 static bool read_parallelogram(const struct json_node *quad, double vertices[4][3], struct err *err)
 {
     double u[3], v[3];
@@ -107,9 +108,10 @@ bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t 
 bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t material,
                    struct err *err)
 {
-    // Corner c takes max along x, y, z where bits 0, 1, 2 of c are set. Counter-clockwise from
-    // outside, and which corner of the picture is the first: -x, +x, -y, +y, -z, +z. The sides show
-    // it upright, the top with its upper edge at -z, the bottom at +z.
+    // Corner c takes max along x, y, z where bits 0, 1, 2 of c are set. For the faces -x, +x, -y,
+    // +y, -z, +z: the corners counter-clockwise from outside, and the index of the one at the
+    // texture's first corner. The sides show the texture upright, the top with its upper edge at
+    // -z, the bottom at +z.
     static const struct {
         uint8_t corners[4], first;
     } faces[6] = {

@@ -1,4 +1,4 @@
-// Spheres strewn over a disc, of materials drawn by weight.
+// Scattered spheres on a disc, with materials drawn by weight.
 #include "scene/generate/phong_spheres.h"
 #include "scene/generate/scatter.h"
 #include "scene/json/load_json.h"
@@ -9,7 +9,8 @@
 #define KINDS_MAX 64
 #define SHADES_MAX 64
 
-// One of the materials: its copies, from the least to the most of what varies.
+// One of the materials, with copies whose varying parameters run from their least to their greatest
+// value.
 struct kind {
     double weight;
     uint32_t first, shades;
@@ -34,7 +35,7 @@ static bool has_exponent(uint32_t model)
     return model == MATERIAL_PHONG || model == MATERIAL_BLINN_PHONG;
 }
 
-// Parameters that differ between the copies of a material: the least and the most of each, or NULL.
+// The ranges of parameters that differ between the copies of a material, each two numbers or NULL.
 struct variety {
     const double *roughness, *smoothness, *emission;
 };
@@ -44,7 +45,7 @@ static double between(const double range[2], double part)
     return range[0] + part * (range[1] - range[0]);
 }
 
-// Appends copies of a material of which all that differs runs evenly from the least to the most.
+// Appends copies of a material, with the varying parameters evenly spaced over their ranges.
 static bool add_shades(struct scene *scene, uint32_t original, const struct kind *kind,
                        const struct variety *variety, struct err *err)
 {
@@ -152,8 +153,8 @@ static bool read_scatter(struct json_loader *loader, const struct json_node *nod
     return read_kinds(loader, &kinds, strewn, err);
 }
 
-// The material of a sphere: its choice falls into a kind's part of the weights, and the place in
-// that part says which shade.
+// Chooses the material of a sphere: its random number falls into a kind's part of the weights, and
+// its position in that part selects the copy.
 static uint32_t choose_material(const struct strewn *strewn, uint32_t choice)
 {
     double sum = 0, at;

@@ -1,9 +1,9 @@
-// Sections of a scene file without lists: film, settings.
+// The sections "film" and "settings" of a scene file.
 #include "json/field_json.h"
 #include "scene/json/load_json.h"
 #include <math.h>
 
-// The settings from `first` to `last`, which stand in one section.
+// Reads the settings from `first` to `last`, which are in one section.
 static bool read_section(struct settings *settings, const struct json_node *node,
                          enum setting_id first, enum setting_id last, struct err *err)
 {
@@ -33,7 +33,7 @@ bool load_json_film(struct json_loader *loader, const struct json_node *node, st
     return true;
 }
 
-// Fading by distance was a setting once, and is 0 in every scene that was saved then.
+// Attenuation by distance was a setting of earlier versions, whose files have it with value 0.
 static bool take_out_falloff(const struct json_node *node, struct err *err)
 {
     struct json_node falloff = node_member(node, "falloff");
@@ -43,7 +43,8 @@ static bool take_out_falloff(const struct json_node *node, struct err *err)
     if (!node_number(&falloff, (struct range){0, INFINITY}, &value, err))
         return false;
     if (value > 0)
-        return node_fail(&falloff, err, "fading by distance was taken out; expected no such key");
+        return node_fail(&falloff, err,
+                         "attenuation by distance is no longer supported; expected no such key");
     json_object_del(node->value, "falloff");
     return true;
 }

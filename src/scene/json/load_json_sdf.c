@@ -10,17 +10,17 @@
 #define DEPTH_MOST 64 // of the tree
 #define LIST_MOST SDF_CODE_MAX
 #define BALLS_MOST (4 * (SDF_CODE_MAX - 1))
-#define COUNTS_MOST 1000000001 // of cells: single precision tells no more apart
+#define COUNTS_MOST 1000000001 // of cells: single precision does not distinguish more
 
 struct reader {
     struct scene *scene;
-    struct arena scratch; // the tree and its places
+    struct arena scratch; // memory of the tree and its places
     uint32_t depth;
 };
 
 static const struct range LENGTH_OR_NONE = {0, SCENE_COORDINATE_MAX, false};
 
-// The node's copy, which lives as long as the tree: children point at it.
+// Copies the node's place to memory that lives as long as the tree, because children point at it.
 static struct json_node *keep_place(struct reader *reader, struct json_node place)
 {
     struct json_node *kept = ARENA_NEW(&reader->scratch, struct json_node, 1);
@@ -40,7 +40,7 @@ static bool read_length(const struct json_node *node, const char *key, double fa
     return true;
 }
 
-// Full edges, as halves.
+// Reads full edge lengths and halves them.
 static bool read_size(const struct json_node *node, double half[3], struct err *err)
 {
     if (!node_read_vector(node, "size", RANGE_RADIUS, half, err))
@@ -117,7 +117,7 @@ static bool read_solid_angle(const struct json_node *node, struct sdf_node *n, s
     if (!read_length(node, "radius", 1, &n->a[0], err) ||
         !node_read_number(node, "degrees", angles, &degrees, err))
         return false;
-    if (degrees == 180) // no side is left
+    if (degrees == 180) // its side vanishes
         n->op = SDF_SPHERE;
     n->b[0] = sin(degrees * DEGREE);
     n->b[1] = cos(degrees * DEGREE);
@@ -142,7 +142,7 @@ static bool read_gyroid(const struct json_node *node, struct sdf_node *n, struct
         !read_length(node, "thickness", 0.5, &n->a[1], err))
         return false;
     n->a[0] = 2 * M_PI / period;
-    n->b[0] = GYROID_GRADIENT * (1 + 1e-6); // rounded, it is still a bound
+    n->b[0] = GYROID_GRADIENT * (1 + 1e-6); // still a bound after rounding
     return true;
 }
 
@@ -167,7 +167,7 @@ static bool read_metaballs(struct reader *reader, const struct json_node *node, 
             return node_fail(&ball, err, "reaches %.9g; expected at least %g", n->balls[k][3],
                              RANGE_RADIUS.min);
     }
-    // A lower factor by the rounding of single precision is still one.
+    // Reducing the factor by the rounding error of single precision keeps it a lower bound.
     n->a[1] = (1 - 1e-6) / sdf_metaballs_gradient((const double(*)[4])n->balls, n->count);
     return true;
 }
@@ -212,7 +212,7 @@ static bool read_apollonian(const struct json_node *node, struct sdf_node *n, st
 static bool read_node(struct reader *reader, const struct json_node *place, struct sdf_node *out,
                       struct err *err);
 
-// The child or the children at "of".
+// Reads the child or the children at "of".
 static bool read_children(struct reader *reader, struct sdf_node *n, bool is_list, struct err *err)
 {
     const struct json_node *of = keep_place(reader, node_member(n->place, "of"));
@@ -234,7 +234,8 @@ static bool read_children(struct reader *reader, struct sdf_node *n, bool is_lis
     return true;
 }
 
-// "counts" of cells along each axis, odd: the middle one stands where the child is.
+// Reads the "counts" of cells along each axis, which are odd: the middle cell is at the child's
+// position.
 static bool read_repeat(const struct json_node *node, struct sdf_node *n, struct err *err)
 {
     const struct json_node list = node_member(node, "counts");
@@ -371,7 +372,7 @@ static bool read_placement(const struct json_node *node, struct sdf_node *n, str
                       "rotation, translation and uniform scale"));
 }
 
-// The packing is a sheet without thickness: it becomes one with.
+// The packing is a surface without thickness: a shell gives it one.
 static bool thicken(struct reader *reader, const struct json_node *node, struct sdf_node *n,
                     struct err *err)
 {
@@ -420,7 +421,8 @@ static bool read_clip(const struct json_node *bounds, struct bounds *clip, struc
 
 #define CUT_SAMPLES 24 // along each edge of the box
 
-// Returns whether the field is negative somewhere on the box: nothing closes it there.
+// Returns whether the field is negative somewhere on the box, so that the surface has an opening
+// there.
 static bool is_cut(const struct sdf *sdf)
 {
     for (int axis = 0; axis < 3; axis++)

@@ -1,4 +1,4 @@
-// The kinds of shapes, and the keys of each.
+// The types of shapes in scene files, and the keys of each.
 #include "scene/json/load_json.h"
 
 static const char *const type_names[SHAPE_TYPE_COUNT] = {

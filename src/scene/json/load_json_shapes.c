@@ -1,4 +1,4 @@
-// The list of shapes of a scene file: mesh files, instances, and where each is placed.
+// The list of shapes of a scene file: mesh files, instances, and their placement.
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
@@ -7,11 +7,11 @@
 #include <math.h>
 #include <string.h>
 
-// Part of the scene that each element of the list became, for instances of it.
+// The part of the scene that each element of the list became, for instances of it.
 struct shape_list {
     struct json_loader *loader;
     struct scene_part *parts;
-    bool *hidden; // of each: only what it is copied to is shown
+    bool *hidden; // for each: only its instances are visible
 };
 
 static bool transform_part(struct scene *scene, const struct scene_part *part,
@@ -73,8 +73,8 @@ static bool load_mesh(struct json_loader *loader, const struct json_node *node, 
     return true;
 }
 
-// Scales the part uniformly to the largest size that fits the box, centred in x and z and standing
-// on its floor.
+// Scales the part uniformly to the largest size that fits the box; it is centred in x and z and
+// stands on the floor of the box.
 static bool fit_part(struct scene *scene, const struct scene_part *part,
                      const struct json_node *node, struct err *err)
 {
@@ -189,7 +189,7 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
     return err_set(err, ERR_BUG, "shape type %d has no loader", (int)type);
 }
 
-// Copies of what is not visible are, unless they say so, too.
+// An instance of a part that is not visible is visible unless its own key says otherwise.
 static void set_visible(struct scene *scene, const struct scene_part *part, bool visible)
 {
     for (uint32_t i = 0; i < part->instance_count; i++)
@@ -226,7 +226,7 @@ static bool load_shape(struct shape_list *list, const struct json_node *node, st
     return register_name(list->loader, node, node->index, err);
 }
 
-// Takes what hidden shapes became out of the scene's lists.
+// Removes the parts of hidden shapes from the scene's arrays.
 static void remove_hidden(struct shape_list *list, size_t count)
 {
     struct scene *scene = list->loader->scene;

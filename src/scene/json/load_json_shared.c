@@ -4,7 +4,7 @@
 #include "base/file.h"
 #include <string.h>
 
-// "$schema" tells editors where the schema is.
+// "$schema" names the schema for editors.
 const char *const load_json_document_keys[] = {
     "lampyris", "define", "camera", "film",  "settings", "materials", "environment",
     "lights",   "shapes", "base",   "edits", "$schema",  NULL};
@@ -50,7 +50,7 @@ bool load_json_find_part(const struct json_loader *loader, const struct json_nod
 
 // --- paths ---------------------------------------------------------------------------------------
 
-// Returns whether the very value `wanted`, not an equal one, is `value` or inside it.
+// Returns whether `wanted` itself, not an equal value, is `value` or inside it.
 static bool contains_value(const json_t *value, const json_t *wanted)
 {
     if (value == wanted)

@@ -1,4 +1,4 @@
-// Copies of named shapes strewn over a disc or a rectangle: trees, stones.
+// Scattered copies of named shapes on a disc or a rectangle: trees, stones.
 #include "scene/json/load_json.h"
 
 #include "scene/core/affine.h"
@@ -9,25 +9,26 @@
 #define KINDS_MAX 64
 
 struct strew {
-    struct scene_part kinds[KINDS_MAX]; // what is strewn
+    struct scene_part kinds[KINDS_MAX]; // the shapes that are copied
     uint32_t kind_count;
     uint32_t count, seed;
-    double size[2]; // along x and z; of the disc's square
+    double size[2]; // along x and z; of the disc's bounding square
     bool is_disc;
-    double scale[2]; // the least and the most
-    double tilt;     // tangent of half the largest angle
-    uint32_t drawn;  // numbers that the copy at hand has drawn
+    double scale[2]; // the least and the greatest
+    double tilt;     // tangent of half of the largest angle
+    uint32_t drawn;  // number of random numbers drawn for the current copy
 };
 
 // --- random numbers ------------------------------------------------------------------------------
 
-// In [0, 1): the next number of a copy.
+// Returns the next random number of a copy, in [0, 1).
 static double draw(struct strew *strew, uint32_t copy)
 {
     return scatter_bits(strew->seed, copy, strew->drawn++) * 0x1p-32;
 }
 
-// A direction in the plane, with nothing but exactly rounded operations: the same everywhere.
+// Draws a direction in the plane by correctly rounded operations only, so that it is the same on
+// every machine.
 static void draw_direction(struct strew *strew, uint32_t copy, double out[2])
 {
     double square;
@@ -42,13 +43,13 @@ static void draw_direction(struct strew *strew, uint32_t copy, double out[2])
 
 // --- places --------------------------------------------------------------------------------------
 
-// The sequence that Roberts (2018, "The unreasonable effectiveness of quasirandom sequences") makes
-// of the plastic number p: steps of 1/p and 1/p^2 spread evenly, however many there are. Each place
-// moves by up to a fifth of the mean distance, so that no rows are seen.
+// A low-discrepancy sequence by Roberts (2018, "The unreasonable effectiveness of quasirandom
+// sequences") from the plastic number p: steps of 1/p and 1/p^2 are spread evenly for any count.
+// Each position is moved by up to a fifth of the mean distance, so that no rows are visible.
 static const double steps[2] = {0.7548776662466927, 0.5698402909980532};
 #define MOVE 0.2
 
-// The next place at or after number *n of the sequence.
+// Finds the next position at or after number *n of the sequence.
 static void next_place(struct strew *strew, uint32_t copy, uint64_t *n, double out[2])
 {
     const double spacing = sqrt(strew->size[0] * strew->size[1] / strew->count);
@@ -69,7 +70,7 @@ static void next_place(struct strew *strew, uint32_t copy, uint64_t *n, double o
     }
 }
 
-// Scaled, turned about +y, tilted somewhere, and there.
+// Makes a transform: scale, rotation about +y, a random tilt, translation.
 static void make_transform(struct strew *strew, uint32_t copy, const double place[2],
                            double out[3][4])
 {
@@ -83,7 +84,8 @@ static void make_transform(struct strew *strew, uint32_t copy, const double plac
     };
     memcpy(out, upright, sizeof upright);
     if (strew->tilt > 0) {
-        // By an angle a of which tan(a/2) is even in its range; towards `to`.
+        // The tilt has an angle a whose tan(a/2) is uniform in its range; it is towards the
+        // direction `to`.
         double t = strew->tilt * draw(strew, copy);
         double cosine = (1 - t * t) / (1 + t * t), sine = 2 * t / (1 + t * t);
         draw_direction(strew, copy, to);
@@ -101,7 +103,7 @@ static void make_transform(struct strew *strew, uint32_t copy, const double plac
 
 // --- copies --------------------------------------------------------------------------------------
 
-// There is room for it.
+// Appends a copy; memory is reserved.
 static bool add_copy(struct scene *scene, const struct scene_part *part, const double m[3][4],
                      const struct json_node *node, struct err *err)
 {
@@ -159,7 +161,7 @@ static bool read_kinds(const struct json_loader *loader, const struct json_node 
     return true;
 }
 
-// Memory is taken once: ten million instances are a gigabyte.
+// Memory is reserved once, because ten million instances are a gigabyte.
 static bool reserve(struct scene *scene, const struct strew *strew, const struct json_node *node,
                     struct err *err)
 {

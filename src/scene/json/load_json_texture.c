@@ -10,15 +10,16 @@
 static const char *const use_names[] = {"normal", "anisotropy", NULL};
 static const uint32_t uses[] = {TEXTURE_USE_NORMAL, TEXTURE_USE_ANISOTROPY};
 
-// How one entry of the list reads its image, and which parameters it scales.
+// An entry of the list: how its image is sampled, and which parameters it scales.
 struct texture_entry {
-    struct texture texture;       // but its image
-    int channels[GROUP_COUNT][4]; // that scales each parameter; -1: none
+    struct texture texture;       // except its image
+    int channels[GROUP_COUNT][4]; // channel that scales each parameter; -1: none
     bool invert;
-    bool has_colors, has_data; // parameters that an image holds as sRGB colours, or as numbers
+    bool has_colors, has_data; // it scales parameters that images hold as sRGB colours; or as
+                               // linear numbers
 };
 
-// --- how it is read ------------------------------------------------------------------------------
+// --- sampling ------------------------------------------------------------------------------------
 
 static bool read_pair(const struct json_node *entry, const char *key, double out[2],
                       struct err *err)
@@ -34,7 +35,7 @@ static bool read_transform(const struct json_node *entry, struct texture *textur
     if (!read_pair(entry, "offset", offset, err) || !read_pair(entry, "scale", scale, err) ||
         !node_read_number(entry, "rotation_degrees", RANGE_COORDINATE, &degrees, err))
         return false;
-    // Reduced exactly while still in degrees: multiples of 360 are no rotation at all.
+    // The angle is reduced exactly in degrees: multiples of 360 are no rotation.
     double angle = fmod(degrees, 360) * DEGREE;
     texture_transform(texture, offset, scale, angle);
     return true;
@@ -45,7 +46,7 @@ static const char *const wraps[] = {[TEXTURE_WRAP_REPEAT] = "repeat",
                                     [TEXTURE_WRAP_MIRROR] = "mirror",
                                     NULL};
 
-// One word for both directions, or a list of two.
+// Reads one word for both directions, or a list of two.
 static bool read_wrap(const struct json_node *entry, struct texture *texture, struct err *err)
 {
     uint32_t wrap[2] = {TEXTURE_WRAP_REPEAT, TEXTURE_WRAP_REPEAT};
@@ -81,10 +82,10 @@ static bool read_sampling(const struct json_node *entry, struct texture *texture
     return true;
 }
 
-// --- what it does --------------------------------------------------------------------------------
+// --- use -----------------------------------------------------------------------------------------
 
-// The index of refraction and its dispersion are also the medium's, the cutoff is a choice, and the
-// normal map has its own scale.
+// The index of refraction and the dispersion also describe the medium, the cutoff is a threshold,
+// and the normal map has its own scale, so textures cannot scale these.
 static bool is_scalable(const struct material_parameter *p)
 {
     return p->first != PARAMETER_IOR && p->first != PARAMETER_DISPERSION &&
@@ -106,7 +107,7 @@ static bool find_parameter(const struct json_node *node, const struct material *
     return node_fail(node, err, "is no parameter of materials");
 }
 
-// "rgb" of a colour, or one channel for all of its components or for a number.
+// Reads "rgb" for a colour, or one channel for all components of a colour or for a number.
 static bool read_channels(const struct json_node *node, const struct material_parameter *p,
                           int channels[4], struct err *err)
 {
@@ -122,8 +123,8 @@ static bool read_channels(const struct json_node *node, const struct material_pa
     return true;
 }
 
-// Parameters from 0 to 1 that the file says nothing of begin with what makes the texel the value;
-// others keep their default, unless that leaves nothing to scale.
+// Parameters from 0 to 1 that the file does not set become 1 (or 0 if inverted), so that the texel
+// is the value; others keep their default, unless that is 0.
 static bool begin_parameter(const struct json_node *node, const struct json_node *owner,
                             const struct material_parameter *p, bool invert,
                             struct material *material, struct err *err)
@@ -160,7 +161,8 @@ static bool read_parameters(const struct json_node *list, const struct json_node
             return false;
         bool is_color = p->count == 3 && p->first != PARAMETER_CONDUCTOR_ETA &&
                         p->first != PARAMETER_CONDUCTOR_K;
-        bool is_alpha = entry->channels[p->first / 4][p->first % 4] == 3; // linear in every image
+        bool is_alpha = entry->channels[p->first / 4][p->first % 4] == 3; // alpha is linear in
+                                                                          // every image
         entry->has_colors |= is_color && !is_alpha;
         entry->has_data |= !is_color && !is_alpha;
     }
@@ -197,7 +199,7 @@ static bool load_image(struct json_loader *loader, const struct json_node *node,
     return false;
 }
 
-// One texture for each group of parameters that the entry scales.
+// Adds one texture for each group of parameters that the entry scales.
 static bool add_scales(struct scene *scene, struct material *material,
                        const struct texture_entry *entry, struct err *err)
 {

@@ -1,4 +1,4 @@
-// How a shape is placed: a step, or a list of steps in the order in which they apply.
+// The placement of a shape: a step, or a list of steps in the order in which they apply.
 #include "scene/json/load_json.h"
 
 #include "base/maths.h"
@@ -15,7 +15,7 @@ static bool read_rotation(const struct json_node *node, double out[3][4], struct
         !node_read_vector(node, "axis", RANGE_COORDINATE, axis, err) ||
         !node_read_number(node, "degrees", RANGE_COORDINATE, &degrees, err))
         return false;
-    // Reduced exactly while still in degrees: multiples of 360 are no rotation at all.
+    // The angle is reduced exactly in degrees: multiples of 360 are no rotation.
     const struct json_node axis_node = node_member(node, "axis");
     return affine_rotation(axis, fmod(degrees, 360) * DEGREE, out) ||
            node_fail(&axis_node, err, "is zero; expected a direction");
@@ -50,7 +50,7 @@ static bool read_matrix(const struct json_node *node, double out[3][4], struct e
                      elements[12], elements[13], elements[14], elements[15]);
 }
 
-// An object with exactly one of the four kinds.
+// Reads an object with exactly one of the four kinds of steps.
 static bool read_transform_step(const struct json_node *node, double out[3][4], struct err *err)
 {
     static const char *const required[] = {NULL};

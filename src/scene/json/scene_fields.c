@@ -26,8 +26,8 @@ static void add(struct scene_fields *out, const struct field *fields, size_t cou
 
 // --- materials -----------------------------------------------------------------------------------
 
-// The decimal number that a bound of the table was written as: of up to FLT_DIG digits single
-// precision keeps all (0.001f itself is a little above 0.001).
+// Returns the decimal number from which a bound of the table was rounded: single precision
+// preserves up to FLT_DIG digits (0.001f itself is slightly above 0.001).
 static double as_written(float bound)
 {
     char text[32];
@@ -121,7 +121,7 @@ const char *scene_light_name(const struct scene *scene, uint32_t light)
 
 // --- objects -------------------------------------------------------------------------------------
 
-// Far beyond these a shape has no room in a scene.
+// Beyond these a shape would exceed the range of a scene.
 #define SCALE_MIN 1e-30
 #define SCALE_MAX 1e30
 

@@ -27,8 +27,8 @@ struct writer {
     struct settings settings;
     struct camera camera;
     struct arena arena;     // paths
-    const char *folder;     // of the new file, symbolic links resolved
-    struct scene_base base; // what it is to have
+    const char *folder;     // folder of the new file, with symbolic links resolved
+    struct scene_base base; // the base that it will have
     bool is_outside;
 };
 
@@ -64,7 +64,7 @@ char *camera_to_json(struct arena *arena, const struct camera *camera)
 
 // --- film and settings ---------------------------------------------------------------------------
 
-// All of them: the base may have others.
+// All settings are written, because the base may have others.
 static void put_settings(struct json_text *t, const char *key, const struct settings *settings,
                          enum setting_id first, enum setting_id last)
 {
@@ -91,7 +91,8 @@ static const char *real_path(struct writer *w, const char *path, struct err *err
     return copy;
 }
 
-// The path as the new file is to name it: relative where it lies in the same folder, else absolute.
+// Returns the path as the new file names it: relative if the file is in the same folder, else
+// absolute.
 static const char *path_from_folder(struct writer *w, const char *path, struct err *err)
 {
     const char *real = real_path(w, path, err);
@@ -104,7 +105,7 @@ static const char *path_from_folder(struct writer *w, const char *path, struct e
         w->is_outside = true;
         return real;
     }
-    // "./", so that no name looks like a scheme.
+    // "./" prevents a name with a colon from looking like a scheme.
     const char *relative = real + length + 1;
     const char *named =
         strchr(relative, ':') ? arena_printf(&w->arena, "./%s", relative) : relative;
@@ -125,7 +126,8 @@ static bool put_path(struct writer *w, struct json_text *t, const char *key, con
 
 // --- base ----------------------------------------------------------------------------------------
 
-// The value with strings that were read as paths as they are to be named. Steals `value`.
+// Replaces the strings that were read as paths by the paths as the new file names them. Steals
+// `value`.
 static json_t *rename_paths(struct writer *w, json_t *value, struct err *err)
 {
     const char *text = json_string_value(value), *key;
@@ -220,7 +222,7 @@ static bool same_source(const struct environment *a, const struct environment *b
            a->gradient == b->gradient;
 }
 
-// Where it comes from; "edits" turns and scales it.
+// Writes the source of the environment; "edits" rotates and scales it.
 static bool put_environment(struct writer *w, struct json_text *t, struct err *err)
 {
     const struct environment *environment = &w->params->scene->environment;
@@ -280,10 +282,10 @@ static char *make_text(struct writer *w, struct err *err)
     return NULL;
 }
 
-// --- whether it says what it is to say -----------------------------------------------------------
+// --- check of the document -----------------------------------------------------------------------
 
-// Prepares what the loader has when it comes to the edits: the scene as it was loaded, or with the
-// environment that the document gives.
+// Prepares the scene that the loader has before it reads the edits: the scene as it was loaded, or
+// with the environment of the document.
 static bool prepare_check(const struct writer *w, struct arena *arena, struct scene *out,
                           struct err *err)
 {
@@ -327,8 +329,8 @@ static bool check_parts(const struct writer *w, struct scene *scene,
     return scene_compare_edits(scene, w->params->scene, err) || node_prepend(&edits, err);
 }
 
-// Reads the text as the loader would, on top of the scene as it was loaded: so all that the format
-// refuses or cannot say is found before there is a file.
+// Reads the text as the loader would, on top of the scene as it was loaded, so that values that the
+// format rejects or cannot represent are found before a file is written.
 static bool check_text(const struct writer *w, const char *text, struct err *err)
 {
     const struct file_bytes bytes = {(const uint8_t *)text, strlen(text)};
@@ -338,7 +340,7 @@ static bool check_text(const struct writer *w, const char *text, struct err *err
     bool ok;
     if (!root) {
         if (err && err->code == ERR_INPUT)
-            err->code = ERR_BUG; // we have written it
+            err->code = ERR_BUG; // this program wrote the text
         ok = false;
     } else {
         const struct json_node document = node_root(w->params->path, root);
@@ -350,16 +352,17 @@ static bool check_text(const struct writer *w, const char *text, struct err *err
     return ok;
 }
 
-// --- all of it -----------------------------------------------------------------------------------
+// --- writing -------------------------------------------------------------------------------------
 
-// Finds what the new file is based on: the file that the scene was loaded from, or that file's own
+// Finds the base of the new file: the file from which the scene was loaded, or that file's own
 // base.
 static void find_base(struct writer *w)
 {
     const struct scene_load_params *load = w->params->load;
     const struct scene *before = w->params->before;
     w->before = *before;
-    w->before.placed_count = 0; // where a file has placed objects, there is a base without that
+    w->before.placed_count = 0; // if a file has placed objects, its base does not have these
+                                // placements
     if (before->base) {
         const struct scene_base *base = before->base;
         w->base = *base;
@@ -378,7 +381,8 @@ static void find_base(struct writer *w)
         }
         return;
     }
-    // An environment of the command line kept the ground away; the file's comes after the base.
+    // An environment of the command line suppressed the ground, but the file's environment is
+    // applied after the base.
     bool is_lit = load->environment_file || load->environment_radiance || load->environment_sky;
     w->base = (struct scene_base){.load = *load,
                                   .override_paths = before->override_paths,
@@ -411,7 +415,7 @@ static bool is_same_file(const char *a, const char *b)
     return file_status(a, &x) && file_status(b, &y) && file_status_same(&x, &y);
 }
 
-// The name, and that the file is none of those that it would be made from.
+// Checks the name, and that the file is none of those on which it is based.
 static bool check_path(const struct writer *w, struct err *err)
 {
     const char *path = w->params->path;
@@ -432,7 +436,7 @@ static bool find_folder(struct writer *w, struct err *err)
         return err_memory(err, "a path", strlen(w->params->path));
     w->folder = real_path(w, folder, err);
     if (!w->folder && err && err->code == ERR_INPUT)
-        err->code = ERR_OUTPUT; // it is no file that was given, but where one is to go
+        err->code = ERR_OUTPUT; // the path is that of an output, not of an input
     return w->folder != NULL;
 }
 
@@ -451,8 +455,8 @@ static bool write_scene(struct writer *w, struct err *err)
         free(text);
         return false;
     }
-    // A scene that has a base may be saved where it was opened: check_path() has seen that the new
-    // file does not need the old one.
+    // A scene that has a base may be saved to the file from which it was opened: check_path() has
+    // ensured that the new file does not need the old one.
     if (is_same_file(params->path, params->load->path))
         file_inputs_forget(params->path);
     bool ok = check_text(w, text, err) && file_write_atomic(params->path, text, strlen(text), err);

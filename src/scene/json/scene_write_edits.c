@@ -6,7 +6,7 @@
 #include "scene/json/scene_fields.h"
 #include <string.h>
 
-// --- what is the same ----------------------------------------------------------------------------
+// --- comparisons ---------------------------------------------------------------------------------
 
 static bool same_material(const struct scene_fields *fields, const struct material *a,
                           const struct material *b)
@@ -48,7 +48,7 @@ static struct object object_of(const struct scene *scene, uint32_t index)
     return (struct object){false, shape->hidden, shape->material, scene_placement(scene, index)};
 }
 
-// To the bit: where an object is, however it came there.
+// Returns whether the objects' geometry or transforms are bitwise equal, however they were placed.
 static bool same_place(const struct scene *a, const struct scene *b, uint32_t object)
 {
     if (object < a->instance_count)
@@ -76,7 +76,7 @@ bool scene_compare_edits(const struct scene *a, const struct scene *b, struct er
         a->instance_count != b->instance_count || a->shape_count != b->shape_count)
         return err_set(
             err, ERR_INPUT,
-            "materials, lights or objects were taken away; expected edits and additions only");
+            "materials, lights or objects were removed; expected edits and additions only");
     for (uint32_t i = 0; i < a->material_count; i++)
         if (!same_material(&fields, &a->materials[i], &b->materials[i]))
             return differ(err, "material", i);
@@ -110,8 +110,7 @@ static void begin_element(struct json_text *t, const char *key, bool *is_open)
     json_text_open(t, '{', true);
 }
 
-// By its name, which is there when the base has changed somewhat; by its index where that is not
-// the only one of that name.
+// Writes the name, which stays valid if the base changes; or the index if the name is not unique.
 static void address(struct json_text *t, const struct scene *scene, uint32_t count, uint32_t index,
                     const char *(*name_of)(const struct scene *scene, uint32_t index))
 {
@@ -126,7 +125,7 @@ static void address(struct json_text *t, const struct scene *scene, uint32_t cou
         json_text_uint(t, index);
 }
 
-// Says that the base does not have this.
+// Marks an element as an addition to the base.
 static void put_new(struct json_text *t, const char *name)
 {
     json_text_key(t, "added");
@@ -163,7 +162,7 @@ static void put_materials(struct json_text *t, const struct scene_difference *d)
         json_text_close(t);
 }
 
-// before: NULL for all of it.
+// before: NULL to write all fields.
 static void put_light(struct json_text *t, const struct light *now, const struct light *before)
 {
     struct scene_fields fields;
@@ -183,8 +182,8 @@ static void put_light(struct json_text *t, const struct light *now, const struct
     }
 }
 
-// Returns the base's light i, or NULL where it has none. The sun is the last one of both, so the
-// others keep their places whether there is one or not; lights that were added stand before it.
+// Returns light i of the base, or NULL if the base does not have it. The sun is the last light of
+// both, so the others keep their indices with and without a sun; added lights precede it.
 static const struct light *former_light(const struct scene_difference *d, uint32_t i)
 {
     uint32_t sun = scene_sun_light(d->scene), former_sun = scene_sun_light(d->before);
@@ -216,13 +215,13 @@ static void put_lights(struct json_text *t, const struct scene_difference *d)
         json_text_close(t);
 }
 
-// The edits of an object that have to be written.
+// The edits of an object that must be written.
 struct object_edit {
     bool is_new, says_visible, says_material, says_place;
     struct object to;
 };
 
-// `before` has none of the shapes that were added.
+// `before` does not have the shapes that were added.
 static struct object_edit edit_of(const struct scene_difference *d, uint32_t index)
 {
     const struct object to = object_of(d->scene, index);
@@ -234,7 +233,7 @@ static struct object_edit edit_of(const struct scene_difference *d, uint32_t ind
                                 says_place, to};
 }
 
-// Those that say where an object is stand alone.
+// Returns whether two edits can share a line. Edits with a placement cannot.
 static bool same_edit(const struct object_edit *a, const struct object_edit *b)
 {
     return !a->is_new && !b->is_new && !a->says_place && !b->says_place &&
@@ -244,7 +243,7 @@ static bool same_edit(const struct object_edit *a, const struct object_edit *b)
            (!a->says_material || a->to.material == b->to.material);
 }
 
-// Writes a shape where it was added, which may be elsewhere than it is now.
+// Writes a shape as it was when it was added; a placement may have moved it since.
 static void put_new_shape(struct json_text *t, const struct scene *scene, uint32_t object)
 {
     const struct shape *shape = &scene->shapes[object - scene->instance_count];
@@ -273,7 +272,7 @@ static void put_object_edit(struct json_text *t, const struct object_edit *edit)
         fields_write(scene_placement_fields, 4, &edit->to.placement, t);
 }
 
-// Runs of the same edit take one line.
+// Writes one line for each run of objects with the same edit.
 static void put_objects(struct json_text *t, const struct scene_difference *d)
 {
     uint32_t total = d->scene->instance_count + d->scene->shape_count, count;

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A file that was read; a list.
+// A file that was read; an element of a list.
 struct mtl_file {
     struct mtl_file *next;
     const char *path;
@@ -23,12 +23,12 @@ struct mtl_parser {
     struct arena *arena;
     struct mtl_library *library;
     struct mtl_statements current;
-    // Counted for one warning a file; the lines are those of the first.
+    // Counts for one warning a file; the lines are those of the first occurrence.
     uint64_t clamped_count, clamped_line;
     uint64_t skipped_count, skipped_line;
 };
 
-// Appends the material that was being read, if any.
+// Appends the material that is being read, if any.
 static bool finish_material(struct mtl_parser *parser, struct err *err)
 {
     const struct mtl_statements *read = &parser->current;
@@ -98,7 +98,7 @@ static bool read_color(struct mtl_parser *parser, const char *what, float max, f
         if (!text_float(&parser->text, what, &color[c], err))
             return false;
         if (!isfinite(color[c]))
-            return text_fail(&parser->text, err, "%s: %g, expected a finite one", what,
+            return text_fail(&parser->text, err, "%s: %g, expected a finite number", what,
                              (double)color[c]);
     }
     clamp_color(parser, max, color);
@@ -106,7 +106,7 @@ static bool read_color(struct mtl_parser *parser, const char *what, float max, f
     return true;
 }
 
-// A number of [0, max]; one outside is clamped and counted like colours.
+// Reads a number in [0, max]. A number outside is clamped and counted like colours.
 static bool read_scalar(struct mtl_parser *parser, const char *what, float max, float *out,
                         struct err *err)
 {
@@ -114,7 +114,7 @@ static bool read_scalar(struct mtl_parser *parser, const char *what, float max, 
     if (!text_float(&parser->text, what, &value[0], err))
         return false;
     if (!isfinite(value[0]))
-        return text_fail(&parser->text, err, "%s: %g, expected a finite one", what,
+        return text_fail(&parser->text, err, "%s: %g, expected a finite number", what,
                          (double)value[0]);
     value[1] = value[2] = value[0];
     clamp_color(parser, max, value);
@@ -122,7 +122,7 @@ static bool read_scalar(struct mtl_parser *parser, const char *what, float max, 
     return true;
 }
 
-// "-o U [V [W]]" and its like: as many numbers as stand there, of which two are kept.
+// Reads all numbers of an option such as "-o U [V [W]]" and keeps two.
 static void read_pair(struct text_reader *text, float out[2])
 {
     float unused;
@@ -131,7 +131,7 @@ static void read_pair(struct text_reader *text, float out[2])
             break;
 }
 
-// "map_Kd [OPTION…] FILE": the file's name is the rest of the line and may have blanks in it.
+// Reads "map_Kd [OPTION…] FILE": the file's name is the rest of the line and may contain blanks.
 static bool read_map(struct mtl_parser *parser, enum mtl_map_kind kind, struct err *err)
 {
     struct text_reader *text = &parser->text;
@@ -206,7 +206,7 @@ static bool read_statement(struct mtl_parser *parser, struct text_span keyword, 
     };
     if (text_equals(keyword, "newmtl"))
         return begin_material(parser, err);
-    if (!current->name) // Stray lines in front of the first material say nothing about any.
+    if (!current->name) // Statements before the first material belong to none and are ignored.
         return true;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         if (text_equals(keyword, numbers[i].word))
@@ -310,10 +310,11 @@ void mtl_sort(struct mtl_library *library)
         qsort(library->materials, library->count, sizeof *library->materials, compare_materials);
 }
 
-// Like strcmp of a NUL-terminated name with one of given length.
+// Like strcmp, for a NUL-terminated name and one of given length.
 static int compare_names(const char *name, const char *wanted, size_t length)
 {
-    const char *nul = memchr(wanted, '\0', length); // a damaged file may have them in its names
+    const char *nul = memchr(wanted, '\0', length); // a damaged file may have NUL bytes in its
+                                                    // names
     length = nul ? (size_t)(nul - wanted) : length;
     int difference = strncmp(name, wanted, length);
     return difference != 0 ? difference : name[length] != '\0';
@@ -321,7 +322,7 @@ static int compare_names(const char *name, const char *wanted, size_t length)
 
 struct mtl_material *mtl_find(const struct mtl_library *library, const char *name, size_t length)
 {
-    uint32_t begin = 0, end = library->count; // the first of equal names
+    uint32_t begin = 0, end = library->count; // finds the first of equal names
     while (begin < end) {
         uint32_t middle = begin + (end - begin) / 2;
         if (compare_names(library->materials[middle].material.name, name, length) < 0)

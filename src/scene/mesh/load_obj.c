@@ -1,10 +1,10 @@
-// Wavefront OBJ: the polygons of a file as one mesh. Format: Wavefront, "Object Files (.obj)",
+// Reads the polygons of a Wavefront OBJ file as one mesh. Format: Wavefront, "Object Files (.obj)",
 // appendix B1 of the Advanced Visualizer manual, 1995.
 //
 // A first pass over the text counts, so that every array is allocated once and every index can be
-// checked where it stands, even when it refers to a vertex further down. A second pass reads.
-// Polygons become fans around their first corner, which is right for convex ones; others are cut
-// differently from how a modeller would. Lines, points, curves and surfaces are skipped.
+// checked where it is used, even if it refers to a vertex further down. A second pass reads.
+// Polygons become fans around their first corner, which is right for convex polygons; others may be
+// divided differently from what a modeller does. Lines, points, curves and surfaces are skipped.
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"
@@ -20,25 +20,26 @@ struct obj_counts {
     uint64_t positions, texture_coordinates, normals;
     uint64_t triangles;
     uint64_t material_statements;
-    uint64_t colored_positions; // with six numbers
+    uint64_t colored_positions; // positions with six numbers, the last three a colour
 };
 
 struct obj_parser {
     struct scene *scene;
     struct arena scratch;
-    struct text_reader text, start; // the next character, and the file's first
+    struct text_reader text, start; // the current position, and the start of the file
     uint32_t default_material;      // SCENE_NONE: not made yet
     bool allow_outside_paths;
     struct obj_counts counts; // of the whole file
     struct obj_counts seen;   // by the second pass so far
     struct mtl_library library;
-    struct err missing_library; // why the first could not be read
+    struct err missing_library; // why the first missing library could not be read
     uint64_t missing_library_count, missing_library_line;
-    struct mtl_material *wanted_material; // of the next face; NULL: the default one
-    uint32_t material;                    // the same in the scene; SCENE_NONE until a face needs it
+    struct mtl_material *wanted_material; // material of the next faces; NULL: the default one
+    uint32_t material;                    // its index in the scene; SCENE_NONE until a face needs
+                                          // it
 
     float (*positions)[3];
-    double (*exact)[3]; // what these round; where it is needed
+    double (*exact)[3]; // positions before rounding, if they are needed
     float (*normals)[3];
     float (*uvs)[2];
     float (*colors)[4];              // of positions; NULL in a file without
@@ -60,7 +61,7 @@ enum obj_keyword {
     OBJ_USE_MATERIAL,
     OBJ_MATERIAL_LIBRARY,
     OBJ_NO_GEOMETRY, // names and groups
-    OBJ_SKIPPED,     // geometry of other kinds, or no OBJ at all
+    OBJ_SKIPPED,     // geometry of other kinds, or no OBJ statement
 };
 
 static enum obj_keyword read_keyword(struct text_reader *text)
@@ -77,7 +78,7 @@ static enum obj_keyword read_keyword(struct text_reader *text)
         {"g", OBJ_NO_GEOMETRY},
         {"s", OBJ_NO_GEOMETRY},
         {"usemtl", OBJ_USE_MATERIAL},
-        {"fo", OBJ_FACE}, // before version 3.0
+        {"fo", OBJ_FACE}, // the form before version 3.0
         {"mtllib", OBJ_MATERIAL_LIBRARY},
     };
     struct text_span word = text_word(text);
@@ -98,7 +99,7 @@ static uint64_t count_words(struct text_reader *text)
     return count;
 }
 
-// The path of a material library, NULL when it may not or cannot be used.
+// Returns the path of a material library, or NULL if it is not permitted or cannot be made.
 static char *library_path(struct obj_parser *parser, struct text_span name, struct err *err)
 {
     char *relative = text_copy(&parser->scratch, name);
@@ -114,8 +115,8 @@ static char *library_path(struct obj_parser *parser, struct text_span name, stru
     return file_resolve(&parser->scratch, &reference, relative, err);
 }
 
-// A library that is not there, or that may not be read, costs colours but no geometry: a
-// warning, and an error where the scene is strict.
+// A library that is missing or not permitted causes a warning, and an error if the scene is strict.
+// The geometry is loaded without its materials.
 static bool read_material_library(struct obj_parser *parser, struct err *err)
 {
     struct text_span name = text_rest_of_line(&parser->text);
@@ -174,10 +175,10 @@ static bool count_statement(struct obj_parser *parser, struct err *err)
     return true;
 }
 
-#define LINES_BETWEEN_LOOKS 262144 // at whether to stop
+#define LINES_BETWEEN_LOOKS 262144 // between polls of whether to stop
 
-// Calls `read` at the first word of every line that has one. `from`, `to`: the part of loading that
-// this is.
+// Calls `read` at the first word of every line that has one. `from` and `to` are the range of the
+// progress of loading.
 static bool for_each_statement(struct obj_parser *parser, const struct text_reader *start,
                                double from, double to,
                                bool (*read)(struct obj_parser *, struct err *), struct err *err)
@@ -197,7 +198,7 @@ static bool for_each_statement(struct obj_parser *parser, const struct text_read
 
 // --- the second pass: numbers --------------------------------------------------------------------
 
-// Colours behind positions (MeshLab's and others' extension) are sRGB-encoded in [0, 1].
+// Colours after positions (an extension of MeshLab and others) are sRGB-encoded in [0, 1].
 static bool read_color(struct obj_parser *parser, float color[4], struct err *err)
 {
     for (int c = 0; c < 3; c++) {
@@ -215,13 +216,13 @@ static bool read_texture_coordinate(struct obj_parser *parser, struct err *err)
     float *uv = parser->uvs[parser->seen.texture_coordinates++];
     if (!text_float(&parser->text, "a number after vt", &uv[0], err))
         return false;
-    float v = 0.0f; // the second may be left out
+    float v = 0.0f; // the second coordinate is optional
     text_take_float(&parser->text, &v);
-    uv[1] = 1.0f - v; // ours points downwards
+    uv[1] = 1.0f - v; // t points downwards in meshes
     return true;
 }
 
-// A weight behind the three numbers has no meaning for polygons.
+// A weight after the three numbers has no meaning for polygons and is ignored.
 static bool read_position(struct obj_parser *parser, struct err *err)
 {
     uint64_t index = parser->seen.positions++;
@@ -261,8 +262,8 @@ static bool read_normal(struct obj_parser *parser, struct err *err)
     return true;
 }
 
-// Reads one index and makes it count from 0. Positive ones count from 1 on over the whole file,
-// negative ones back from the last that was defined above.
+// Reads one index and converts it to count from 0. Positive indices count from 1 over the whole
+// file, negative ones back from the last element defined above.
 static bool read_index(struct obj_parser *parser, const char *what, uint64_t seen, uint64_t count,
                        uint32_t *out, struct err *err)
 {
@@ -349,7 +350,8 @@ static void select_material(struct obj_parser *parser)
         parser->unknown_material_line = parser->text.line;
 }
 
-// Sets parser->material for the faces that follow; only what faces use comes into the scene.
+// Sets parser->material for the faces that follow. Only materials that faces use are added to the
+// scene.
 static bool require_material(struct obj_parser *parser, struct err *err)
 {
     struct mtl_material *wanted = parser->wanted_material;
@@ -406,7 +408,7 @@ static bool allocate(struct obj_parser *parser, struct err *err)
                        parser->text.path, (unsigned long long)counts->positions,
                        (unsigned long long)counts->normals, (unsigned long long)counts->triangles);
     bool has_uvs = counts->texture_coordinates > 0;
-    // With normals or texture coordinates the vertices are made anew, and the positions as read are
+    // With normals or texture coordinates the vertices are made anew, so the positions as read are
     // scratch.
     bool merges = has_normals || has_uvs;
     parser->positions = arena_alloc(merges ? scratch : scene_arena, (size_t)counts->positions,
@@ -444,7 +446,7 @@ static bool allocate(struct obj_parser *parser, struct err *err)
 
 // --- the mesh ------------------------------------------------------------------------------------
 
-// One material for all triangles where they agree, else one for each.
+// Stores one material if all triangles have the same, else one for each triangle.
 static bool set_materials(struct obj_parser *parser, struct mesh *mesh, struct err *err)
 {
     const uint32_t *materials = parser->triangle_material;
@@ -467,7 +469,7 @@ static bool set_materials(struct obj_parser *parser, struct mesh *mesh, struct e
     return true;
 }
 
-// One vertex for each triple of position, normal and texture coordinates that a corner uses.
+// Makes one vertex for each triple of position, normal and texture coordinates that a corner uses.
 static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct vertex_list *list,
                            struct err *err)
 {
@@ -499,8 +501,8 @@ static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct 
     return true;
 }
 
-// Reads the positions again where single precision loses some of the mesh's form. `list`: the
-// file's vertices that the mesh's are made of; NULL: they are the same.
+// Reads the positions again, in double precision, if single precision loses details of the mesh.
+// `list`: the file's vertices from which the mesh's were made; NULL: they are the same.
 static bool read_exact(struct obj_parser *parser, const struct vertex_list *list, struct mesh *mesh,
                        struct err *err)
 {
@@ -557,7 +559,7 @@ static void warn_about(const struct obj_parser *parser)
                  path, (unsigned long long)parser->unknown_material_line,
                  parser->unknown_material_count);
     if (parser->bad_normal_count > 0)
-        log_warn("%s:%llu: a normal of no direction; the geometric one is used (%llu such lines)",
+        log_warn("%s:%llu: a normal of length zero; the geometric one is used (%llu such lines)",
                  path, (unsigned long long)parser->bad_normal_line,
                  (unsigned long long)parser->bad_normal_count);
 }

@@ -1,6 +1,6 @@
 // PLY, the Stanford triangle format (Turk 1994): ASCII and binary of both byte orders. Polygons
-// become fans around their first corner, triangle strips alternate their winding. What a mesh has
-// no use for is skipped by its declared size.
+// become fans around their first corner; triangle strips alternate their winding. Elements and
+// properties that a mesh does not use are skipped by their declared size.
 #include "scene/mesh/mesh_loader.h"
 #include "scene/mesh/ply_header.h"
 
@@ -21,13 +21,14 @@ struct ply_parser {
     struct text_reader text; // a byte position in binary files
     const char *start;       // of the file
     struct ply_header header;
-    // Where the data is being read, for messages.
+    // The place that is being read, for messages.
     const struct ply_element *element;
     uint64_t row;
 
     float (*positions)[3];
-    double (*exact)[3];          // a second pass over the vertices reads nothing else; or NULL
-    struct text_reader vertices; // where their rows begin
+    double (*exact)[3];          // not NULL in a second pass over the vertices, which reads only
+                                 // these
+    struct text_reader vertices; // where the rows of vertices begin
     float (*normals)[3];         // NULL without nx, ny, nz
     float (*uvs)[2];             // NULL without u, v
     float (*colors)[4];          // NULL without red, green, blue
@@ -37,8 +38,8 @@ struct ply_parser {
 
 // --- values --------------------------------------------------------------------------------------
 
-// "PATH: face 7: MESSAGE", with the line in ASCII files; rows count from 0 as in the file's
-// indices.
+// Fails with "PATH: face 7: MESSAGE", with the line in ASCII files. Rows count from 0 as the file's
+// indices do.
 static bool ply_fail(const struct ply_parser *parser, struct err *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -132,8 +133,8 @@ static bool read_value(struct ply_parser *parser, enum ply_type type, double *ou
                                               : read_binary_value(parser, type, out, err);
 }
 
-// Checks that `count` things of at least `size` bytes (a digit and a blank each in ASCII, where the
-// file's last needs no blank) can be in the rest of the file.
+// Checks that the rest of the file can hold `count` items of at least `size` bytes. In ASCII an
+// item takes at least a digit and a blank; the last one of the file needs no blank.
 static bool check_room(const struct ply_parser *parser, uint64_t count, uint64_t size,
                        struct err *err)
 {
@@ -148,7 +149,7 @@ static bool check_room(const struct ply_parser *parser, uint64_t count, uint64_t
 
 // --- faces ---------------------------------------------------------------------------------------
 
-// The corners of a polygon or strip so far.
+// The corners of a polygon or strip that were read so far.
 struct corner_run {
     uint64_t count;
     uint32_t first, before_last, last;
@@ -161,8 +162,8 @@ static bool add_polygon_corner(struct ply_parser *parser, struct corner_run *run
            triangle_list_add(&parser->triangles, run->first, run->last, corner, err);
 }
 
-// Every second triangle of a strip is turned so that all face the same side. Those with a repeated
-// corner only lead from one part of the strip to the next.
+// Every second triangle of a strip is reversed so that all face the same side. Triangles with a
+// repeated corner only connect parts of the strip and are omitted.
 static bool add_strip_corner(struct ply_parser *parser, struct corner_run *run, uint32_t corner,
                              struct err *err)
 {
@@ -226,8 +227,8 @@ static bool read_list(struct ply_parser *parser, const struct ply_property *prop
 
 // --- elements ------------------------------------------------------------------------------------
 
-// Colours of integers are sRGB-encoded, as scanners and painters write them; those of floats are
-// linear.
+// Integer colours are sRGB-encoded, as scanners and painting programs write them; floating-point
+// colours are linear.
 static float color_value(double value, enum ply_type type)
 {
     double most = type == PLY_U8 ? UINT8_MAX : type == PLY_U16 ? UINT16_MAX : 1.0;
@@ -256,7 +257,7 @@ static bool store_vertex(struct ply_parser *parser, const double values[VERTEX_V
     }
     if (parser->uvs) {
         parser->uvs[parser->row][0] = (float)values[USE_U];
-        parser->uvs[parser->row][1] = (float)(1.0 - values[USE_V]); // ours points downwards
+        parser->uvs[parser->row][1] = (float)(1.0 - values[USE_V]); // t points downwards in meshes
     }
     if (parser->colors)
         for (int c = 0; c < 4; c++)
@@ -306,7 +307,7 @@ static bool allocate_vertices(struct ply_parser *parser, struct err *err)
     return is_complete || err_memory(err, "vertices", count * 4 * sizeof *parser->positions);
 }
 
-#define ROWS_BETWEEN_LOOKS 262144 // at whether to stop
+#define ROWS_BETWEEN_LOOKS 262144 // between polls of whether to stop
 
 static bool read_each_row(struct ply_parser *parser, struct err *err)
 {
@@ -321,13 +322,13 @@ static bool read_each_row(struct ply_parser *parser, struct err *err)
     return true;
 }
 
-// Reads all rows of parser->element. Memory is only taken for rows that the file can hold.
+// Reads all rows of parser->element. Memory is only allocated for rows that the file can hold.
 static bool read_rows(struct ply_parser *parser, struct err *err)
 {
     const struct ply_element *element = parser->element;
     parser->row = 0;
     if (element->property_count == 0)
-        return true; // Such rows take no bytes, whatever their count.
+        return true; // such rows take no bytes, whatever their count
     bool is_ascii = parser->header.format == PLY_ASCII;
     uint64_t row_bytes = is_ascii ? 2 * element->property_count : element->min_row_bytes;
     if (!check_room(parser, element->count, row_bytes, err))
@@ -366,8 +367,8 @@ static bool build_mesh(struct ply_parser *parser, uint32_t default_material, str
                                  err);
 }
 
-// Reads the vertices again where single precision loses some of the mesh's form. In ASCII files the
-// digits count, whatever type is declared.
+// Reads the vertices again, in double precision, if single precision loses details of the mesh. In
+// ASCII files all digits count, whatever type is declared.
 static bool read_exact(struct ply_parser *parser, struct mesh *mesh, struct err *err)
 {
     if (!mesh_is_rounded(mesh))
@@ -390,7 +391,7 @@ static void warn_about(const struct ply_parser *parser)
     if (parser->triangles.count == 0)
         log_warn("%s: no faces", parser->text.path);
     if (parser->bad_normal_count > 0)
-        log_warn("%s: %llu normals of no direction; the geometric one is used", parser->text.path,
+        log_warn("%s: %llu normals of length zero; the geometric one is used", parser->text.path,
                  (unsigned long long)parser->bad_normal_count);
 }
 

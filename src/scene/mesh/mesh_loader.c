@@ -9,7 +9,7 @@
 
 bool mesh_unit_normal(const float direction[3], float out[3])
 {
-    // In double precision no square of a float overflows, and none but zero's is zero.
+    // In double precision no square of a float overflows, and only that of zero is zero.
     double wide[3];
     vec3_widen(direction, wide);
     double length = vec3_norm(wide);
@@ -34,7 +34,8 @@ bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors,
     return true;
 }
 
-// Where flattening gives a mesh an origin of its own, and where it warns: see flatten_census.c.
+// The limits above which flattening gives a mesh an origin of its own, and warns: see
+// flatten_census.c.
 #define ROUNDED_MESH_RATIO 16
 #define ROUNDED_TRIANGLE_RATIO 65536
 
@@ -48,7 +49,8 @@ static bool is_rounded(const struct bounds *bounds, double ratio)
     return farthest > ratio * extent;
 }
 
-// Corners that coincide may do so by rounding alone; exact ones do so in the file.
+// Rounded corners may coincide though they differ in the file, so the exact ones are compared if
+// there are any.
 static bool is_point(const struct mesh *mesh, const uint32_t corners[3],
                      const struct bounds *bounds)
 {

@@ -4,21 +4,21 @@
 
 #include "scene/core/scene.h"
 
-// Writes the unit vector along `direction`, or (0,0,0), a missing normal, and false where that has
-// no direction: zero or not finite.
+// Writes the unit vector along `direction`. If it is zero or not finite, writes (0,0,0), which
+// means a missing normal, and returns false.
 bool mesh_unit_normal(const float direction[3], float out[3]);
 
-// Sets *material to `given`, or to a new one when that is SCENE_NONE: grey, or white under colours
-// of vertices, which scale it.
+// Sets *material to `given`, or, if that is SCENE_NONE, to a new material: grey, or white if the
+// vertices have colours, which scale it.
 bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors, uint32_t *material,
                            struct err *err);
 
-// Returns whether single precision loses some of a mesh's form: it lies farther from its origin
-// than 16 times its size, or one of its triangles farther than 2^16 times its own. Judged by the
-// exact positions where there are some.
+// Returns whether single precision loses details of a mesh: it lies farther from its origin than 16
+// times its size, or one of its triangles farther than 2^16 times its own. Uses the exact positions
+// if there are any.
 bool mesh_is_rounded(const struct mesh *mesh);
-// Gives the mesh the exact positions of its vertices if it is rounded and they say more than its
-// positions do.
+// Gives the mesh the exact positions of its vertices if it is rounded and if they differ from its
+// positions.
 void mesh_keep_exact(struct mesh *mesh, double (*exact)[3]);
 
 // A list of triangles that grows in an arena.
@@ -28,14 +28,15 @@ struct triangle_list {
     uint32_t count, capacity;
 };
 
-// ERR_SYSTEM when memory is out, ERR_INPUT beyond 2^32 - 1 triangles.
+// ERR_SYSTEM when out of memory, ERR_INPUT beyond 2^32 - 1 triangles.
 bool triangle_list_reserve(struct triangle_list *list, uint64_t capacity, struct err *err);
 bool triangle_list_add(struct triangle_list *list, uint32_t a, uint32_t b, uint32_t c,
                        struct err *err);
 
 // --- vertices from corners -----------------------------------------------------------------------
 
-#define MESH_NO_INDEX UINT32_MAX // a corner without a normal, or without texture coordinates
+// index of a corner without a normal or without texture coordinates
+#define MESH_NO_INDEX UINT32_MAX
 
 struct vertex_list {
     uint32_t (*corners)[3]; // indices of position, normal and texture coordinates of each vertex
@@ -43,8 +44,8 @@ struct vertex_list {
 };
 
 // Makes one vertex for each triple of position, normal and texture coordinates that a corner uses,
-// in the order of first use. In: `indices` of positions, and of the others (or NULL); out:
-// `indices` of vertices. Memory comes from `scratch`.
+// in the order of first use. On entry `indices` are those of positions, and the others may be NULL;
+// on return `indices` are those of vertices. Memory comes from `scratch`.
 bool mesh_merge_corners(struct arena *scratch, uint64_t triangle_count, uint32_t (*indices)[3],
                         uint32_t (*normal_indices)[3], uint32_t (*uv_indices)[3],
                         struct vertex_list *out, struct err *err);
@@ -66,7 +67,7 @@ enum mtl_map_kind {
     MTL_MAP_OPACITY,   // map_d
     MTL_MAP_ROUGHNESS, // map_Pr
     MTL_MAP_METALLIC,  // map_Pm
-    MTL_MAP_BUMP,      // map_Bump, bump: read where it holds normals
+    MTL_MAP_BUMP,      // map_Bump, bump: used if it holds normals
     MTL_MAP_NORMAL,    // norm
     MTL_MAP_COUNT,
 };
@@ -74,28 +75,29 @@ enum mtl_map_kind {
 struct mtl_material {
     struct material material;
     struct mtl_map maps[MTL_MAP_COUNT];
-    const char *file;     // that it stands in
-    uint32_t order;       // of definition: the first of two with one name counts
+    const char *file;     // the file that defines it
+    uint32_t order;       // order of definition: of two materials with the same name, the first
+                          // counts
     uint32_t scene_index; // in the scene's materials; SCENE_NONE until a face uses it
 };
 
 // The materials of all MTL files of one OBJ file.
 struct mtl_library {
-    struct mtl_file *files; // that were read
+    struct mtl_file *files; // the files that were read
     struct mtl_material *materials;
     uint32_t count, capacity;
 };
 
-// Appends the materials of an MTL file, unless it was read before (many OBJ files name theirs again
-// and again); names and arrays live in `arena`. Which statements make which material stands in
-// mtl_material.c. Colours outside [0, 1] are clamped and negative emission becomes 0, with one
-// warning a file; so are spectral and XYZ colours and unknown maps skipped. *hash goes on over the
-// file's bytes. `path` lives as long as the library. *missing: there is no such file, or none that
-// can be read. err is not NULL here.
+// Appends the materials of an MTL file unless it was read before: many OBJ files name theirs
+// repeatedly. Names and arrays live in `arena`. mtl_material.c says which statements make which
+// material. Colours outside [0, 1] are clamped, negative emission becomes 0, and spectral and XYZ
+// colours and unknown maps are skipped, with one warning of each kind per file. Continues *hash
+// over the file's bytes. `path` must live as long as the library. *missing: the file does not exist
+// or cannot be read. err must not be NULL.
 bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library, uint64_t *hash,
               bool *missing, struct err *err);
 
-// The statements of one material; those not given are negative.
+// The statements of one material; numbers that are not given are negative.
 struct mtl_statements {
     const char *name; // NULL before the first newmtl
     float diffuse[3], specular[3], ambient[3], emission[3], filter[3]; // Kd Ks Ka Ke Tf
@@ -108,14 +110,14 @@ struct mtl_statements {
 void mtl_statements_init(struct mtl_statements *statements, const char *name);
 // mtl_material.c
 void mtl_material_make(const struct mtl_statements *statements, struct material *out);
-// Adds a library's material and its textures to the scene; textures that cannot be read cost
-// colours but no geometry: a warning each. `allow_outside`: of files that it names.
+// Adds a library's material and its textures to the scene. A texture that cannot be read is omitted
+// with a warning. `allow_outside`: files outside of the MTL file's folder may be named.
 bool mtl_material_add(struct scene *scene, struct mtl_material *wanted, bool allow_outside,
                       struct err *err);
 
 // Sorts the library by name for mtl_find.
 void mtl_sort(struct mtl_library *library);
-// NULL when there is none of that name.
+// Returns NULL if no material has that name.
 struct mtl_material *mtl_find(const struct mtl_library *library, const char *name, size_t length);
 
 #endif

@@ -1,19 +1,19 @@
-// From the statements of an MTL file to a material.
+// Makes a material from the statements of an MTL file.
 //
-// MTL describes what shaders of 1995 did, and exporters put physically based materials into its
-// words. What is made of them follows how today's exporters write them (Blender 3.6's, after its
-// manual), so that a material survives the way through the file:
-//   Pr, Pm, Ps, Pc, Pcr or aniso: principled, of these and Kd, Ks, Ni
+// MTL describes shaders of 1995, and exporters express physically based materials in its terms. The
+// mapping follows today's exporters (Blender 3.6, after its manual), so that a material survives
+// export and import:
+//   Pr, Pm, Ps, Pc, Pcr or aniso: principled, with these and Kd, Ks, Ni
 //   illum 5, and 3 with a black Kd: a perfect mirror of reflectance Ks
 //   illum 4, 6, 7, 9: glass of index Ni and colour Tf
-//   illum 3: a metal of colour Kd, by as much as Ka says, of the roughness that Ns says
-//   illum 2 and a Ks: principled, specular = the mean of Ks, of the roughness that Ns says
+//   illum 3: a metal of colour Kd, weighted by Ka, with the roughness that follows from Ns
+//   illum 2 and a Ks: principled, specular = the mean of Ks, with the roughness from Ns
 //   all others: Lambert of reflectance Kd
-// A principled material whose file says Ks 0 reflects nothing but as a metal: 1995's shaders have
-// no highlight then, and neither has Blender's principled one, at grazing angles included.
-// A principled material's diffuse part is Lambert's, as Kd is, and its layers are mixed as glTF's.
-// with roughness = 1 - sqrt(Ns / 1000), Ns at most 1000. d below 1, or map_d, makes it partly
-// absent.
+//
+// Here roughness = 1 - sqrt(Ns / 1000), Ns at most 1000. d below 1, or map_d, is an opacity.
+// A principled material with Ks 0 reflects only as a metal: 1995's shaders have no highlight then,
+// and neither has Blender's principled material, at grazing angles included. A principled
+// material's diffuse part is Lambert's, as Kd is, and its layers are mixed as glTF's are.
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"
@@ -67,7 +67,7 @@ static float roughness_of(const struct mtl_statements *read)
     return given(read->roughness, 1.0f - sqrtf(exponent / sharpest));
 }
 
-// An index that a file gives as 0 or not at all is a glass's.
+// Returns the index of refraction; that of glass if the file gives 0 or none.
 static float ior_of(const struct mtl_statements *read)
 {
     return read->ior > 0.01f ? read->ior : 1.5f;
@@ -117,7 +117,7 @@ void mtl_material_make(const struct mtl_statements *read, struct material *out)
             out->base_color[c] = given(read->specular[c], 1.0f);
     } else if (model == 4 || model == 6 || model == 7 || model == 9) {
         make_glass(read, out);
-        out->opacity = 1.0f; // here d says how much is refracted
+        out->opacity = 1.0f; // here d is the amount of refraction
     } else if (is_principled || (model == 2 && mean_of(read->specular) > 0.0f)) {
         make_principled(read, out);
     } else if (model == 3) {
@@ -144,14 +144,14 @@ static bool load_image(struct scene *scene, const struct mtl_material *wanted,
 }
 
 // Returns whether a bump map holds tangent-space normals, as many exporters write them, and not
-// heights: those point outwards on the whole.
+// heights: normals point outwards on average.
 static bool holds_normals(const struct texture_image *image)
 {
     return fabsf(image->mean[0] - 0.5f) < 0.2f && fabsf(image->mean[1] - 0.5f) < 0.2f &&
            image->mean[2] > 0.75f;
 }
 
-// Applies a map to the material; false where it does nothing.
+// Applies a map to the material. Returns false if it has no effect.
 static bool use_map(enum mtl_map_kind kind, const struct mtl_map *map,
                     const struct texture_image *image, struct material *material,
                     struct texture *texture)
@@ -184,7 +184,7 @@ static bool use_map(enum mtl_map_kind kind, const struct mtl_map *map,
     }
 }
 
-// Parameters that a map scales but the file leaves at nothing are meant to be the map's.
+// A black colour or a metallic of 0 would hide the map that scales it, so it becomes 1.
 static void free_scaled(enum mtl_map_kind kind, struct material *material)
 {
     float *color = kind == MTL_MAP_DIFFUSE    ? material->base_color

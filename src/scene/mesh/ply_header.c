@@ -1,4 +1,4 @@
-// The header of PLY files: lines of words up to "end_header".
+// Reads the header of PLY files: lines of words up to "end_header".
 #include "scene/mesh/ply_header.h"
 
 #include <string.h>
@@ -196,7 +196,7 @@ static bool read_header_line(struct header_parser *parser, bool *is_last, struct
     return text_unexpected(&start, "a line of a PLY header", err);
 }
 
-// Checks what only the whole header tells.
+// Checks what is only known after the whole header.
 static bool check_header(const struct ply_header *header, const char *path, struct err *err)
 {
     const uint32_t needed = 1u << USE_X | 1u << USE_Y | 1u << USE_Z;
@@ -220,7 +220,7 @@ bool ply_read_header(struct arena *arena, struct text_reader *text, struct ply_h
     struct text_reader start = *text;
     if (!text_equals(text_word(text), "ply"))
         return text_unexpected(&start, "'ply', the first line of a PLY file", err);
-    // Where lines end with CR alone, an LF behind the header would be data.
+    // If lines end with CR alone, an LF after the header is data.
     bool has_bare_cr = text->at[0] == '\r' && text->at[1] != '\n';
     bool is_last = false;
     while (!is_last) {

@@ -1,11 +1,12 @@
-// Which meshes of a scene need tangents, and along which texture coordinates.
+// Finds the meshes of a scene that need tangents, and the texture coordinates along which they need
+// them.
 #include "scene/mesh/tangents.h"
 
-#define NO_SET 2u            // of texture coordinates
-#define LOOKS_PER_POLL 65536 // at materials, between looks at whether to stop
+#define NO_SET 2u            // no texture coordinates
+#define LOOKS_PER_POLL 65536 // materials between polls of whether to stop
 
-// The set that tangents are to follow: the normal map's, else that of the texture that turns the
-// anisotropy; NO_SET where the material needs none.
+// Returns the texture coordinates that tangents must follow: the normal map's, or else those of the
+// texture that rotates the anisotropy; NO_SET if the material needs no tangents.
 static uint32_t material_uv_set(const struct scene *scene, uint32_t index)
 {
     const struct material *material = &scene->materials[index];
@@ -21,7 +22,7 @@ static uint32_t material_uv_set(const struct scene *scene, uint32_t index)
     return set;
 }
 
-// That of the first of its triangles' materials that needs tangents.
+// Returns the texture coordinates of the first material of its triangles that needs tangents.
 static uint32_t instance_uv_set(const struct scene *scene, const struct instance *instance)
 {
     const struct mesh *mesh = &scene->meshes[instance->mesh];

@@ -1,6 +1,6 @@
-// Which corners share a tangent, after Mikkelsen 2008 and the rules of his program: those at a
-// vertex of the same position, normal and texture coordinates whose triangles are connected by
-// edges there and mapped with the same orientation.
+// Finds the corners that share a tangent, after Mikkelsen 2008 and the rules of his program:
+// corners of the same position, normal and texture coordinates whose triangles are connected by
+// edges at that vertex and mapped with the same orientation.
 #include "scene/mesh/tangent_groups.h"
 
 #include "scene/core/affine.h"
@@ -10,7 +10,7 @@
 
 // --- triangles -----------------------------------------------------------------------------------
 
-// The two edges from the triangle's first corner.
+// Writes the two edges from the triangle's first corner.
 static void triangle_edges(const struct tangent_work *work, uint32_t triangle, double edges[2][3])
 {
     double p[3][3];
@@ -110,7 +110,7 @@ static struct vertex_key key_of(const struct tangent_work *work, uint32_t corner
     for (int i = 0; i < 2; i++)
         key.numbers[6 + i] = (double)work->uvs[vertex][i];
     for (int i = 0; i < 8; i++)
-        key.numbers[i] += 0.0; // the two zeros are one
+        key.numbers[i] += 0.0; // turns -0 into 0
     return key;
 }
 
@@ -123,7 +123,8 @@ static uint32_t *vertex_chain(const struct tangent_work *work, const struct vert
     return &work->heads[hash & work->mask];
 }
 
-// Returns whether the mesh itself has a normal for a vertex: then all corners there are the same.
+// Returns whether the mesh has a normal for a vertex: then all corners that use the vertex are the
+// same.
 static bool has_normal(const struct tangent_work *work, uint32_t vertex)
 {
     const float *normal = work->mesh->normals ? work->mesh->normals[vertex] : NULL;
@@ -138,7 +139,8 @@ static bool is_same_key(const struct vertex_key *a, const struct vertex_key *b)
     return true;
 }
 
-// The first corner that is the same vertex; *chain: where it is put when it is that itself.
+// Returns the first corner that is the same vertex. If that is `corner` itself, *chain is where to
+// insert it.
 static uint32_t find_same(struct tangent_work *work, uint32_t corner, uint32_t **chain)
 {
     const struct vertex_key key = key_of(work, corner);
@@ -152,7 +154,7 @@ static uint32_t find_same(struct tangent_work *work, uint32_t corner, uint32_t *
     return corner;
 }
 
-// known: for each of the mesh's vertices TANGENT_NONE.
+// known: TANGENT_NONE for each of the mesh's vertices.
 static void weld_corners(struct tangent_work *work, uint32_t *known)
 {
     clear_table(work);
@@ -171,14 +173,14 @@ static void weld_corners(struct tangent_work *work, uint32_t *known)
     }
 }
 
-// Where the chain of edges from one welded vertex to another begins.
+// Returns the start of the hash chain of edges from one welded vertex to another.
 static uint32_t *edge_chain(const struct tangent_work *work, uint32_t from, uint32_t to)
 {
     return &work->heads[mix_bits((uint64_t)from << 32 | to) & work->mask];
 }
 
-// Two triangles are connected when they pass the same edge in opposite directions. Where more than
-// two meet at an edge, the first that are free are paired.
+// Two triangles are connected when they traverse the same edge in opposite directions. If more than
+// two meet at an edge, each is paired with the first that is unpaired.
 static void connect_triangles(struct tangent_work *work)
 {
     clear_table(work);
@@ -208,7 +210,8 @@ static void connect_triangles(struct tangent_work *work)
 
 // --- groups --------------------------------------------------------------------------------------
 
-// Puts a corner into a group; returns how many triangles it has put on the stack.
+// Adds a corner to a group and pushes the triangles across its two edges; returns the new height of
+// the stack.
 static uint32_t join(struct tangent_work *work, uint32_t corner, uint32_t group, uint32_t stacked)
 {
     const uint32_t neighbors[2] = {work->across[corner],
@@ -220,7 +223,7 @@ static uint32_t join(struct tangent_work *work, uint32_t corner, uint32_t group,
     return stacked;
 }
 
-// Returns whether the triangle has the orientation; one without any takes it.
+// Returns whether the triangle has the orientation; a triangle without one takes it.
 static bool has_orientation(struct tangent_work *work, uint32_t triangle, bool is_mirrored)
 {
     uint8_t *flags = &work->flags[triangle];
@@ -229,8 +232,8 @@ static bool has_orientation(struct tangent_work *work, uint32_t triangle, bool i
     return ((*flags & TANGENT_MIRRORED) != 0) == is_mirrored;
 }
 
-// All corners at one welded vertex that are reached from `start` over edges. A triangle is stacked
-// at most twice by each of its neighbours: 2 * triangle_count + 2 places are enough.
+// Adds all corners at one welded vertex that are reached from `start` over edges. Each neighbour
+// pushes a triangle at most twice, so the stack needs at most 2 * triangle_count + 2 places.
 static void flood(struct tangent_work *work, uint32_t start, uint32_t group)
 {
     uint32_t vertex = work->weld[start];
@@ -245,8 +248,8 @@ static void flood(struct tangent_work *work, uint32_t start, uint32_t group)
     }
 }
 
-// Gives a group to corners that flood() left out: that of the same vertex in another triangle, else
-// one of their own. lent: corner_count places.
+// Gives a group to corners that flood() did not reach: that of the same vertex in another triangle,
+// or else a new one. lent: scratch memory of corner_count elements.
 static void group_the_rest(struct tangent_work *work, uint32_t *lent)
 {
     for (uint32_t c = 0; c < work->corner_count; c++)
@@ -272,7 +275,7 @@ static void group_corners(struct tangent_work *work)
         if (!(work->flags[c / 3] & (TANGENT_NO_AREA | TANGENT_NO_MAP)) &&
             work->group[c] == TANGENT_NONE)
             flood(work, c, work->group_count++);
-    group_the_rest(work, work->next); // the chains are done with
+    group_the_rest(work, work->next); // the chains are no longer needed
 }
 
 // --- the whole -----------------------------------------------------------------------------------

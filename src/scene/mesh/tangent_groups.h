@@ -1,4 +1,4 @@
-// The groups of corners that share a tangent. Internal to scene/: the first half of tangents.c.
+// Groups of corners that share a tangent: the first half of tangents.c. Internal to scene/.
 #ifndef LAMPYRIS_SCENE_MESH_TANGENT_GROUPS_H
 #define LAMPYRIS_SCENE_MESH_TANGENT_GROUPS_H
 
@@ -6,12 +6,12 @@
 
 #define TANGENT_NONE UINT32_MAX
 
-// Of triangles.
+// Flags of triangles.
 enum {
-    TANGENT_MIRRORED = 1, // its picture is turned over
-    TANGENT_NO_AREA = 2,  // two corners in one place: takes part in nothing
-    TANGENT_NO_MAP = 4,   // no direction of u or v: goes along with its neighbours
-    TANGENT_ORIENTED = 8, // TANGENT_NO_MAP, and has joined a group, whose orientation it took
+    TANGENT_MIRRORED = 1, // its texture is mirrored
+    TANGENT_NO_AREA = 2,  // two corners coincide: it is ignored
+    TANGENT_NO_MAP = 4,   // its texture coordinates give no direction: it follows its neighbours
+    TANGENT_ORIENTED = 8, // TANGENT_NO_MAP, and it has joined a group, whose orientation it took
 };
 
 // A corner is 3 * triangle + 0, 1 or 2; its edge leads to the triangle's next corner.
@@ -20,21 +20,22 @@ struct tangent_work {
     const struct mesh *mesh;
     const float (*uvs)[2];
     uint32_t corner_count;
-    uint8_t *flags;   // of triangles
-    uint32_t *weld;   // of corners: the first corner that is the same vertex
-    uint32_t *across; // of corners: the triangle on the other side of the edge, or TANGENT_NONE
-    uint32_t *group;  // of corners
+    uint8_t *flags;   // of each triangle
+    uint32_t *weld;   // for each corner, the first corner that is the same vertex
+    uint32_t *across; // for each corner, the triangle on the other side of its edge, or
+                      // TANGENT_NONE
+    uint32_t *group;  // for each corner, its group
     uint32_t group_count;
-    // A hash table of corners: chains begin at heads[hash & mask] and go on in ascending order.
+    // A hash table of corners: chains begin at heads[hash & mask] and are in ascending order.
     uint32_t *heads, *next;
     uint32_t mask;
     uint32_t *stack;                 // of triangles
-    const struct progress *progress; // NULL: nobody listens
-    uint64_t steps;                  // of loops, so far
-    bool is_stopped;                 // what has been made is not whole
+    const struct progress *progress; // NULL: no listener
+    uint64_t steps;                  // loop iterations so far
+    bool is_stopped;                 // stopped by the listener: the results are incomplete
 };
 
-// For loops over corners and triangles: whether to go on.
+// Loops over corners and triangles call this; returns whether to go on.
 static inline bool tangent_goes_on(struct tangent_work *work)
 {
     work->is_stopped = work->is_stopped || progress_stops_at(work->progress, ++work->steps);
@@ -42,7 +43,7 @@ static inline bool tangent_goes_on(struct tangent_work *work)
 }
 
 // Fills in the arrays of *work, whose mesh, uvs and corner_count are set; memory comes from its
-// arena. False when that is out, or when asked to stop.
+// arena. Returns false when out of memory or when the listener wants to stop.
 bool tangent_groups_make(struct tangent_work *work);
 
 static inline uint32_t tangent_next_corner(uint32_t corner)
@@ -60,11 +61,12 @@ static inline uint32_t tangent_vertex(const struct tangent_work *work, uint32_t 
     return work->mesh->indices[corner / 3][corner % 3];
 }
 
-// The mesh's normal at a corner, else the triangle's, of unit length; zero where neither has one.
+// Writes the mesh's normal at a corner, or else the triangle's, of unit length; zero if neither
+// exists.
 void tangent_corner_normal(const struct tangent_work *work, uint32_t corner, double out[3]);
 
-// The directions of growing u and v, of unit length: Mikkelsen 2008, section 3.3. Sets *is_mirrored
-// by the orientation of (u, v) with v upwards. False when the texture coordinates give no
+// Computes the unit directions of growing u and v: Mikkelsen 2008, section 3.3. Sets *is_mirrored
+// by the orientation of (u, v) with v upwards. Returns false when the texture coordinates give no
 // direction.
 bool tangent_directions(const struct tangent_work *work, uint32_t triangle, double along_u[3],
                         double along_v[3], bool *is_mirrored);

@@ -1,5 +1,6 @@
-// Tangents after Mikkelsen 2008. A group of corners has the mean of its triangles' directions of
-// growing u, projected onto the plane of the normal and weighted by the angle at the corner.
+// Tangents after Mikkelsen 2008: the tangent of a group of corners is the mean of its triangles'
+// directions of growing u, projected onto the plane of the normal and weighted by the angle at the
+// corner.
 #include "scene/mesh/tangents.h"
 
 #include "scene/core/affine.h"
@@ -10,7 +11,8 @@
 
 // --- directions ----------------------------------------------------------------------------------
 
-// The part of v in the plane of the unit normal, of unit length; false when there is none.
+// Replaces v by its part in the plane of the unit normal, normalized. Returns false if that is
+// zero.
 static bool project(const double normal[3], double v[3])
 {
     double along = vec3_dot(normal, v);
@@ -19,7 +21,7 @@ static bool project(const double normal[3], double v[3])
     return vec3_normalize(v);
 }
 
-// The angle at a corner, between the edges as seen along the normal.
+// Returns the angle at a corner between its edges, projected along the normal.
 static double corner_angle(const struct tangent_work *work, uint32_t corner, const double normal[3])
 {
     double at[3], edges[2][3];
@@ -34,14 +36,14 @@ static double corner_angle(const struct tangent_work *work, uint32_t corner, con
     return acos(fmin(fmax(vec3_dot(edges[0], edges[1]), -1), 1));
 }
 
-// Of a group.
+// The tangent direction of a group.
 struct direction {
-    double sum[3]; // of the directions of growing u, by angle
+    double sum[3]; // sum of the directions of growing u, weighted by angle
     bool is_mirrored;
 };
 
-// The directions of growing u and v at a corner, in the plane of its normal; false where the
-// triangle has none.
+// Computes the directions of growing u and v at a corner, in the plane of its normal. Returns false
+// if the triangle has none.
 static bool corner_directions(const struct tangent_work *work, uint32_t corner, double along_u[3],
                               double along_v[3], bool *is_mirrored)
 {
@@ -53,7 +55,7 @@ static bool corner_directions(const struct tangent_work *work, uint32_t corner, 
            project(normal, along_u) && project(normal, along_v);
 }
 
-// Adds a corner to the mean, where it has `along_u`.
+// Adds a corner, with direction `along_u`, to the sum.
 static void add_corner(const struct tangent_work *work, uint32_t corner, const double along_u[3],
                        bool is_mirrored, struct direction *direction)
 {
@@ -67,9 +69,9 @@ static void add_corner(const struct tangent_work *work, uint32_t corner, const d
 
 // --- opposite directions -------------------------------------------------------------------------
 
-// In Mikkelsen's program a corner leaves out of its mean the triangles that are mapped the opposite
-// way from its own: those whose cosine, in single precision, is -1. They meet at poles of spheres
-// that have one vertex there.
+// In Mikkelsen's program the mean at a corner omits triangles that are mapped in the opposite
+// direction: those whose cosine with its own direction, in single precision, is -1. They meet at
+// poles of spheres that have one vertex there.
 
 static bool is_opposite(const double a[3], const double b[3])
 {
@@ -79,10 +81,10 @@ static bool is_opposite(const double a[3], const double b[3])
     return dot <= -1.0f;
 }
 
-// The corners of each group, one group after the other.
+// The corners sorted by group.
 struct members {
     uint32_t *corners;
-    uint32_t *first; // of groups, and one more
+    uint32_t *first; // for each group, and one more
 };
 
 static bool list_members(struct tangent_work *work, struct members *members)
@@ -91,7 +93,8 @@ static bool list_members(struct tangent_work *work, struct members *members)
     members->first = ARENA_NEW(&work->arena, uint32_t, (size_t)work->group_count + 2);
     if (!members->corners || !members->first)
         return false;
-    // Counted two places on, summed up, and moved one place on while they are filled in.
+    // A counting sort: the counts are stored two places further and shifted by one while filling
+    // in.
     for (uint32_t c = 0; c < work->corner_count; c++)
         members->first[work->group[c] + 2]++;
     for (uint32_t g = 1; g <= work->group_count; g++)
@@ -101,7 +104,7 @@ static bool list_members(struct tangent_work *work, struct members *members)
     return true;
 }
 
-// The mean at corner `own` of a group; false when nothing is left out of it.
+// Computes the sum at corner `own` of a group; returns false when nothing is omitted from it.
 static bool sum_without_opposites(const struct tangent_work *work, uint32_t own,
                                   const uint32_t *corners, uint32_t count, struct direction *out)
 {
@@ -120,7 +123,7 @@ static bool sum_without_opposites(const struct tangent_work *work, uint32_t own,
     return !is_complete;
 }
 
-// Beyond this many triangles at a vertex, whose pairs would take seconds, all are in the mean.
+// Above this number of triangles at a vertex, whose pairs would take seconds, nothing is omitted.
 #define MOST_COMPARED 4096
 
 static bool is_same_sum(const struct direction *a, const struct direction *b)
@@ -128,8 +131,8 @@ static bool is_same_sum(const struct direction *a, const struct direction *b)
     return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1] && a->sum[2] == b->sum[2];
 }
 
-// Gives the corners of one group that leave others out groups of their own, shared by those with
-// the same sum. directions: of all groups so far, with room for one more a corner.
+// Moves the corners of one group that omit others into new groups, one for each distinct sum.
+// directions: of all groups so far, with room for one more for each corner.
 static void divide_group(struct tangent_work *work, const uint32_t *corners, uint32_t count,
                          struct direction *directions)
 {
@@ -148,8 +151,8 @@ static void divide_group(struct tangent_work *work, const uint32_t *corners, uin
     }
 }
 
-// Sums up a group. Returns whether some of its corners may be opposite: two directions that are
-// both on the side of a third one, the first corner's, are not.
+// Sums up a group. Returns whether some of its corners may be opposite: two directions that both
+// lie on the side of a third one, the first corner's, are not.
 static bool sum_group(const struct tangent_work *work, const uint32_t *corners, uint32_t count,
                       struct direction *out)
 {
@@ -169,8 +172,8 @@ static bool sum_group(const struct tangent_work *work, const uint32_t *corners, 
     return is_wide;
 }
 
-// The directions of all groups, after the corners with opposites have been given their own; NULL
-// when out of memory.
+// Computes the directions of all groups, after corners with opposites were moved to new groups;
+// NULL when out of memory.
 static struct direction *sum_directions(struct tangent_work *work)
 {
     struct members members;
@@ -187,7 +190,7 @@ static struct direction *sum_directions(struct tangent_work *work)
     }
     if (wide_corners == 0 || work->is_stopped)
         return directions;
-    // One place more for a sum that is compared before it is kept.
+    // One more element, for a sum that is compared before it is kept.
     struct direction *all =
         ARENA_NEW(&work->arena, struct direction, (size_t)groups + wide_corners + 1);
     if (!all)
@@ -202,8 +205,8 @@ static struct direction *sum_directions(struct tangent_work *work)
 
 // --- tangents ------------------------------------------------------------------------------------
 
-// Where nothing says which way u grows, any direction in the plane of the normal will do: along the
-// axis that is farthest from the normal.
+// If no direction of growing u is known, any direction in the plane of the normal will do: along
+// the axis that is farthest from the normal.
 static void any_tangent(const double normal[3], double out[3])
 {
     int axis = 0;
@@ -231,13 +234,13 @@ static void corner_tangent(const struct tangent_work *work, uint32_t corner,
 
 // --- vertices ------------------------------------------------------------------------------------
 
-// The vertices that the mesh will have: one for each pair of an old one and a group.
+// The vertices of the result: one for each pair of an old vertex and a group.
 struct split {
     uint32_t count;
-    uint32_t *source, *corner; // of new vertices: the old one, a corner that uses it
-    uint32_t *next;            // of new vertices: another one of the same old vertex
-    uint32_t *first;           // of old vertices: a new one, or TANGENT_NONE
-    uint32_t *new_vertex;      // of corners
+    uint32_t *source, *corner; // for each new vertex: the old one, and a corner that uses it
+    uint32_t *next;            // for each new vertex: another new one of the same old vertex
+    uint32_t *first;           // for each old vertex: a new one, or TANGENT_NONE
+    uint32_t *new_vertex;      // for each corner
 };
 
 static bool split_vertices(struct tangent_work *work, struct split *split)
@@ -271,7 +274,7 @@ static bool split_vertices(struct tangent_work *work, struct split *split)
     return true;
 }
 
-// Copies elements of `size` bytes to where the new vertices are; NULL stays NULL.
+// Copies elements of `size` bytes to the new vertices; NULL stays NULL.
 static bool take_elements(const struct split *split, struct arena *arena, size_t size, void *array)
 {
     const char *old;

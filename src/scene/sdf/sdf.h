@@ -1,5 +1,6 @@
-// Signed distance fields on the host: from the tree of a description to a program (shared/sdf.h).
-// docs/distance-fields.md derives what keeps the program's value below the distance.
+// Signed distance fields on the host: compiles the tree of a description to a program
+// (shared/sdf.h). docs/distance-fields.md derives why the program's value is a lower bound of the
+// distance.
 #ifndef LAMPYRIS_SCENE_SDF_SDF_H
 #define LAMPYRIS_SCENE_SDF_SDF_H
 
@@ -8,53 +9,57 @@
 #include "scene/core/scene.h"
 #include "shared/sdf.h"
 
-// A shape, or an operation on its children. Numbers are those of struct gpu_sdf_instruction, before
-// the compiler's own.
+// A node of the tree: a shape, or an operation on its children. The operands are those of struct
+// gpu_sdf_instruction before compilation.
 struct sdf_node {
-    const struct json_node *place; // of the description, for messages
+    const struct json_node *place; // the node in the description, for messages
     uint32_t op;                   // SDF_SPHERE … SDF_SHELL, SDF_REPEAT, SDF_TWIST, SDF_MIRROR
     double a[3], b[4];
-    struct sdf_node *children; // of an operation
-    double (*balls)[4];        // of metaballs
-    uint32_t count;            // of either
-    bool is_placed;            // rotated, moved or scaled by
+    struct sdf_node *children; // operands of an operation
+    double (*balls)[4];        // centres and radii of metaballs
+    uint32_t count;            // number of children or of balls
+    bool is_placed;            // `to_parent` rotates, translates or scales it
     double to_parent[3][4];
-    double scale; // of to_parent
+    double scale; // scale factor of to_parent
 };
 
-#define SDF_ENDLESS 1e30 // cells of a repetition on each side: more than coordinates can tell apart
+// number of cells on each side that stands for infinite repetition: coordinates cannot resolve more
+#define SDF_ENDLESS 1e30
 
-// Where, in its parent's space, the node's field is at most `level` (in the parent's metres; at
-// least 0): a box that contains it, without end where nothing is known to end it.
+// Returns a box in the parent's space that contains all points where the node's field is at most
+// `level` (in the parent's metres; at least 0). The box is infinite where no bound is known.
 struct bounds sdf_solid(const struct sdf_node *node, double level);
-// Returns whether the field is the same on both sides of the plane through the origin across the
+// Returns whether the field is symmetric about the plane through the origin perpendicular to the
 // axis.
 bool sdf_is_symmetric(const struct sdf_node *node, int axis);
 
-// What depends on where the field is evaluated: fills in the factors of twists and of metaballs.
+// Properties that depend on the domain in which the field is evaluated; sdf_spread_domain also sets
+// the factors of twists and of metaballs.
 struct sdf_spread {
     double magnitude; // largest |coordinate|, in metres of the root
-    double lipschitz; // most that some shape's field fell in a metre before its factor
-    bool grew;        // some factor had to become smaller than it was
+    double lipschitz; // upper bound of the gradient of all shapes' fields before their factors
+    bool grew;        // some factor had to be decreased
 };
 void sdf_spread_domain(struct sdf_node *node, const struct bounds *domain,
                        struct sdf_spread *spread);
 
-// An upper bound of the gradient's length of the balls' sum.
+// Returns an upper bound of the length of the gradient of the sum of the balls.
 double sdf_metaballs_gradient(const double (*balls)[4], uint32_t count);
 
-// What makes Mandelbulbs and packings lower bounds of the distance, found by trials.
+// Returns the factor, found by experiments, that makes the estimates of Mandelbulbs and packings
+// lower bounds of the distance.
 double sdf_fractal_factor(const struct sdf_node *node);
 
-// The box is the solid's, cut by `clip` if that is not NULL; a field without end needs one.
-// ERR_INPUT at the node whose fault it is. Memory comes from the arena; the tree is not needed any
-// more. The tree's factors are filled in.
+// Compiles a tree. The box of the result is the solid's, cut by `clip` if that is not NULL; an
+// infinite field needs `clip`. ERR_INPUT names the node that causes it. Memory comes from the
+// arena; the tree is not needed afterwards. Sets the factors in the tree.
 bool sdf_compile(struct sdf_node *root, const struct bounds *clip, struct arena *arena,
                  struct sdf *out, struct err *err);
 
-// Centre and axes of the shape that is the field in its own space.
+// Sets centre and axes of a shape so that the field is in its own space.
 void sdf_place(const struct sdf *sdf, struct shape *shape);
-// Its own space to the world: rotation or reflection, translation, uniform scale.
+// Computes the map from the field's space to the world: rotation or reflection, translation,
+// uniform scale.
 void sdf_to_world(const struct sdf *sdf, const struct shape *shape, double m[3][4]);
 
 #endif

@@ -1,5 +1,5 @@
-// Where distance fields are: boxes of sublevel sets from the leaves up, domains from the root down,
-// and the factors that follow from these.
+// Bounds of distance fields: boxes of sublevel sets from the leaves to the root, domains from the
+// root to the leaves, and the factors that follow from these.
 #include "scene/sdf/sdf.h"
 
 #include "scene/core/affine.h"
@@ -14,7 +14,7 @@ static struct bounds box_of_halves(double x, double y, double z, double level)
     return (struct bounds){{-x - level, -y - level, -z - level}, {x + level, y + level, z + level}};
 }
 
-// As affine_box(), for boxes without end too: a factor that is 0 but for rounding counts as 0.
+// Like affine_box(), for infinite boxes too: a factor that is 0 up to rounding counts as 0.
 static struct bounds move_box(const double m[3][4], double scale, const struct bounds *box)
 {
     struct bounds out;
@@ -48,7 +48,7 @@ static struct bounds intersect(const struct bounds *a, const struct bounds *b)
 
 // --- boxes of shapes -----------------------------------------------------------------------------
 
-// Distances are exact: the set at a level is the solid and what is as near as that.
+// The distance is exact: the sublevel set is the solid and all points within `level` of it.
 static struct bounds capsule_box(const struct sdf_node *n, double level)
 {
     struct bounds box = BOUNDS_EMPTY;
@@ -69,7 +69,7 @@ static struct bounds solid_angle_box(const struct sdf_node *n, double level)
     return box;
 }
 
-// Below its height along the normal: an end only where the normal is an axis.
+// The half-space below the height along the normal: it is bounded only if the normal is an axis.
 static struct bounds plane_box(const struct sdf_node *n, double level)
 {
     struct bounds box = EVERYWHERE;
@@ -84,7 +84,7 @@ static struct bounds plane_box(const struct sdf_node *n, double level)
     return box;
 }
 
-// No further than the balls reach; what is farther than the level from them all is outside too.
+// The set is within the radii of the balls, and within `level` of one of them.
 static struct bounds metaballs_box(const struct sdf_node *n, double level)
 {
     struct bounds box = BOUNDS_EMPTY;
@@ -96,8 +96,8 @@ static struct bounds metaballs_box(const struct sdf_node *n, double level)
     return box;
 }
 
-// The set's points have not escaped after the iterations: |z'| >= |z|^power - |c|, so that beyond
-// the radius sought they have.
+// Points of the set have not escaped after the iterations. As |z'| >= |z|^power - |c|, points
+// beyond this radius have.
 static double mandelbulb_radius(const struct sdf_node *n)
 {
     double low = 1, high = n->a[2];
@@ -140,16 +140,17 @@ static struct bounds shape_box(const struct sdf_node *n, double level)
         return metaballs_box(n, level);
     case SDF_MENGER:
         return box_of_halves(a[0], a[0], a[0], level);
-    case SDF_PYRAMID: // of tetrahedra: planes at sqrt(3) times a corner's coordinate
+    case SDF_PYRAMID: // made of tetrahedra: its planes are at sqrt(3) times a corner's coordinate
         radius = a[0] + sqrt(3) * level;
         return box_of_halves(radius, radius, radius, 0);
     case SDF_MANDELBULB:
-        // Its value falls short of the distance: at levels above 0 by what is not known.
+        // Its value is less than the distance by an unknown amount, so the sets at levels above 0
+        // are not bounded.
         if (level > 0)
             return EVERYWHERE;
         radius = mandelbulb_radius(n);
         return box_of_halves(radius, radius, radius, 0);
-    default: // gyroid, packing: they fill space
+    default: // gyroid and packing fill space
         return EVERYWHERE;
     }
 }
@@ -158,7 +159,8 @@ static struct bounds shape_box(const struct sdf_node *n, double level)
 
 static struct bounds joint_box(const struct sdf_node *n, double level)
 {
-    // A smooth union is below the lesser of two by a quarter of its width at most, once a joint.
+    // Each joint of a smooth union is at most a quarter of its width below the lesser of the two
+    // values.
     double joints = n->count > 1 ? (double)(n->count - 1) : 0;
     struct bounds out = n->op == SDF_UNION ? BOUNDS_EMPTY : EVERYWHERE;
     for (uint32_t k = 0; k < n->count; k++) {
@@ -310,7 +312,7 @@ static bool own_symmetry(const struct sdf_node *n, int axis)
         return sdf_is_symmetric(n->children, axis);
     case SDF_MIRROR:
         return n->a[axis] != 0 || sdf_is_symmetric(n->children, axis);
-    default: // gyroid, packing, pyramid, twist
+    default: // gyroid, packing, pyramid, twist: not known to be symmetric
         return false;
     }
 }
@@ -319,7 +321,7 @@ bool sdf_is_symmetric(const struct sdf_node *node, int axis)
 {
     if (!node->is_placed)
         return own_symmetry(node, axis);
-    // The axis must be one of the node's own, and the plane through both origins.
+    // The axis must be an axis of the node, and the plane must pass through both origins.
     const double tolerance = 1e-12 * node->scale;
     int own = -1;
     for (int j = 0; j < 3; j++)
@@ -330,8 +332,8 @@ bool sdf_is_symmetric(const struct sdf_node *node, int axis)
 
 // --- domains -------------------------------------------------------------------------------------
 
-// The greatest singular value of the map: its Jacobian is a rotation times a shear by
-// a = |radians a metre| times the distance from the axis, and s - 1 / s = a.
+// Returns the greatest singular value of the map: its Jacobian is a rotation times a shear by a =
+// |radians per metre| times the distance from the axis, and s - 1 / s = a.
 static double twist_stretch(const struct sdf_node *n, const struct bounds *domain)
 {
     double x = fmax(fabs(domain->min[0]), fabs(domain->max[0]));
@@ -350,7 +352,7 @@ static struct bounds repeated_domain(const struct sdf_node *n, const struct boun
         if (sdf_is_symmetric(n->children, i)) {
             out.min[i] = fmin(domain->min[i] + reach, -half);
             out.max[i] = fmax(domain->max[i] - reach, half);
-        } else { // copies, each moved
+        } else { // the copies are written out, each translated
             out.min[i] -= reach;
             out.max[i] += reach;
         }
@@ -380,8 +382,8 @@ static struct bounds child_domain(const struct sdf_node *n, const struct bounds 
 
 struct spread_state {
     struct sdf_spread *out;
-    double scale;   // metres of the root to one here
-    double stretch; // of the root's metre by twists
+    double scale;   // metres of the root in one metre here
+    double stretch; // factor of the gradient by twists, relative to the root
 };
 
 static void add_magnitude(const struct bounds *domain, double scale, double *magnitude)
@@ -390,7 +392,7 @@ static void add_magnitude(const struct bounds *domain, double scale, double *mag
         *magnitude = fmax(*magnitude, scale * fmax(fabs(domain->min[i]), fabs(domain->max[i])));
 }
 
-// Lengths of shapes that the box cuts may be larger than it.
+// Lengths of shapes that the box cuts may be larger than the box.
 static void add_lengths(const struct sdf_node *n, double scale, double *magnitude)
 {
     for (int i = 0; i < 3 && n->op <= SDF_PLANE; i++)

@@ -1,19 +1,19 @@
-// From a tree to a program: places, stacks, factors, the box.
+// Compiles a tree to a program: transforms, stacks, factors and the box.
 #include "scene/sdf/sdf.h"
 
 #include "scene/core/affine.h"
 #include <math.h>
 #include <string.h>
 
-// Beyond this a rounded coordinate of the box is not outside of the solid: roundings of the box in
-// single precision, far above them and far below what is seen.
+// The box is enlarged by this fraction so that a rounded coordinate of it is outside of the solid:
+// it is far above the roundings of single precision and far below what is visible.
 #define BOX_MARGIN 1e-5
 #define SPREAD_ROUNDS 16
 
 struct program {
     struct gpu_sdf_instruction code[SDF_CODE_MAX];
     uint32_t count;
-    uint32_t points, distances; // on the stacks now
+    uint32_t points, distances; // height of the stacks
     struct err *err;
 };
 
@@ -42,13 +42,13 @@ static struct gpu_sdf_instruction *add(struct program *p, const struct sdf_node 
 static bool push_distance(struct program *p, const struct sdf_node *n)
 {
     return ++p->distances <= SDF_DISTANCES_MAX ||
-           node_fail(
-               n->place, p->err,
-               "%d joints wait for what is in here; expected the deepest of each \"of\" first",
-               SDF_DISTANCES_MAX);
+           node_fail(n->place, p->err,
+                     "%d operations are open around this node; expected the deepest node of each "
+                     "\"of\" first",
+                     SDF_DISTANCES_MAX);
 }
 
-// An instruction that saves the point.
+// Adds an instruction that saves the point.
 static struct gpu_sdf_instruction *add_move(struct program *p, const struct sdf_node *n,
                                             uint32_t op)
 {
@@ -148,8 +148,8 @@ static bool emit_copies(struct program *p, const struct sdf_node *n, const int64
     return true;
 }
 
-// Folding space sees one copy only, that of the point's cell: where the child is the same on both
-// sides of it, the nearest one. Along other axes copies are written out.
+// Folding space only evaluates the copy in the point's cell, which is the nearest one if the child
+// is symmetric along the axis. Along other axes the copies are written out.
 static bool emit_repeat(struct program *p, const struct sdf_node *n)
 {
     int64_t copies[3] = {1, 1, 1}, total = 1;
@@ -163,15 +163,15 @@ static bool emit_repeat(struct program *p, const struct sdf_node *n)
         }
         if (n->b[i] >= SDF_CODE_MAX)
             return node_fail(n->place, p->err,
-                             "repeats along %c what is not the same on both sides of its middle; "
-                             "expected \"counts\" that are few, or a mirrored child",
+                             "repeats along %c a child that is not symmetric about its centre; "
+                             "expected small \"counts\", or a mirrored child",
                              "xyz"[i]);
         copies[i] = 2 * (int64_t)n->b[i] + 1;
         total *= copies[i];
         if (total > SDF_CODE_MAX)
             return node_fail(
                 n->place, p->err,
-                "repeats along %c what is not the same on both sides of its middle: "
+                "repeats along %c a child that is not symmetric about its centre: "
                 "%lld copies would be written out; expected fewer, or a mirrored child",
                 "xyz"[i], (long long)total);
     }
@@ -236,13 +236,13 @@ static bool is_endless(const struct bounds *box, int axis)
     return !(box->min[axis] >= -SCENE_COORDINATE_MAX && box->max[axis] <= SCENE_COORDINATE_MAX);
 }
 
-// The solid's box with a margin, within the clip.
+// Computes the solid's box with a margin, within the clip.
 static bool find_box(const struct sdf_node *root, const struct bounds *clip, struct bounds *box,
                      struct err *err)
 {
     *box = sdf_solid(root, 0);
     if (bounds_is_empty(box))
-        return node_fail(root->place, err, "nothing is left of the field's parts");
+        return node_fail(root->place, err, "the field is empty: its parts leave nothing");
     double extent = 0;
     for (int i = 0; i < 3; i++)
         if (!is_endless(box, i))
@@ -256,19 +256,20 @@ static bool find_box(const struct sdf_node *root, const struct bounds *clip, str
             box->max[i] = fmin(box->max[i], clip->max[i]);
         }
         if (!(box->min[i] < box->max[i]))
-            return node_fail(root->place, err, "nothing of the field is within \"bounds\"");
+            return node_fail(root->place, err, "no part of the field is within \"bounds\"");
     }
     for (int i = 0; i < 3; i++)
         if (is_endless(box, i))
             return node_fail(root->place, err,
-                             "the field has no end along %c; expected \"bounds\", or an "
-                             "intersection with what has one",
+                             "the field is infinite along %c; expected \"bounds\", or an "
+                             "intersection with a bounded shape",
                              "xyz"[i]);
     return true;
 }
 
-// Boxes depend on the stretch of twists where these are rounded or joined smoothly, and stretches
-// on the box: starts without stretch, and takes what is needed until it is enough.
+// The boxes depend on the stretch of twists if their contents are rounded or joined smoothly, and
+// the stretch depends on the box. So this iterates: it starts without stretch and increases it
+// until it suffices.
 static bool settle(struct sdf_node *root, const struct bounds *clip, struct bounds *box,
                    struct sdf_spread *spread, struct err *err)
 {
@@ -280,7 +281,7 @@ static bool settle(struct sdf_node *root, const struct bounds *clip, struct boun
             return true;
     }
     return node_fail(root->place, err,
-                     "twists what is rounded or joined so widely that no end of it is found; "
+                     "twists a child that is rounded or joined so widely that no bounds are found; "
                      "expected \"bounds\"");
 }
 
@@ -297,7 +298,7 @@ bool sdf_compile(struct sdf_node *root, const struct bounds *clip, struct arena 
         p->err = err;
     ok = ok && emit(p, root);
     if (ok) {
-        // Nothing asks for the point at the end.
+        // The point is not needed after the last instruction.
         while (p->count > 1 && p->code[p->count - 1].op == SDF_RESTORE)
             p->count--;
         *out = (struct sdf){

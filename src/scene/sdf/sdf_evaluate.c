@@ -23,7 +23,7 @@ static double clamp(double x, double low, double high)
     return fmin(fmax(x, low), high);
 }
 
-// Of a corner in the first octant, from its distances along the axes.
+// Returns the distance to a corner in the first octant from the distances along the axes.
 static double outside_corner(const double q[3])
 {
     const double out[3] = {fmax(q[0], 0), fmax(q[1], 0), fmax(q[2], 0)};
@@ -56,7 +56,7 @@ static double frame(const double p[3], const double half[3], double bar)
         q[i] = fabs(p[i]) - half[i];
         r[i] = fabs(q[i] + bar) - bar;
     }
-    for (int i = 0; i < 3; i++) { // bars along axis i
+    for (int i = 0; i < 3; i++) { // bars of the frame along axis i
         double bars[3] = {r[0], r[1], r[2]};
         bars[i] = q[i];
         nearest = fmin(nearest, outside_corner(bars));
@@ -107,7 +107,7 @@ static double gyroid(const double p[3], double k, double half, double bound)
     return fabs(sum) / (k * bound) - half;
 }
 
-// Balls follow the instruction; `words` are theirs: centre and radius.
+// The balls follow the instruction: `words` are their centres and radii.
 static double metaballs(const double p[3], const struct operands *o,
                         const struct gpu_sdf_instruction *words, uint32_t count)
 {
@@ -132,8 +132,8 @@ static double mandelbulb(const double p[3], const struct operands *o)
     for (int i = 0; i < (int)o->a[1] && r <= o->a[2]; i++) {
         double polar = power * atan2(length2(z[0], z[2]), z[1]);
         double around = power * atan2(z[0], z[2]);
-        // Around the pole the map stretches by sin(n theta) / sin(theta) what the radius's part
-        // stretches by 1, at most by n; so next to it, where rounding would say.
+        // Around the pole the map stretches by sin(n theta) / sin(theta), at most by n, where it
+        // stretches by 1 along the radius. Near the pole rounding would decide, so n is used there.
         double across = length2(z[0], z[2]), stretch = power;
         if (64 * across > r)
             stretch = fmin(fmax(r * fabs(sin(polar)) / across, 1), power);
@@ -183,7 +183,7 @@ static double pyramid(const double p[3], double half, int iterations)
 {
     double q[3] = {p[0] / half, p[1] / half, p[2] / half}, scale = 1;
     for (int i = 0; i < iterations; i++) {
-        for (int c = 0; c < 3; c++) { // pairs xy, xz, yz
+        for (int c = 0; c < 3; c++) { // pairs of axes xy, xz, yz
             double *u = &q[c == 2], *v = &q[c == 0 ? 1 : 2];
             if (*u + *v < 0) {
                 double old = *u;
@@ -240,7 +240,7 @@ static double shape(uint32_t op, const struct operands *o, const double p[3],
 
 // --- operations ----------------------------------------------------------------------------------
 
-// The smaller one, or less where they differ by less than the width.
+// The smaller of the two, and less than that where they differ by less than the width.
 static double smooth_min(double x, double y, double width)
 {
     double h = width > 0 ? fmax(width - fabs(x - y), 0) / width : 0;
@@ -254,7 +254,7 @@ static double combine(uint32_t op, double x, double y, double width)
     return -smooth_min(-x, op == SDF_INTERSECTION ? -y : y, width);
 }
 
-// A point and the factor of distances in its space.
+// A point and the scale of distances in its space.
 struct place {
     double p[3], s;
 };
@@ -308,7 +308,7 @@ double sdf_evaluate(const struct sdf *sdf, const double point[3])
         widen(code->b, 4, o.b);
         widen(code->c, 4, o.c);
         widen(code->d, 4, o.d);
-        double length = o.a[0] * places[depth].s; // where it is one
+        double length = o.a[0] * places[depth].s; // for operators whose operand is a length
         if (op <= SDF_PYRAMID) {
             assert(count < SDF_DISTANCES_MAX);
             distances[count++] = places[depth].s * shape(code->op, &o, places[depth].p, code + 1);

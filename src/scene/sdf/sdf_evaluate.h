@@ -1,10 +1,11 @@
-// Signed distance fields in double precision: the twin of the kernels' interpreter (lib/sdf.glsl).
+// Evaluates signed distance fields in double precision, like the kernels' interpreter
+// (lib/sdf.glsl).
 #ifndef LAMPYRIS_SCENE_SDF_SDF_EVALUATE_H
 #define LAMPYRIS_SCENE_SDF_SDF_EVALUATE_H
 
 #include "scene/core/scene.h"
 
-// The program's value at a point of the field's own space, metres; negative inside.
+// Returns the value of the program at a point of the field's own space, metres; negative inside.
 double sdf_evaluate(const struct sdf *sdf, const double point[3]);
 
 #endif

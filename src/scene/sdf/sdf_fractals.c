@@ -1,6 +1,6 @@
-// What makes estimates of the distance to fractals lower bounds of it. Nothing proves them; of
-// three million probes that reach as far as an estimate, in all directions, so few find the surface
-// nearer than the factor says as docs/distance-fields.md has in a table.
+// Factors that make estimates of the distance to fractals lower bounds. There is no proof:
+// docs/distance-fields.md has a table of how few of three million probes, which go as far as an
+// estimate in all directions, find the surface nearer than the factor allows.
 #include "scene/sdf/sdf.h"
 
 double sdf_fractal_factor(const struct sdf_node *node)

@@ -1,14 +1,14 @@
-// A bound of the gradient of metaballs' sum, by branch and bound over the balls' boxes.
+// A bound of the gradient of the sum of metaballs, by branch and bound over the balls' boxes.
 #include "scene/sdf/sdf.h"
 
 #include "scene/core/affine.h"
 #include <math.h>
 
-#define TOLERANCE 0.03     // of the bound
-#define CELLS_MOST 32768u  // at once
-#define WORK_MOST 30000000 // balls looked at
+#define TOLERANCE 0.03     // relative, of the bound
+#define CELLS_MOST 32768u  // cells at a time
+#define WORK_MOST 30000000 // evaluations of balls
 
-// Of (1 - q^2)^3, q = d / R: the slope's length in units of 1 / R, greatest at q = 1 / sqrt(5).
+// The slope of (1 - q^2)^3, q = d / R, in units of 1 / R; it is greatest at q = 1 / sqrt(5).
 static double slope(double q)
 {
     double inside = q < 1 ? 1 - q * q : 0;
@@ -16,9 +16,9 @@ static double slope(double q)
 }
 #define STEEPEST 0.4472135954999579
 
-// The most of its second derivatives, in units of 1 / R^2, for q in an interval: 6 (1 - q^2)^2
-// across the radius and 6 (1 - q^2) (5 q^2 - 1) along it, whose peak is at q^2 = 3 / 5. (Where the
-// latter is negative, the former is no less.)
+// Returns the maximum of its second derivatives, in units of 1 / R^2, for q in an interval: 6 (1 -
+// q^2)^2 across the radius and 6 (1 - q^2) (5 q^2 - 1) along it, which peaks at q^2 = 3 / 5. (Where
+// the latter is negative, the former is no less.)
 static double curvature(double nearest, double farthest)
 {
     double u = nearest * nearest, v = fmin(farthest * farthest, 1);
@@ -34,12 +34,12 @@ struct cell {
 struct search {
     const double (*balls)[4];
     uint32_t count;
-    double found; // the greatest gradient seen
+    double found; // greatest gradient found so far
     double work;
 };
 
-// The gradient in the centre, and a bound of its length in the cell: the lesser of what the balls'
-// slopes add up to, and the centre's plus the most that it changes on the way.
+// Computes the gradient at the centre, and a bound of its length in the cell: the lesser of the sum
+// of the balls' slopes, and of the length at the centre plus the greatest change within the cell.
 static double bound_of_cell(struct search *s, const struct cell *cell)
 {
     double gradient[3] = {0}, sum = 0, change = 0, radius = vec3_length(cell->half);
@@ -63,7 +63,8 @@ static double bound_of_cell(struct search *s, const struct cell *cell)
     return fmin(sum, here + change);
 }
 
-// Halves a cell across its longest edge; returns how many of the halves are worth a look.
+// Halves a cell across its longest edge; returns how many of the halves can exceed the maximum so
+// far.
 static uint32_t halve(struct search *s, const struct cell *cell, struct cell *out)
 {
     const double *half = cell->half;
@@ -80,7 +81,7 @@ static uint32_t halve(struct search *s, const struct cell *cell, struct cell *ou
     return count;
 }
 
-// One more level; false where there is no room, or no time, for it.
+// Refines one more level; returns false if memory or the work limit is exceeded.
 static bool refine(struct search *s, struct cell *cells, struct cell *next, uint32_t *count)
 {
     uint32_t kept = 0;
@@ -105,7 +106,7 @@ double sdf_metaballs_gradient(const double (*balls)[4], uint32_t count)
         all += slope(STEEPEST) / balls[k][3];
     for (int i = 0; i < 2; i++)
         cells[i] = ARENA_NEW(&scratch, struct cell, CELLS_MOST);
-    // All of the gradient is within some ball, and each ball's cube contains it.
+    // The gradient is zero outside of the balls, and each ball is inside of its cube.
     for (uint32_t k = 0; k < count && cells[0] && cells[1]; k++) {
         const double *b = balls[k];
         uint32_t left = 1, from = 0;

@@ -11,7 +11,7 @@
 
 #define LUMENS_A_WATT 683.0
 
-// From CIE 1931 XYZ: the inverse of the matrix of BT.709's primaries and white, D65.
+// Conversion from CIE 1931 XYZ: the inverse of the matrix of BT.709's primaries and white, D65.
 static void rgb_from_xyz(const double xyz[3], double rgb[3])
 {
     static const double matrix[3][3] = {
@@ -36,8 +36,8 @@ static const double perez_offset[3][5] = {
     {-0.2592, 0.0008, 0.2125, -0.8989, 0.0452},
     {-0.2608, 0.0092, 0.2102, -1.6537, 0.0529},
 };
-// The same for the zenith's x and y: rows by powers 2, 1, 0 of the turbidity, columns by powers 3,
-// 2, 1, 0 of the sun's angle from the zenith.
+// The zenith's x and y likewise: rows by powers 2, 1, 0 of the turbidity, columns by powers 3, 2,
+// 1, 0 of the sun's angle from the zenith.
 static const double zenith_xy[2][3][4] = {
     {{0.00166, -0.00375, 0.00209, 0.0},
      {-0.02903, 0.06377, -0.03202, 0.00394},
@@ -57,8 +57,8 @@ static double zenith_chromaticity(const double rows[3][4], double turbidity, dou
     return value;
 }
 
-// The two factors of Perez's distribution, equation 3: by the cosine of the angle from the zenith,
-// and by that from the sun, gamma.
+// The two factors of Perez's distribution, equation 3: one depends on the cosine of the angle from
+// the zenith, the other on gamma, the angle from the sun.
 static double perez_height(const double k[5], double cosine)
 {
     return 1 + k[0] * exp(k[1] / cosine);
@@ -91,7 +91,7 @@ void sky_model_init(const struct sky *sky, struct sky_model *out)
                         (perez_height(out->perez[i], 1) * perez_sun(out->perez[i], cos(angle)));
 }
 
-// With the factors of the height, times the scale.
+// Computes the radiance from Perez's factors for the height and for the angle from the sun.
 static void radiance_at(const struct sky_model *model, const double height[3],
                         const double direction[3], double rgb[3])
 {
@@ -135,19 +135,22 @@ static void color_matching(double nm, double xyz[3])
     xyz[2] = lobe(nm, 1.217, 437.0, 11.8, 36.0) + lobe(nm, 0.681, 459.0, 26.0, 13.8);
 }
 
-// Outside of the atmosphere, W/(m^2 nm): a black body of the sun's effective temperature (IAU 2015
-// Resolution B3) in its mean solid angle, that of a disc of 0.5331 degrees.
+// Returns the spectral irradiance outside of the atmosphere, W/(m^2 nm): a black body of the sun's
+// effective temperature (IAU 2015 Resolution B3) in its mean solid angle, that of a disc of 0.5331
+// degrees.
 static double sun_spectrum(double nm)
 {
     const double h = 6.62607015e-34, c = 2.99792458e8, k = 1.380649e-23, kelvin = 5772;
     double metres = nm * 1e-9, sine = sin(0.5331 / 2 * DEGREE);
     double radiance =
-        2 * h * c * c / pow(metres, 5) / expm1(h * c / (metres * k * kelvin)); // a metre
+        2 * h * c * c / pow(metres, 5) / expm1(h * c / (metres * k * kelvin)); // per metre of
+                                                                               // wavelength
     return radiance * 1e-9 * M_PI * sine * sine;
 }
 
-// What the atmosphere leaves, appendix A.1: scattering by air and by haze. The exponents of its
-// equations belong to the wavelength alone, as in Iqbal 1983: the air mass is a factor.
+// Returns the transmittance of the atmosphere, appendix A.1: scattering by air and by haze. In
+// these equations the exponents apply to the wavelength alone, as in Iqbal 1983: the air mass is a
+// factor.
 static double transmittance(double nm, double turbidity, double mass)
 {
     double micrometres = nm * 1e-3, beta = 0.04608 * turbidity - 0.04586;
@@ -241,11 +244,13 @@ bool sky_parse(const char *text, struct sky *out, struct err *err)
 struct bake {
     struct sky_model model;
     struct environment *environment;
-    double around[SKY_WIDTH][2][2]; // cosine and sine of the azimuths of a column's points
+    double around[SKY_WIDTH][2][2]; // cosine and sine of the azimuths of the quadrature points of
+                                    // each column
     atomic_uint clipped;
 };
 
-// Gauss's two points on [0, 1]: a texel is the mean over two of them each in height and azimuth.
+// Returns one of the two Gauss-Legendre points on [0, 1]: a texel is the mean over two points each
+// in height and azimuth.
 static double gauss_point(int i)
 {
     return 0.5 + (i ? 0.5 : -0.5) / sqrt(3);
@@ -305,7 +310,7 @@ static bool bake_sky(const struct sky *sky, struct environment *environment, uns
     return true;
 }
 
-// Even ground reflects what the sky and the sun send down to it.
+// Sets the texels below the horizon: diffuse ground reflects the irradiance of the sky and the sun.
 static void bake_ground(const struct sky *sky, struct environment *environment)
 {
     double irradiance[3] = {0, 0, 0}, sun[3];
@@ -327,7 +332,7 @@ static void bake_ground(const struct sky *sky, struct environment *environment)
 static bool check_sky(const struct sky *sky, struct err *err)
 {
     if (!(sky->turbidity >= SKY_TURBIDITY_MIN && sky->turbidity <= SKY_TURBIDITY_MAX))
-        return err_set(err, ERR_INPUT, "turbidity %.9g is outside [%g, %g], what the model is for",
+        return err_set(err, ERR_INPUT, "turbidity %.9g is outside [%g, %g], the range of the model",
                        sky->turbidity, SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX);
     if (!(sky->sun_direction[1] >= 0))
         return err_set(err, ERR_INPUT,
@@ -353,7 +358,7 @@ bool scene_set_sky(struct scene *scene, const struct sky *sky, struct err *err)
     *source = *sky;
     environment.sky = source;
     if (clipped > 0 &&
-        !scene_note(scene, "sky: %u of %u texels have colours beyond Rec. 709 and were clipped",
+        !scene_note(scene, "sky: %u of %u texels have colours outside of Rec. 709 and were clipped",
                     clipped, SKY_WIDTH * SKY_HEIGHT / 2))
         return err_memory(err, "a note", 0);
     if (sky->has_sun) {

@@ -11,43 +11,44 @@
 
 #define SKY_TURBIDITY_MIN 2.0
 #define SKY_TURBIDITY_MAX 10.0
-// Of the image that the sky is baked to. docs/lighting.md states its error.
+// Size of the image to which the sky is baked. docs/lighting.md states its error.
 #define SKY_WIDTH 1024
 #define SKY_HEIGHT 512
 
 struct sky {
     double turbidity;        // how hazy, from SKY_TURBIDITY_MIN (clear) to SKY_TURBIDITY_MAX
     double sun_direction[3]; // unit, towards the sun; y >= 0
-    double ground_albedo[3]; // of what is below the horizon, 0 to 1
-    bool has_sun;            // with a disc; the sky is lit either way
-    double sun_diameter;     // of the disc, radians
+    double ground_albedo[3]; // of the ground below the horizon, 0 to 1
+    bool has_sun;            // the sun's disc is visible and a light; the sky is lit by it either
+                             // way
+    double sun_diameter;     // diameter of the disc, radians
 };
 
-// Turbidity 3, the sun 45 degrees high over +X and 0.53 degrees wide, ground of albedo 0.2.
+// Returns turbidity 3, the sun 45 degrees high over +X and 0.53 degrees wide, ground of albedo 0.2.
 struct sky sky_default(void);
-// A unit vector: elevation above the horizon, azimuth from +X towards +Z.
+// Sets the sun's direction from its elevation above the horizon and its azimuth from +X towards +Z.
 void sky_place_sun(struct sky *sky, double elevation_degrees, double azimuth_degrees);
-// "KEY=NUMBER,..." of turbidity, elevation, azimuth, albedo, diameter, sun (0 or 1); what is not
-// said keeps its default. ERR_USAGE.
+// Parses "KEY=NUMBER,..." with keys turbidity, elevation, azimuth, albedo, diameter, sun (0 or 1).
+// Keys that are not given keep their default. ERR_USAGE.
 bool sky_parse(const char *text, struct sky *out, struct err *err);
 
-// The sky that the formulas make of a turbidity and a sun.
+// The coefficients of the formulas for a turbidity and a sun.
 struct sky_model {
     double sun_direction[3];
-    double zenith[3];   // Y, x, y there
-    double perez[3][5]; // coefficients A to E of each
-    double scale[3];    // what makes of the product of their factors Y, x and y
+    double zenith[3];   // Y, x, y at the zenith
+    double perez[3][5]; // coefficients A to E of each of Y, x, y
+    double scale[3];    // factors that turn the product of Perez's factors into Y, x and y
 };
 void sky_model_init(const struct sky *sky, struct sky_model *out);
-// Computes the radiance of a unit direction with y > 0. Components may be negative: colours that
-// Rec. 709 lacks.
+// Computes the radiance of a unit direction with y > 0. Components are negative for colours outside
+// of the gamut of Rec. 709.
 void sky_radiance(const struct sky_model *model, const double direction[3], double rgb[3]);
-// On a surface that faces the sun, W/m^2.
+// Computes the irradiance of the sun on a surface that faces it, W/m^2.
 void sky_sun_irradiance(const struct sky *sky, double rgb[3]);
 
 // Replaces the scene's environment by the baked sky; its sun becomes a light with
-// scene_add_sky_sun(). Notes texels whose colours Rec. 709 lacks: their negative components are 0.
-// ERR_INPUT for parameters out of range.
+// scene_add_sky_sun(). Negative components of colours outside of the gamut of Rec. 709 become 0,
+// and a note counts these texels. ERR_INPUT for parameters out of range.
 bool scene_set_sky(struct scene *scene, const struct sky *sky, struct err *err);
 
 #endif

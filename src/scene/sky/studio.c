@@ -10,19 +10,20 @@
 #include <math.h>
 #include <string.h>
 
-// --- what lights ---------------------------------------------------------------------------------
+// --- the lights ----------------------------------------------------------------------------------
 
-// A box of light: where its middle is as seen from the model (azimuth from the camera to the
-// right), half its width and height as tangents, and its irradiance on a surface that faces it
-// beside that of the key.
+// A soft box: the direction of its centre from the model (azimuth from the camera to the right),
+// half its width and height as tangents, and its irradiance on a surface that faces it relative to
+// the key's.
 struct soft_box {
     double azimuth_degrees, elevation_degrees;
     double half_width, half_height;
     double share;
 };
 
-// The key models the form from the upper left, the fill opens its shadows to a third of it (a
-// lighting ratio of 4 to 1), and the rim from behind parts the model from the background.
+// The key light models the form from the upper left, the fill light brightens its shadows to a
+// quarter (a lighting ratio of 4 to 1), and the rim light from behind separates the model from the
+// background.
 static const struct soft_box boxes[] = {
     {-55, 42, 0.32, 0.32, 1.0},
     {65, 38, 0.6, 0.5, 0.12},
@@ -30,25 +31,25 @@ static const struct soft_box boxes[] = {
 };
 #define BOX_COUNT (sizeof boxes / sizeof *boxes)
 
-// The part of a box over which its light fades out on either side of its edge.
+// The fraction of a box over which its light fades out on either side of its edge.
 #define BOX_SOFTNESS 0.35
-// The background at the zenith beside that at the horizon.
+// Radiance of the background at the zenith relative to that at the horizon.
 #define ZENITH_SHARE 0.5
-// The ground reflects so much below the model, and far away.
+// Reflectance of the ground below the model, and far away.
 #define GROUND_NEAR 0.36
 #define GROUND_FAR 0.17
-// How far the ground near the model reaches, in radii of its bounding sphere.
+// Radius of the ground's texture in radii of the model's bounding sphere.
 #define GROUND_REACH 8.0
 
 #define STUDIO_WIDTH 512
 #define STUDIO_HEIGHT 256
 
-// Directions seen from the model: away from the camera's side, up, and towards the camera.
+// Directions at the model: away from the camera's side, up, and towards the camera.
 struct studio {
     struct scene_axes axes;
-    double boxes[BOX_COUNT][3][3]; // right, up, middle of each, unit
+    double boxes[BOX_COUNT][3][3]; // unit vectors to the right, up and to the centre of each
     double radiance[BOX_COUNT];
-    double horizon; // radiance of the background there
+    double horizon; // radiance of the background at the horizon
 };
 
 static double smoothstep(double x)
@@ -63,7 +64,7 @@ static double box_edge(double x, double half)
     return smoothstep((half + soft - fabs(x)) / (2 * soft));
 }
 
-// From 0 to 1.
+// Returns the relative radiance of a box in a direction, from 0 to 1.
 static double box_profile(const struct studio *studio, size_t box, const double direction[3])
 {
     const double(*frame)[3] = studio->boxes[box];
@@ -74,7 +75,8 @@ static double box_profile(const struct studio *studio, size_t box, const double 
            box_edge(vec3_dot(direction, frame[1]) / ahead, boxes[box].half_height);
 }
 
-// Beside that at the horizon; below, the ground far away.
+// Returns the radiance of the background relative to that at the horizon; below the horizon it is
+// that of the distant ground.
 static double background(double height)
 {
     return 1 - (1 - ZENITH_SHARE) * smoothstep(height);
@@ -97,8 +99,8 @@ static void aim_boxes(struct studio *studio)
     }
 }
 
-// The frame turned about its up axis so that its front is where the camera is; a camera that looks
-// straight up or down has no such side.
+// Rotates the axes about the up axis so that the front faces the camera. A camera that looks
+// straight up or down leaves them unchanged.
 static void face_camera(const struct scene *scene, struct scene_axes *axes)
 {
     double side[3], front[3];
@@ -132,8 +134,8 @@ static struct texel texel_at(const struct environment *environment, uint32_t row
     };
 }
 
-// Irradiance from the boxes at radiance 1, and from the background at horizon 1: each box lights a
-// surface that faces it, and a level one.
+// Irradiance from the boxes at radiance 1, and from the background at horizon 1: of each box on a
+// surface that faces it, and of each on a horizontal surface.
 struct received {
     double faced[BOX_COUNT], level[BOX_COUNT], background;
 };
@@ -157,10 +159,10 @@ static struct received receive(const struct studio *studio, const struct environ
     return sum;
 }
 
-// The boxes by their shares, the background so that the ground far away meets it, and all of them
-// so that a level surface receives pi. The background's radiance h and the irradiance E of the
-// ground are each other's cause: h = GROUND_FAR / pi E, E = E_boxes + h E_background. With E = pi,
-// h = GROUND_FAR and E_boxes = pi - GROUND_FAR E_background.
+// Sets the boxes by their relative irradiances, the background to the radiance of the distant
+// ground, and scales all so that a horizontal surface receives pi. The background's radiance h and
+// the irradiance E of the ground depend on each other: h = GROUND_FAR / pi E, E = E_boxes + h
+// E_background. With E = pi, h = GROUND_FAR and E_boxes = pi - GROUND_FAR E_background.
 static void set_radiance(struct studio *studio, const struct environment *environment)
 {
     const struct received received = receive(studio, environment);
@@ -208,7 +210,8 @@ static bool add_light(struct scene *scene, const struct scene_axes *axes, struct
 
 #define GROUND_TEXELS 64
 
-// Reflectance by the distance from the middle: GROUND_NEAR there, GROUND_FAR from the edge on.
+// The reflectance decreases with the distance from the centre, from GROUND_NEAR to GROUND_FAR at
+// the edge of the image and beyond.
 static bool add_ground_image(struct scene *scene, uint32_t *index, struct err *err)
 {
     const size_t count = GROUND_TEXELS * GROUND_TEXELS;
@@ -259,9 +262,9 @@ static bool add_ground_material(struct scene *scene, double radius, uint32_t *in
            material_add_texture(scene, material, &texture, err);
 }
 
-// Below the lowest point by 2^-14 of the radius, so that what lies flat on the ground hides it: a
-// coordinate of the size of the camera's distance, some four radii, has steps of 2^-22 of it. That
-// is a tenth of a pixel in a picture of 1000 lines.
+// The ground is 2^-14 of the radius below the lowest point, so that a surface that lies flat on it
+// hides it: a coordinate of the size of the camera's distance, some four radii, has steps of 2^-22
+// of it. The gap is a tenth of a pixel in an image of 1000 lines.
 static bool add_ground(struct scene *scene, const struct scene_axes *axes, struct err *err)
 {
     const struct scene_part whole = scene_whole(scene);
@@ -296,7 +299,7 @@ static bool add_ground(struct scene *scene, const struct scene_axes *axes, struc
     return true;
 }
 
-// --- what there is already -----------------------------------------------------------------------
+// --- the scene's own light -----------------------------------------------------------------------
 
 static bool has_emission(const struct scene *scene)
 {
@@ -319,7 +322,7 @@ bool scene_is_lit(const struct scene *scene, double *emission)
     for (int i = 0; i < 3; i++)
         center[i] = (bounds.min[i] + bounds.max[i]) / 2;
     double radius = bounds_radius(scene, &whole, center);
-    if (!(radius > 0)) // nothing there that could be lit too weakly
+    if (!(radius > 0)) // an empty scene cannot be lit too weakly
         return scene->light_count > 0 || has_emission(scene);
     *emission = (scene_emitted_flux(scene) + scene_light_flux(scene, center, radius)) /
                 (4 * M_PI * radius * radius);
@@ -327,12 +330,12 @@ bool scene_is_lit(const struct scene *scene, double *emission)
            (*emission == 0 && scene_has_emissive_triangles(scene));
 }
 
-// --- what is added -------------------------------------------------------------------------------
+// --- additions -----------------------------------------------------------------------------------
 
 static bool provide_even_light(struct scene *scene, struct err *err)
 {
     scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
-    return scene_note(scene, "no light in the file: even environment of radiance 1") ||
+    return scene_note(scene, "no light in the file: constant environment of radiance 1") ||
            err_memory(err, "a note", 0);
 }
 
@@ -349,7 +352,7 @@ static bool provide_studio(struct scene *scene, double emission, struct err *err
     return true;
 }
 
-// Cameras of the file must be above it: one below would see nothing else.
+// Cameras of the file must be above the ground: one below would see nothing else.
 static bool wants_ground(const struct scene *scene, enum scene_ground choice)
 {
     const struct scene_axes axes = scene_axes(scene->up);
@@ -385,9 +388,9 @@ bool scene_provide_light(struct scene *scene, const struct scene_load_params *pa
     return add_ground(scene, &axes, err);
 }
 
-// --- what is said of it --------------------------------------------------------------------------
+// --- notes ---------------------------------------------------------------------------------------
 
-// Before what the file's own notes say: a summary may have room for one.
+// The note goes first, because a summary may only have room for one.
 static void put_last_note_first(struct scene *scene)
 {
     const char *last = scene->notes[scene->note_count - 1];

@@ -13,7 +13,7 @@ const char *const surroundings_names[SURROUNDINGS_COUNT + 1] = {
 struct surroundings surroundings_default(void)
 {
     struct surroundings s;
-    memset(&s, 0, sizeof s); // all bytes: they are compared
+    memset(&s, 0, sizeof s); // clears padding, too: it is compared byte by byte
     for (int c = 0; c < 3; c++)
         s.radiance[c] = 1.0f;
     s.turbidity = sky_default().turbidity;
@@ -37,12 +37,13 @@ struct surroundings_original surroundings_keep(const struct scene *scene)
 static bool check(const struct surroundings *to, struct err *err)
 {
     if (to->kind >= SURROUNDINGS_COUNT)
-        return err_set(err, ERR_BUG, "surroundings of kind %u: expected less than %d", to->kind,
+        return err_set(err, ERR_BUG, "environment of kind %u: expected less than %d", to->kind,
                        SURROUNDINGS_COUNT);
     if (to->kind == SURROUNDINGS_IMAGE && !to->image[0])
-        return err_set(err, ERR_INPUT, "surroundings: no image: expected the path of one");
+        return err_set(err, ERR_INPUT, "environment: no image is given: expected the path of one");
     if (!isfinite(to->rotation_degrees))
-        return err_set(err, ERR_INPUT, "surroundings: a rotation of %g degrees: expected a number",
+        return err_set(err, ERR_INPUT,
+                       "environment: a rotation of %g degrees: expected a finite number",
                        to->rotation_degrees);
     return true;
 }
@@ -96,7 +97,7 @@ static bool set(struct scene *scene, const struct surroundings_original *origina
     if (to->kind != SURROUNDINGS_ORIGINAL && !replace(scene, to, err))
         return false;
     scene->light_count = original->light_count;
-    scene->environment.sun.light = 0; // added below, when all is known of it
+    scene->environment.sun.light = 0; // set below, when the sun's light is added
     return scene_adjust_environment(scene, to->rotation_degrees * DEGREE, to->strength, err) &&
            scene_add_sky_sun(scene, err);
 }
@@ -109,7 +110,7 @@ bool scene_set_surroundings(struct scene *scene, const struct surroundings_origi
     struct scene before = *scene;
     struct light sun = {0};
     bool had_sun = scene->light_count > original->light_count;
-    // The list of lights stays in the scene's own arena: one more is all that it may get.
+    // The array of lights stays in the scene's own arena: it grows by one element at most.
     if (!had_sun && !scene_add_light(scene, NULL))
         return err_memory(err, "a sun", sizeof sun);
     before.lights = scene->lights;
@@ -122,7 +123,7 @@ bool scene_set_surroundings(struct scene *scene, const struct surroundings_origi
     bool ok = set(scene, original, to, err);
     *arena = scene->arena;
     scene->arena = own;
-    scene->notes = before.notes; // those that came have their texts in the other arena
+    scene->notes = before.notes; // the text of new notes is in the other arena
     scene->note_count = before.note_count;
     scene->note_capacity = before.note_capacity;
     if (ok)

@@ -1,4 +1,4 @@
-// Replaces and turns what is around a loaded scene while a program runs.
+// Replaces and rotates the environment of a loaded scene while a program runs.
 #ifndef LAMPYRIS_SCENE_SKY_SURROUNDINGS_H
 #define LAMPYRIS_SCENE_SKY_SURROUNDINGS_H
 
@@ -6,7 +6,7 @@
 #include "scene/sky/sky.h"
 
 enum surroundings_kind {
-    SURROUNDINGS_ORIGINAL, // as it was loaded
+    SURROUNDINGS_ORIGINAL, // as loaded from the file
     SURROUNDINGS_NONE,     // black
     SURROUNDINGS_CONSTANT,
     SURROUNDINGS_SKY,
@@ -17,44 +17,44 @@ extern const char *const surroundings_names[SURROUNDINGS_COUNT + 1]; // "origina
 
 #define SURROUNDINGS_PATH_MAX 1024
 
-// Plain data: copied and compared byte by byte (unused bytes are 0).
+// Plain data that is copied and compared byte by byte; unused bytes are 0.
 struct surroundings {
     uint32_t kind;
     float radiance[3];                                    // CONSTANT: W/(sr m^2)
-    double turbidity, elevation_degrees, azimuth_degrees; // SKY, as sky.h has it
+    double turbidity, elevation_degrees, azimuth_degrees; // SKY: see sky.h
     uint32_t has_sun;                                     // SKY: 0 or 1
     uint32_t unused;
-    double rotation_degrees;           // about +Y, in addition to the original's
+    double rotation_degrees;           // about +Y, added to that of the original
     double strength;                   // factor
     char image[SURROUNDINGS_PATH_MAX]; // IMAGE: a trusted path
 };
 
 struct surroundings surroundings_default(void);
 
-// For editors, after scene_load: replaces the environment by one of these and the sun among the
-// lights, which is the last of them, by the new sky's, if any. Neither turned nor scaled. What the
-// old one held stays in the arena. On failure the scene is as it was.
+// For editors, after scene_load: replaces the environment by one of these, and the sky's sun among
+// the lights, which is the last light, by the new sky's, if any. The new environment is neither
+// rotated nor scaled. The old texels stay in the arena. On failure the scene is unchanged.
 struct environment_source {
     const char *file;      // trusted; or
     const struct sky *sky; // or
     const struct environment_gradient *gradient;
-    float radiance[3]; // without any of them: constant; with a file: its factor
+    float radiance[3]; // constant environment if none of the above is set; factor of a file
 };
 bool scene_replace_environment(struct scene *scene, const struct environment_source *source,
                                struct err *err);
 
-// What a scene was loaded with, so that it can be had again: taken once, right after scene_load.
+// The environment as loaded, so that it can be restored: taken once, right after scene_load.
 struct surroundings_original {
     struct environment environment;
     uint32_t light_count; // without the sky's sun
-    uint32_t sky_sun;     // the light that is it, or SCENE_NONE
+    uint32_t sky_sun;     // index of the light that is the sky's sun, or SCENE_NONE
     uint64_t hash;        // the scene's
 };
 struct surroundings_original surroundings_keep(const struct scene *scene);
 
-// Replaces the environment and the sky's sun among the lights (other lights keep their places). New
-// texels live in `arena`, which the scene needs until the next call that succeeds. ERR_INPUT, and
-// the scene is as before.
+// Replaces the environment and the sky's sun among the lights; other lights keep their indices. New
+// texels live in `arena`, which the scene needs until the next call that succeeds. On ERR_INPUT the
+// scene is unchanged.
 bool scene_set_surroundings(struct scene *scene, const struct surroundings_original *original,
                             const struct surroundings *to, struct arena *arena, struct err *err);
 
