@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// The limits are far below those that Vulkan guarantees, for the pictures are small.
+// The limits are far below those that Vulkan guarantees, because the images are small.
 // clang-format off
 const struct bits_variant bits_variants[] = {
     {"again", {0}},
@@ -63,7 +63,7 @@ static bool render_split(struct renderer *r, const struct bits_variant *variant,
            render_samples(r, BITS_SAMPLES - first[0] - first[1], err);
 }
 
-// With lower limits the film needs several buffers, whatever those of the device are.
+// With lowered limits the film must need several buffers, whatever the device's limits are.
 static bool render_on(struct gpu *gpu, const struct scene *scene,
                       const struct bits_variant *variant, struct arena *arena,
                       struct film_image *film, struct err *err)
@@ -119,7 +119,7 @@ static uint64_t film_hash(const struct film_image *film)
     return hash_bytes(hash, film->half_b, pixels * sizeof *film->half_b);
 }
 
-// Equal pictures of nothing would prove nothing.
+// If the image were black, equality would prove nothing.
 static size_t lit_pixels(const struct film_image *film)
 {
     size_t lit = 0;
@@ -155,11 +155,15 @@ static bool run_variant(const struct check *check, const struct check_case *this
     const struct bits_variant *variant = this_case->data;
     struct arena arena = {0};
     struct scene scene;
-    // Elsewhere compilers may contract another way around other code (docs/design.md).
+    // On GPUs, compilers may contract floating-point operations differently when other code is
+    // added (docs/design.md).
     if (variant->compile_all && !check->gpu->info.is_cpu)
-        return check_not_run(result, "features change roundings on devices that are no processor");
+        return check_not_run(
+            result,
+            "compiled-in features may change roundings on this device: only CPUs keep the bits");
     if (variant->from_storage && check->gpu->storage_count < SHADING_STORAGE)
-        return check_not_run(result, "kernels bind so few storage buffers that texels are needed");
+        return check_not_run(
+            result, "the device binds too few storage buffers to do without texel buffers");
     if (!embedded_scene_load("cornell.json", small, &scene, err))
         return false;
     bool ok = compare(check, &scene, variant, check->arena ? check->arena : &arena, result, err);
@@ -205,4 +209,4 @@ static const struct check_case cases[] = {
     SAME("G1", "rays sorted in two waves in flight", 22),
 };
 
-CHECK_GROUP(check_bits, "bits", "what must not change one bit of a picture", cases);
+CHECK_GROUP(check_bits, "bits", "variations that must not change one bit of an image", cases);

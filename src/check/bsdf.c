@@ -1,4 +1,4 @@
-// The BSDFs by themselves (docs/verification.md, A): the shipped routines on wide, reciprocal
+// Tests of the BSDFs alone (docs/verification.md, A): the shipped routines on wide, reciprocal
 // lobes.
 #include "check/bsdf.h"
 
@@ -12,19 +12,20 @@
 
 #include "check_bsdf.spv.h"
 
-#define ITEMS (1u << 16) // of a material
-#define ETA 1.5f         // of what surrounds opaque bodies nothing depends on it
+#define ITEMS (1u << 16) // per material
+#define ETA 1.5f         // for opaque materials the medium outside does not matter
 
 _Static_assert(sizeof(union bsdf_item) == sizeof(struct gpu_path), "they share a buffer");
 
-// --- running them ------------------------------------------------------------------------------
+// --- kernels -------------------------------------------------------------------------------------
 
 static bool create_kernel(struct renderer *r, uint32_t material, uint32_t routine,
                           struct gpu_kernel *kernel, struct err *err)
 {
     uint32_t constants[CONSTANT_CHECK_ROUTINE + 1];
     memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
-    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // what is read is written, too
+    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the kernel writes to buffers that it
+                                                          // reads
     constants[CONSTANT_LOBES] =
         r->specialization.class_lobes[material_class(&r->scene->materials[material])];
     constants[CONSTANT_CHECK_ROUTINE] = routine;
@@ -36,7 +37,7 @@ static bool create_kernel(struct renderer *r, uint32_t material, uint32_t routin
     return gpu_kernel_create(r->gpu, &params, kernel, err);
 }
 
-// Replaces ITEMS items of one material by what the routine makes of them.
+// Replaces ITEMS items of one material by the routine's output.
 static bool run_items(struct renderer *r, uint32_t material, uint32_t routine,
                       union bsdf_item *items, struct err *err)
 {
@@ -62,7 +63,7 @@ static void set_direction(double z, double turns, float out[3])
     out[2] = (float)z;
 }
 
-// Up to 84 degrees from the normal, where rounding of directions does not matter.
+// Directions are up to 84 degrees from the normal, where rounding of directions does not matter.
 static void random_direction(uint64_t *state, float out[3])
 {
     double z = 0.1 + 0.9 * unit(state);
@@ -83,13 +84,13 @@ static void fill_samples(uint64_t *state, uint32_t material, const float wo[3],
     }
 }
 
-// --- what is looked at -------------------------------------------------------------------------
+// --- measurements --------------------------------------------------------------------------------
 
-// A measure of one material: how far off it is.
+// Measures the greatest deviation of one material.
 typedef bool (*measure_fn)(struct renderer *r, uint32_t material, union bsdf_item *items,
                            double *off, struct err *err);
 
-// f(wo, wi) beside f(wi, wo), of items that stand in pairs.
+// Compares f(wo, wi) with f(wi, wo); the items are in pairs.
 static bool measure_reciprocity(struct renderer *r, uint32_t material, union bsdf_item *items,
                                 double *off, struct err *err)
 {
@@ -117,8 +118,8 @@ static bool measure_reciprocity(struct renderer *r, uint32_t material, union bsd
     return true;
 }
 
-// The weight of a sample beside f cos / pdf, as evaluated for its direction, and the densities.
-// From wo, or from all directions where that is NULL.
+// Compares the weight of a sample with f cos / pdf, as evaluated for its direction, and the
+// densities. wo NULL: all directions.
 static bool measure_samples_from(const float *wo, struct renderer *r, uint32_t material,
                                  union bsdf_item *items, double *off, struct err *err)
 {
@@ -126,7 +127,7 @@ static bool measure_samples_from(const float *wo, struct renderer *r, uint32_t m
     fill_samples(&state, material, wo, items);
     if (!run_items(r, material, BSDF_ROUTINE_SAMPLE, items, err))
         return false;
-    *off = INFINITY; // unless there is a sample
+    *off = INFINITY; // remains if there is no sample
     for (uint32_t i = 0; i < ITEMS; i++) {
         if (!(items[i].sample.flags & BSDF_VALID))
             continue;
@@ -150,8 +151,8 @@ static bool measure_samples(struct renderer *r, uint32_t material, union bsdf_it
 
 static const float looking[3] = {0.6f, 0.0f, 0.8f};
 
-// The density over all directions, by the midpoint rule over 256 x 256 cells of equal solid angle,
-// and the part of the samples that is absorbed, less 1.
+// Integrates the density over all directions, by the midpoint rule over 256 x 256 cells of equal
+// solid angle, and adds the fraction of absorbed samples; the sum less 1 is the deviation.
 static bool measure_density(struct renderer *r, uint32_t material, union bsdf_item *items,
                             double *off, struct err *err)
 {
@@ -176,7 +177,7 @@ static bool measure_density(struct renderer *r, uint32_t material, union bsdf_it
     return true;
 }
 
-// What is sent back of even light 1 beyond all of it; something must be.
+// Measures how much more than all light is reflected from constant light 1; it must reflect some.
 static bool measure_energy_from(const float wo[3], struct renderer *r, uint32_t material,
                                 union bsdf_item *items, double *off, struct err *err)
 {
@@ -199,7 +200,7 @@ static bool measure_energy(struct renderer *r, uint32_t material, union bsdf_ite
     return measure_energy_from(looking, r, material, items, off, err);
 }
 
-// Seen at 89.9 and 89.99 degrees from the normal.
+// The directions are 89.9 and 89.99 degrees from the normal.
 static bool measure_grazing_energy(struct renderer *r, uint32_t material, union bsdf_item *items,
                                    double *off, struct err *err)
 {
@@ -213,7 +214,7 @@ static bool measure_grazing_energy(struct renderer *r, uint32_t material, union 
     return ok;
 }
 
-// As measure_samples(), seen at 89.99 degrees.
+// Like measure_samples(), from 89.99 degrees.
 static bool measure_grazing_samples(struct renderer *r, uint32_t material, union bsdf_item *items,
                                     double *off, struct err *err)
 {
@@ -284,4 +285,4 @@ static const struct check_case cases[] = {
      BSDF(measure_grazing_samples, 1e-2)},
 };
 
-CHECK_GROUP(check_bsdf, "bsdf", "the BSDFs by themselves, of five materials", cases);
+CHECK_GROUP(check_bsdf, "bsdf", "the BSDFs alone, for five materials", cases);

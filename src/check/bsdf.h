@@ -1,4 +1,4 @@
-// Running the shipped BSDFs on items that the host wrote (shaders/check_bsdf.comp).
+// Runs the shipped BSDFs on items that the host writes (shaders/check_bsdf.comp).
 #ifndef LAMPYRIS_CHECK_BSDF_H
 #define LAMPYRIS_CHECK_BSDF_H
 
@@ -29,7 +29,7 @@ union bsdf_item {
         float pdf;
         float unused[12];
     } eval;
-    float out[16]; // of the parts
+    float out[16]; // of all variants
 };
 
 #endif

@@ -3,14 +3,15 @@
 #include <string.h>
 
 const struct check_group *const check_groups[] = {
-    // What the driver itself does.
+    // The driver itself.
     &check_arithmetic,
     &check_threads,
-    // What must not change one bit of a picture.
+    // Variations that must not change one bit of an image.
     &check_bits,
-    // The BSDFs by themselves: docs/verification.md, A.
+    // The BSDFs alone: docs/verification.md, A.
     &check_bsdf,
-    // Scenes whose radiance is known: docs/verification.md, B, and those of C that are such.
+    // Scenes whose radiance is known: docs/verification.md, B, and the cases of C with a closed
+    // form.
     &check_light,
     &check_media,
     &check_rooms,

@@ -16,7 +16,7 @@ extern const struct check_group check_arithmetic, check_threads, check_bits, che
 extern const struct check_group *const check_groups[];
 extern const size_t check_group_count;
 
-// Whether `only` names the group, the case, or the case's number ("C14"); NULL names all.
+// Returns whether `only` names the group, the case, or the case's number ("C14"); NULL names all.
 bool check_is_wanted(const struct check_group *group, const struct check_case *this_case,
                      const char *only);
 

@@ -1,5 +1,5 @@
-// Whether a device and its driver do what the renderer needs of them: cases whose results are
-// known, in one table (case_list.h), which `lampyris check` runs and the tests, too.
+// Checks whether a device and its driver fulfil the renderer's requirements: cases whose results
+// are known, in one table (case_list.h), which `lampyris check` and the tests run.
 #ifndef LAMPYRIS_CHECK_CHECK_H
 #define LAMPYRIS_CHECK_CHECK_H
 
@@ -9,11 +9,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// What cases are run on, and how.
+// The device on which cases are run, and options.
 struct check {
     struct gpu *gpu;
     bool longer;         // with the samples of the long suite
-    struct arena *arena; // of pictures; NULL: none are kept
+    struct arena *arena; // holds images; NULL: none are kept
     const struct progress *progress;
 };
 
@@ -22,31 +22,31 @@ extern const char *const check_outcome_names[]; // "not run", "pass", "FAIL"
 
 #define CHECK_TEXT_MAX 240
 
-// Rows from the top, linear.
+// Rows from the top, linear values.
 struct check_picture {
     uint32_t width, height;
-    float (*pixels)[3]; // of the check's arena; NULL: there is none
+    float (*pixels)[3]; // in the check's arena; NULL: there is no image
 };
 
 struct check_result {
     enum check_outcome outcome;
-    char expected[CHECK_TEXT_MAX]; // the value; "": the case's own words say it
+    char expected[CHECK_TEXT_MAX]; // expected value; "": the case's own text states it
     char seen[CHECK_TEXT_MAX];
-    char why[512]; // it failed, or was not run
-    bool is_lost;  // the device was lost meanwhile: the case was not run
+    char why[512]; // why it failed, or was not run
+    bool is_lost;  // the device was lost: the case was not run
     struct check_picture picture;
     double seconds;
 };
 
 struct check_case {
-    // What is done: "B3 glowing sphere, 9 bounces", after the number of docs/verification.md.
+    // A short title after the number of docs/verification.md: "B3 glowing sphere, 9 bounces".
     const char *name;
     const char *expected; // in words or as a formula
-    // Fills in the outcome and what goes with it. False: an error of the device, or ERR_STOPPED.
+    // Sets the outcome and the texts. Returns false for an error of the device, or ERR_STOPPED.
     bool (*run)(const struct check *check, const struct check_case *this_case,
                 struct check_result *result, struct err *err);
-    const void *data; // of `run`
-    bool is_long;     // left out unless asked for
+    const void *data; // parameter of `run`
+    bool is_long;     // is run only on request
 };
 
 struct check_group {
@@ -56,19 +56,19 @@ struct check_group {
     size_t count;
 };
 
-// Runs the case and takes its time. An error of the device is a failure of the case, which says so;
-// where the device is lost, the case was not run.
-// False: err is ERR_STOPPED.
+// Runs the case and measures its time. An error of the device makes the case fail, with the message
+// as the reason; if the device is lost, the case was not run. Returns false only when stopped: err
+// is ERR_STOPPED.
 bool check_run(const struct check *check, const struct check_case *this_case,
                struct check_result *result, struct err *err);
 
-// What a case says of itself. Each returns true.
+// Set the outcome of a case. Each returns true.
 bool check_seen(struct check_result *result, bool passed, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 bool check_not_run(struct check_result *result, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-// Keeps what the renderer has as the result's picture, where pictures are wanted.
+// Keeps the renderer's image as the result's picture, if pictures are wanted.
 bool check_keep_picture(const struct check *check, struct renderer *renderer,
                         struct check_result *result, struct err *err);
 

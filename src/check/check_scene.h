@@ -1,5 +1,5 @@
-// Checking a scene before hours are spent on it: what in it is stiff or extreme, where, what
-// follows from that and what can be done (`lampyris check SCENE`). Implemented in src/check/scene/.
+// Checks a scene before a long render: finds what is stiff or extreme in it, and says where, what
+// follows from it and what can be done (`lampyris check SCENE`). Implemented in src/check/scene/.
 #ifndef LAMPYRIS_CHECK_CHECK_SCENE_H
 #define LAMPYRIS_CHECK_CHECK_SCENE_H
 
@@ -11,9 +11,9 @@
 #include <stdint.h>
 
 enum finding_level {
-    FINDING_REMARK, // worth knowing: the picture is right
-    FINDING_SLOW,   // the picture is right in the limit, but its noise falls slowly
-    FINDING_WRONG,  // the picture is not what the scene says, however many samples it has
+    FINDING_REMARK, // the image is right
+    FINDING_SLOW,   // the image converges to the right one, but slowly
+    FINDING_WRONG,  // the image does not converge to what the scene describes
 };
 extern const char *const finding_level_names[]; // "remark" …
 
@@ -24,39 +24,39 @@ struct scene_finding {
     const char *figure;      // "12 of 400 triangles"
     const char *consequence; // a sentence
     const char *remedy;      // a sentence
-    double share;            // of the picture that it touches, 0 to 1; NAN: not known
-    const uint8_t *pixels; // of `picture`: flags of those that it touches; NULL: not known, or all
-    const char *change;    // what scene_check_fix() does about it; NULL: nothing
+    double share;            // fraction of the image that it affects, 0 to 1; NAN: not known
+    const uint8_t *pixels;   // flags of affected pixels of `picture`; NULL: not known, or all
+    const char *change;      // what scene_check_fix() changes; NULL: nothing
 };
 
-// What a render of the scene would take to a given error.
+// The cost of a render of the scene to a given error.
 struct scene_outlook {
     double error;          // local relMSE
-    double samples;        // a pixel; NAN: not known
-    double seconds;        // of rendering, on this device as busy as it is now; NAN: not known
-    uint64_t device_bytes; // of memory, at the size of the settings
-    const char *reason;    // why it is not known; or NULL
+    double samples;        // per pixel; NAN: not known
+    double seconds;        // rendering time on this device under its present load; NAN: not known
+    uint64_t device_bytes; // device memory at the size of the settings
+    const char *reason;    // why it is not known, or NULL
 };
 
 struct scene_findings {
-    struct scene_finding *items; // in descending order of their shares, unknown ones last
+    struct scene_finding *items; // in descending order of `share`, unknown shares last
     uint32_t count, capacity;
     struct scene_outlook outlook;
-    struct image picture; // the small one that was looked at, linear
+    struct image picture; // the small image that was rendered, linear
 };
 
 struct check_scene_params {
     struct renderer_params renderer; // with its `scene`
-    struct scene *scene;             // the same. Its settings are as they were afterwards
-    double error;                    // local relMSE to look ahead to
-    // Harmless remedies are applied to `scene`, those whose finding has a `change`: they remove an
-    // error, or something that has no effect, and change nothing else of the picture.
+    struct scene *scene;             // the same scene; its settings are unchanged afterwards
+    double error;                    // local relMSE for which the outlook is computed
+    // Applies harmless remedies to `scene`, those of findings with a `change`: they remove an
+    // error, or something without effect, and change nothing else in the image.
     bool fixes;
 };
 
-// Says of a scene what is found in it, on a device, with its settings and one of its cameras. Short
-// renders of a small picture measure what cannot be known otherwise. Lists and strings are in
-// `arena`. ERR_STOPPED where the listener of the renderer's params asks to stop.
+// Checks a scene on a device, with its settings and one of its cameras. Short renders of a small
+// image measure what cannot be known otherwise. Lists and strings are in `arena`. ERR_STOPPED when
+// the listener of the renderer's params asks to stop.
 bool check_scene(const struct check_scene_params *params, struct arena *arena,
                  struct scene_findings *out, struct err *err);
 

@@ -9,12 +9,12 @@
 #include <stdio.h>
 #include <string.h>
 
-// The bias that is allowed for the half-width that is.
+// The permitted bias relative to the half-width that was reached.
 #define BIAS_PER_HALF_WIDTH 3.0
-// What single precision may add on a path of many bounces; also the bound for forms without
-// variance. Twice as much where a device is not known to round to the nearest float: bounds of
-// errors are twice as wide there (docs/verification.md, H16), and rays leave and meet a distance
-// field by that much farther from its surface, so that the way inside of it is shorter.
+// The relative error of single precision on a path of many bounces; it is also the bound for forms
+// without variance. It is twice as large if the device is not known to round to the nearest float:
+// error bounds are twice as wide then (docs/verification.md, H16), and rays leave and hit a
+// distance field correspondingly farther from its surface, so that the way inside is shorter.
 static double rounding_max(const struct renderer *renderer)
 {
     return renderer->gpu->rounds_to_nearest ? 1e-5 : 2e-5;
@@ -22,7 +22,7 @@ static double rounding_max(const struct renderer *renderer)
 
 const double closed_form_albedo[3] = {0.8, 0.5, 0.2}, closed_form_emission[3] = {1, 2, 4};
 
-// Where nothing is expected, anything is too much.
+// If the expected value is 0, any other value is an infinite error.
 static double relative_error(double value, double expected)
 {
     return expected > 0.0 ? value / expected - 1.0 : value == 0.0 ? 0.0 : INFINITY;
@@ -42,7 +42,7 @@ static bool try_pixels(const struct closed_form_trial *trial, struct renderer *r
 {
     struct arena arena = {0};
     struct film_image film;
-    // A power of two: the mean of as many equal values is exact.
+    // With a power of two, the mean of equal values is exact.
     seen->samples = trial->form->kind == EXACT ? 64 : 1;
     const struct render_call call = {.samples = seen->samples};
     bool ok = renderer_render(renderer, &call, err) && renderer_read(renderer, &arena, &film, err);

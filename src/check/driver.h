@@ -1,4 +1,4 @@
-// Small kernels of their own, beside the renderer's: what the driver itself does.
+// Small kernels that test the driver itself, independent of the renderer's.
 #ifndef LAMPYRIS_CHECK_DRIVER_H
 #define LAMPYRIS_CHECK_DRIVER_H
 
@@ -10,7 +10,7 @@
 
 enum driver_program { DRIVER_ARITHMETIC, DRIVER_THREADS };
 
-// Four words in and four out, of each thread.
+// Four words of input and four of output for each thread.
 typedef union {
     uint32_t u[4];
     float f[4];
@@ -21,19 +21,19 @@ struct driver_run {
     uint32_t routine;    // CHECK_*
     uint32_t constant;   // CONSTANT_CHECK_COUNT
     uint32_t items;      // a multiple of DRIVER_WORKGROUP
-    uint32_t dispatches; // one after the other, with barriers; 0: one
-    bool texels;         // the input is bound as texels, too
-    double device_ns;    // out: by timestamps, from before the first to behind the last
-    double host_ns;      // out: from recording on until the host knew of the end
+    uint32_t dispatches; // number of dispatches, with barriers between; 0: one
+    bool texels;         // the input is also bound as a texel buffer
+    double device_ns;    // result: by timestamps, from before the first dispatch to after the last
+    double host_ns;      // result: from recording until the host was notified of the end
 };
 
-// Replaces the items by what the kernel writes. Neither of the pointers may be NULL.
+// Replaces the items by the kernel's output. Neither pointer may be NULL.
 bool driver_run(const struct check *check, struct driver_run *run, driver_item *items,
                 struct err *err);
 
-// A number of the sequence that begins with *state (Steele, Lea and Flood 2014, SplitMix).
+// Returns the next number of the sequence of *state (Steele, Lea and Flood 2014, SplitMix).
 uint32_t driver_random(uint64_t *state);
-// A float of either sign between 2^-exponent and 2^exponent.
+// Returns a float of either sign between 2^-exponent and 2^exponent.
 float driver_random_float(uint64_t *state, int exponent);
 
 #endif

@@ -1,5 +1,5 @@
-// Arithmetic of the driver, against the same in double precision: what the specification of Vulkan
-// asks for ("Precision of Individual Operations"), and what the renderer needs beyond.
+// The driver's arithmetic, compared with double precision: what Vulkan's specification requires
+// ("Precision of Individual Operations"), and what the renderer needs in addition.
 #include "check/driver.h"
 
 #include "check/case_list.h"
@@ -9,20 +9,20 @@
 
 #define ITEMS (1u << 14)
 
-// What is computed, from which numbers, and how far off it may be.
+// An operation, its input, and the permitted error.
 struct arithmetic {
     uint32_t routine;
     void (*fill)(uint64_t *state, uint32_t index, driver_item *item);
-    // How far the result is from what it should be; more than `most` is wrong.
+    // Returns the error of a result; more than `most` is a failure.
     double (*error)(const driver_item *in, const driver_item *out);
     double most;
     const char *unit;
-    // The error that may be 1 at most on devices that may round to either neighbour, where kernels
-    // count with bounds twice as wide; NULL: the same as on others.
+    // Returns an error that may be at most 1 on devices that may round to either neighbour, for
+    // which kernels use bounds twice as wide; NULL: the same as on others.
     double (*error_of_any)(const driver_item *in, const driver_item *out);
 };
 
-// In units in the last place of the nearest float.
+// Returns the error in units in the last place of the nearest float.
 static double ulps(float value, double exact)
 {
     int exponent;
@@ -35,7 +35,7 @@ static double is_other(float value, float expected)
     return memcmp(&value, &expected, sizeof value) == 0 ? 0.0 : 1.0;
 }
 
-// --- what is correctly rounded -------------------------------------------------------------------
+// --- correctly rounded operations ----------------------------------------------------------------
 
 static void fill_floats(uint64_t *state, uint32_t index, driver_item *item)
 {
@@ -44,7 +44,7 @@ static void fill_floats(uint64_t *state, uint32_t index, driver_item *item)
         item->f[i] = driver_random_float(state, 12);
 }
 
-// Sums in the middle between two floats, and just beside it.
+// Sums midway between two floats, and next to that.
 static void fill_ties(uint64_t *state, uint32_t index, driver_item *item)
 {
     float sign = index & 1u ? -1.0f : 1.0f;
@@ -75,7 +75,7 @@ static double either_product(const driver_item *in, const driver_item *out)
     return ulps(out->f[0], (double)in->f[0] * (double)in->f[1]);
 }
 
-// Of doubles, whose 53 bits hold what single precision makes of these exactly.
+// Doubles hold the exact results: 53 bits are enough for these operations.
 static double rest_of_sum(const driver_item *in, const driver_item *out)
 {
     return (double)out->f[0] + (double)out->f[1] == (double)in->f[0] + (double)in->f[1] ? 0.0 : 1.0;
@@ -86,7 +86,7 @@ static double rest_of_product(const driver_item *in, const driver_item *out)
     return (double)out->f[0] + (double)out->f[1] == (double)in->f[0] * (double)in->f[1] ? 0.0 : 1.0;
 }
 
-// The error is counted in units of 2^-46 of the greater number (lib/double_float.glsl).
+// The error is in units of 2^-46 of the greater number (lib/double_float.glsl).
 static double about_sum(const driver_item *in, const driver_item *out)
 {
     double sum = (double)in->f[0] + (double)in->f[1];
@@ -100,7 +100,7 @@ static double about_product(const driver_item *in, const driver_item *out)
     return fabs((double)out->f[0] + (double)out->f[1] - product) / (0x1p-46 * fabs(product));
 }
 
-// Where one rounding and two differ: c is nearly -(a b).
+// Operands for which one rounding and two differ: c is nearly -(a b).
 static void fill_contraction(uint64_t *state, uint32_t index, driver_item *item)
 {
     (void)index;
@@ -115,7 +115,7 @@ static double error_of_precise(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], product + in->f[2]);
 }
 
-// Two results may be rounded to either neighbour: the product, and a sum of 2^-10 of it.
+// Two results may be rounded to either neighbour: the product, and a sum that is 2^-10 of it.
 static double either_precise(const driver_item *in, const driver_item *out)
 {
     double product = (double)in->f[0] * (double)in->f[1];
@@ -125,7 +125,7 @@ static double either_precise(const driver_item *in, const driver_item *out)
            (ldexp(1.0, exponent - 24) * (1.0 + 0x1p-9));
 }
 
-// --- what has a bound ----------------------------------------------------------------------------
+// --- operations with an error bound --------------------------------------------------------------
 
 static double error_of_quotient(const driver_item *in, const driver_item *out)
 {
@@ -167,7 +167,7 @@ static double error_of_turns(const driver_item *in, const driver_item *out)
     return fmax(fmax(fabs(c - cos(x)), fabs(s - sin(x))), fabs(hypot(c, s) - 1.0));
 }
 
-// --- what may be lost ----------------------------------------------------------------------------
+// --- denormals -----------------------------------------------------------------------------------
 
 static void fill_denormals(uint64_t *state, uint32_t index, driver_item *item)
 {
@@ -205,7 +205,7 @@ static double error_of_integers(const driver_item *in, const driver_item *out)
 static void fill_halves(uint64_t *state, uint32_t index, driver_item *item)
 {
     (void)state;
-    // All patterns of finite halves: 2 a word, those with the exponent 31 left out.
+    // All bit patterns of finite halves, 2 per word; those with the exponent 31 are omitted.
     uint32_t pattern = 2u * index % 0x7c00u;
     item->u[0] = pattern | ((pattern + 1u) | 0x8000u) << 16;
 }
@@ -244,7 +244,7 @@ static double error_of_conversions(const driver_item *in, const driver_item *out
            (double)(out->u[2] != (uint32_t)in->f[2]);
 }
 
-// --- running them --------------------------------------------------------------------------------
+// --- kernels -------------------------------------------------------------------------------------
 
 static bool run_items(const struct check *check, const struct arithmetic *a, driver_item *in,
                       driver_item *out, struct err *err)
@@ -259,7 +259,7 @@ static bool run_items(const struct check *check, const struct arithmetic *a, dri
 
 struct spread {
     double worst;
-    uint32_t wrong, at; // items that are beyond the bound, and the worst one
+    uint32_t wrong, at; // number of items beyond the bound, and the worst one
 };
 
 static struct spread judge(const struct check *check, const struct arithmetic *a,
@@ -269,7 +269,7 @@ static struct spread judge(const struct check *check, const struct arithmetic *a
     struct spread s = {0};
     for (uint32_t i = 0; i < ITEMS; i++) {
         double error = is_any ? a->error_of_any(&in[i], &out[i]) : a->error(&in[i], &out[i]);
-        s.wrong += !(error <= (is_any ? 1.0 : a->most)); // also of NaN
+        s.wrong += !(error <= (is_any ? 1.0 : a->most)); // also true for NaN
         if (!(error <= s.worst)) {
             s.worst = error;
             s.at = i;
@@ -278,7 +278,7 @@ static struct spread judge(const struct check *check, const struct arithmetic *a
     return s;
 }
 
-// How many are as the case expects, and what else is to be said.
+// Reports how many items are as expected, followed by `besides`.
 static bool tell_wrong(struct check_result *result, uint32_t wrong, const char *besides)
 {
     if (wrong == 0)
@@ -311,7 +311,7 @@ static bool run_arithmetic(const struct check *check, const struct check_case *t
     return ok;
 }
 
-// Which of the ways to round it is, by 2^23 + 1/2 and 2^23 + 3/2 of either sign.
+// Determines the rounding mode from 2^23 + 1/2 and 2^23 + 3/2 of either sign.
 static bool run_rounding(const struct check *check, const struct check_case *this_case,
                          struct check_result *result, struct err *err)
 {
@@ -342,7 +342,7 @@ static bool run_rounding(const struct check *check, const struct check_case *thi
                       (double)items[2].f[0], (double)items[3].f[0]);
 }
 
-// The same, and what the driver does where it may do as it likes.
+// Tests that precise operations are not contracted, and reports what the driver does elsewhere.
 static bool run_contraction(const struct check *check, const struct check_case *this_case,
                             struct check_result *result, struct err *err)
 {

@@ -10,7 +10,7 @@
 struct threads {
     uint32_t routine, constant, dispatches;
     uint32_t items;      // 0: ITEMS
-    bool texels, ballot; // which it needs
+    bool texels, ballot; // required device features
     void (*fill)(uint32_t index, driver_item *item);
     bool (*judge)(const struct check *check, const struct driver_run *run, const driver_item *out,
                   struct check_result *result);
@@ -28,11 +28,10 @@ static void fill_mixed(uint32_t index, driver_item *item)
         item->u[i] = driver_random(&state);
 }
 
-// --- what each does
-// ---------------------------------------------------------------------------------
+// --- routines ------------------------------------------------------------------------------------
 
-// The longest loop of the renderer adds eight sums of 2^12 samples; traversals go on in another
-// dispatch after 30,000 turns (docs/architecture.md).
+// The longest loop of the renderer adds eight sums of 2^12 samples; a traversal continues in
+// another dispatch after 30,000 turns (docs/architecture.md).
 #define TURNS_NEEDED 32768u
 #define TURNS_ASKED 100000u
 
@@ -58,7 +57,7 @@ static int compare_words(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-// Whether each of 0 .. count-1 is among the values once.
+// Returns how many of 0 .. count-1 are not among the values exactly once.
 static uint32_t missing_numbers(uint32_t *values, uint32_t count)
 {
     uint32_t missing = 0;
@@ -89,7 +88,7 @@ static bool judge_barriers(const struct check *check, const struct driver_run *r
         uint32_t first = i / DRIVER_WORKGROUP * DRIVER_WORKGROUP;
         wrong += out[i].u[0] != first + (i - first + run->constant) % DRIVER_WORKGROUP;
     }
-    return check_seen(result, wrong == 0, "%u of %u values elsewhere", wrong, run->items);
+    return check_seen(result, wrong == 0, "%u of %u values in the wrong place", wrong, run->items);
 }
 
 static bool judge_array(const struct check *check, const struct driver_run *run,
@@ -98,7 +97,7 @@ static bool judge_array(const struct check *check, const struct driver_run *run,
     (void)check;
     uint32_t wrong = 0, n = run->constant + 2;
     for (uint32_t i = 0; i < run->items; i++)
-        wrong += out[i].u[0] != i * (n * (n - 1) / 2); // 97 is prime: all are met
+        wrong += out[i].u[0] != i * (n * (n - 1) / 2); // 97 is prime, so all elements are visited
     return check_seen(result, wrong == 0, "%u of %u sums wrong", wrong, run->items);
 }
 
@@ -127,7 +126,7 @@ static bool judge_texels(const struct check *check, const struct driver_run *run
         fill_mixed(i, &expected);
         wrong += memcmp(&expected, &out[i], sizeof expected) != 0;
     }
-    return check_seen(result, wrong == 0, "%u of %u texels others", wrong, run->items);
+    return check_seen(result, wrong == 0, "%u of %u texels have other values", wrong, run->items);
 }
 
 static bool judge_subgroups(const struct check *check, const struct driver_run *run,
@@ -153,8 +152,9 @@ static bool judge_reconvergence(const struct check *check, const struct driver_r
     uint32_t apart = 0;
     for (uint32_t i = 0; i < run->items; i++)
         apart += out[i].u[0] != out[i].u[1];
-    return check_seen(result, apart == 0, "%u of %u threads vote without some of their subgroup",
-                      apart, run->items);
+    return check_seen(result, apart == 0,
+                      "%u of %u threads vote without some threads of their subgroup", apart,
+                      run->items);
 }
 
 static bool judge_timestamps(const struct check *check, const struct driver_run *run,

@@ -1,4 +1,4 @@
-// The ways to find emitters that tests compare: all converge to the same picture.
+// The estimators of direct light that tests compare: all converge to the same image.
 #ifndef LAMPYRIS_CHECK_ESTIMATORS_H
 #define LAMPYRIS_CHECK_ESTIMATORS_H
 
@@ -9,7 +9,7 @@ enum light_estimator {
     ESTIMATOR_MIS,
     ESTIMATOR_NEE,         // next-event estimation only, where a light can be sampled
     ESTIMATOR_BSDF,        // BSDF sampling only
-    ESTIMATOR_COMPENSATED, // as ESTIMATOR_MIS, with ENVIRONMENT_SAMPLING_COMPENSATED: the default
+    ESTIMATOR_COMPENSATED, // like ESTIMATOR_MIS, with ENVIRONMENT_SAMPLING_COMPENSATED: the default
 };
 
 static inline void set_estimator(struct settings *settings, enum light_estimator estimator)

@@ -1,5 +1,5 @@
-// Environments by images whose irradiance on a plane is known (docs/verification.md, B24, B25, C33
-// and C35).
+// Environment images whose irradiance on a plane is known (docs/verification.md, B24, B25, C33 and
+// C35).
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
@@ -14,7 +14,7 @@
 
 #define POWER_ROWS 4096
 
-// A row of the image of cos^k about +Y: the mean over the row by solid angle.
+// Returns a row of the image of cos^k about +Y: the mean over the row, weighted by solid angle.
 static float power_texel(double k, uint32_t row)
 {
     if (row >= POWER_ROWS / 2)
@@ -23,7 +23,8 @@ static float power_texel(double k, uint32_t row)
     return (float)((pow(top, k + 1.0) - pow(bottom, k + 1.0)) / ((k + 1.0) * (top - bottom)));
 }
 
-// The integral of sin t cos t from t[0] to t[1] times what goes evenly from ends[0] to ends[1].
+// Returns the integral of sin t cos t from t[0] to t[1] times a function linear from ends[0] to
+// ends[1].
 static double slope_irradiance(const double t[2], const double ends[2])
 {
     double slope = (ends[1] - ends[0]) / (t[1] - t[0]);
@@ -33,10 +34,10 @@ static double slope_irradiance(const double t[2], const double ends[2])
     return ends[0] * even + slope * (rising - t[0] * even);
 }
 
-// What the image sends to the plane: 2 rho Le / (k + 2) is that of cos^k itself, but radiance is
-// linear between the centres of rows, which widens a peak. Of k = 1000 the image sends 2.44e-5 more
-// than cos^k, of k up to 10 at most 1.3e-7 more or less. Above the first centre the radiance is
-// that of the first row; of the step across the horizon, the half above counts.
+// The irradiance of the image: that of cos^k itself is 2 rho Le / (k + 2), but radiance is linear
+// between the centres of rows, which widens a peak. The image has 2.44e-5 more than cos^k for k =
+// 1000, and differs by at most 1.3e-7 for k up to 10. Above the first centre the radiance is that
+// of the first row; of the step across the horizon, the upper half counts.
 static double power(double rho, double le, double k)
 {
     double h = M_PI / POWER_ROWS, first = (double)power_texel(k, 0);
@@ -52,7 +53,7 @@ static double power(double rho, double le, double k)
 }
 static const char power_is[] = "2 rho Le / (k + 2), but for the interpolation of rows";
 
-// The irradiance of a patch of radiance 1.
+// Returns the irradiance of a patch of radiance 1.
 static double patch_of_sun(void)
 {
     double theta[2] = {M_PI * SUN_ROW / SUN_HEIGHT, M_PI * (SUN_ROW + 1) / SUN_HEIGHT};
@@ -60,15 +61,15 @@ static double patch_of_sun(void)
     return middle * (2.0 * M_PI / SUN_WIDTH) * (cos(theta[0]) - cos(theta[1]));
 }
 
-// The same for radiance that falls to 0 at the centres of the texels around it, at h to all sides:
-// the integral of (1 - |t - a| / h) sin t cos t is sin 2a sin^2 h / (2 h).
+// Returns it for radiance that falls linearly to 0 at the centres of the neighbouring texels, at
+// distance h on all sides: the integral of (1 - |t - a| / h) sin t cos t is sin 2a sin^2 h / (2 h).
 static double tent_of_sun(void)
 {
     double h = M_PI / SUN_HEIGHT, a = (SUN_ROW + 0.5) * h;
     return 2.0 * M_PI / SUN_WIDTH * sin(2.0 * a) * sin(h) * sin(h) / (2.0 * h);
 }
 
-// A texel among others of radiance `dim`.
+// One bright texel; all others have radiance `dim`.
 static double patch(double rho, double le, double dim)
 {
     return rho / M_PI * le * (dim * M_PI + (SUN_RADIANCE - dim) * patch_of_sun());
@@ -123,7 +124,7 @@ static bool set_sun(struct scene *scene, double dim, struct err *err)
     return true;
 }
 
-// Black by its texels, by the factor on them, or above the plane.
+// Makes the light black by its texels, by its factor, or only above the plane.
 static bool set_black(struct scene *scene, double which, struct err *err)
 {
     if (!set_image(scene, 5, 3, which == 1.0 ? SUN_RADIANCE : 0.0, err))
@@ -137,7 +138,7 @@ static bool set_black(struct scene *scene, double which, struct err *err)
 }
 
 // clang-format off
-// With Sobol's points a pilot says less of how many samples are needed.
+// With Sobol's points a pilot predicts the needed number of samples less well.
 #define RANDOM {{"settings", JSON({"sampler": "pcg"})}}
 #define PATCHES {{"settings", JSON({"environment_filter": "nearest"})}}
 

@@ -1,10 +1,10 @@
-// Distance fields in scenes whose radiance is known, and beside analytic shapes of the same form:
-// closed rooms of fields, convex bodies under an even sky, glass and fog, a still life of both.
+// Distance fields in scenes whose radiance is known, and next to analytic shapes of the same form:
+// closed rooms of fields, convex bodies under a constant environment, glass and fog.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
 
-// A convex body sees nothing but the environment.
+// A convex body sees only the environment.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -19,7 +19,7 @@ static double closed(double rho, double le, double bounces)
 }
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
-// From within glass of an index whose square is `part`.
+// Radiance inside glass; `part` is the square of the index.
 static double all(double rho, double le, double part)
 {
     (void)rho;
@@ -27,14 +27,14 @@ static double all(double rho, double le, double part)
 }
 static const char all_is[] = "Le times a known part";
 
-// Through as much fog of an index of 1 as lets rho pass in a metre.
+// Radiance after fog of index 1 with transmittance rho per metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
 }
 static const char fog_is[] = "Le exp(-sigma length)";
 
-// A camera inside of a field that glows.
+// The camera is inside of an emissive field.
 // clang-format off
 #define ROOM(x, y, z, ...)                                                                         \
     {"camera", JSON({"position": [x, y, z], "direction": [0.3, -0.2, -1], "fov_degrees": 90})},    \

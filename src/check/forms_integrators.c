@@ -1,10 +1,9 @@
-// What the other integrators show, in closed form: ambient occlusion, Whitted's recursion, and the
-// fading of what the camera sees.
+// The other integrators in closed form: ambient occlusion and Whitted's recursion.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
 
-// Beyond the seeds of the other closed forms.
+// These seeds differ from those of the other closed forms.
 #define FIRST_SEED 200000u
 
 static double radians(double degrees)
@@ -26,8 +25,8 @@ static double all(double rho, double le, double value)
 }
 static const char all_is[] = "Le times a known part";
 
-// Beside a wall of height 1 from z = -1 to 1 at distance d: 1 - 2 F of one half, with F = (atan(1 /
-// d) - d / r atan(1 / r)) / (2 pi), r^2 = d^2 + 1 (Howell's catalogue of configuration factors,
+// Next to a wall of height 1 from z = -1 to 1 at distance d: 1 - 2 F of one half, with F = (atan(1
+// / d) - d / r atan(1 / r)) / (2 pi), r^2 = d^2 + 1 (Howell's catalogue of configuration factors,
 // B-4).
 static double beside_wall(double rho, double le, double d)
 {
@@ -45,7 +44,7 @@ static double mirrors(double rho, double le, double count)
 }
 static const char mirrors_is[] = "R^k Le for k mirrors";
 
-// Reflectance of glass of index 1.5 (Fresnel), unpolarised.
+// Returns Fresnel's reflectance of glass of index 1.5 for unpolarised light.
 static double reflectance(double degrees)
 {
     double c = cos(radians(degrees)), t = sqrt(1.0 - (1.0 - c * c) / 2.25);
@@ -53,9 +52,9 @@ static double reflectance(double degrees)
     return 0.5 * (s * s + p * p);
 }
 
-// The light that leaves a slab of glass on the far side (`side` 0) or the near one (1): what is
-// reflected inside is followed while it is 2^-10 of the camera ray at least, and for `depth`
-// events.
+// Returns the light that leaves a slab of glass on the far side (`side` 0) or the near one (1):
+// internal reflections are followed while they are at least 2^-10 of the camera ray, and for
+// `depth` events.
 static double leaves_slab(double degrees, int side, int depth)
 {
     double r = reflectance(degrees), inside = 1.0 - r, sum = side ? r : 0.0;
@@ -82,7 +81,7 @@ static double from_slab(double rho, double le, double degrees)
 }
 static const char from_slab_is[] = "Le (R + the sum of T^2 R^(2k+1))";
 
-// Three events: in, reflected, reflected; or in and out.
+// There are three events: in, reflected, reflected; or in and out.
 static double shallow_slab(double rho, double le, double degrees)
 {
     (void)rho;
@@ -106,8 +105,8 @@ static double phong(double rho, double le, double n)
 }
 static const char phong_is[] = "Le cos (kd / pi + ks (n + 2) cos^n / (2 pi))";
 
-// A sphere of radius 1 at (d, d, 0), as if all of it were in its centre: as far as irradiance goes
-// the same.
+// A sphere of radius 1 at (d, d, 0) has the same irradiance as if it were concentrated in its
+// centre.
 static double sphere_above(double rho, double le, double d)
 {
     return rho * le / (2.0 * d * d) * sqrt(0.5);
@@ -169,7 +168,7 @@ static const struct check_case forms[] = {
     FORM("ao, below a disc", "floor_light.json", part, 0.5, BY_STATISTICS, 0,
      {AO, {"light", JSON({"type": "disc", "material": "light", "center": [0, 1, 0],
                           "normal": [0, -1, 0], "radius": 1})}}),
-    // Of the disc as far as 0.8: radius^2 = 0.8^2 - 0.5^2.
+    // The part of the disc within 0.8: radius^2 = 0.8^2 - 0.5^2.
     FORM("ao, as far as 0.8", "floor_light.json", part, 1 - 0.39 / 0.64, BY_STATISTICS, 0,
      {{"settings", JSON({"integrator": "ao", "ao_distance": 0.8, "sampler": "pcg"})},
       {"light", JSON({"type": "disc", "material": "light", "center": [0, 0.5, 0],
@@ -194,7 +193,7 @@ static const struct check_case forms[] = {
     FORM("B20 total reflection, whitted", "slab.json", all, 1, EXACT, 0,
      {WHITTED(9), {"slab", JSON({"type": "dielectric", "ior": 0.5})}, FROM_60,
       {"light", "[0, 0, 5]"}}),
-    // What is reflected inside is an event too many.
+    // The internal reflection would exceed the number of events.
     FORM("B21 camera in glass, whitted", "media.json", all, 0.96 * 2.25, WITHOUT_VARIANCE, 0,
      {WHITTED(1), {"body", JSON({"type": "dielectric", "ior": 1.5})},
       {"bodies", JSON([{"type": "sphere", "material": "body", "radius": 1}])},

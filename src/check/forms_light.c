@@ -1,14 +1,13 @@
 // Scenes whose radiance is known in closed form (by their numbers in docs/verification.md, B and
-// C): furnaces, lights without extent, configuration factors, mirrors, an edge.
+// C): furnaces, delta lights, configuration factors, mirrors, an edge.
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
 
 // --- the forms ----------------------------------------------------------------------------------
-// Configuration factors: the part of what leaves a surface element into its hemisphere (after
-// Lambert's law) that reaches another surface. Howell, "A Catalog of Radiation Heat Transfer
-// Configuration Factors".
+// Configuration factors: the fraction of the light that leaves a diffuse surface element and
+// reaches another surface. Howell, "A Catalog of Radiation Heat Transfer Configuration Factors".
 
 static double sky(double rho, double le, double unused)
 {
@@ -17,7 +16,7 @@ static double sky(double rho, double le, double unused)
 }
 static const char sky_is[] = "Le";
 
-// A convex body sees nothing but the environment.
+// A convex body sees only the environment.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -33,7 +32,7 @@ static double closed(double rho, double le, double bounces)
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
 // A point light of intensity `le` in the centre of a sphere of radius 2: (le / 2^2) rho / pi leaves
-// the wall at first, then as above.
+// the wall first, followed by the series above.
 static double lamp_in_sphere(double rho, double le, double bounces)
 {
     return rho / M_PI * le / 4.0 * (1.0 - pow(rho, bounces)) / (1.0 - rho);
@@ -48,7 +47,7 @@ static double lamp_above(double rho, double le, double distance)
 }
 static const char lamp_above_is[] = "rho I cos / (pi d^2)";
 
-// The same at 2 m, with a range of 3 m (KHR_lights_punctual).
+// A point light at 2 m with a range of 3 m (KHR_lights_punctual).
 static double lamp_with_range(double rho, double le, double unused)
 {
     (void)unused;
@@ -62,8 +61,8 @@ static double sun_above(double rho, double le, double degrees)
 }
 static const char sun_above_is[] = "rho E cos / pi";
 
-// A spot right above at 2 m whose axis passes the point by 10 degrees, and its outer angle; the
-// inner one is half of that (KHR_lights_punctual).
+// A spot directly above at 2 m whose axis misses the point by 10 degrees. `outer` is its outer
+// angle; the inner one is half of that (KHR_lights_punctual).
 static double spot_above(double rho, double le, double outer)
 {
     double degree = M_PI / 180.0, edge = cos(outer * degree);
@@ -73,7 +72,7 @@ static double spot_above(double rho, double le, double outer)
 }
 static const char spot_above_is[] = "rho I / (pi d^2) clamp((cos - cos o) / (cos i - cos o))^2";
 
-// A spot of inner angle 0 and outer angle 0.5 degrees, whose axis passes by 0.25 degrees.
+// A spot of inner angle 0 and outer angle 0.5 degrees whose axis misses the point by 0.25 degrees.
 static double narrow_spot(double rho, double le, double unused)
 {
     (void)unused;
@@ -83,8 +82,8 @@ static double narrow_spot(double rho, double le, double unused)
 }
 static const char narrow_spot_is[] = "rho I / (pi d^2) ((cos - cos o) / 0.001)^2";
 
-// Square of side 2 parallel to the element and centred above it: four times factor B-3, of
-// a rectangle a x b with a corner above the element; here a = b = 1 / height.
+// A square of side 2 parallel to the element and centred above it: four times factor B-3, that of a
+// rectangle a x b with a corner above the element; here a = b = 1 / height.
 static double square_above(double rho, double le, double height)
 {
     double a = 1.0 / height, root = sqrt(1.0 + a * a);
@@ -93,24 +92,24 @@ static double square_above(double rho, double le, double height)
 }
 static const char square_above_is[] = "rho Le F, factor B-3";
 
-// Disc of radius 1 parallel to the element and centred above it: the integral over rings of radius
-// r, of 2 r h^2 / (r^2 + h^2)^2 dr.
+// A disc of radius 1 parallel to the element and centred above it: the integral of 2 r h^2 / (r^2 +
+// h^2)^2 dr over rings of radius r.
 static double disc_above(double rho, double le, double height)
 {
     return rho * le / (1.0 + height * height);
 }
 static const char disc_above_is[] = "rho Le R^2 / (R^2 + h^2)";
 
-// Sphere of radius 1 whole above the horizon, at (d, d, 0): (r / d')^2 cos of its direction, with
-// its distance d' = sqrt(2) d.
+// A sphere of radius 1 completely above the horizon, at (d, d, 0): (r / d')^2 times the cosine of
+// its direction, at the distance d' = sqrt(2) d.
 static double sphere_above(double rho, double le, double d)
 {
     return rho * le / (2.0 * d * d) * sqrt(0.5);
 }
 static const char sphere_above_is[] = "rho Le (r / d)^2 cos";
 
-// docs/verification.md, C15: a sphere of radius 1 that touches the floor 5 cm away. It fills half
-// of the sky but for a rim, and is above the horizon as a whole: (r / d)^2 cos with cos = 1 / d.
+// docs/verification.md, C15: a sphere of radius 1 that touches the floor 5 cm away. It fills almost
+// half of the sky and is completely above the horizon: (r / d)^2 cos with cos = 1 / d.
 static double touching_sphere(double rho, double le, double unused)
 {
     (void)unused;
@@ -118,7 +117,8 @@ static double touching_sphere(double rho, double le, double unused)
 }
 static const char touching_sphere_is[] = "rho Le (r / d)^2 cos";
 
-// docs/verification.md, C14: 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2 r^2)) at 1e4.
+// docs/verification.md, C14: 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2 r^2)) at
+// distance 1e4.
 static double pinpoint(double rho, double le, double unused)
 {
     (void)unused;
@@ -128,7 +128,7 @@ static const char pinpoint_is[] = "rho Le (r / d)^2 cos";
 
 static double square_above(double rho, double le, double height);
 
-// A square, a point light, a sun and a spot at once.
+// A square, a point light, a sun and a spot together.
 static double all_lights(double rho, double le, double unused)
 {
     (void)unused;
@@ -139,10 +139,10 @@ static const char all_lights_is[] = "the sum of B5 to B8";
 
 static const double triangle[3][3] = {{-0.5, 0.25, 0.5}, {0.75, 0.5, 0.25}, {0.5, 1.5, -0.5}};
 
-// Lambert's sum over the edges of a polygon whole above the horizon of a floor in y = 0 (Lambert
-// 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|, beta the angle under which an
-// edge is seen from the origin, gamma that between the floor's normal and the normal of the plane
-// through edge and origin.
+// Lambert's sum over the edges of a polygon that is completely above the horizon of a floor in y =
+// 0 (Lambert 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|, where beta is the
+// angle that an edge subtends at the origin, and gamma is the angle between the floor's normal and
+// the normal of the plane through edge and origin.
 static double triangle_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -158,7 +158,7 @@ static double triangle_above(double rho, double le, double unused)
 }
 static const char triangle_above_is[] = "rho (Le / 2 pi) |sum of beta cos gamma|";
 
-// Two equal squares of side 1 at distance 1, mean over one of them: factor C-11 with X = Y = 1.
+// Two equal squares of side 1 at distance 1; the mean over one of them: factor C-11 with X = Y = 1.
 static double facing_squares(double rho, double le, double unused)
 {
     (void)unused;
@@ -182,8 +182,8 @@ static double mirrors(double rho, double le, double count)
 }
 static const char mirrors_is[] = "R^k Le for k mirrors";
 
-// The mean over the disc is (2/3) rho E / pi (Lambert's sphere at full phase); E / pi = Le
-// sin^2 of the light's radius; the disc fills pi / 2.2^2 of the picture.
+// The mean over the disc is (2/3) rho E / pi (Lambert's sphere at full phase), where E / pi = Le
+// sin^2 of the light's radius; the disc fills pi / 2.2^2 of the image.
 static double full_moon(double rho, double le, double light_radius)
 {
     double mean = 2.0 / 3.0 * rho * le * light_radius * light_radius;
@@ -191,7 +191,7 @@ static double full_moon(double rho, double le, double light_radius)
 }
 static const char full_moon_is[] = "(2/3) rho E / pi over the disc";
 
-// Surfaces that are there with probability 0.3 each.
+// Surfaces of opacity 0.3.
 static double veiled(double rho, double le, double layers)
 {
     (void)rho;
@@ -223,7 +223,7 @@ static const char part_covered_is[] = "0.3 Le";
         "emission", "[1, 2, 4]"                                                                    \
     }
 
-// Lights above the floor's point, in the plane z = 0.
+// The lights are above the floor's point, in the plane z = 0.
 #define LAMP_AT(x, y) JSON({"type" : "point", "position" : [ x, y, 0 ], "intensity" : [ 1, 2, 4 ]})
 #define SUN_FROM(x, y)                                                                             \
     JSON({"type" : "directional", "direction" : [ -x, -y, 0 ], "irradiance" : [ 1, 2, 4 ]})

@@ -1,5 +1,5 @@
-// Meshes and their instances where they are degenerate, few, in one plane, mirrored or squashed
-// (docs/verification.md, C), with a radiance that is known.
+// Meshes and instances that are degenerate, small, coplanar, mirrored or flattened
+// (docs/verification.md, C), with known radiance.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/made_mesh.h"
@@ -16,7 +16,7 @@ static double sky(double rho, double le, double unused)
 }
 static const char sky_is[] = "Le";
 
-// A convex body sees nothing but the environment.
+// A convex body sees only the environment.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -24,21 +24,21 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// A sun of that irradiance on a slope whose normal is aside by as much that the cosine is this.
+// A sun of irradiance `le` on a slope whose normal has this cosine to the sun's direction.
 static double slope(double rho, double le, double cosine)
 {
     return rho * le * cosine / M_PI;
 }
 static const char slope_is[] = "rho E cos / pi";
 
-// Through as much fog of an index of 1 as lets rho pass in a metre.
+// Radiance after fog of index 1 with transmittance rho per metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
 }
 static const char fog_is[] = "Le exp(-sigma length)";
 
-// --- few triangles, and such without area -------------------------------------------------------
+// --- few triangles, and triangles without area ---------------------------------------------------
 
 static bool add_floor(struct scene *scene, double unused, struct err *err)
 {
@@ -58,7 +58,7 @@ static bool add_one(struct scene *scene, double unused, struct err *err)
     return true;
 }
 
-// The four triangles between the sides of a square and its middle, which is seen.
+// The four triangles between the sides of a square and its centre, which is in view.
 static bool add_four(struct scene *scene, double unused, struct err *err)
 {
     static const double corners[5][2] = {{-1, -1}, {-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
@@ -78,7 +78,7 @@ static bool add_none(struct scene *scene, double unused, struct err *err)
     return made_mesh_add(scene, 0, err) != NULL;
 }
 
-// Over the floor emitters without area: a point, and lines across the view.
+// Adds emitters without area above the floor: a point, and lines across the view.
 static bool add_dead_lamps(struct scene *scene, double unused, struct err *err)
 {
     if (!add_floor(scene, unused, err))
@@ -88,14 +88,14 @@ static bool add_dead_lamps(struct scene *scene, double unused, struct err *err)
         return false;
     for (uint32_t i = 0; i < 9; i++)
         made_mesh_set(mesh, i, i < 3 ? 0.0 : (double)(i % 3) - 1.0, 1e-4, 0);
-    made_mesh_set(mesh, 8, -1, 1e-4, 0); // two corners of this one are equal
+    made_mesh_set(mesh, 8, -1, 1e-4, 0); // two corners of this triangle are equal
     return made_mesh_blacken(scene, mesh, 1e6, err);
 }
 
-// --- equal ones, and such in one plane ----------------------------------------------------------
+// --- identical and coplanar triangles ------------------------------------------------------------
 
-// Other triangles in the plane of the floor: with the other diagonal, and wound otherwise. None
-// hides light from another one.
+// Other triangles in the plane of the floor: with the other diagonal, and of the other orientation.
+// None shadows another one.
 static bool add_two_floors(struct scene *scene, double unused, struct err *err)
 {
     static const double corners[6][2] = {{1, -1}, {-1, -1}, {-1, 1}, {1, -1}, {-1, 1}, {1, 1}};
@@ -107,7 +107,7 @@ static bool add_two_floors(struct scene *scene, double unused, struct err *err)
     return mesh != NULL;
 }
 
-// As many equal triangles, all but the lowest one black.
+// Adds `count` equal triangles, all but the lowest one black.
 static bool add_pile(struct scene *scene, double count, struct err *err)
 {
     if (!add_one(scene, 0, err))
@@ -130,7 +130,7 @@ static bool place(struct scene *scene, const double rows[3][4])
     return true;
 }
 
-// A cube of fog that is mirrored, or squashed and sheared; along z it is as long as is said.
+// A cube of fog that is mirrored, or flattened and sheared; `metres` is its length along z.
 static bool add_mirrored_fog(struct scene *scene, double metres, struct err *err)
 {
     const double rows[3][4] = {{-1.5, 0, 0, 0.2}, {0, 1, 0, -0.1}, {0, 0, metres, 0}};
@@ -143,15 +143,15 @@ static bool add_sheared_fog(struct scene *scene, double metres, struct err *err)
     return made_mesh_add_cube(scene, 0.5, err) && place(scene, rows);
 }
 
-// The camera is in the middle of it.
+// The camera is in the centre of the cube.
 static bool add_fog_around(struct scene *scene, double metres, struct err *err)
 {
     const double rows[3][4] = {{-3, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 2 * metres, 4}};
     return made_mesh_add_cube(scene, 0.5, err) && place(scene, rows);
 }
 
-// A square with normals and a sun above: what is placed here is a slope of 3 : 4, whose normal is
-// found by the inverse transpose; the transform itself would turn normals by 14 degrees only.
+// A square with normals and a sun above: the transform makes it a slope of 3 : 4, whose normal
+// follows from the inverse transpose; the transform itself would rotate normals by 14 degrees only.
 static bool add_slope(struct scene *scene, double side, struct err *err)
 {
     const double rows[3][4] = {{side, 0.25, 0, 0}, {0.75 * side, 1, 0, 0}, {0, 0, 2, 0}};
@@ -188,8 +188,8 @@ static bool add_mirrored_slope(struct scene *scene, double unused, struct err *e
 // --- the cases ----------------------------------------------------------------------------------
 
 // clang-format off
-// A picture that is 5e-5 m wide, of what is around the origin. From a height of 2^-11, so that
-// distances are exact.
+// An image 5e-5 m wide of the surroundings of the origin, from a height of 2^-11, so that distances
+// are exact.
 #define FROM_ABOVE {"camera", JSON({"type": "orthographic", "position": [0, 0.00048828125, 0],     \
     "target": [0, 0, 0], "up": [0, 0, 1], "height": 5e-5})},                                       \
     {"environment", JSON({"radiance": [1, 2, 4]})}

@@ -1,6 +1,6 @@
-// Analytic shapes in scenes whose radiance is known: closed furnaces of every shape and scale,
-// what shapes that glow send to a floor, ground without end and ground that is a huge sphere, and
-// from within glass and fog.
+// Analytic shapes in scenes whose radiance is known: closed furnaces of every shape and scale, the
+// irradiance from emissive shapes on a floor, infinite planes and huge spheres as ground, and views
+// from inside glass and fog.
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"
@@ -8,7 +8,7 @@
 
 // --- the forms ----------------------------------------------------------------------------------
 
-// A convex body sees nothing but the environment.
+// A convex body sees only the environment.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -23,7 +23,7 @@ static double closed(double rho, double le, double bounces)
 }
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
-// Two planes without end face each other, the lower one glows.
+// Two infinite planes face each other, and the lower one emits.
 static double plates(double rho, double le, double unused)
 {
     (void)unused;
@@ -37,7 +37,7 @@ static double sun_above(double rho, double le, double degrees)
 }
 static const char sun_above_is[] = "rho E cos / pi";
 
-// A square of side 2 above its middle: four times factor B-3 of Howell's catalog.
+// A square of side 2 above its centre: four times factor B-3 of Howell's catalog.
 static double square_above(double rho, double le, double height)
 {
     double a = 1.0 / height, root = sqrt(1.0 + a * a);
@@ -45,8 +45,8 @@ static double square_above(double rho, double le, double height)
 }
 static const char square_above_is[] = "rho Le F, factor B-3";
 
-// Lambert's sum over the edges of a parallelogram above the horizon of a floor in y = 0, as a part
-// of pi Le: the sign says which side the origin sees.
+// Returns Lambert's sum over the edges of a parallelogram above the horizon of a floor in y = 0, as
+// a fraction of pi Le. The sign says which side faces the origin.
 static double parallelogram(const double center[3], const double u[3], const double v[3])
 {
     double corners[4][3], sum = 0.0;
@@ -65,8 +65,8 @@ static double parallelogram(const double center[3], const double u[3], const dou
     return 0.5 * sum / M_PI;
 }
 
-// The box of half edges (0.9, 0.5, 1.4), turned by 30 degrees about z, at (1, 1.5, 0.5): the sum
-// over the faces that the origin sees.
+// The box of half edges (0.9, 0.5, 1.4), rotated by 30 degrees about z, at (1, 1.5, 0.5): the sum
+// over the faces that face the origin.
 static double box_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -84,7 +84,7 @@ static double box_above(double rho, double le, double unused)
 }
 static const char box_above_is[] = "rho (Le / 2 pi) sum of beta cos gamma";
 
-// What a small piece of surface at p, of the given outward normal times its area, adds to the
+// Returns the contribution of a small piece of surface at p, with outward normal times area, to the
 // configuration factor of the floor at the origin.
 static double piece(const double p[3], const double normal[3])
 {
@@ -95,7 +95,7 @@ static double piece(const double p[3], const double normal[3])
 #define STEPS 600
 
 // A closed cylinder of radius 0.8 about the axis from (1, 1, -1) to (1.5, 2, 1), by the midpoint
-// rule over its wall and its caps.
+// rule over its side and its caps.
 static double cylinder_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -131,8 +131,8 @@ static double cylinder_above(double rho, double le, double unused)
 }
 static const char cylinder_above_is[] = "rho Le F by quadrature";
 
-// An upright tube of radius 1 from 1 to 3 above: its wall is seen from inside, between the disc at
-// its lower end and the one at its upper end.
+// An upright open cylinder of radius 1 from height 1 to 3: its side is seen from inside, between
+// the discs at its lower and its upper end.
 static double tube_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -140,14 +140,14 @@ static double tube_above(double rho, double le, double unused)
 }
 static const char tube_above_is[] = "rho Le (F of a disc - F of another)";
 
-// A disc of radius 0.5 so near that it is all there is to see.
+// A disc of radius 0.5 that is so near that it fills the hemisphere.
 static double touching(double rho, double le, double gap)
 {
     return rho * le * 0.25 / (0.25 + gap * gap);
 }
 static const char touching_is[] = "rho Le R^2 / (R^2 + h^2)";
 
-// From within glass of an index whose square is `part`.
+// Radiance inside glass; `part` is the square of the index.
 static double all(double rho, double le, double part)
 {
     (void)rho;
@@ -155,7 +155,7 @@ static double all(double rho, double le, double part)
 }
 static const char all_is[] = "Le times a known part";
 
-// Through as much fog of an index of 1 as lets rho pass in a metre.
+// Radiance after fog of index 1 with transmittance rho per metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
@@ -175,14 +175,14 @@ static const char fog_is[] = "Le exp(-sigma length)";
 #define SPHERE(a) {"type": "sphere", "material": "glowing", "radius": a}
 #define CYLINDER(a) {"type": "cylinder", "material": "glowing", "radius": a, "from": [0, -a, 0],   \
     "to": [0, a, 0]}
-// A tube that discs close.
+// An open cylinder that is closed by discs.
 #define PIPE(a) {"type": "cylinder", "material": "glowing", "radius": a, "from": [-a, 0, 0],       \
     "to": [a, 0, 0], "caps": "${open}"},                                                               \
     {"type": "disc", "material": "glowing", "radius": a, "center": [a, 0, 0], "normal": [1, 0, 0]},\
     {"type": "disc", "material": "glowing", "radius": a, "center": [-a, 0, 0], "normal": [1, 0, 0]}
 #define SIDE(x, y, z, a, b, c, d, e, f) {"type": "quad", "material": "glowing", "as": "analytic",  \
     "corner": [x, y, z], "u": [a, b, c], "v": [d, e, f]}
-// Some of them are wound the other way round.
+// Some of them have the opposite orientation.
 #define SIDES                                                                                      \
     SIDE(-1, -1, -1, 2, 0, 0, 0, 2, 0), SIDE(-1, -1, 1, 2, 0, 0, 0, 2, 0),                         \
     SIDE(-1, -1, -1, 0, 0, 2, 2, 0, 0), SIDE(-1, 1, -1, 2, 0, 0, 0, 0, 2),                         \
@@ -197,7 +197,7 @@ static const char fog_is[] = "Le exp(-sigma length)";
 #define ROOM_FILE "sphere_furnace.json"
 #define FLOOR_FILE "floor_light.json"
 #define LIGHT(...) {"light", JSON(__VA_ARGS__)}
-// Between a floor and a light that are closer than the file's camera is to the floor.
+// The camera is between a floor and a light that are closer than the file's camera is to the floor.
 #define SQUEEZED {"camera", JSON({"position": [0, 2e-5, 0], "direction": [0, -1, 0],               \
     "up": [0, 0, 1], "fov_degrees": 5e-5})}
 #define GROUND(...) {"shapes", "[" JSON(__VA_ARGS__) "]"}
@@ -333,10 +333,11 @@ static const struct check_case bodies[] = {
 
 // clang-format on
 
-CHECK_GROUP(check_rooms, "rooms", "closed rooms of every shape and size that glow", rooms);
+CHECK_GROUP(check_rooms, "rooms", "closed emissive rooms of every shape and size", rooms);
 
-CHECK_GROUP(check_lamps, "lamps", "what shapes that glow send to a floor", lights);
+CHECK_GROUP(check_lamps, "lamps", "emissive shapes above a floor", lights);
 
-CHECK_GROUP(check_grounds, "grounds", "grounds without end, and huge spheres", grounds);
+CHECK_GROUP(check_grounds, "grounds", "infinite planes and huge spheres as ground", grounds);
 
-CHECK_GROUP(check_bodies, "bodies", "from within and through shapes of glass and fog", bodies);
+CHECK_GROUP(check_bodies, "bodies", "views from inside of and through shapes of glass and fog",
+            bodies);

@@ -15,7 +15,7 @@ static double sky(double rho, double le, double factor)
 }
 static const char sky_is[] = "Le";
 
-// A convex body sees nothing but the environment.
+// A convex body sees only the environment.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -23,7 +23,7 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// Walls that lose nothing give what they emit at each of the path's vertices.
+// Walls of albedo 1 add their emission at each vertex of the path.
 static double lossless(double rho, double le, double bounces)
 {
     (void)rho;
@@ -96,7 +96,7 @@ static bool add_slivers(struct scene *scene, double unused, struct err *err)
     return true;
 }
 
-// Normals of its vertices that are missing.
+// All vertex normals are missing.
 static bool add_without_normals(struct scene *scene, double unused, struct err *err)
 {
     if (!add_slivers(scene, unused, err))
@@ -116,7 +116,7 @@ static bool add_lamps(struct scene *scene, double side, struct err *err)
     mesh->triangle_material = arena_alloc(&scene->arena, n * n, sizeof *mesh->triangle_material);
     if (!bright || !mesh->triangle_material)
         return err_memory(err, "lamps", (uint64_t)n * n);
-    scene->environment.present = false; // which scenes get that come without light
+    scene->environment.present = false; // added by the loader to scenes without light
     *bright = scene->materials[1];
     for (int c = 0; c < 3; c++)
         bright->emission[c] *= (float)n * (float)n;

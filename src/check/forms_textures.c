@@ -1,11 +1,11 @@
 // Textures with long sides, far coordinates and bright texels (docs/verification.md, C31, C32 and
-// C34): on all of a floor is one place of an image, in which one texel is not black.
+// C34): the whole floor shows one place of an image in which a single texel is not black.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/made_mesh.h"
 #include <math.h>
 
-// A convex body sees nothing but the environment, and has that part of its reflectance.
+// A convex body sees only the environment; the texel scales its reflectance.
 static double scaled(double rho, double le, double part)
 {
     (void)part;
@@ -22,9 +22,9 @@ static const char bright_is[] = "Le times the texel";
 
 struct image_place {
     uint32_t width, height;
-    uint32_t x, y;   // of the texel that is not black
-    float u, v;      // of all corners
-    float value;     // of the texel
+    uint32_t x, y;   // position of the texel that is not black
+    float u, v;      // texture coordinates of all corners
+    float value;     // value of the texel
     uint32_t scales; // GROUP_*, its first three parameters
 };
 
@@ -71,7 +71,7 @@ static bool add_place(struct scene *scene, const struct image_place *p, struct e
     return true;
 }
 
-// A row, or where `count` is negative a column, whose last but one texel is seen.
+// A row, or a column if `count` is negative, whose last but one texel is in view.
 static bool add_long(struct scene *scene, double count, struct err *err)
 {
     uint32_t side = (uint32_t)fabs(count), at = side > 1 ? side - 2 : 0;
@@ -87,7 +87,8 @@ static bool add_long(struct scene *scene, double count, struct err *err)
     return add_place(scene, &p, err);
 }
 
-// So far away, 3/8 of an image of four texels: exact in single precision up to 2^20.
+// Coordinates at this distance, plus 3/8 of an image of four texels: exact in single precision up
+// to 2^20.
 static bool add_far(struct scene *scene, double far, struct err *err)
 {
     const struct image_place p = {
@@ -95,7 +96,7 @@ static bool add_far(struct scene *scene, double far, struct err *err)
     return add_place(scene, &p, err);
 }
 
-// Coordinates that are not finite are 0.
+// Coordinates that are not finite count as 0.
 static bool add_not_finite(struct scene *scene, double u, struct err *err)
 {
     const struct image_place p = {
@@ -132,7 +133,7 @@ static const struct check_case forms[] = {
     TEXTURED("C31 texture of 1 x 65535", -65535, add_long),
     TEXTURED("C32 coordinates of 1e6", 1e6, add_far),
     TEXTURED("C32 coordinates of -1e6", -1e6, add_far),
-    TEXTURED("C32 coordinates that are no numbers", NAN, add_not_finite),
+    TEXTURED("C32 coordinates that are NaN", NAN, add_not_finite),
     TEXTURED("C32 infinite coordinates", INFINITY, add_not_finite),
     FORM("C34 texel of 4e6", "plane.json", bright, 4e6, WITHOUT_VARIANCE, BSDF_ALONE, FLOOR, 0,
      add_bright),

@@ -50,7 +50,7 @@ struct mesh *made_mesh_add_cube(struct scene *scene, double side, struct err *er
     for (uint32_t i = 0; mesh && i < 36; i++) {
         uint32_t axis = i / 12, corner = i % 6;
         bool is_upper = i / 6 % 2;
-        // The other way round on the lower side.
+        // The orientation is reversed on the lower side.
         int at = square_corners[is_upper ? corner : 5 - corner];
         float *vertex = mesh->positions[i];
         vertex[axis] = (float)(is_upper ? side : -side);

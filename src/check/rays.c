@@ -1,4 +1,4 @@
-// Rays at edges and corners of closed meshes (docs/verification.md, C4 and C12): none gets out.
+// Rays at edges and corners of closed meshes (docs/verification.md, C4 and C12): none may escape.
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/driver.h"
@@ -9,9 +9,10 @@
 #include <math.h>
 
 struct closed_mesh {
-    uint32_t triangles; // of a bumpy ball; 0: a cube
+    uint32_t triangles; // triangles of a bumpy ball; 0: a cube
     double center[3], radius;
-    // Something on the other side of the origin makes the scene so wide that it is not moved there.
+    // An object on the opposite side of the origin makes the scene so wide that flattening does not
+    // move the origin.
     bool is_wide;
     enum instancing instancing;
     uint32_t rays, may_leave;
@@ -55,7 +56,7 @@ static double unit(uint64_t *state)
     return driver_random(state) * 0x1p-32;
 }
 
-// Where a corner is in the flat scene's space.
+// Computes the position of a corner in the flat scene's space.
 static void find_corner(const struct flat_scene *flat, uint32_t triangle, uint32_t corner,
                         double out[3])
 {
@@ -80,7 +81,7 @@ static void aim(struct probe_ray *ray, const double target[3])
         ray->direction[c] = (float)(way[c] / length);
 }
 
-// From about the middle: every other ray at a corner, the others at points of edges.
+// Aims from near the centre: every other ray at a corner, the others at points of edges.
 static void aim_at_edges(const struct flat_scene *flat, const struct closed_mesh *mesh,
                          struct traced *traced)
 {
@@ -101,8 +102,8 @@ static void aim_at_edges(const struct flat_scene *flat, const struct closed_mesh
     }
 }
 
-// From the very middle of a cube at all corners and middles of edges, diagonals among them, so that
-// components are 0: of either sign, which one the ray's number says.
+// Aims from the exact centre of a cube at all corners and midpoints of edges and diagonals, so that
+// components are 0; the ray's number chooses their signs.
 static void aim_along_axes(const struct flat_scene *flat, struct traced *traced)
 {
     for (uint32_t i = 0; i < traced->count; i++) {
@@ -120,7 +121,7 @@ static void aim_along_axes(const struct flat_scene *flat, struct traced *traced)
     }
 }
 
-// Behind all others, so that the ball is the first instance.
+// It is added last, so that the ball is the first instance.
 static bool add_anchor(struct scene *scene, const double at[3], struct err *err)
 {
     struct mesh *mesh = made_mesh_add(scene, 1, err);
@@ -168,7 +169,7 @@ static bool try_mesh(const struct closed_mesh *mesh, struct renderer *r, struct 
         aim_along_axes(&r->flat, &traced);
     bool as_asked = (r->flat.placed_count > 0) == (mesh->instancing == INSTANCING_ON);
     return trace(r, &traced, &missed, err) &&
-           check_seen(result, as_asked && missed <= mesh->may_leave, "%u of %u rays get out%s",
+           check_seen(result, as_asked && missed <= mesh->may_leave, "%u of %u rays escape%s",
                       missed, mesh->rays, as_asked ? "" : ", at another level of instances");
 }
 
@@ -202,8 +203,8 @@ static bool run_rays(const struct check *check, const struct check_case *this_ca
 #define LONG_RAYS(title, words, ...)                                                               \
     {.name = title, .expected = words, .run = run_rays, .is_long = true,                           \
      .data = &(const struct closed_mesh){__VA_ARGS__}}
-#define NONE "none gets out"
-#define FEW "at most 2e-5 of them get out"
+#define NONE "none escapes"
+#define FEW "at most 2e-5 of them escape"
 #define EMBREE {148376, 1234, -223423}
 
 static const struct check_case cases[] = {
@@ -219,7 +220,7 @@ static const struct check_case cases[] = {
      INSTANCING_ON, 1u << 17, 2),
     RAYS("C12 corners, edges and zeros of both signs", NONE, 0, {0}, 1, false, INSTANCING_OFF,
      576, 0),
-    RAYS("C12 the same of an instance", NONE, 0, {0}, 1, false, INSTANCING_ON, 576, 0),
+    RAYS("C12 the same with an instance", NONE, 0, {0}, 1, false, INSTANCING_ON, 576, 0),
 };
 // clang-format on
 

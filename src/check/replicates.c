@@ -79,12 +79,12 @@ struct estimate replicates_estimate(const struct replicates *replicates, uint32_
     return e;
 }
 
-// Seeds of the pilot are far from those of the tests: what decides how many samples there will be
-// must not be part of them.
+// The pilot's seeds are far from those of the tests, because data that decides the number of
+// samples must not be part of the test.
 #define PILOT_SEED 1000000u
 #define PILOT_SAMPLES 4
-// The pilot's variance is itself known to +-18 % (its chi-square has 63 degrees of freedom), and so
-// is that of the test: their ratio exceeds 2 in less than 0.4 % of all cases.
+// The standard error of the pilot's variance is 18 % (its chi-square has 63 degrees of freedom),
+// and so is that of the test: their ratio exceeds 2 in less than 0.4 % of all cases.
 #define PILOT_MARGIN 2.0
 
 bool replicates_pilot(struct renderer *r, const struct measurement *measurement, double relative,

@@ -1,5 +1,5 @@
 // The statistics of docs/verification.md, "How a mean is checked": R independently seeded
-// replicates of one measurement, a t-test against what is expected, and bounds on the confidence
+// replicates of one measurement, a t-test against the expected value, and bounds on the confidence
 // interval and on the bias, since a t-test alone passes when the noise is large.
 #ifndef LAMPYRIS_CHECK_REPLICATES_H
 #define LAMPYRIS_CHECK_REPLICATES_H
@@ -9,39 +9,40 @@
 #define REPLICATES 64
 #define REPLICATES_VALUES 64 // at most
 
-// With 63 degrees of freedom |t| exceeds it with probability 1e-3 / 66: the family error of 1e-3
-// over as many tests.
+// With 63 degrees of freedom, |t| exceeds it with probability 1e-3 / 66: the family error is 1e-3
+// over 66 tests.
 #define REPLICATES_T_MAX 4.7
 
-// What is measured in a picture: `count` numbers.
+// A measurement of an image: `count` numbers.
 struct measurement {
     uint32_t count;
     void (*measure)(const struct film_image *film, double *values);
 };
-extern const struct measurement MEASURE_MEAN; // of the whole picture: 3 channels
-// Sums over channels and pixels of 2 x 2 and of 4 x 4 tiles in rows from the top, then of the
-// whole: errors of one channel are those of the others.
+extern const struct measurement MEASURE_MEAN; // of the whole image: 3 channels
+// Sums over channels and pixels of 2 x 2 and of 4 x 4 tiles in rows from the top, then of the whole
+// image: the channels have the same errors.
 extern const struct measurement MEASURE_2X2_TILES, MEASURE_4X4_TILES;
 
 struct replicates {
-    uint32_t count; // of numbers measured
+    uint32_t count; // number of values measured
     double values[REPLICATES_VALUES][REPLICATES];
 };
 
-// Renders REPLICATES pictures of `samples` a pixel with seeds first_seed, first_seed + 1, ….
+// Renders REPLICATES images with `samples` samples per pixel and the seeds first_seed, first_seed +
+// 1, ….
 bool replicates_render(struct renderer *renderer, const struct measurement *measurement,
                        uint32_t first_seed, uint64_t samples, struct replicates *out,
                        struct err *err);
 
 struct estimate {
     double mean;
-    double standard_error; // of the mean
-    double half_width;     // of the mean's 95 % confidence interval
+    double standard_error; // standard error of the mean
+    double half_width;     // half-width of the mean's 95 % confidence interval
 };
 struct estimate replicates_estimate(const struct replicates *replicates, uint32_t value);
 
-// How many samples bring the half-width of every value down to `relative` of it, by a pilot with
-// seeds of its own; at most `most`.
+// Finds by a pilot, with seeds of its own, how many samples reduce the half-width of every value to
+// `relative` times the value; at most `most`.
 bool replicates_pilot(struct renderer *renderer, const struct measurement *measurement,
                       double relative, uint64_t most, uint64_t *samples, struct err *err);
 

@@ -11,7 +11,7 @@
 
 #include "check_sampler.spv.h"
 
-// --- running them -------------------------------------------------------------------------------
+// --- kernels -------------------------------------------------------------------------------------
 
 static bool create_kernel(struct renderer *r, const struct sampler_run *run,
                           struct gpu_kernel *kernel, struct err *err)
@@ -75,9 +75,9 @@ bool draw_is_uniform(float u)
     return u >= 0.0f && u < 1.0f && u * 0x1p24f == floorf(u * 0x1p24f);
 }
 
-// --- what is looked at --------------------------------------------------------------------------
+// --- measurements --------------------------------------------------------------------------------
 
-// The samplers that plan nothing and those that do, one of each kind, and the default.
+// Samplers with and without a planned number of samples, and the default.
 static const uint32_t samplers[] = {SAMPLER_SOBOL, SAMPLER_PCG, SAMPLER_STRATIFIED};
 enum { SAMPLERS = sizeof samplers / sizeof samplers[0] };
 
@@ -87,7 +87,8 @@ enum { SAMPLERS = sizeof samplers / sizeof samplers[0] };
 typedef bool (*judge_fn)(struct renderer *r, struct sampler_run *run, union draw *draws,
                          double *worst, struct err *err);
 
-// Draws of dimensions, pixels, samples and seeds up to 2^32 - 2: how many are no uniform numbers.
+// Counts the draws that are no uniform numbers, for dimensions, pixels, samples and seeds up to
+// 2^32 - 2.
 static bool count_outside(struct renderer *r, struct sampler_run *run, union draw *draws,
                           double *worst, struct err *err)
 {
@@ -103,14 +104,15 @@ static bool count_outside(struct renderer *r, struct sampler_run *run, union dra
     return true;
 }
 
-// Two lists, in units of 1 / sqrt(n).
+// Keeps the greatest correlation of two lists, in units of 1 / sqrt(n).
 static void keep_correlation(const union draw *a, const union draw *b, double *worst)
 {
     for (int c = 0; c < 4; c++)
         *worst = fmax(*worst, fabs(draws_correlation(a, b, PAIRS, c)) * sqrt(PAIRS));
 }
 
-// Each pixel's numbers of dimension 3 beside those of 1,024 and of 2^31 dimensions further.
+// Correlates each pixel's numbers of dimension 3 with those of 1,024 and of 2^31 dimensions
+// further.
 static bool correlate_dimensions(struct renderer *r, struct sampler_run *run, union draw *draws,
                                  double *worst, struct err *err)
 {
@@ -127,7 +129,7 @@ static bool correlate_dimensions(struct renderer *r, struct sampler_run *run, un
     return true;
 }
 
-// Each seed's numbers beside those of the one before.
+// Correlates each seed's numbers with those of the previous seed.
 static bool correlate_seeds(struct renderer *r, struct sampler_run *run, union draw *draws,
                             double *worst, struct err *err)
 {
@@ -145,8 +147,8 @@ static bool correlate_seeds(struct renderer *r, struct sampler_run *run, union d
     return true;
 }
 
-// Counts of 16 x 16 cells of the first two components over all pixels and their first 37 samples,
-// or 3: the greatest deviate.
+// Counts in 16 x 16 cells of the first two components over all pixels and their first 37 or 3
+// samples; computes the greatest deviate.
 static bool count_cells(struct renderer *r, struct sampler_run *run, union draw *draws,
                         double *worst, struct err *err)
 {
@@ -225,8 +227,8 @@ static bool run_samplers(const struct check *check, const struct check_case *thi
         __VA_ARGS__                                                                                \
     }
 
-// Of 24 and 60 correlations one is beyond 4 / sqrt(n) with a probability of 0.2 and 0.4 %, of 6
-// deviates one beyond 4.5 with 2e-5.
+// The probability that one of 24 or 60 correlations exceeds 4 / sqrt(n) is 0.2 or 0.4 %; that one
+// of 6 deviates exceeds 4.5 is 2e-5.
 static const struct check_case cases[] = {
     {"C37 dimensions up to 2^32", "multiples of 2^-24 in [0, 1)",
      SAMPLERS_ARE(count_outside, 0.0, " that are not")},

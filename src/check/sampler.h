@@ -1,12 +1,12 @@
-// Running the shipped samplers and pixel filters on items that the host wrote
-// (shaders/check_sampler.comp), and the statistics of what they draw.
+// Runs the shipped samplers and pixel filters on items that the host writes
+// (shaders/check_sampler.comp), and computes statistics of their output.
 #ifndef LAMPYRIS_CHECK_SAMPLER_H
 #define LAMPYRIS_CHECK_SAMPLER_H
 
 #include "render/render.h"
 #include "shared/check_sampler.h"
 
-// A draw's input and, in its place, its output.
+// A draw's input, which its output replaces.
 union draw {
     struct {
         uint32_t pixel, sample, dimension, unused;
@@ -17,22 +17,22 @@ union draw {
 struct sampler_run {
     uint32_t routine;                 // SAMPLER_ROUTINE_*
     uint32_t sampler, halves, filter; // as in settings
-    uint32_t seed, samples;           // samples: planned
+    uint32_t seed, samples;           // samples: the planned number
     float filter_radius;
     uint32_t pixel_sampling, pixel_strata;
 };
 
-// Replaces the draws by uniforms or positions. The renderer says how large the picture is; it is
-// not to render any more.
+// Replaces the draws by uniform numbers or positions. The renderer defines the size of the image;
+// it must not render any more.
 bool sampler_run(struct renderer *renderer, const struct sampler_run *run, union draw *draws,
                  uint32_t count, struct err *err);
 
-// Pearson's statistic of counts against equal probabilities, as a standard normal deviate (Wilson
-// and Hilferty 1931).
+// Returns Pearson's statistic of counts against equal probabilities, as a standard normal deviate
+// (Wilson and Hilferty 1931).
 double chi_square_deviate(const uint32_t *counts, const double *expected, uint32_t cells);
-// Pearson's correlation of component c of two lists of draws, whose means are 1/2.
+// Returns Pearson's correlation of component c of two lists of draws, whose means are 1/2.
 double draws_correlation(const union draw *a, const union draw *b, uint32_t count, int c);
-// A uniform number of a sampler: a multiple of 2^-24 in [0, 1).
+// Returns whether u is a uniform number of a sampler: a multiple of 2^-24 in [0, 1).
 bool draw_is_uniform(float u);
 
 #endif

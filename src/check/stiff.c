@@ -1,5 +1,5 @@
-// Stiff and extreme cases (docs/verification.md, C) without a value of their own: what is told,
-// what is bounded, and what ends in time.
+// Stiff and extreme cases (docs/verification.md, C) without a known value: reports, bounds and
+// termination.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/embedded_scene.h"
@@ -9,10 +9,10 @@
 #include <math.h>
 #include <stdio.h>
 
-// A render of a scene, and what is looked at when it is done.
+// A render of a scene, and the test of its result.
 struct stiff {
     const char *scene;
-    struct scene_override overrides[6];                    // to the first without a key
+    struct scene_override overrides[6];                    // up to the first without a key
     bool (*prepare)(struct scene *scene, struct err *err); // NULL: nothing
     uint64_t samples;
     uint32_t wave;
@@ -52,7 +52,7 @@ static bool run_stiff(const struct check *check, const struct check_case *this_c
     return ok;
 }
 
-// --- what is looked at -------------------------------------------------------------------------
+// --- tests of results ----------------------------------------------------------------------------
 
 static double mean_of(const struct film_image *film, int c)
 {
@@ -63,8 +63,8 @@ static double mean_of(const struct film_image *film, int c)
     return sum / (double)pixels;
 }
 
-// A surface under an even sky of (1, 2, 4) sends back no more than falls on it, and something; 1e-3
-// are allowed as for albedos (docs/verification.md, A9).
+// Under a constant environment of (1, 2, 4) a surface reflects at most the light that it receives,
+// and more than nothing; a tolerance of 1e-3 is allowed as for albedos (docs/verification.md, A9).
 static bool judge_albedo(const struct renderer *r, const struct film_image *film,
                          struct check_result *result)
 {
@@ -84,11 +84,11 @@ static bool judge_media(const struct renderer *r, const struct film_image *film,
                         struct check_result *result)
 {
     return check_seen(result, r->stats.media_lost > 0 && film->dropped == 0,
-                      "%" PRIu64 " times that a path left what it had not entered",
+                      "%" PRIu64 " times that a path left a medium that it had not entered",
                       r->stats.media_lost);
 }
 
-// 30 % of the pixel are covered. A sum of single precision alone would stop growing at 2^24.
+// 30 % of the pixel are covered. A plain sum in single precision would stop growing at 2^24.
 static bool judge_edge(const struct renderer *r, const struct film_image *film,
                        struct check_result *result)
 {
@@ -109,12 +109,12 @@ static bool judge_floor(const struct film_image *film)
     return worst <= 1e-5;
 }
 
-// The floor looks as if there were nothing else.
+// The floor must look as if there were nothing else.
 static bool judge_dropped(const struct renderer *r, const struct film_image *film,
                           struct check_result *result)
 {
     uint32_t count = r->flat.dropped_degenerate;
-    return check_seen(result, count == 3 && judge_floor(film), "%u left out, the floor shows %.6g",
+    return check_seen(result, count == 3 && judge_floor(film), "%u omitted, the floor shows %.6g",
                       count, mean_of(film, 0));
 }
 
@@ -122,11 +122,11 @@ static bool judge_skipped(const struct renderer *r, const struct film_image *fil
                           struct check_result *result)
 {
     uint32_t count = r->flat.skipped_instances;
-    return check_seen(result, count == 2 && judge_floor(film), "%u left out, the floor shows %.6g",
+    return check_seen(result, count == 2 && judge_floor(film), "%u omitted, the floor shows %.6g",
                       count, mean_of(film, 0));
 }
 
-// Watchdogs end dispatches of seconds; those of a GPU are to be as short as design.md says.
+// Watchdogs end dispatches that take seconds; docs/design.md limits those of a GPU.
 #define LONGEST_MS 100.0
 
 static bool judge_dispatches(const struct renderer *r, const struct film_image *film,
@@ -143,7 +143,7 @@ static bool judge_dispatches(const struct renderer *r, const struct film_image *
 
 // --- zero areas --------------------------------------------------------------------------------
 
-// Over the floor a point, a line of three corners and one of two, black.
+// Above the floor are a point, a line of three corners and one of two, all black.
 static bool add_degenerate(struct scene *scene, struct err *err)
 {
     struct mesh *mesh = made_mesh_add(scene, 3, err);
@@ -155,7 +155,7 @@ static bool add_degenerate(struct scene *scene, struct err *err)
     return made_mesh_blacken(scene, mesh, 0, err);
 }
 
-// Over the floor instances of a black cube that are as flat as a square, and a point.
+// Above the floor are instances of a black cube that are flattened to a square and to a point.
 static bool add_singular(struct scene *scene, struct err *err)
 {
     struct mesh *mesh = made_mesh_add_cube(scene, 1, err);
@@ -171,7 +171,8 @@ static bool add_singular(struct scene *scene, struct err *err)
 
 // --- normals -----------------------------------------------------------------------------------
 
-// A square of two triangles; its corners' normals lean by 70 degrees, each another way.
+// A square of two triangles whose corners' normals are tilted by 70 degrees, each in another
+// direction.
 static bool add_leaning(struct scene *scene, struct err *err)
 {
     static const float corners[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};
@@ -192,7 +193,8 @@ static bool add_leaning(struct scene *scene, struct err *err)
     return true;
 }
 
-// The same with normals in the plane, so that those of opposite corners cancel in the middle.
+// The same square with normals in its plane, so that those of opposite corners cancel in the
+// middle.
 static bool add_cancelling(struct scene *scene, struct err *err)
 {
     if (!add_leaning(scene, err))
@@ -218,11 +220,11 @@ static bool add_cancelling(struct scene *scene, struct err *err)
 #define COATED(roughness) {"plate", "{\"type\": \"principled\", \"base_color\": [1, 1, 1], "       \
     "\"clearcoat\": 1, \"clearcoat_roughness\": " roughness ", \"roughness\": 0.5}"}
 #define WHITE {"plate", JSON({"base_color": [1, 1, 1]})}
-// A picture that the square of a mesh fills.
+// The square fills the image.
 #define SQUARE {"shapes", "[]"}, {"camera", JSON({"position": [0, 0, 4], "target": [0, 0, 0],       \
     "fov_degrees": 25})}
 
-// A picture that is 5e-5 m wide, of a floor under an even sky.
+// An image 5e-5 m wide of a floor under a constant environment.
 #define FLOOR {"camera", JSON({"type": "orthographic", "position": [0, 0.0005, 0],                 \
     "target": [0, 0, 0], "up": [0, 0, 1], "height": 5e-5})},                                       \
     {"environment", JSON({"radiance": [1, 2, 4]})}
@@ -235,7 +237,7 @@ static bool add_cancelling(struct scene *scene, struct err *err)
 static const struct check_case cases[] = {
     {"C6 triangles without area", "three are counted; the floor beneath shows rho Le",
      STIFF("plane.json", {FLOOR}, add_degenerate, 1, 0, judge_dropped)},
-    VERTEX("a vertex that is no number", NAN),
+    VERTEX("a vertex that is NaN", NAN),
     VERTEX("an infinite vertex", INFINITY),
     VERTEX("a vertex at 1e38", 1e38),
     {"C18 reflectance 1 under a smooth coat", "finite, and at most 1 of the light",
@@ -268,5 +270,4 @@ static const struct check_case cases[] = {
 };
 // clang-format on
 
-CHECK_GROUP(check_bounded, "bounded",
-            "extreme cases: what is told, what is bounded, what ends in time", cases);
+CHECK_GROUP(check_bounded, "bounded", "extreme cases: reports, bounds and termination", cases);

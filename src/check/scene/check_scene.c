@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The small picture: enough pixels that a share of 1 % is 40 of them.
+// Pixels of the small image: enough that a share of 1 % is 40 of them.
 #define PICTURE_PIXELS 4096.0
 
 static void shrink_picture(struct settings *settings, double pixels)
@@ -19,21 +19,21 @@ static void shrink_picture(struct settings *settings, double pixels)
     settings->height = (uint32_t)fmax(round(height * scale), 1.0);
 }
 
-// Renders of the small picture take about so many samples of each pixel: 64 for the outlook, 64 for
-// the tail, and 16 at each of several depths.
+// Renders of the small image take about this many samples per pixel: 64 for the outlook, 64 for the
+// tail, and 16 at each of several depths.
 #define RENDERED_SAMPLES 200.0
-// And so long at most, as far as a sample says beforehand: a picture that would take longer is
-// looked at by fewer pixels, of which at least LEAST_PIXELS are left.
+// The limit of the estimated time of these renders. An image that would take longer gets fewer
+// pixels, but at least LEAST_PIXELS.
 #define RENDER_SECONDS 30.0
 #define LEAST_PIXELS 256.0
 
-// The time that one sample of all pixels may take.
+// The greatest time of one sample of all pixels.
 #define SAMPLE_SECONDS (RENDER_SECONDS / RENDERED_SAMPLES)
 
-// The fastest of a few samples counts: the first one warms up, and others may have met a busy
-// machine.
+// The fastest of a few samples counts: the first one includes start-up, and others may be slowed by
+// other programs.
 #define TIMED_SAMPLES 5u
-#define TIMED_SECONDS 3.0 // after which the second one decides
+#define TIMED_SECONDS 3.0 // the second sample decides after this time
 
 static bool time_sample(struct job *job, uint32_t seed, double *seconds, struct err *err)
 {
@@ -92,8 +92,7 @@ static bool start_job(struct survey *survey, struct err *err)
     return job_start(params, &survey->job, err) && tell_bound(survey, seconds, pixels, err);
 }
 
-// Plans the render at the scene's own size. Where there is too little memory, find_memory() says
-// so.
+// Plans the render at the scene's own size. If memory does not suffice, find_memory() reports it.
 static bool plan_memory(struct survey *survey, const struct renderer_params *params,
                         struct err *err)
 {
@@ -109,8 +108,8 @@ static bool plan_memory(struct survey *survey, const struct renderer_params *par
     return survey->refusal || err_set(err, failure.code, "%s", failure.msg);
 }
 
-// Returns the bytes of a film at the scene's own size, and of waves as large as the device turned
-// out to have room for; survey->least_bytes: without these.
+// Returns the bytes of a film at the scene's own size, and of waves as large as the device has room
+// for; survey->least_bytes: without these.
 static uint64_t count_bytes(struct survey *survey)
 {
     const struct renderer *renderer = &survey->job.renderer;
@@ -157,7 +156,7 @@ static bool prepare(struct survey *survey, struct err *err)
     survey->small = (struct job_params){
         .renderer = params,
         .scene = scene,
-        .goal = {.samples = 1u << 16}, // steps decide
+        .goal = {.samples = 1u << 16}, // the number of steps ends it, not the goal
         .progress = params.progress,
     };
     if (!start_job(survey, err))
@@ -166,8 +165,8 @@ static bool prepare(struct survey *survey, struct err *err)
     return sightlines_take_view(survey, err);
 }
 
-// Closes the render of the small picture but keeps its film, so that the renders that follow have
-// all of the device's memory.
+// Closes the render of the small image but keeps its film, so that later renders have all of the
+// device's memory.
 static bool end_job(struct survey *survey, struct err *err)
 {
     const struct film_image *film = &survey->job.film;
@@ -181,8 +180,8 @@ static bool end_job(struct survey *survey, struct err *err)
 
 static bool search(struct survey *survey, struct err *err)
 {
-    // The search of media takes what the renders of measure_noise() have counted, those of lights
-    // and of biases their film. Those behind end_job() have renders of their own.
+    // find_media uses counts of the renders of measure_noise(), the searches for lights and biases
+    // use their film. Those after end_job() have renders of their own.
     static bool (*const searches[])(struct survey * survey, struct err * err) = {
         find_thin,         find_twice,           find_coincident,    find_normals,
         find_texels,       measure_noise,        find_hidden_lights, find_mirrored_lights,
@@ -199,7 +198,7 @@ static bool search(struct survey *survey, struct err *err)
     return true;
 }
 
-// More of the picture first, then what is worse.
+// Sorts by share first, then by level.
 static int compare(const void *a, const void *b)
 {
     const struct scene_finding *x = a, *y = b;
@@ -220,7 +219,7 @@ bool check_scene(const struct check_scene_params *params, struct arena *arena,
         .out = out,
     };
     *out = (struct scene_findings){.outlook = {.error = params->error}};
-    // What would be warned of is found here, and said in full.
+    // Warnings of the loader are not logged, because the findings report them in full.
     enum log_level level = log_set_level(LOG_ERROR);
     bool ok = prepare(&survey, err) && search(&survey, err) &&
               (!survey.lacks_memory || err_memory(err, "flags of pixels", survey.line_count));

@@ -1,5 +1,5 @@
-// Materials that reflect all light, or more than all: the latter is measured in a furnace, where a
-// sphere of the material lies in even light of radiance 1 and must not be brighter than that.
+// Materials that reflect all light, or more than all. The latter is measured in a furnace: a sphere
+// of the material in a constant environment of radiance 1 must not be brighter than 1.
 #include "check/scene/survey.h"
 
 #include "base/hash.h"
@@ -8,10 +8,10 @@
 #include "shared/material.h"
 #include <string.h>
 
-// --- all -----------------------------------------------------------------------------------------
+// --- all of the light ----------------------------------------------------------------------------
 
-// Returns whether the texture leaves all three channels of the base colour as they are in more
-// than half of its texels.
+// Returns whether the texture leaves all three channels of the base colour unchanged in more than
+// half of its texels.
 static bool keeps_white(const struct scene *scene, const struct texture *texture)
 {
     const struct texture_image *image = &scene->images[texture->image];
@@ -53,7 +53,7 @@ static bool meets_white(const struct survey *survey, const struct sighting *at, 
     return ((const bool *)context)[at->material];
 }
 
-// Small things that are white light little.
+// Small white objects have little effect.
 #define WHITE_SHARE_MIN 0.01
 
 static bool find_white(struct survey *survey, struct err *err)
@@ -87,18 +87,19 @@ static bool find_white(struct survey *survey, struct err *err)
         err);
 }
 
-// --- more than all -------------------------------------------------------------------------------
+// --- more than all of the light ------------------------------------------------------------------
 
 #define FURNACE_SAMPLES 64u
 #define FURNACE_CELL 16u    // pixels of a sphere's square
 #define FURNACE_COLUMNS 16u // squares in a row
-#define FURNACE_RINGS 8u    // of equal area, from the middle to the rim
+#define FURNACE_RINGS 8u    // rings of equal area, from the centre to the rim
 #define FURNACE_MOST 256u   // materials at once
-#define FURNACE_DEPTH                                                                              \
-    8.0               // from one sphere to the next along the line of sight: none lights another
+// Distance between spheres along the line of sight, so that none lights another one.
+#define FURNACE_DEPTH 8.0
 #define GAIN_MIN 0.01 // beyond the noise
 
-// Models whose parameters may gain; of all others reflectance is bounded by their ranges.
+// Returns whether the material's model can gain energy; that of all others is limited by the ranges
+// of their parameters.
 static bool may_gain(const struct survey *survey, uint32_t index)
 {
     const struct material *m = &survey->scene->materials[index];
@@ -110,12 +111,12 @@ static bool may_gain(const struct survey *survey, uint32_t index)
 
 struct furnace {
     struct scene scene;
-    uint32_t sources[FURNACE_MOST]; // materials of the survey's scene
+    uint32_t sources[FURNACE_MOST]; // index of the material in the survey's scene
     uint32_t count;
 };
 
-// The texture by whose brightest texel a material is measured: that of its base colour, or of its
-// specular colour, or else any; NULL: none scales it.
+// Returns the texture whose brightest texel the measurement uses: that of the base colour, or of
+// the specular colour, or else any; NULL if there is none.
 static const struct texture *find_leading(const struct scene *scene, const struct material *m)
 {
     static const uint32_t groups[] = {GROUP_BASE, GROUP_SPECULAR};
@@ -132,7 +133,7 @@ static const struct texture *find_leading(const struct scene *scene, const struc
     return any;
 }
 
-// The middle of the texel that is brightest where what is above 1 counts as 1, in [0, 1].
+// Finds the centre, in [0, 1], of the brightest texel; values above 1 count as 1.
 static void find_brightest(const struct texture_image *image, double place[2])
 {
     double most = -1.0;
@@ -160,7 +161,7 @@ static bool lies_alike(const struct texture *a, const struct texture *b)
     return alike;
 }
 
-// Adds an image whose texels all have what the texture has at a place.
+// Adds an image with a single value, that of the texture at a place.
 static bool add_even_image(struct scene *scene, const struct texture_image *from,
                            const double *place, uint32_t *index, struct err *err)
 {
@@ -185,8 +186,8 @@ static bool add_even_image(struct scene *scene, const struct texture_image *from
     return true;
 }
 
-// Gives the sphere textures whose texels are all equal: what the source's textures have where the
-// leading one is brightest, or their means where they are mapped in another way.
+// Gives the sphere textures with a single value each: that of the source's texture where the
+// leading one is brightest, or its mean if it is mapped differently.
 static bool add_textures(struct furnace *furnace, const struct scene *from,
                          const struct material *source, struct material *material, struct err *err)
 {
@@ -221,7 +222,7 @@ static void raise_to_corners(float most[3], const struct flat_scene *flat, uint3
         raise_color(most, flat->colors[triangle][corner]);
 }
 
-// Finds the greatest vertex colours that each material is used with, which are 1 on shapes. The
+// Finds the greatest vertex colours with which each material is used; they are 1 on shapes. The
 // scene must have vertex colours.
 static bool list_colors(struct survey *survey, float (**out)[3], struct err *err)
 {
@@ -295,8 +296,8 @@ static bool add_sphere(struct furnace *furnace, const struct scene *from, uint32
     return true;
 }
 
-// Adds spheres of the materials from *next on, as many as have room. *next is then the first
-// material that is left.
+// Adds spheres for the materials from *next on, as many as there is room for. *next is then the
+// first material that remains.
 static bool build_furnace(struct survey *survey, uint32_t *next, struct furnace *furnace,
                           struct err *err)
 {
@@ -329,15 +330,15 @@ static bool build_furnace(struct survey *survey, uint32_t *next, struct furnace 
 }
 
 struct gain {
-    double most, noise; // of a ring's reflectance, and its standard error
+    double most, noise; // of a ring: its reflectance, and the standard error of that
     uint32_t ring;
 };
 
-// The ring of a sphere's square that a pixel is in; FURNACE_RINGS: none.
+// Returns the ring of a sphere's square in which a pixel lies; FURNACE_RINGS: none.
 static uint32_t ring_of(uint32_t x, uint32_t y)
 {
     double u = (x + 0.5) / (0.5 * FURNACE_CELL) - 1.0, v = (y + 0.5) / (0.5 * FURNACE_CELL) - 1.0;
-    // Pixels at the rim see what is behind, too, which is no brighter than 1.
+    // Pixels at the rim also see the background, which is no brighter than 1.
     double part = u * u + v * v;
     return part < 1.0 ? (uint32_t)(part * FURNACE_RINGS) : FURNACE_RINGS;
 }
@@ -373,7 +374,8 @@ static struct gain gain_of(const struct film_image *film, uint32_t sphere)
 static bool add_gain(struct survey *survey, uint32_t material, const struct gain *gain,
                      struct err *err)
 {
-    // Rings have equal areas: sine squared of the angle from the normal.
+    // The rings have equal areas, so their limits are equidistant in the squared sine of the angle
+    // to the normal.
     double from = asin(sqrt((double)gain->ring / FURNACE_RINGS)) / DEGREE;
     double to = asin(sqrt((gain->ring + 1.0) / FURNACE_RINGS)) / DEGREE;
     const uint8_t *touched = survey_touched_by_material(survey, material);
@@ -387,8 +389,9 @@ static bool add_gain(struct survey *survey, uint32_t material, const struct gain
                                    "reflects %.3g of the light that falls on it, seen at %.0f to "
                                    "%.0f degrees",
                                    gain->most, from, to),
-            .consequence = "It sends more light than it gets: surfaces near it are too bright, and "
-                           "in closed rooms the picture has no limit.",
+            .consequence =
+                "It reflects more light than it receives: surfaces near it are too bright, and "
+                "in closed rooms the image does not converge.",
             .remedy = "Choose \"masking\": \"smith\" and \"diffuse\": \"coupled\", or lower "
                       "\"base_color\" and \"specular_color\".",
             .share = survey_share(survey, touched),

@@ -1,10 +1,10 @@
-// Settings that leave light out.
+// Settings that omit light.
 #include "check/scene/survey.h"
 
 #include "job/bias.h"
 #include <string.h>
 
-// Raising these costs time alone. What was asked for to have less noise stays.
+// Raising these costs only time. Settings that were chosen for less noise are kept.
 static bool is_harmless(const char *kind)
 {
     return strcmp(kind, "nee") == 0 || strcmp(kind, "nee-depth") == 0 ||
@@ -26,20 +26,19 @@ static bool add(struct survey *survey, const char *kind, const char *text, doubl
     bool can_fix = is_harmless(kind);
     if (can_fix && survey->params->fixes)
         mend(&survey->settings, kind);
-    return survey_add(
-        survey,
-        &(struct scene_finding){
-            .name = "biased-setting",
-            .level = FINDING_WRONG,
-            .place = arena_printf(survey->arena, "setting %s", kind),
-            .figure = text,
-            .consequence = "The picture stays wrong by that, however many samples it has.",
-            .remedy = "Leave the setting at its default.",
-            .share = share,
-            .pixels = touched,
-            .change = can_fix ? "the setting is at its default" : NULL,
-        },
-        err);
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "biased-setting",
+                          .level = FINDING_WRONG,
+                          .place = arena_printf(survey->arena, "setting %s", kind),
+                          .figure = text,
+                          .consequence = "The image keeps this bias, however many samples it has.",
+                          .remedy = "Leave the setting at its default.",
+                          .share = share,
+                          .pixels = touched,
+                          .change = can_fix ? "the setting is at its default" : NULL,
+                      },
+                      err);
 }
 
 bool find_biases(struct survey *survey, struct err *err)
@@ -56,7 +55,7 @@ bool find_biases(struct survey *survey, struct err *err)
     return true;
 }
 
-// Off, it changes nothing where light goes out of each medium that it has entered.
+// Turning it off has no effect if light leaves each medium that it has entered.
 bool find_unscaled(struct survey *survey, struct err *err)
 {
     double *scaled, *unscaled;

@@ -1,5 +1,5 @@
-// What single precision does not resolve: objects that are small for where they are, meshes whose
-// file has lost their digits, cameras that are too far away.
+// Details that single precision does not resolve: objects that are small relative to their
+// coordinates, meshes whose file has lost digits, cameras that are too far away.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -9,7 +9,7 @@
 #include "scene/core/bounds.h"
 #include <float.h>
 
-// Returns the box of each mesh in its own space, of the vertices that triangles use, or NULL.
+// Returns the bounds of each mesh in its own space, of the vertices that triangles use, or NULL.
 static struct bounds *list_mesh_bounds(struct survey *survey, struct err *err)
 {
     const struct scene *scene = survey->scene;
@@ -45,8 +45,8 @@ static struct bounds object_bounds(const struct survey *survey, const struct bou
     return bounds;
 }
 
-// Returns whether a line of sight comes by the sphere around an object: where rounding leaves
-// nothing of the object to be seen, it should be there.
+// Returns whether a line of sight passes through the sphere around an object: the object should be
+// visible there even if rounding leaves nothing of it.
 static bool comes_by(const struct survey *survey, const struct sightline *line,
                      const struct bounds *bounds)
 {
@@ -68,8 +68,8 @@ static bool comes_by(const struct survey *survey, const struct sightline *line,
            vec3_dot(from, from) - along * along < radius * radius;
 }
 
-// Returns whether an object is a lamp whose light is right however small it is for where it is: of
-// triangles that keep a form of their own (flatten_lamps.h), or a shape out of sight.
+// Returns whether an object is a lamp whose light is correct however small it is: triangles that
+// keep their exact form (flatten_lamps.h), or a shape that is not in view.
 static bool is_small_lamp(const struct survey *survey, uint32_t object, const struct bounds *bounds)
 {
     const struct flat_scene *flat = survey->flat;
@@ -92,8 +92,8 @@ static bool is_small_lamp(const struct survey *survey, uint32_t object, const st
 
 struct coarse {
     uint32_t count, first;
-    double extent, farthest; // of the first one
-    bool *marked;            // of all objects, those that are
+    double extent, farthest; // of the first object
+    bool *marked;            // flags of all objects
 };
 
 static void look_at_object(const struct survey *survey, const struct bounds *meshes,
@@ -129,9 +129,8 @@ static const uint8_t *touched_by_bounds(struct survey *survey, const struct boun
     return flags;
 }
 
-// Returns in *touched the pixels that show the objects, or should, or else those that they change
-// by their shadows, by reflections or by the light that they send: NULL where the picture is the
-// same without them.
+// Finds the pixels that show the objects, or should show them, or else those that change through
+// their shadows, reflections or light; NULL if the image is the same without them.
 static bool find_touched(struct survey *survey, const struct bounds *meshes, const bool *marked,
                          const uint8_t **touched, struct err *err)
 {
@@ -171,13 +170,13 @@ static bool add_objects(struct survey *survey, const struct bounds *meshes,
                          : arena_printf(arena, "%s, and %u more", place, coarse->count - 1),
             .figure =
                 arena_printf(arena,
-                             "%g m across, %g m from where coordinates begin: known in steps "
+                             "%g m across, %g m from the origin of coordinates: known in steps "
                              "of %.2g m, %.2g %% of its size",
                              coarse->extent, coarse->farthest, step, 100.0 * step / coarse->extent),
-            .consequence =
-                touched ? "Its form, its shadows and the light that it sends are wrong."
-                        : "Its form is wrong; the picture is the same without it, as a render "
-                          "without it says.",
+            .consequence = touched
+                               ? "Its form, its shadows and the light that it sends are wrong."
+                               : "Its form is wrong; the image is the same without it, as a render "
+                                 "without it shows.",
             .remedy = "Move the scene so that what matters is near the origin or near the camera, "
                       "or make the object larger.",
             .share = survey_share(survey, touched),
@@ -186,7 +185,7 @@ static bool add_objects(struct survey *survey, const struct bounds *meshes,
         err);
 }
 
-// Looks whether a mesh lost its digits in the file, whose numbers are in single precision.
+// Checks whether a mesh lost digits in its file, whose numbers are in single precision.
 static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bounds *meshes,
                          struct err *err)
 {
@@ -222,7 +221,7 @@ static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bou
             .consequence =
                 touched ? "Its vertices are rounded already: its form is wrong."
                         : "Its vertices are rounded already: its form is wrong; the picture is the "
-                          "same without it, as a render without it says.",
+                          "same without it, as a render without it shows.",
             .remedy = "Export the mesh about its own middle and place it by a transform.",
             .share = survey_share(survey, touched),
             .pixels = touched,
@@ -254,7 +253,7 @@ static bool look_at_camera(struct survey *survey, struct err *err)
                                              "differ by %.2g",
                                              fault.pixel, fault.direction),
             .consequence = is_lost ? "Samples hardly ever find it."
-                                   : "Single precision does not tell the pixels apart.",
+                                   : "Single precision cannot distinguish the pixels.",
             .remedy = is_lost ? "Move the camera nearer, or make its field of view narrower."
                               : "Make the field of view wider, or move the camera away from all of "
                                 "the scene.",

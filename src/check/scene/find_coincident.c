@@ -1,10 +1,9 @@
-// Surfaces of different objects, or of one, that lie upon each other.
+// Surfaces of different objects, or of one object, that coincide.
 //
-// Each place that a line of sight meets is looked at once more, by a ray that falls onto it from a
-// small height, by one that comes along the line from near, and is compared with the other shapes
-// where it is on a shape. So the search takes time by the picture's pixels: triangles only make a
-// ray's way through the BVH longer, and the number of comparisons with shapes is bounded
-// (COMPARED_MOST).
+// Each point that a line of sight hits is tested again: by a ray onto it from a small height, by
+// one along the line from nearby, and, if it is on a shape, by comparison with the other shapes. So
+// the time of the search depends on the image's pixels. More triangles only lengthen the traversal
+// of the BVH, and the number of comparisons with shapes is bounded (COMPARED_MOST).
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -12,27 +11,27 @@
 #include <float.h>
 #include <string.h>
 
-// Returns the distance within which faces lie upon each other: the points of both are rounded.
+// Returns the distance within which surfaces count as coincident: the points of both are rounded.
 static double tolerance_at(const double point[3])
 {
     return 2.0 * sighting_rounding(point);
 }
 
-// Returns whether two unit normals belong to one plane, rather than to neighbours at an edge.
+// Returns whether two unit normals belong to the same plane and not to neighbours at an edge.
 static bool is_parallel(const double a[3], const double b[3])
 {
     return fabs(vec3_dot(a, b)) > 1.0 - 1e-6;
 }
 
-// --- what is noted -------------------------------------------------------------------------------
+// --- records -------------------------------------------------------------------------------------
 
 static bool lets_through(const struct survey *survey, const struct sighting *at)
 {
     return material_lets_through(&survey->scene->materials[at->material]);
 }
 
-// Returns whether the pair is left out of this finding: objects at one place are named by
-// find_twice(), and two surfaces with gaps are each seen where the other is not.
+// Returns whether the pair is not a finding: objects at the same place are reported by
+// find_twice(), and of two surfaces with gaps each is visible through the other.
 static bool is_no_finding(const struct survey *survey, const struct sighting *a,
                           const struct sighting *b)
 {
@@ -42,7 +41,7 @@ static bool is_no_finding(const struct survey *survey, const struct sighting *a,
     return is_twin || share_place || !survey_differs_doubled(survey, a->material, b->material);
 }
 
-// Notes that a line meets two surfaces which are so far apart; 0: they lie upon each other.
+// Records that a line hits two surfaces that are `apart` along it; 0: they coincide.
 static void note_pair(const struct survey *survey, struct coincidences *out, uint32_t line,
                       const struct sighting *a, const struct sighting *b, double apart)
 {
@@ -58,17 +57,17 @@ static void note_pair(const struct survey *survey, struct coincidences *out, uin
     out->touched[line] = 1;
 }
 
-// --- rays that fall onto surfaces ----------------------------------------------------------------
+// --- rays onto surfaces --------------------------------------------------------------------------
 
 struct drop {
     const struct sighting *at;
     uint32_t line;
-    bool is_on_line; // it comes along the line of sight, else along the normal
+    bool is_on_line; // along the line of sight, else along the normal
     double direction[3], height;
 };
 
-// Returns whether rays are dropped onto the surface. Only flat ones can share more than a line with
-// triangles; two curved shapes are compared.
+// Returns whether rays onto the surface are traced. Only flat surfaces can share more than a line
+// with triangles; two curved shapes are compared.
 static bool may_be_flat(const struct survey *survey, const struct sighting *at)
 {
     if (!(at->hit.primitive & PRIMITIVE_SHAPE))
@@ -77,7 +76,7 @@ static bool may_be_flat(const struct survey *survey, const struct sighting *at)
     return kind != SHAPE_SPHERE && kind != SHAPE_TUBE && kind != SHAPE_SDF;
 }
 
-// Six binary digits of the height are left by rounding.
+// Rounding leaves six binary digits of the height.
 #define HEIGHT_IN_TOLERANCES 64.0
 
 static struct drop drop_onto(const struct sighting *at, uint32_t line)
@@ -89,9 +88,9 @@ static struct drop drop_onto(const struct sighting *at, uint32_t line)
     return drop;
 }
 
-// Distances along a ray are rounded about 16 times on the way through a triangle's test, all of
-// them relative to the ray's length (lib/intersect_triangle.glsl). From that far the same line
-// meets surfaces in their true order.
+// A distance along a ray is rounded about 16 times in a triangle's test, each time relative to the
+// ray's length (lib/intersect_triangle.glsl). From this distance the same line hits surfaces in
+// their true order.
 static double near_height(const struct sighting *at)
 {
     return 16.0 * 0.5 * (double)FLT_EPSILON * (double)at->hit.t;
@@ -119,10 +118,10 @@ static struct probe_ray ray_of(const struct drop *drop)
     return ray;
 }
 
-// Returns whether the surface that a ray met lies upon the one that it was dropped onto. Kernels
-// ignore triangles and flat shapes that a ray starts on; of others the ray may meet either surface
-// first, and where many rays fall, some meet the other one. On a line it lies in front: the line
-// has passed it, since rounding has put it behind the other one.
+// Returns whether the surface that a ray hit coincides with its target. Kernels ignore triangles
+// and flat shapes on which a ray starts; of other surfaces the ray may hit either one first, and
+// some of many rays hit the other one. For a ray along the line the other surface is in front: the
+// line missed it only because rounding put it behind.
 static bool lies_upon(const struct survey *survey, const struct drop *drop,
                       const struct probe_ray *ray, const struct probe_hit *hit,
                       struct sighting *other)
@@ -177,15 +176,15 @@ static bool drop_rays(struct survey *survey, const struct sightline *lines, uint
 
 // --- comparisons of shapes -----------------------------------------------------------------------
 
-// The part of a shape's surface that is nearest to a point.
+// The part of a shape's surface nearest to a point.
 struct patch {
     double normal[3]; // unit
-    double away;      // the point's distance from it, along the normal
+    double away;      // signed distance of the point from it along the normal
     bool is_flat;
 };
 
-// Returns whether a + x u + y v is within the parallelogram of these half edges, all of them in the
-// plane of a unit normal.
+// Returns whether a + x u + y v is inside the parallelogram of these half edges; all vectors are in
+// the plane of a unit normal.
 static bool is_within(const double a[3], const double u[3], const double v[3],
                       const double normal[3])
 {
@@ -218,7 +217,7 @@ static bool find_patch_of_cylinder(const struct flat_shape *shape, const double 
     return patch->is_flat ? square <= radius * radius : fabs(along) <= 1.0;
 }
 
-// Returns false where the point is beside the patch, or the shape has none that can be compared.
+// Returns false if the point is beside the patch, or if the shape cannot be compared.
 static bool find_patch(const struct survey *survey, const struct flat_shape *shape,
                        const double point[3], struct patch *patch)
 {
@@ -259,8 +258,8 @@ void shape_put_on(const struct survey *survey, const struct flat_shape *shape, d
         point[c] -= patch.away * patch.normal[c];
 }
 
-// Returns whether two parts are one place. Flat parts may face each other, as those of two boxes
-// side by side do; curved parts that face each other touch at a point only.
+// Returns whether two patches coincide. Flat patches may face each other, as those of two adjacent
+// boxes do; curved patches that face each other touch only in a point.
 static bool is_one_patch(const struct patch *a, const struct patch *b, double tolerance)
 {
     double turn = vec3_dot(a->normal, b->normal);
@@ -269,7 +268,7 @@ static bool is_one_patch(const struct patch *a, const struct patch *b, double to
            is_parallel(a->normal, b->normal);
 }
 
-// The shapes, with the radius of a sphere that each one is within.
+// The shapes, with the radii of bounding spheres.
 struct shapes {
     const struct flat_shape *items;
     double *reach;
@@ -325,8 +324,8 @@ static void compare_with_shapes(struct survey *survey, const struct shapes *shap
     }
 }
 
-// The most comparisons, which take a second or less. With very many shapes some lines stand for
-// all.
+// The greatest number of comparisons, which take at most a second. With very many shapes only a
+// part of the lines is tested.
 #define COMPARED_MOST 1e8
 
 static bool compare_shapes(struct survey *survey, const struct sightline *lines,
@@ -359,7 +358,7 @@ bool coincidences_find(struct survey *survey, const struct sightline *lines, uin
            compare_shapes(survey, lines, count, out, err);
 }
 
-// Fewer lines than these happen to hit an edge that two surfaces share.
+// Fewer lines may have hit an edge that two surfaces share.
 #define LINES_MIN 2
 
 static const char *figure_of(struct survey *survey, const struct coincidences *coincidences)
@@ -386,21 +385,21 @@ static bool add_finding(struct survey *survey, const struct coincidences *coinci
         if (!objects[i] || !materials[i])
             return err_memory(err, "names", 0);
     }
-    return survey_add(survey,
-                      &(struct scene_finding){
-                          .name = "coincident-faces",
-                          .level = FINDING_WRONG,
-                          .place = arena_printf(arena, "%s (%s) and %s (%s)", objects[0],
-                                                materials[0], objects[1], materials[1]),
-                          .figure = figure,
-                          .consequence =
-                              "Rounding decides which one is seen, and lamps or glass there count "
-                              "twice or not at all.",
-                          .remedy = "Move one of them by a visible distance, or remove it.",
-                          .share = survey_share(survey, pixels),
-                          .pixels = pixels,
-                      },
-                      err);
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "coincident-faces",
+            .level = FINDING_WRONG,
+            .place = arena_printf(arena, "%s (%s) and %s (%s)", objects[0], materials[0],
+                                  objects[1], materials[1]),
+            .figure = figure,
+            .consequence = "Rounding decides which one is visible, and lamps or glass there count "
+                           "twice or not at all.",
+            .remedy = "Move one of them by a visible distance, or remove it.",
+            .share = survey_share(survey, pixels),
+            .pixels = pixels,
+        },
+        err);
 }
 
 bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
@@ -412,13 +411,13 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
     return add_finding(survey, coincidences, figure_of(survey, coincidences), pixels, err);
 }
 
-// --- lamps, whose light goes where they are not seen ---------------------------------------------
+// --- lamps, which light places where they are not visible ----------------------------------------
 
-// Places on lamps that are looked at, and the share of them, which is that of the lamps' light,
-// below which nobody sees what is lost.
+// The number of points on lamps that are tested, and the share of these, and so of the lamps'
+// light, below which the loss is not visible.
 #define LAMP_PLACES 1024u
 #define LIGHT_MIN 0.01
-// The share of the picture that they light, likewise.
+// The share of the image that they light below which it is not visible.
 #define PICTURE_MIN 0.01
 
 static bool is_same_pair(const struct coincidences *a, const struct coincidences *b)
@@ -428,7 +427,7 @@ static bool is_same_pair(const struct coincidences *a, const struct coincidences
            (a->pair[0].object == second && a->pair[1].object == first);
 }
 
-// Adds those of lamps, which touch what these light and what is `seen` of the two.
+// Adds the finding for lamps. It affects what they light and what is `seen` of the two surfaces.
 static bool add_lamps(struct survey *survey, const struct coincidences *lamps,
                       const struct sightline *lines, uint32_t count,
                       const struct coincidences *seen, struct err *err)
@@ -443,7 +442,7 @@ static bool add_lamps(struct survey *survey, const struct coincidences *lamps,
             places[upon++] = lines[i].steps[0];
     if (!survey_lit_from(survey, places, upon, &pixels, err))
         return false;
-    // What lies between two bodies lights nothing.
+    // Surfaces between two touching bodies light nothing.
     if (survey_share(survey, pixels) < PICTURE_MIN)
         return true;
     if (seen->count > 0 && is_same_pair(lamps, seen)) {

@@ -1,5 +1,5 @@
-// Lights that shadow rays do not reach though nothing opaque is in between, and lights that they
-// are not sent to.
+// Lights that shadow rays do not reach though no opaque surface is between, and lights to which no
+// shadow rays are sent.
 #include "check/scene/survey.h"
 
 #include "base/hash.h"
@@ -13,31 +13,31 @@
 #include "shared/types.h"
 
 enum aim {
-    AIM_AT_POINTS, // lights without extent
-    AIM_AT_LAMPS,  // emitters with one
+    AIM_AT_POINTS, // delta lights
+    AIM_AT_LAMPS,  // emitters with an area
     AIM_AT_SKY,    // the environment's image
 };
 
-// What may be aimed at.
+// A target of shadow rays.
 struct target {
-    bool is_delta;   // a light of the scene, without extent
-    bool is_common;  // of the sky: paths that scatter find it about as often as shadow rays do
-    uint32_t light;  // of the scene, or SCENE_NONE
-    uint32_t source; // of survey->is_reached
-    double power;    // as in emitter_power.h, of all surfaces that it stands for; 0 for texels
-    double radiance; // the mean luminance; INFINITY for delta lights
-    double each;     // the number of surfaces that it stands for
+    bool is_delta;   // a light of the scene without extent
+    bool is_common;  // of the environment: scattered paths find it about as often as shadow rays do
+    uint32_t light;  // index in the scene, or SCENE_NONE
+    uint32_t source; // index in survey->is_reached
+    double power;    // as in emitter_power.h, of all surfaces that it represents; 0 for texels
+    double radiance; // mean luminance; INFINITY for delta lights
+    double each;     // number of surfaces that it represents
     struct emitter_part part;
 };
 
 struct targets {
     struct target *items;
-    double *sums; // the powers up to each item, that one included
+    double *sums; // cumulative powers, including each item's own
     uint32_t count;
-    uint32_t rare; // those that are not common
+    uint32_t rare; // number of those that are not common
 };
 
-// Lamps of meshes are many triangles: some of them stand for all.
+// Lamps of meshes are many triangles: above this number a part represents all.
 #define TRIANGLES_MAX 4096u
 
 static void list_lights(const struct survey *survey, bool delta, struct targets *out)
@@ -61,7 +61,7 @@ static void list_lights(const struct survey *survey, bool delta, struct targets 
     }
 }
 
-// Adds a lamp's surface, which stands for `each` surfaces like it.
+// Adds a lamp's surface, which represents `each` surfaces.
 static void add_surface(const struct survey *survey, enum emitter_kind kind, uint32_t index,
                         uint32_t material, double area, uint32_t each, struct targets *out)
 {
@@ -93,9 +93,10 @@ static void list_lamps(const struct survey *survey, struct targets *out)
                         triangle_area(flat, i), every, out);
 }
 
-// So many directions to the environment are drawn in proportion to its radiance, as the renderer's
-// table draws them. Where the radiance is k times the mean, the table draws k times as often as
-// scattering paths do, whose estimate has a variance of about k squares of that light.
+// The number of directions towards the environment, which are drawn in proportion to its radiance,
+// like the renderer's table. Where the radiance is k times the mean, the table draws k times as
+// often as scattered paths do, whose estimate has a variance of about k times the square of that
+// light.
 #define SKY_TARGETS 1000u
 #define RARE_MIN 16.0
 
@@ -179,11 +180,11 @@ static void aim_at(const struct survey *survey, const struct target *target, con
         line->direction[c] = way[c];
 }
 
-// --- which one is aimed at -----------------------------------------------------------------------
+// --- choice of targets ---------------------------------------------------------------------------
 
-// Returns the luminance that a lamp's surface sends to a place, as if nothing were in between: by
-// the solid angle of its middle, and by the cosine there, or by half of what is above the horizon
-// where that runs through the lamp.
+// Returns the luminance from a lamp's surface at a place without occlusion: by the solid angle of
+// its centre and the cosine there, or by half of the solid angle above the horizon if the horizon
+// crosses the lamp.
 static double sent_by_surface(const struct survey *survey, const struct target *target,
                               const struct sighting *at)
 {
@@ -212,7 +213,7 @@ static double sent_by(const struct survey *survey, const struct target *target,
     return sent * fmax(side * vec3_dot(towards, at->normal), 0.0);
 }
 
-// Returns the target at which the sum of powers reaches a part, in [0, 1), of the whole.
+// Returns the target at which the cumulative power reaches a fraction, in [0, 1), of the total.
 static uint32_t target_at(const struct targets *targets, double part)
 {
     double power = part * targets->sums[targets->count - 1];
@@ -227,14 +228,14 @@ static uint32_t target_at(const struct targets *targets, double part)
     return low;
 }
 
-// The number of targets that are asked what they send to a place. Where there are more, candidates
-// are drawn in proportion to their powers.
+// The number of targets whose light at a place is computed. If there are more, candidates are drawn
+// in proportion to their powers.
 #define ASKED_MOST 64u
 
-// Targets that send light to a place. Where they were drawn, each one's light is divided by the
-// expected number of times that it is drawn, so that `sum` is an estimate of all targets' light.
+// Targets that light a place. If they were drawn, the light of each is divided by the expected
+// number of times that it is drawn, so that `sum` estimates the light of all targets.
 struct candidates {
-    uint32_t numbers[ASKED_MOST], count; // of the targets
+    uint32_t numbers[ASKED_MOST], count; // indices of the targets
     double sent[ASKED_MOST], sum;
 };
 
@@ -266,17 +267,16 @@ static void list_candidates(const struct survey *survey, const struct sighting *
     }
 }
 
-// Returns a number in [0, 1), always the same one for the same arguments.
+// Returns a number in [0, 1) that depends only on the arguments.
 static double random_of(uint32_t pixel, uint32_t number)
 {
     const uint32_t key[2] = {pixel, number};
     return (double)(hash_bytes(HASH_INIT, key, sizeof key) >> 11) * 0x1p-53;
 }
 
-// Returns which candidate is drawn after `rank` others, without replacement and in proportion to
-// what they send, or list->count where there are no more (Efraimidis, Spirakis 2006, "Weighted
-// random sampling with a reservoir", algorithm A: in the order of u^(1 / weight), of random numbers
-// u).
+// Returns the candidate of rank `rank` in weighted sampling without replacement, in proportion to
+// their light, or list->count if there are no more (Efraimidis, Spirakis 2006, "Weighted random
+// sampling with a reservoir", algorithm A: in the order of u^(1 / weight), of random numbers u).
 static uint32_t candidate_at(const struct candidates *list, uint32_t pixel, uint32_t rank)
 {
     double keys[ASKED_MOST];
@@ -294,45 +294,45 @@ static uint32_t candidate_at(const struct candidates *list, uint32_t pixel, uint
     return rank < list->count ? first : list->count;
 }
 
-// --- what is in between --------------------------------------------------------------------------
+// --- occlusion -----------------------------------------------------------------------------------
 
 // The light of targets at a place that can be lit.
 struct place {
     double sent;    // by all targets
-    double asked;   // by the targets that lines went to
-    double arrived; // the part of `asked` that nothing opaque stops
-    double hidden;  // the part of `arrived` that comes from behind glass
-    double squares; // the sum of the hidden light times its radiance
-    bool is_known;  // lines go to all targets that send light there
+    double asked;   // by the targets that were tested
+    double arrived; // part of `asked` that no opaque surface blocks
+    double hidden;  // part of `arrived` that comes through glass
+    double squares; // sum of the hidden light times its radiance
+    bool is_known;  // all targets that light it are tested
     struct sighting glass;
 };
 
-// A line to a target: how much light it stands for, and the number of the camera's line that leads
-// to where it begins.
+// A line to a target: the amount of light that it represents, and the index of the camera's line at
+// whose end it starts.
 struct aimed {
     const struct target *target;
     double sent;
     uint32_t from;
 };
 
-// Counts of what lines to targets have met.
+// Counts of what lines to targets hit.
 struct tally {
-    uint32_t places;        // that can be lit, in all rounds
-    uint32_t open;          // lines that nothing opaque ends
-    uint32_t behind;        // of the sky: lines by way of glass to rare targets; else: places
-    double arrived, hidden; // sums over all places, as in struct place
-    struct sighting glass;  // in front of the first place that counts, or of any place
-    bool is_named;          // it is in front of one that counts
+    uint32_t places;        // places that can be lit, in all rounds
+    uint32_t open;          // lines that no opaque surface blocks
+    uint32_t behind;        // environment: lines through glass to rare targets; others: places
+    double arrived, hidden; // sums over all places, see struct place
+    struct sighting glass;  // glass in front of the first place that counts, or of any place
+    bool is_named;          // it is in front of a place that counts
     uint8_t *touched;       // flags of places
     struct place *at;       // one for each of the camera's lines
 };
 
-// The number of lines from each place. In a room most of the environment is hidden anyway, and some
-// lines are to find a window; where there are more lamps, some stand for all.
+// The number of lines from each place. In a room most of the environment is occluded, and some
+// lines must find a window; if there are more lamps, some represent all.
 #define ROUNDS 8u
 
-// Chooses a target for a line from a place: another one in each round. Returns false where there is
-// none left. The sky's targets are drawn by their light.
+// Chooses a target for a line from a place, another one in each round. Returns false if none is
+// left. The environment's targets are drawn by their light.
 static bool choose_target(const struct survey *survey, enum aim aim, const struct sighting *at,
                           uint32_t round, const struct targets *targets, struct place *place,
                           struct aimed *aimed)
@@ -355,20 +355,20 @@ static bool choose_target(const struct survey *survey, enum aim aim, const struc
     return true;
 }
 
-// Begins a line from a place. Returns false where the target is on the surface's other side.
+// Starts a line from a place. Returns false if the target is on the other side of the surface.
 static bool begin_line(const struct survey *survey, const struct sighting *at, uint32_t round,
                        const struct aimed *aimed, struct sightline *line)
 {
     *line = (struct sightline){.from = at};
     aim_at(survey, aimed->target, at->point, (uint32_t)(16.0 * random_of(round, aimed->from)),
            line);
-    // Both sides reflect, that which is seen does.
+    // Both sides reflect; the visible one counts.
     double side = at->is_front ? 1.0 : -1.0;
     return side * vec3_dot(line->direction, at->normal) > 0.0;
 }
 
-// Returns whether a line reaches what it was sent to, and by way of how many surfaces. Points on
-// spheres are aimed at where they are seen, so that the lamp itself may be met before.
+// Returns whether a line reaches its target, and through how many surfaces. The target on a sphere
+// is a point of its visible side, so that the lamp itself may be hit before.
 static bool arrives(const struct survey *survey, const struct sightline *line, uint32_t *surfaces)
 {
     *surfaces = line->is_open ? line->count : line->count - 1;
@@ -396,7 +396,7 @@ static void note_line(const struct survey *survey, const struct sightline *line,
     place->squares += aimed->sent * aimed->target->radiance;
 }
 
-// Traces a line from each place that can be lit. `lines` and `aimed` must have room for them.
+// Traces a line from each place that can be lit. `lines` and `aimed` have room for all of them.
 static bool trace_round(struct survey *survey, enum aim aim, const struct targets *targets,
                         uint32_t round, struct sightline *lines, struct aimed *aimed,
                         struct tally *tally, struct err *err)
@@ -426,11 +426,10 @@ static void touch(struct tally *tally, uint32_t place, uint32_t count)
     tally->touched[place] = 1;
 }
 
-// Where a white surface would have less than this share of its light from behind glass, none is
-// missed.
+// If less than this share of a white surface's light comes through glass, none is missed.
 #define MISSED_MIN 0.01
 
-// The light of lamps at a place, or the mean of several, with that of the pixel.
+// The light of lamps at a place, or the mean of several places, and the light of the pixel.
 struct lamp_light {
     double arrived, hidden, squares, seen;
     uint32_t count;
@@ -450,8 +449,8 @@ static void add_light(const struct survey *survey, const struct tally *tally, ui
     sum->count++;
 }
 
-// Where lines go to a few of very many lamps, one of these that is behind glass seems to send a
-// large part of the light. Places up to so many pixels away are then taken together.
+// If only a few of very many lamps are tested, one behind glass seems to contribute much of the
+// light. Places within this many pixels are then taken together.
 #define NEAR_PIXELS 4u
 
 static struct lamp_light light_at(const struct survey *survey, const struct tally *tally,
@@ -467,8 +466,8 @@ static struct lamp_light light_at(const struct survey *survey, const struct tall
     return sum;
 }
 
-// Counts the places whose light from behind glass is missed, and found by few paths: a path that
-// scatters by the cosine finds the radiance L with a probability p, and its estimate of all such
+// Counts the places where light through glass is missing and is found by few paths: a path that
+// scatters by the cosine finds the radiance L with probability p, and its estimate of all such
 // light has a variance of about sum(p L^2).
 static void count_places(const struct survey *survey, struct tally *tally)
 {
@@ -494,8 +493,8 @@ static void count_lines(const struct survey *survey, struct tally *tally)
 
 #define SKY_LINES_MIN 10u
 
-// Finds the share of the picture whose light is behind glass; of the environment's light it is the
-// share of the lines that get out at all.
+// Computes the share of the image whose light is behind glass; for the environment's light it is a
+// share of the lines that leave the scene.
 static bool share_behind_glass(struct survey *survey, enum aim aim, const struct targets *targets,
                                double *share, struct tally *tally, struct err *err)
 {
@@ -518,10 +517,10 @@ static bool share_behind_glass(struct survey *survey, enum aim aim, const struct
     return true;
 }
 
-// Less of the picture is the shadow of some small thing.
+// A smaller share of the image may be the shadow of a small object.
 #define SHARE_MIN 0.01
 
-// The words of a finding about light behind glass.
+// The text of a finding about light behind glass.
 static const struct words {
     const char *name;
     enum finding_level level;
@@ -566,7 +565,7 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
     double share;
     if (!list_targets(survey, aim, &targets, err))
         return false;
-    // Even images are not looked for, and may well light the scene.
+    // Low-contrast images are not searched for, and may well light the scene.
     survey->is_reached[survey_sky_source(survey)] |= aim == AIM_AT_SKY && targets.rare == 0;
     if (targets.rare == 0)
         return true;
@@ -592,7 +591,7 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
                       err);
 }
 
-// --- lights that nothing is sent to --------------------------------------------------------------
+// --- lamps that are not sampled ------------------------------------------------------------------
 
 static bool find_unaimed(struct survey *survey, struct err *err)
 {
@@ -608,7 +607,7 @@ static bool find_unaimed(struct survey *survey, struct err *err)
                               .name = "lamp-unaimed",
                               .level = FINDING_SLOW,
                               .place = survey_object_name(survey, object),
-                              .figure = "an emitter of a kind that shadow rays are not sent to",
+                              .figure = "an emitter of a kind to which no shadow rays are sent",
                               .consequence = "Paths find its light by chance alone.",
                               .remedy = "Use a quad, a disc, a sphere or a mesh in its place.",
                               .share = NAN,

@@ -1,5 +1,6 @@
-// Lights that shadow rays are sent to though they bring no light: out of range of all surfaces, or
-// inside of something opaque. The others have fewer shadow rays, and so more noise.
+// Lights to which shadow rays are sent though they contribute no light: out of range of all
+// surfaces, or inside of something opaque. The other lights get fewer shadow rays, and so more
+// noise.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -7,19 +8,19 @@
 #include "render/tables/emitters.h"
 #include <string.h>
 
-// Part of the picture's light: what brings less brings none.
+// Share of the image's light below which a light contributes nothing.
 #define LIGHT_MIN 1e-3
-// Part of all shadow rays: fewer do little.
+// Share of all shadow rays below which the effect is small.
 #define RAYS_MIN 0.25
-// By so much fewer samples the picture must have the same noise without these lights.
+// The image must need this factor fewer samples without these lights.
 #define GAIN_MIN 2.0
-// Lights that do not all bring none are looked at one by one, those with most shadow rays first.
+// If not all suspects are idle, this many are tested one by one, those with most shadow rays first.
 #define ALONE_MOST 4u
 
-// Where shadow rays go, by sources of light.
+// The distribution of shadow rays over light sources.
 struct rays {
-    double *parts; // of all shadow rays; of a light tree, which asks for the distance too, of power
-    bool *idle;    // flags of those that bring no light
+    double *parts; // of all shadow rays; of power for a light tree, which uses the distance, too
+    bool *idle;    // flags of those that contribute no light
     bool by_tree;
 };
 
@@ -61,7 +62,7 @@ static void weigh_sources(const struct survey *survey, uint32_t choice, struct r
         rays->parts[i] /= sum;
 }
 
-// Returns the part of the shadow rays that goes to idle lights.
+// Returns the share of the shadow rays that idle lights get.
 static double idle_part(const struct survey *survey, const struct rays *rays)
 {
     double part = 0.0;
@@ -70,7 +71,7 @@ static double idle_part(const struct survey *survey, const struct rays *rays)
     return part;
 }
 
-// Returns the idle light that has most shadow rays, or the number of sources.
+// Returns the idle light with most shadow rays, or the number of sources.
 static uint32_t find_busiest(const struct survey *survey, const struct rays *rays)
 {
     uint32_t count = survey_source_count(survey), busiest = count;
@@ -82,8 +83,8 @@ static uint32_t find_busiest(const struct survey *survey, const struct rays *ray
 
 // --- renders with some of the lights -------------------------------------------------------------
 
-// Copies the scene without the sources that are `marked`, or without all others. The copy's lists
-// that differ are in survey->scratch.
+// Copies the scene without the sources that are `marked`, or without all others. The arrays of the
+// copy that differ are in survey->scratch.
 static bool put_out(struct survey *survey, const bool *marked, bool others, struct scene *out,
                     struct err *err)
 {
@@ -107,10 +108,10 @@ static bool put_out(struct survey *survey, const bool *marked, bool others, stru
     return true;
 }
 
-// The small picture with some of the lights.
+// The small image with some of the lights.
 struct partly_lit {
     double light;   // its mean luminance
-    double samples; // that the error asked for takes, as outlook_samples() has it
+    double samples; // samples for the goal, see outlook_samples()
 };
 
 static bool render_partly(struct survey *survey, const bool *marked, bool others,
@@ -137,7 +138,7 @@ static bool render_partly(struct survey *survey, const bool *marked, bool others
     return ok;
 }
 
-// Renders with some lights alone: they are idle if the picture is black then.
+// Renders with some lights alone: they are idle if the image is black.
 static bool are_idle(struct survey *survey, const bool *marked, bool *idle, struct err *err)
 {
     struct partly_lit lit;
@@ -148,7 +149,7 @@ static bool are_idle(struct survey *survey, const bool *marked, bool *idle, stru
     return true;
 }
 
-// Keeps those of the suspects that bring no light: all, or some that are looked at one by one.
+// Keeps the suspects that contribute no light: all, or those found idle one by one.
 static bool confirm(struct survey *survey, struct rays *rays, struct err *err)
 {
     uint32_t count = survey_source_count(survey);
@@ -212,11 +213,11 @@ static bool add_finding(struct survey *survey, const struct rays *rays, double s
                                          "%g %% of the light",
                                    percent, 100.0 * LIGHT_MIN),
             .consequence = arena_printf(arena,
-                                        "What lights the scene has few shadow rays left: local "
+                                        "The lights that matter get few shadow rays: local "
                                         "relMSE %g takes %.0f spp, and %.0f without this.",
                                         outlook->error, ceil(outlook->samples), ceil(samples)),
-            .remedy = "Take it away, or have it light something: look for a `range` that ends "
-                      "before any surface, and for what encloses it.",
+            .remedy = "Remove it, or let it light something: look for a `range` that ends "
+                      "before any surface, and for an object that encloses it.",
             .share = 1.0,
         },
         err);

@@ -1,20 +1,20 @@
-// Lights without extent that lie upon a surface.
+// Delta lights that lie on a surface.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
 #include <string.h>
 
-// Of more lights some stand for all.
+// If there are more lights, some of them represent all.
 #define LIGHTS_MAX 4096u
-// A line along each axis: no plane is along all of them.
+// One line along each axis is traced: no plane is parallel to all of them.
 #define AXES 3u
 
-// A light and the surface that it lies upon, if there is one.
+// A light and the surface on which it lies, if there is one.
 struct placed_light {
-    uint32_t light; // of the scene
+    uint32_t light; // index in the scene
     bool is_upon;
     double point[3]; // in the flat scene's space
-    double rounding; // of points there, or of what the camera sees there
+    double rounding; // rounding error of points there, or of those that the camera sees there
     struct sighting on;
 };
 
@@ -33,7 +33,7 @@ static struct probe_ray ray_to(const struct placed_light *light, uint32_t axis)
     return ray;
 }
 
-// Notes what a ray has met where the light is in its plane: the points of both are rounded.
+// Records a hit if the light is in its plane, within the rounding of both points.
 static void look_at_hit(const struct survey *survey, const struct probe_ray *ray,
                         const struct probe_hit *hit, struct placed_light *light)
 {
@@ -122,7 +122,7 @@ static bool add_finding(struct survey *survey, const struct placed_light *lights
                                                   "%u light%s without extent in the plane of a "
                                                   "surface",
                                                   upon, upon == 1 ? "" : "s"),
-                           .consequence = "That surface has none of its light, and rounding "
+                           .consequence = "That surface receives none of its light, and rounding "
                                           "decides on which of its sides the light is.",
                            .remedy = "Move the light to the side that it is to light.",
                            .share = survey_share(survey, lit),

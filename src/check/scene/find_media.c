@@ -1,7 +1,7 @@
-// Surfaces that bound a medium without closing it, face the wrong way or overlap, as lines from the
-// camera, from what it sees, and paths that go on from there meet them. Lines by way of glass that
-// lies upon another surface tell nothing of media: rounding decides there what they enter and leave
-// (find_coincident.c).
+// Surfaces that bound a medium without closing it, face the wrong way or overlap, as found by lines
+// from the camera, from what it sees, and by paths that continue from there. Lines through glass
+// that coincides with another surface say nothing about media: rounding decides what they enter and
+// leave there (find_coincident.c).
 #include "check/scene/media_overlaps.h"
 
 #include "base/maths.h"
@@ -9,9 +9,9 @@
 #include "shared/types.h"
 #include <string.h>
 
-#define NESTING_MAX 4 // of the stack in lib/media.glsl
+#define NESTING_MAX 4 // depth of the stack in lib/media.glsl
 
-// What went wrong with media.
+// Kinds of inconsistent media.
 enum loss_kind { LOSS_LEFT, LOSS_OPEN, LOSS_NESTED, LOSS_KINDS };
 // The losses of one object.
 struct losses {
@@ -19,7 +19,7 @@ struct losses {
     uint32_t count;    // of pixels
     uint32_t last;     // of them, plus 1
 };
-// It went wrong along the lines of sight, or along the paths that go on from their ends.
+// Losses along the lines of sight, or along the paths that continue from their ends.
 struct ways {
     struct losses *losses[LOSS_KINDS]; // of all objects
     uint32_t *lost;                    // by each pixel: the kinds, as bits
@@ -28,7 +28,7 @@ struct ways {
 };
 
 struct entered {
-    uint32_t medium, object, material; // what the camera is in has no object: SCENE_NONE
+    uint32_t medium, object, material; // SCENE_NONE for the medium in which the camera is
 };
 #define STACK_MOST (2 * SIGHTING_STEPS)
 struct stack {
@@ -38,9 +38,9 @@ struct stack {
 
 struct media_search {
     struct survey *survey;
-    const struct gpu_material *materials; // as uploaded, with their media's numbers
+    const struct gpu_material *materials; // as uploaded, with the numbers of their media
     struct ways sight, paths;
-    struct stack *stacks; // by each pixel: at the end of its line of sight
+    struct stack *stacks; // for each pixel: at the end of its line of sight
     struct overlaps overlaps;
 };
 
@@ -68,8 +68,8 @@ static bool has_left(const struct ways *ways, uint32_t pixel)
     return ways->lost[pixel] >> LOSS_LEFT & 1u;
 }
 
-// Bodies overlap where one is left while another, which was entered inside of it, goes on; one lies
-// within another where it is left while the other, which was entered before, goes on.
+// Bodies overlap if one is left while another, which was entered inside of it, continues; one is
+// inside another if it is left while the other, which was entered before, continues.
 static void look_at_overlaps(struct media_search *search, const struct stack *stack, uint32_t left)
 {
     const struct scene *scene = search->survey->scene;
@@ -100,7 +100,7 @@ static void leave(struct media_search *search, struct ways *ways, struct stack *
     }
     if (stack->items[at - 1].object == SCENE_NONE)
         stack->items[at - 1] = *body;
-    // Paths are not of the picture, of which an overlap's share is told.
+    // Overlaps are only counted along lines of sight, because their share of the image is reported.
     if (ways == &search->sight)
         look_at_overlaps(search, stack, at - 1);
     memmove(&stack->items[at - 1], &stack->items[at], (stack->count - at) * sizeof stack->items[0]);
@@ -120,7 +120,7 @@ static void begin(const struct media_search *search, const struct sightline *lin
     }
 }
 
-// Rays leave a distance field by bounds that only the kernels know.
+// Rays leave a distance field by bounds that only the kernels compute.
 static bool meets_field(const struct survey *survey, const struct sightline *line)
 {
     uint32_t instances = survey->scene->instance_count;
@@ -132,7 +132,7 @@ static bool meets_field(const struct survey *survey, const struct sightline *lin
     return false;
 }
 
-// Goes along a line of a pixel with what was entered before, and notes what goes wrong.
+// Follows a line of a pixel with the media entered before, and records inconsistencies.
 static void look_at_line(struct media_search *search, struct ways *ways,
                          const struct sightline *line, uint32_t pixel, struct stack *stack)
 {
@@ -153,7 +153,7 @@ static void look_at_line(struct media_search *search, struct ways *ways,
         if (stack->count < STACK_MOST)
             stack->items[stack->count++] = body;
     }
-    // What is inside out is left before it is entered, which says all of it.
+    // An inside-out body is left before it is entered; this loss alone describes it.
     bool goes_on = line->is_open && !has_left(ways, pixel);
     for (uint32_t i = 0; goes_on && i < stack->count; i++)
         if (stack->items[i].object != SCENE_NONE &&
@@ -163,11 +163,11 @@ static void look_at_line(struct media_search *search, struct ways *ways,
 
 // --- lines in other directions -------------------------------------------------------------------
 
-// Lines that go on, each from a surface that another line of its pixel has met.
+// Lines that continue from surfaces which other lines of their pixels have hit.
 struct branches {
     struct sightline *lines;
     uint32_t *pixels;
-    struct stack *stacks; // as long as the lines
+    struct stack *stacks; // as many as lines
     uint32_t count;
 };
 
@@ -183,7 +183,7 @@ static bool make_branches(struct survey *survey, struct branches *out, struct er
            err_memory(err, "sight lines", most * sizeof *out->lines);
 }
 
-// Adds a line to one side of a surface, in a direction that the number chooses.
+// Adds a line to one side of a surface, in the direction with this number.
 static void add_branch(struct branches *branches, const struct sighting *from, bool to_front,
                        uint32_t number, uint32_t pixel, const struct stack *stack)
 {
@@ -210,9 +210,9 @@ static bool trace_branches(struct media_search *search, struct ways *ways,
     return true;
 }
 
-// All lines of an orthographic camera are parallel, and bodies that overlap beside each other look
-// nested along them. So from the first medium that each line enters another one goes on, in some
-// direction to the inside: as a rough surface would send it.
+// All lines of an orthographic camera are parallel, and bodies that overlap sideways look nested
+// along them. So from the first medium that each line enters another line continues in a direction
+// to the inside, like a reflection from a rough surface.
 static void branch_aside(struct media_search *search, uint32_t pixel, struct branches *branches)
 {
     const struct sightline *seen = &search->survey->lines[pixel];
@@ -249,12 +249,11 @@ static bool look_aside(struct media_search *search, struct err *err)
 // --- paths ---------------------------------------------------------------------------------------
 
 // A medium in a closed room is not left to infinity, and the camera's lines may miss it. But a path
-// that goes about in the room comes to both sides of its surface, and leaves in the end what it has
-// not entered. One that goes through a body which is closed, if only by the walls about it, never
-// does.
+// in the room hits both sides of its surface, and leaves at last a medium that it did not enter. A
+// path through a closed body, or one that is closed by the surrounding walls, does not.
 #define PATH_BOUNCES 8u
 
-// Lets a path go on where a line of it ends, to the side that it came from.
+// Continues a path at the end of a line, on the side from which it came.
 static void bounce(struct media_search *search, const struct sightline *line,
                    const struct stack *stack, uint32_t pixel, uint32_t bounces,
                    struct branches *out)
@@ -293,7 +292,7 @@ static bool follow_paths(struct media_search *search, struct err *err)
     return true;
 }
 
-// --- what is said --------------------------------------------------------------------------------
+// --- texts ---------------------------------------------------------------------------------------
 
 // The objects that a finding is about.
 struct unclosed {
@@ -301,7 +300,7 @@ struct unclosed {
     bool *marked;          // one flag for each object
 };
 
-// One line may leave by an edge that rounding has opened; two hardly do.
+// A single line may leave through an edge that rounding has opened; two rarely do.
 #define OPEN_LINES_MIN 2u
 
 static bool list_unclosed(const struct media_search *search, const struct ways *ways,
@@ -375,7 +374,7 @@ static bool add_unclosed(struct media_search *search, const struct ways *ways, e
                 is_left ? "leave it without having entered" : "enter it and never leave",
                 list.count == 1 ? "" : ", the most of them"),
             .consequence =
-                "What bounds this medium is open, or its faces point inwards: refraction "
+                "The surface of this medium is open, or its faces point inwards: refraction "
                 "and absorption are wrong.",
             .remedy = "Close the mesh with its corners counter-clockwise from outside, or make the "
                       "material \"thin\".",
@@ -401,7 +400,8 @@ static bool add_nested(struct media_search *search, struct err *err)
             .level = FINDING_WRONG,
             .place = place_of(search, &search->sight, LOSS_NESTED, &list),
             .figure = "a fifth medium inside of four others",
-            .consequence = "Paths remember four media: what is inside is not certain there.",
+            .consequence =
+                "Paths remember four media: which medium is inside is not certain there.",
             .remedy = "Let fewer closed surfaces with media lie within each other.",
             .share = survey_share(survey, touched),
             .pixels = touched,

@@ -1,28 +1,27 @@
-// Lights without extent that a mirror sends on: shadow rays end at the mirror, and no path from it
-// meets a point. Their light is estimated as if they were seen within a small cone from the mirror,
-// which is the regularization of Kaplanyan and Dachsbacher (2013), section 4.
+// Delta lights whose light a mirror reflects: shadow rays end at the mirror, and no path from it
+// hits a point. Their light is estimated as if they were visible within a small cone from the
+// mirror, the regularization of Kaplanyan and Dachsbacher (2013), section 4.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
 #include "scene/core/light.h"
 #include "shared/types.h"
 
-// Half the angle of the cone, radians, and its solid angle. What mirrors send on is blurred by 7 %
-// of its way: the edges of what is lit move, but the light in all hardly changes.
+// Half the angle of the cone, radians, and its solid angle. Reflected light is blurred by 7 % of
+// its distance: the edges of lit regions move, but the total light hardly changes.
 #define CONE 0.07
 #define CONE_SOLID_ANGLE (2.0 * M_PI * versine(CONE))
-// Less than this share of the picture, and of its light, is not worth mentioning, nor is it behind
-// glass (find_hidden_lights.c).
+// A smaller share of the image, or of its light, is not reported, as in find_hidden_lights.c.
 #define SHARE_MIN 0.01
-// Fewer lines than that tell nothing: the standard error of their light is a third of it or more.
+// With fewer lines the standard error of their light is a third of it or more.
 #define LINES_MIN 10u
-// Lines in all, in rounds of one from each place. Where a single light is seen in a mirror at 60
-// degrees from the normal, a line is in the cone with a probability of 0.5 CONE_SOLID_ANGLE / pi, 1
-// in 400: of the lines from SHARE_MIN of the picture 13 are, which is just above LINES_MIN.
+// The number of lines, in rounds of one from each place. If a single light is visible in a mirror
+// at 60 degrees from the normal, a line is in the cone with a probability of 0.5 CONE_SOLID_ANGLE /
+// pi, 1 in 400. Of the lines from SHARE_MIN of the image these are 13, just above LINES_MIN.
 #define LINES (1u << 19)
-// Places up to so many pixels from one whose line arrived are lit by the mirror, too. In a picture
-// of 4096 pixels 128 lines begin at a place, of which 0.3 are in that cone: from the 49 places
-// around one that is lit 15 lines arrive, and still 3 where lines are shared among five lights.
+// Places within this many pixels of one whose line arrived count as lit by the mirror. In an image
+// of 4096 pixels 128 lines start at a place, of which 0.3 are in the cone: from the 49 places
+// around a lit one 15 lines arrive, and still 3 if five lights share the lines.
 #define NEAR_PIXELS 3u
 
 // Returns the luminance that a perfect mirror reflects; 0 for other surfaces.
@@ -48,14 +47,14 @@ static double mirror_reflectance(const struct material *material)
 }
 
 struct mirrored {
-    const struct light **lights; // without extent
+    const struct light **lights; // delta lights
     uint32_t count;
     struct sightline *scattered, *onwards; // of a round: from places, and from mirrors to lights
-    uint32_t *places;                      // that lines of either kind began at
+    uint32_t *places;                      // at which lines of either kind started
     double *sent;                          // by the light at the end of each line onwards
-    double light;                          // of all lines that arrive
+    double light;                          // sum over all lines that arrive
     uint32_t arrived;
-    struct sighting mirror; // the first one
+    struct sighting mirror; // the first one that was hit
     uint8_t *touched;
 };
 
@@ -88,7 +87,7 @@ static bool begin(struct survey *survey, struct mirrored *out, struct err *err)
     return true;
 }
 
-// Returns the surface that the camera sees there, or NULL where it scatters nothing.
+// Returns the surface that the camera sees there, or NULL if it does not scatter light.
 static const struct sighting *scattering_place(const struct survey *survey, uint32_t i)
 {
     const struct sighting *at = sightline_lit_place(survey, &survey->lines[i]);
@@ -113,8 +112,8 @@ static uint32_t scatter(const struct survey *survey, uint32_t round, struct mirr
     return count;
 }
 
-// Begins a line from the mirror on which another one ends to one of the lights, if that is within
-// the cone about where the mirror sends it.
+// Starts a line from the mirror at the end of another line to one of the lights, if the light is
+// within the cone about the reflected direction.
 static bool send_on(const struct survey *survey, const struct mirrored *m,
                     const struct sightline *line, uint32_t number, struct sightline *onwards,
                     double *sent)
@@ -158,7 +157,7 @@ static void touch(const struct survey *survey, uint32_t place, uint8_t *touched)
             touched[y * width + x] |= scattering_place(survey, y * width + x) != NULL;
 }
 
-// Returns the reflectance of a place, but for its textures.
+// Returns the reflectance of a place without its textures.
 static double reflectance_at(const struct survey *survey, uint32_t place)
 {
     const struct sighting *at = scattering_place(survey, place);
@@ -181,14 +180,14 @@ static bool trace_round(struct survey *survey, uint32_t round, struct mirrored *
             continue;
         if (m->arrived++ == 0)
             m->mirror = *m->onwards[i].from;
-        // The directions' density is that of the cosine, over pi.
+        // The density of the directions is the cosine over pi.
         m->light += M_PI * m->sent[i] / CONE_SOLID_ANGLE * reflectance_at(survey, m->places[i]);
         touch(survey, m->places[i], m->touched);
     }
     return true;
 }
 
-// Returns the light that all places send, as that on a white surface.
+// Returns the light that all places reflect, as irradiance of a white surface.
 static double seen_light(const struct survey *survey)
 {
     double sum = 0.0;

@@ -1,4 +1,4 @@
-// Spot lights whose patch of light, where they light something, is far smaller than a pixel.
+// Spot lights whose lit patch is far smaller than a pixel.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -6,24 +6,24 @@
 #include "scene/core/light.h"
 #include "shared/types.h"
 
-// Of more spots some stand for all.
+// If there are more spots, some of them represent all.
 #define SPOTS_MAX 4096u
-// Lines into each cone, by equal solid angles.
+// Lines into each cone, one for each of equal solid angles.
 #define RAYS 16u
-// The share of a pixel below which tiny-lights names lamps, too.
+// The share of a pixel below which tiny-lights reports lamps, too.
 #define PART_MAX (1.0 / 16.0)
 
-// What a spot lights.
+// The surface that a spot lights.
 struct patch {
-    uint32_t light; // of the scene
-    double pixels;  // its size, in pixels at its distance from the camera
-    bool is_lit;    // some of the cone's lines meet a surface
+    uint32_t light; // index in the scene
+    double pixels;  // its area in pixels at its distance from the camera
+    bool is_lit;    // some line of the cone hits a surface
     struct sighting at;
 };
 
 struct patches {
     struct patch *items;
-    uint32_t count, every; // each stands for so many
+    uint32_t count, every; // each represents this many
     struct sightline *lines;
 };
 
@@ -52,8 +52,8 @@ static bool list_spots(struct survey *survey, struct patches *out, struct err *e
     return true;
 }
 
-// Begins one of the lines that go from a spot into its cone: points of a spiral by the golden angle
-// (Vogel 1979), of equal parts of the cone's solid angle.
+// Starts a line from a spot into its cone. The lines are points of a spiral by the golden angle
+// (Vogel 1979), which have equal parts of the cone's solid angle.
 static void begin_line(const struct survey *survey, const struct light *light, uint32_t number,
                        struct sightline *line)
 {
@@ -76,8 +76,8 @@ static bool is_in_picture(const struct projection *view, const struct projected 
     return seen->x >= 0.0 && seen->x < view->width && seen->y >= 0.0 && seen->y < view->height;
 }
 
-// Returns the area of a pixel at a place; of the middle one as far away where the place is not in
-// the picture.
+// Returns the area of a pixel at a place; that of the central pixel at the same distance if the
+// place is not in view.
 static double pixel_area_at(const struct projection *view, const double place[3])
 {
     struct projected seen;
@@ -90,7 +90,7 @@ static double pixel_area_at(const struct projection *view, const double place[3]
     return projection_find(view, ahead, &seen) ? seen.pixel_area : 0.0;
 }
 
-// Adds the part of the patch that one of the lines stands for.
+// Adds the part of the patch that a line represents.
 static void add_part(const struct survey *survey, const struct projection *view,
                      const struct sightline *line, struct patch *patch)
 {
@@ -122,7 +122,7 @@ static bool measure_patches(struct survey *survey, const struct projection *view
     return true;
 }
 
-// Flags the pixel in which a patch is, if nothing else is seen there.
+// Flags the pixel that contains a patch, unless something else is visible there.
 static void touch(const struct survey *survey, const struct projection *view,
                   const struct patch *patch, uint8_t *flags)
 {
@@ -148,11 +148,11 @@ static const char *describe_place(const struct survey *survey, const struct patc
                         named ? name : "", named ? "\"" : "", object);
 }
 
-// Cones whose falloff is narrower than 0.001 of the cosine have 0.001 (spot_width()), so that their
-// middle is not as bright as their intensity says.
+// Cones whose falloff is narrower than 0.001 of the cosine use 0.001 (spot_width()), so that their
+// centre is darker than their intensity says.
 static const char *describe_consequence(const struct survey *survey, const struct light *light)
 {
-    static const char by_chance[] = "Samples meet what it lights by chance, if at all: bright dots "
+    static const char by_chance[] = "Samples find the lit patch by chance, if at all: bright dots "
                                     "that come late, or no light.";
     double left = fmin(versine((double)light->outer_angle) / spot_width(light), 1.0);
     if (left == 1.0)

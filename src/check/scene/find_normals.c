@@ -5,9 +5,9 @@
 #include "shared/types.h"
 #include <string.h>
 
-// The renderer turns shading normals to the side that is seen, so that normals which all point
-// inwards do no harm. A triangle whose corners disagree about the side does: somewhere between them
-// the normal turns over.
+// The renderer turns shading normals to the visible side, so normals that all point inwards do no
+// harm. A triangle whose corners disagree about the side does: the normal flips somewhere between
+// them.
 static bool straddles(const struct flat_scene *flat, uint32_t id)
 {
     double edges[2][3], geometric[3], least = INFINITY, most = -INFINITY;
@@ -31,10 +31,10 @@ static bool meets(const struct survey *survey, const struct sighting *at, const 
 
 // --- normals of another form ---------------------------------------------------------------------
 
-// Smooth normals bend away from triangles to the sides, and those of its corners all but cancel out
-// in a triangle's middle. There, more than 60 degrees off are 2 % of Suzanne, of 500 corners, and
-// half of any form whose normals are random. So a form where a quarter is has normals of another
-// one.
+// Smooth normals deviate from triangles towards their neighbours, and the deviations at the corners
+// almost cancel in the centre of a triangle. There, 2 % of Suzanne's surface, of 500 vertices, have
+// more than 60 degrees, and half of a surface with random normals has. So an object for which a
+// quarter of the surface has that much has the normals of another form.
 #define FAR_COSINE 0.5
 #define FAR_PART 0.25
 
@@ -50,8 +50,8 @@ static bool is_far(const struct flat_scene *flat, uint32_t id)
            fabs(vec3_dot(geometric, middle)) < FAR_COSINE;
 }
 
-// Marks the objects of which so much is seen with such normals. Leaves, which have gaps, have
-// normals of the whole crown for a purpose.
+// Marks the objects with such normals on this part of their visible surface. Leaves, which have
+// gaps, intentionally have the normals of the whole crown.
 static bool mark_far(struct survey *survey, bool *marked, struct err *err)
 {
     uint32_t objects = survey_object_count(survey);
@@ -74,10 +74,10 @@ static bool mark_far(struct survey *survey, bool *marked, struct err *err)
 
 // --- the findings --------------------------------------------------------------------------------
 
-// Creases of scanned and decimated meshes have some, which nobody sees.
+// Creases of scanned and decimated meshes have a few such triangles, which are not visible.
 #define SHARE_MIN 0.01
 
-// *found: whether there are some.
+// *found: whether there are any.
 static bool find_far(struct survey *survey, bool *found, struct err *err)
 {
     uint32_t first = 0, count = 0;

@@ -1,4 +1,4 @@
-// Images: missing ones, texels that no light or colour can have, suns of a single texel.
+// Images: missing ones, texels with invalid values, suns of a single texel.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -32,8 +32,8 @@ static bool reads_image(const struct survey *survey, const struct sighting *at, 
     return false;
 }
 
-// Returns, as bits, the channels of the image that scale what may not be above 1 in a material that
-// is used.
+// Returns, as bits, the channels of the image that scale a parameter which may not exceed 1 in a
+// material that is used.
 static uint32_t list_cut_channels(const struct survey *survey, uint32_t index)
 {
     const struct scene *scene = survey->scene;
@@ -84,7 +84,8 @@ static bool find_cut(struct survey *survey, uint32_t index, struct err *err)
                                    (unsigned long long)count,
                                    (unsigned long long)image->width * image->height,
                                    (double)image->greatest),
-            .consequence = "They count as 1, since what they scale may not leave its range.",
+            .consequence =
+                "They count as 1, because the parameters that they scale must stay in their range.",
             .remedy = "Scale the image to [0, 1]; light belongs into \"emission\".",
             .share = survey_share(survey, touched),
             .pixels = touched,
@@ -115,7 +116,7 @@ static bool find_zeroed(struct survey *survey, uint32_t index, struct err *err)
         err);
 }
 
-// Returns whether a material that is used takes the image for a normal map.
+// Returns whether a material that is used has the image as a normal map.
 static bool is_normal_map(const struct survey *survey, uint32_t index)
 {
     const struct scene *scene = survey->scene;
@@ -131,8 +132,8 @@ static bool is_normal_map(const struct survey *survey, uint32_t index)
     return false;
 }
 
-// Counts texels that are a normal, as one whose length is 1 or nearly so, below the surface by more
-// than a step of 8 bits. What is left black between the parts of an atlas is no normal.
+// Counts texels that are normals, with a length of about 1, and point below the surface by more
+// than a step of 8 bits. Black texels between the parts of an atlas are not normals.
 static uint64_t count_below(const struct texture_image *image)
 {
     uint64_t count = 0;
@@ -147,7 +148,7 @@ static uint64_t count_below(const struct texture_image *image)
     return count;
 }
 
-// Fewer texels, or less of the picture, are those at seams.
+// Below this share of the texels, or of the image, they are probably at seams.
 #define BELOW_MIN 0.01
 
 static bool find_below(struct survey *survey, uint32_t index, struct err *err)
@@ -170,7 +171,7 @@ static bool find_below(struct survey *survey, uint32_t index, struct err *err)
             .figure = arena_printf(survey->arena,
                                    "%llu of %llu texels of a normal map point below the surface",
                                    (unsigned long long)count, (unsigned long long)all),
-            .consequence = "They are turned to the side that is seen: the relief is another one.",
+            .consequence = "They are turned to the visible side, which changes the relief.",
             .remedy = "Use a map in tangent space, whose blue channel is above 0.5.",
             .share = share,
             .pixels = touched,
@@ -184,7 +185,7 @@ static bool is_missing(const struct survey *survey, const struct sighting *at, c
     return material_is_missing(&survey->scene->materials[at->material]);
 }
 
-// What they belonged on no longer names them.
+// Materials no longer refer to the images that they lost.
 static bool find_missing(struct survey *survey, struct err *err)
 {
     const struct scene *scene = survey->scene;
@@ -201,7 +202,7 @@ static bool find_missing(struct survey *survey, struct err *err)
                           .place = scene->images[first].name,
                           .figure = arena_printf(survey->arena, "%u of %u images are missing",
                                                  scene->missing_image_count, scene->image_count),
-                          .consequence = "What they belong on is pink.",
+                          .consequence = "The surfaces that use them are pink.",
                           .remedy = "Put the files where the scene names them.",
                           .share = survey_share(survey, touched),
                           .pixels = touched,
@@ -231,7 +232,7 @@ static bool find_unusable(struct survey *survey, struct err *err)
             .figure = arena_printf(survey->arena, "%llu of %llu texels are negative or not finite",
                                    (unsigned long long)sky->zeroed,
                                    (unsigned long long)sky->width * sky->height),
-            .consequence = "They count as black; where a sun has overflowed half precision, its "
+            .consequence = "They count as black; if a sun has overflowed half precision, its "
                            "light is gone.",
             .remedy = "Repair the image where it was made, or store it in single precision.",
             .share = 1.0,
@@ -239,7 +240,7 @@ static bool find_unusable(struct survey *survey, struct err *err)
         err);
 }
 
-// The texel that sends most, and what all send.
+// The texel that emits most, and the light of all.
 struct sun_texel {
     uint32_t column, row;
     double light, all;
@@ -263,11 +264,11 @@ static struct sun_texel brightest_texel(const struct environment *sky)
     return brightest;
 }
 
-// A texel is a sun where it sends this part of all light, and is so many times as bright as the
+// A texel is a sun if it emits this share of all light, and is this many times as bright as the
 // rest: shadows then show its form.
 #define SUN_PART_MIN 0.1
 #define SUN_BRIGHTNESS_MIN 100.0
-// Of fewer texels none is small.
+// With fewer texels none is small.
 #define TEXELS_MIN 64
 
 static bool find_sun_texel(struct survey *survey, struct err *err)
@@ -330,7 +331,7 @@ static bool find_overflow(struct survey *survey, struct err *err)
 
 // --- images of lamps -----------------------------------------------------------------------------
 
-// Returns the texture by which a material that is used emits what the image has, or NULL.
+// Returns the texture by which a material in use emits the image, or NULL.
 static const struct texture *find_emission(const struct survey *survey, uint32_t m, uint32_t image)
 {
     const struct scene *scene = survey->scene;
@@ -355,7 +356,7 @@ static bool find_lamp_overflow(struct survey *survey, uint32_t m, uint32_t index
            add_overflow(survey, place, (double)radiance, touched, err);
 }
 
-// Returns the texel that sends most, as if each one had the same part of the surface. Its row is
+// Returns the texel that emits most, as if all texels had the same area on the surface. Its row is
 // counted from the top.
 static struct sun_texel brightest_lamp_texel(const struct texture_image *image,
                                              const struct texture *texture, const float emission[3])
@@ -380,7 +381,7 @@ static struct sun_texel brightest_lamp_texel(const struct texture_image *image,
     return brightest;
 }
 
-// Places on the lamp of which it is told what they light.
+// Points on the lamp whose lit region is determined.
 #define PLACES 64u
 
 static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct texture *texture,
@@ -390,7 +391,8 @@ static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct text
     const struct texture_image *image = &scene->images[texture->image];
     double texels = (double)image->width * image->height;
     uint8_t *lit;
-    // The few lights of a dark device, in 8 bits, are no brighter than others.
+    // Emission with values in [0, 1] has little contrast, as a device's display or indicator
+    // lights.
     if (texels < TEXELS_MIN || image->greatest <= 1.0f)
         return true;
     const struct sun_texel sun = brightest_lamp_texel(image, texture, scene->materials[m].emission);
@@ -417,8 +419,8 @@ static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct text
                                                  "light of all",
                                                  sun.column, sun.row, image->width, image->height,
                                                  100.0 * part),
-                          .consequence = "Shadow rays go to all of the lamp alike and seldom meet "
-                                         "what is bright: bright dots that come late.",
+                          .consequence = "Shadow rays are uniform over the lamp and seldom find "
+                                         "its bright part: bright dots that come late.",
                           .remedy = "Paint it out, or put a lamp of its own in its place.",
                           .share = survey_share(survey, lit),
                           .pixels = lit,
@@ -426,7 +428,7 @@ static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct text
                       err);
 }
 
-// What the first material that emits the image says holds for all of them.
+// The first material that emits the image represents all that do.
 static bool find_lamp_texels(struct survey *survey, uint32_t index, struct err *err)
 {
     for (uint32_t m = 0; m < survey->scene->material_count; m++) {

@@ -1,4 +1,4 @@
-// Triangles without area or nearly so, and instances that their transforms flatten.
+// Triangles with little or no area, and instances that their transforms flatten.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -16,7 +16,7 @@ static bool find_zero_areas(struct survey *survey, struct err *err)
     for (uint32_t k = 0; k < flat->dropped_degenerate; k++) {
         uint32_t i, t;
         flat_dropped_source(flat, k, &i, &t);
-        if (i == SCENE_NONE) // meshes that emit are never shared
+        if (i == SCENE_NONE) // emissive meshes are never shared
             continue;
         const struct instance *instance = &scene->instances[i];
         bool emits =
@@ -44,9 +44,9 @@ static bool find_zero_areas(struct survey *survey, struct err *err)
                                         flat->dropped_degenerate, (unsigned long long)all, emissive)
                          : arena_printf(arena, "%u of %llu triangles", flat->dropped_degenerate,
                                         (unsigned long long)all),
-            .consequence = emissive ? "They are left out, and with them the light that they were "
-                                      "to send."
-                                    : "They are left out: nothing can hit them.",
+            .consequence = emissive ? "They are omitted, and with them the light that they were "
+                                      "to emit."
+                                    : "They are omitted: nothing can hit them.",
             .remedy = emissive ? "Make these lamps larger, or use a point light in their place."
                                : "Nothing need be done; the file is smaller without them.",
             .share = emissive ? NAN : 0.0,
@@ -56,11 +56,12 @@ static bool find_zero_areas(struct survey *survey, struct err *err)
 
 // --- nearly none ---------------------------------------------------------------------------------
 
-// Where rounding of the corners turns a triangle's normal by more than this, radians, shading and
-// refraction show it: a degree.
+// If rounding of the corners rotates a triangle's normal by more than this (radians; a degree), it
+// is visible in shading and refraction.
 #define TURN_MAX (M_PI / 180.0)
 
-// By how much the rounding of its corners, half a step each, may turn it: a step over its height.
+// Returns the angle by which rounding of its corners, half a step each, may rotate it: a step over
+// its height.
 static double turn_of(const struct flat_scene *flat, uint32_t id)
 {
     double edges[2][3], third[3], normal[3], largest = 0.0;
@@ -83,7 +84,7 @@ static bool is_sliver(const struct survey *survey, const struct sighting *at, co
            turn_of(survey->flat, at->hit.primitive) > TURN_MAX;
 }
 
-// Slivers cover little: only those that the camera sees matter, and slivers everywhere.
+// Slivers cover little area: only visible ones matter, or very many.
 #define SLIVERS_SHARE_MIN 1e-3
 #define SLIVERS_PART_MIN 0.1
 
@@ -148,7 +149,7 @@ static bool find_singular(struct survey *survey, struct err *err)
             .level = FINDING_REMARK,
             .place = survey_object_name(survey, first),
             .figure = arena_printf(arena, "%u of %u instances", count, scene->instance_count),
-            .consequence = "Their transforms leave them no volume: they are left out.",
+            .consequence = "Their transforms leave them no volume: they are omitted.",
             .remedy = "Hide or remove them, or give them a scale that is not 0.",
             .share = 0.0,
             .change = "these instances are hidden",

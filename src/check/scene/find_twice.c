@@ -1,4 +1,4 @@
-// Objects that are there twice: of one form, at one place.
+// Objects that exist twice: of the same form, at the same place.
 #include "check/scene/survey.h"
 
 #include "base/hash.h"
@@ -7,16 +7,15 @@
 
 // --- objects -------------------------------------------------------------------------------------
 
-// What an object is and where, for comparing bytes.
+// The form and the place of an object, for bytewise comparison.
 struct identity {
-    uint64_t kind; // of shapes, plus 1; 0: an instance
-    uint64_t form; // of the mesh, or the number of a distance field
+    uint64_t kind; // kind of a shape, plus 1; 0: an instance
+    uint64_t form; // hash of the mesh, or the index of a distance field
     double numbers[18];
     uint32_t object;
 };
 
-// The form is the same for meshes of the same triangles: a file that is named twice is loaded
-// twice.
+// The form is a hash of the triangles: a file that is named twice is loaded twice.
 static uint64_t form_of_mesh(const struct mesh *mesh)
 {
     struct hash128 parts[] = {
@@ -28,7 +27,7 @@ static uint64_t form_of_mesh(const struct mesh *mesh)
     return hash_bytes(HASH_INIT, parts, sizeof parts);
 }
 
-// Returns what an object is and where. `forms` are those of all meshes.
+// Returns the identity of an object. `forms` are those of all meshes.
 static struct identity identity_of(const struct scene *scene, const uint64_t *forms,
                                    uint32_t object)
 {
@@ -75,11 +74,11 @@ static int compare(const void *a, const void *b)
     return order ? order : (x->object > y->object) - (x->object < y->object);
 }
 
-// The effects on a picture of two objects at one place, in ascending order.
+// The effect on an image of two objects at the same place, in ascending order.
 enum twins {
-    TWINS_IDLE,    // nothing, as hiding one of them would do
-    TWINS_ALIKE,   // nothing: they look as one of them does
-    TWINS_SHARE,   // each is meant to be seen, where the other one has gaps
+    TWINS_IDLE,    // none; one of them can be hidden
+    TWINS_ALIKE,   // none, because they look the same
+    TWINS_SHARE,   // none: each is visible where the other has gaps
     TWINS_DOUBLED, // both count
     TWINS_CLASH,   // they look different, and one covers the other
     TWINS_COUNT
@@ -115,8 +114,8 @@ static bool is_one_material(const struct scene *scene, uint32_t first, uint32_t 
                     a->texture_count * sizeof *scene->textures));
 }
 
-// Returns what two equal surfaces of the material do. Glass and thin panes look as one: what goes
-// through starts behind the rounding of its surface, and so behind both.
+// Returns the effect of two equal surfaces of the material. Glass and thin panes look like one:
+// transmitted rays start beyond the rounding error of the surface, and so behind both.
 static enum twins twins_of_material(const struct survey *survey, uint32_t material)
 {
     const struct material *m = &survey->scene->materials[material];
@@ -145,15 +144,15 @@ static enum twins twins_of(const struct survey *survey, uint32_t a, uint32_t b)
     return most;
 }
 
-// Objects that do the same.
+// Objects with the same effect.
 struct twin_list {
     uint32_t count, first, second; // objects that are there again; the first pair
     bool *marked;                  // flags of all objects: those that are there twice
     bool *firsts, *again;          // the same: the first one of a pair, and the others
 };
 
-// Takes the objects at one place. One of them is hidden only where all of them are equal: which of
-// the others is seen might change.
+// Takes the objects at one place. One of them is hidden only if all of them are equal, because
+// otherwise the visible one might change.
 static void take_place(struct survey *survey, const struct identity *list, uint32_t count,
                        struct twin_list *lists)
 {
@@ -219,17 +218,18 @@ static const struct {
                     "Remove or hide the second one."},
     [TWINS_ALIKE] = {FINDING_REMARK, "They cost memory and time, and change nothing.",
                      "Remove or hide one of them."},
-    [TWINS_DOUBLED] = {FINDING_WRONG, "What emits or is blended counts twice there.",
-                       "Remove or hide one of them; the picture is another one then."},
-    [TWINS_CLASH] = {FINDING_WRONG,
-                     "Which one of two materials is seen depends on the order of the objects, and "
-                     "light that the other one emits counts all the same.",
-                     "Remove or hide the one that is not to be seen, or move one of them by a "
-                     "visible distance."},
+    [TWINS_DOUBLED] = {FINDING_WRONG, "Emissive or blended surfaces count twice there.",
+                       "Remove or hide one of them; this changes the image."},
+    [TWINS_CLASH] =
+        {FINDING_WRONG,
+         "Which one of two materials is visible depends on the order of the objects, and "
+         "light that the other one emits counts all the same.",
+         "Remove or hide the one that should not be visible, or move one of them by a "
+         "visible distance."},
 };
 
-// Returns what --fix does about those of a list: where more than one is hidden, the first one
-// stands for them. NULL without memory.
+// Returns what --fix does with a list: if several objects are hidden, it names the first. NULL when
+// out of memory.
 static const char *change_of(struct survey *survey, const struct twin_list *list)
 {
     uint32_t material = material_of(survey->scene, list->second, 0);

@@ -1,4 +1,4 @@
-// Places on lamps, where much light comes from more of them.
+// Points on lamps, distributed in proportion to their light.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -8,7 +8,7 @@
 #include "scene/core/emission.h"
 #include "shared/types.h"
 
-// A lamp's surface by its number among all shapes, then all triangles of the world.
+// The surfaces of lamps are numbered: first all shapes, then all triangles of the world.
 static struct emitter_part part_at(const struct survey *survey, uint32_t number)
 {
     uint32_t shapes = survey->flat->shape_count;
@@ -16,8 +16,8 @@ static struct emitter_part part_at(const struct survey *survey, uint32_t number)
                            : (struct emitter_part){EMITTER_TRIANGLE, number - shapes};
 }
 
-// Returns the power of a surface of the material, or of any, as in emitter_power.h. Triangles that
-// are kept apart because rounding changes their form have no place among others: 0.
+// Returns the power of a surface of the material, or of any material, as in emitter_power.h. It is
+// 0 for triangles that are stored separately because rounding would change their form.
 static double power_of(const struct survey *survey, uint32_t material, struct emitter_part part)
 {
     const struct flat_scene *flat = survey->flat;
@@ -32,7 +32,8 @@ static double power_of(const struct survey *survey, uint32_t material, struct em
            (is_shape ? shape_area(&flat->shapes[part.index]) : triangle_area(flat, part.index));
 }
 
-// Finds one of `count` places spread over a surface: of triangles as in emitter_shape.h.
+// Computes one of `count` points that are spread over a surface; those on triangles as in
+// emitter_shape.h.
 static void place_on(const struct survey *survey, struct emitter_part part, uint32_t number,
                      uint32_t count, struct sighting *out)
 {
@@ -62,7 +63,7 @@ uint32_t lamp_places_take(const struct survey *survey, uint32_t material, uint32
     for (uint32_t i = 0; i < surfaces && all > 0.0; i++) {
         struct emitter_part part = part_at(survey, i);
         passed += power_of(survey, material, part);
-        // As many as bring the list up to the share of light that has been passed.
+        // Add as many as correspond to the share of light so far.
         uint32_t first = count, end = (uint32_t)fmin(most * (passed / all) + 0.5, most);
         for (; count < end; count++) {
             lines[count] = (struct sightline){.count = 1};

@@ -1,20 +1,20 @@
-// Which part of the picture the light of some places reaches, straight or reflected.
+// Finds the part of the image that light from some places reaches, directly or by reflection.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
 #include <string.h>
 
-// Light that is reflected more often is a small part of any.
+// Light that was reflected more often is a small part of the total.
 #define BOUNCES_MAX 4u
-// Lines to a place for each pixel and bounce.
+// Lines to a place per pixel and bounce.
 #define ROUNDS 8u
 
-// Where the paths of a round are, one for each of the camera's lines.
+// The ends of the paths of a round, one for each of the camera's lines.
 struct reach {
     struct sighting *at;
     bool *goes_on;
-    struct sightline *lines; // with room for one for each
-    uint32_t *pixels;        // of those lines
+    struct sightline *lines; // with room for all
+    uint32_t *pixels;        // pixels of those lines
     uint8_t *flags;
 };
 
@@ -36,8 +36,8 @@ static void begin_round(const struct survey *survey, struct reach *reach)
     }
 }
 
-// Begins a line to just above a place, on the side from where it comes: what lies upon the place is
-// in its way. Returns false where that is in the surface's plane or behind it.
+// Starts a line to a point just above a place, on the side from which it comes, so that a surface
+// on the place blocks it. Returns false if that is in the surface's plane or behind it.
 static bool aim_at(const struct sighting *at, const struct sighting *place, struct sightline *line)
 {
     double way[3], rounding = sighting_rounding(place->point);
@@ -52,7 +52,7 @@ static bool aim_at(const struct sighting *at, const struct sighting *place, stru
     return above > rounding + sighting_rounding(at->point);
 }
 
-// Flags the paths from which one of the places is seen.
+// Flags the paths from whose ends one of the places is visible.
 static bool connect(struct survey *survey, struct reach *reach, const struct sighting *places,
                     uint32_t place_count, uint32_t number, struct err *err)
 {
@@ -69,7 +69,7 @@ static bool connect(struct survey *survey, struct reach *reach, const struct sig
     return true;
 }
 
-// Goes on to what is seen from there in one direction.
+// Continues to the surface that is visible from there in one direction.
 static bool scatter(struct survey *survey, struct reach *reach, uint32_t number, struct err *err)
 {
     uint32_t count = 0;

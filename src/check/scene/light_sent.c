@@ -1,4 +1,4 @@
-// The light that delta lights and suns send to a place, in double precision, as lib/light.glsl and
+// The light of delta lights and suns at a place, in double precision; lib/light.glsl and
 // lib/profile.glsl compute it in single precision.
 #include "check/scene/survey.h"
 
@@ -7,8 +7,8 @@
 #include "scene/sky/ies.h"
 #include "shared/types.h"
 
-// Returns the index of the last of count - 1 ascending values that is not above x, and in *part how
-// far x is on the way to the next value.
+// Returns the index of the last of count - 1 ascending values that is not above x, and in *part the
+// relative position of x between it and the next value.
 static uint32_t find_interval(const float *values, uint32_t count, double x, double *part)
 {
     uint32_t at = 0;
@@ -24,7 +24,7 @@ static double row_at(const float *row, uint32_t at, uint32_t next, double part)
     return (1.0 - part) * (double)row[at] + part * (double)row[next];
 }
 
-// Returns the part of its greatest intensity that a light's profile leaves in a unit direction.
+// Returns the factor of a light's profile in a unit direction, relative to its greatest intensity.
 static double profile_part(const struct light *light, const double way[3])
 {
     const struct light_profile *profile = light->profile;
@@ -47,8 +47,7 @@ static double profile_part(const struct light *light, const double way[3])
            part_h * row_at(row + count, v, next, part);
 }
 
-// Returns the part of its intensity that a spot light's cone leaves (KHR_lights_punctual, "Inner
-// and Outer Cone Angles").
+// Returns the factor of a spot light's cone (KHR_lights_punctual, "Inner and Outer Cone Angles").
 static double cone_part(const struct light *light, double cosine)
 {
     double inside = versine((double)light->outer_angle) - (1.0 - cosine);

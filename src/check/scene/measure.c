@@ -1,4 +1,4 @@
-// What single samples of a small picture tell: how heavy their tail is, and what goes wrong.
+// Statistics of single samples of a small image: the tail of their distribution, and errors.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -17,11 +17,11 @@ static uint64_t count_dropped(const struct survey *survey)
     return dropped;
 }
 
-// --- the samples' tail ---------------------------------------------------------------------------
+// --- the tail of the samples ---------------------------------------------------------------------
 
-#define TAIL_SAMPLES 64u // of a pixel, each alone
+#define TAIL_SAMPLES 64u // per pixel, each rendered separately
 
-// A sample less the mean of its pixel, over the picture's.
+// A sample minus the mean of its pixel, relative to the image's mean.
 struct outlier {
     double excess;
     uint32_t pixel, sample;
@@ -55,8 +55,8 @@ static int descending(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-// Where the camera may see an emitter, samples of its edge are bright without being rare: `in_view`
-// is a flag a pixel, or NULL.
+// If the camera may see an emitter, samples of its edge are bright without being rare: `in_view`
+// has a flag for each pixel, or is NULL.
 static bool list_outliers(struct survey *survey, const float *samples, const uint8_t *in_view,
                           struct outlier **out, struct err *err)
 {
@@ -84,21 +84,21 @@ static bool list_outliers(struct survey *survey, const float *samples, const uin
     return true;
 }
 
-// The largest samples as a power law, P(x) ~ x^-index: its exponent by Hill's estimate (1975), with
-// a standard error of index / sqrt(TAIL_LENGTH). Below 2 the variance is infinite, or behaves so as
-// far as these samples reach: the error then falls more slowly than 1 / samples. A bound of the
-// samples shows where the very brightest are more alike than the power law has them.
+// The largest samples as a power law, P(x) ~ x^-index, with the exponent by Hill's estimator (1975)
+// and a standard error of index / sqrt(TAIL_LENGTH). Below 2 the variance is infinite, or appears
+// so within these samples: the error then decreases more slowly than 1 / samples. If the samples
+// have an upper bound, the very brightest are more similar than the power law predicts.
 #define TAIL_LENGTH 100u
 #define TAIL_END 20u
 
 struct tail {
     double index;
-    double end_index; // of the TAIL_END brightest alone
-    double part;      // of the squares of all, that the tail has
+    double end_index; // of the TAIL_END brightest samples only
+    double part;      // share of the sum of squares of all samples
 };
 
-// Returns whether a power law of this exponent, by so many samples, has a finite variance within
-// the 95 % interval.
+// Returns whether a power law with this estimated exponent, from `count` samples, may have a finite
+// variance within the 95 % interval.
 static bool may_be_finite(double index, uint32_t count)
 {
     return index * (1.0 + 1.96 / sqrt(count)) >= 2.0;
@@ -124,9 +124,9 @@ static struct tail find_tail(const struct outlier *outliers, size_t count)
                          most / squares};
 }
 
-// Returns whether no contribution exceeds what is emitted: of paths that meet lamps, or of shadow
-// rays that multiple importance sampling weights by these. A light without extent may be as near
-// to a surface as one likes.
+// Returns whether no contribution exceeds the emitted radiance: that of paths that hit lamps, or of
+// shadow rays with multiple importance sampling. A delta light may be arbitrarily close to a
+// surface.
 static bool has_bound(const struct survey *survey)
 {
     const struct scene *scene = survey->scene;
@@ -137,7 +137,7 @@ static bool has_bound(const struct survey *survey)
     return !settings->nee || settings->mis != MIS_NONE;
 }
 
-// Returns the greatest luminance that surfaces and an even environment emit, or INFINITY where an
+// Returns the greatest luminance that surfaces and a constant environment emit, or INFINITY if an
 // image or a sun lights the scene.
 static double brightest_emitted(const struct scene *scene)
 {
@@ -153,12 +153,12 @@ static double brightest_emitted(const struct scene *scene)
     return most;
 }
 
-// The brightest sample has met a bound where it is this part of what the brightest lamp sends, or
-// more: two diffuse surfaces of reflectance 1/2 on the way leave a quarter.
+// The brightest sample has reached the bound if it is at least this share of the radiance of the
+// brightest lamp: two diffuse reflections with albedo 1/2 leave a quarter.
 #define BOUND_MET 0.25
 
-// Returns whether the brightest samples show a bound of all: they are alike, by the lower end of
-// the interval, or about what the brightest lamp sends.
+// Returns whether the brightest samples show an upper bound: they are similar, by the lower end of
+// the interval, or close to the radiance of the brightest lamp.
 static bool has_met_bound(const struct survey *survey, const struct outlier *first,
                           const struct tail *tail)
 {
@@ -168,7 +168,7 @@ static bool has_met_bound(const struct survey *survey, const struct outlier *fir
             first->excess * mean >= BOUND_MET * brightest_emitted(survey->scene));
 }
 
-// What follows from a tail that has met no bound.
+// Returns the consequence of a tail that has not reached a bound.
 static const char *tail_consequence(const struct survey *survey)
 {
     return has_bound(survey)
@@ -181,7 +181,7 @@ static const char *tail_consequence(const struct survey *survey)
                  "renders.";
 }
 
-// Returns the vertex of a path that brings most, by a shadow ray or by itself.
+// Returns the vertex of a path with the greatest contribution, by a shadow ray or by itself.
 static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ray)
 {
     uint32_t brightest = 0;
@@ -199,7 +199,7 @@ static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ra
     return brightest;
 }
 
-// Returns the way that the brightest sample took, as "material \"floor\", material \"glass\" and a
+// Describes the path of the brightest sample, as "material \"floor\", material \"glass\" and a
 // shadow ray".
 static const char *describe_path(struct survey *survey, const struct replay *replay)
 {
@@ -217,7 +217,7 @@ static const char *describe_path(struct survey *survey, const struct replay *rep
     return text && by_shadow_ray ? arena_printf(survey->arena, "%s and a shadow ray", text) : text;
 }
 
-// Flags the pixels that have one of the outliers.
+// Flags the pixels with one of the outliers.
 static const uint8_t *touched_by_tail(struct survey *survey, const struct outlier *outliers)
 {
     uint8_t *flags = survey_flags(survey);
@@ -274,7 +274,7 @@ static bool is_black(const struct survey *survey, const float *samples, size_t c
     return true;
 }
 
-// Where contributions were not finite, find_accidents() says why.
+// If contributions were not finite, find_accidents() reports it.
 static bool add_black(struct survey *survey, struct err *err)
 {
     if (count_dropped(survey) > 0)
@@ -311,12 +311,12 @@ static bool measure_tail(struct survey *survey, const uint8_t *in_view, struct e
     if (count <= 10 * TAIL_LENGTH || !(outliers[TAIL_LENGTH].excess > 0.0))
         return true;
     const struct tail tail = find_tail(outliers, count);
-    // Where a bound is met, the error falls as 1 / samples: nothing is to be done about it.
+    // If a bound is reached, the error decreases as 1 / samples, and nothing needs to be done.
     return may_be_finite(tail.index, TAIL_LENGTH) || tail.part < TAIL_PART_MIN ||
            has_met_bound(survey, outliers, &tail) || add_tail(survey, outliers, &tail, err);
 }
 
-// --- what goes wrong on the way ------------------------------------------------------------------
+// --- errors --------------------------------------------------------------------------------------
 
 static bool find_accidents(struct survey *survey, struct err *err)
 {
@@ -332,7 +332,7 @@ static bool find_accidents(struct survey *survey, struct err *err)
             .place = "all of the scene",
             .figure = arena_printf(survey->arena, "%llu contributions of %llu paths",
                                    (unsigned long long)dropped, (unsigned long long)stats->paths),
-            .consequence = "They are left out: light is missing.",
+            .consequence = "They are omitted: light is missing.",
             .remedy = "Render with --explain, which says how to follow such a path, and look for "
                       "numbers near the limits of single precision.",
             .share = NAN,

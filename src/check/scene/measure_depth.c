@@ -1,18 +1,16 @@
-// What light the last bounce cuts off: the same paths with more bounces. All
-// that they bring beyond is what is missing, so that noise tells little against
-// it.
+// The light that the limit of bounces cuts off: the same paths are rendered with more bounces.
+// Their additional light is what is missing, so that noise has little influence.
 #include "check/scene/survey.h"
 
 #include <math.h>
 
-#define DEPTH_STEPS 4u // each has four times the bounces of the one before
+#define DEPTH_STEPS 4u // each has four times the bounces of the previous one
 #define DEPTH_MOST 4096u
-// Of the picture's light: what may be missing, and what may be missing
-// afterwards.
+// Shares of the image's light: the one that may be missing, and the goal of the fix.
 #define CUT_MAX 0.01
 #define CUT_GOAL 0.001
 
-// Mean luminances of the small picture's pixels at a depth.
+// Renders the mean luminances of the small image's pixels at a depth.
 static bool render_at(struct survey *survey, uint32_t depth, double **out, struct err *err)
 {
     survey->scene->settings.max_bounces = depth;
@@ -20,8 +18,8 @@ static bool render_at(struct survey *survey, uint32_t depth, double **out, struc
 }
 
 struct cut {
-    double part;        // of all light, that is missing
-    double least, most; // the same less two standard errors, and more
+    double part;        // of all light: the share that is missing
+    double least, most; // the share minus and plus two standard errors
 };
 
 static struct cut compare(const double *shallow, const double *deep, uint32_t count)
@@ -41,17 +39,15 @@ static struct cut compare(const double *shallow, const double *deep, uint32_t co
                         fmin((missing + 2.0 * error) / all, 1.0)};
 }
 
-// --- where it is missing
-// -------------------------------------------------------------------------
+// --- affected pixels -----------------------------------------------------------------------------
 
-// Of few samples most pixels may have no light at all, with more bounces or
-// without: whether a pixel lacks more than CUT_MAX is told by a window around
-// it, the smallest that can tell.
+// With few samples most pixels may have no light at all, at any depth. Whether a pixel lacks more
+// than CUT_MAX is decided by the smallest window around it that allows a decision.
 struct cut_map {
     const struct survey *survey;
     uint32_t width, height;
     const double *shallow, *deep;
-    double event; // what a pixel lacks that lacks something, on average
+    double event; // mean of the missing light of pixels that lack some
 };
 
 static double mean_event(const double *shallow, const double *deep, uint32_t count)
@@ -64,11 +60,11 @@ static double mean_event(const double *shallow, const double *deep, uint32_t cou
     return lost / fmax(events, 1.0);
 }
 
-// Sums over the pixels of a window that see a surface: others lack nothing.
+// Sums over the pixels of a window that show a surface; others lack nothing.
 struct cut_sums {
     double count;
-    double excess;  // the light that they lack, less CUT_MAX of all their light
-    double squares; // of the pixels' excesses
+    double excess;  // missing light minus CUT_MAX of all light
+    double squares; // sum of the squares of the pixels' excesses
 };
 
 static struct cut_sums sum_window(const struct cut_map *map, uint32_t x, uint32_t y, uint32_t reach)
@@ -88,12 +84,12 @@ static struct cut_sums sum_window(const struct cut_map *map, uint32_t x, uint32_
     return sums;
 }
 
-// The light of paths that no sample of a window has found: with a chance of 5 %
-// there are three of them where none was met.
+// The expected number of paths that no sample of a window found: with three expected, none is found
+// with a probability of 5 %.
 #define UNSEEN_EVENTS 3.0
 
-// Returns whether pixels around one lack more than CUT_MAX, by two standard
-// errors; where no window tells, as the picture does.
+// Returns whether the pixels around one lack more than CUT_MAX, by two standard errors; if no
+// window allows a decision, the whole image decides.
 static bool lacks_light(const struct cut_map *map, uint32_t x, uint32_t y)
 {
     for (uint32_t reach = 1; reach < map->width || reach < map->height; reach *= 2) {
@@ -126,16 +122,15 @@ static const uint8_t *touched_by_cut(struct survey *survey, const double *shallo
     return flags;
 }
 
-// --- the finding
-// ---------------------------------------------------------------------------------
+// --- the finding ---------------------------------------------------------------------------------
 
-// Returns by how much more light pictures have that lack a part of it.
+// Returns how much more light, in percent, an image would have that lacks this share.
 static double more_light(double part)
 {
     return 100.0 * part / (1.0 - fmin(part, 0.999));
 }
 
-// The integrator "direct" is paths of one bounce.
+// The integrator "direct" renders paths of one bounce.
 static uint32_t first_depth(const struct survey *survey)
 {
     const struct settings *settings = &survey->settings;
@@ -148,7 +143,7 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
     struct arena *arena = survey->arena;
     bool is_direct = survey->settings.integrator == INTEGRATOR_DIRECT;
     uint32_t depth = first_depth(survey);
-    // Direct light alone is asked for.
+    // The settings ask for direct light only.
     bool is_wanted = depth <= 1, is_known = enough > depth && !is_wanted;
     if (survey->params->fixes && is_known)
         survey->settings.max_bounces = enough;
@@ -164,7 +159,7 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
                              "paths with more bounces bring %.3g %% more light (%.3g to "
                              "%.3g %%)",
                              more_light(cut->part), more_light(cut->least), more_light(cut->most)),
-            .consequence = "This light is missing in the picture.",
+            .consequence = "This light is missing in the image.",
             .remedy = is_wanted  ? "Nothing, if direct light is all that is wanted."
                       : is_known ? arena_printf(arena,
                                                 "--max-bounces %u, beyond which less than "
@@ -187,8 +182,8 @@ static bool add_occlusion(struct survey *survey, struct err *err)
             .name = "depth",
             .level = FINDING_REMARK,
             .place = "setting integrator, ao",
-            .figure = "no path is followed: no lamp, colour or material is looked at",
-            .consequence = "The picture is how open each place is, not the scene's light.",
+            .figure = "no path is traced: no lamp, colour or material is used",
+            .consequence = "The image shows how open each place is, not the scene's light.",
             .remedy = "Nothing, if that is wanted; else --integrator path.",
             .share = 1.0,
         },
@@ -214,7 +209,7 @@ bool measure_depth(struct survey *survey, struct err *err)
         if (!render_at(survey, depths[i], &films[i], err))
             return false;
         cut = compare(films[0], films[i], survey->line_count);
-        // The next step finds less than this one.
+        // The next step would find less than this one.
         if (compare(films[i - 1], films[i], survey->line_count).part < CUT_GOAL) {
             count++;
             break;

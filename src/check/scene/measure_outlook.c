@@ -1,4 +1,4 @@
-// What a render to a given error would take, as a short one of a small picture tells.
+// Estimates the cost of a render to a given error from a short render of a small image.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -16,20 +16,20 @@ static const uint8_t *touched_by_small_lights(struct survey *survey,
     return flags;
 }
 
-// Pixels beside each other, of one radiance, see one lamp: a pixel at its edge is no lamp of its
-// own.
+// Adjacent pixels with the same radiance show the same lamp: a pixel at its edge is not a lamp of
+// its own.
 struct small_lamps {
     const struct unseen_light *unseen;
     uint32_t width, height;
-    uint32_t *at;   // by pixels, those of `unseen` plus 1; 0: none
-    uint32_t *open; // a stack of those whose neighbours are to be looked at
+    uint32_t *at;   // for each pixel: index in `unseen` plus 1; 0: none
+    uint32_t *open; // a stack of pixels whose neighbours are not yet visited
     bool *known;
     uint32_t count;   // of lamps
-    double least;     // part of a pixel that one covers where it covers most
-    double brightest; // luminance of their radiance
+    double least;     // share of a pixel that a lamp covers, at its maximum
+    double brightest; // luminance of the brightest radiance
 };
 
-// Lists the pixels around one that see the same lamp, itself included.
+// Lists the pixels around one, including itself, that see the same lamp.
 static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index, uint32_t out[9])
 {
     const struct small_light *own = &lamps->unseen->small[index];
@@ -44,7 +44,7 @@ static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index,
     return count;
 }
 
-// Takes all pixels of the lamp that is seen in one of them.
+// Visits all pixels of the lamp that is visible in one of them.
 static void look_at_lamp(struct small_lamps *lamps, uint32_t first)
 {
     double most = 0.0;
@@ -99,7 +99,7 @@ static bool find_small_lights(struct survey *survey, const struct unseen_light *
         return true;
     if (!list_small_lamps(survey, unseen, &lamps, err))
         return false;
-    // Of a small picture: a pixel of the whole one is smaller.
+    // The share refers to the small image; a pixel of the full image is smaller.
     double pixels = (double)survey->settings.width * survey->settings.height / survey->line_count;
     double part = lamps.least * pixels;
     if (part >= 1.0 / 16.0)
@@ -115,7 +115,7 @@ static bool find_small_lights(struct survey *survey, const struct unseen_light *
                                    "%u, the smallest of which covers %.2g of a pixel, with a "
                                    "radiance of up to %.3g",
                                    lamps.count, part, lamps.brightest),
-            .consequence = "Samples meet them by chance: bright dots that come late.",
+            .consequence = "Samples find them by chance: bright dots that come late.",
             .remedy = "Make the lamps larger, or hide them from the camera and light by a point "
                       "light.",
             .share = (double)unseen->small_count / survey->line_count,
@@ -154,11 +154,11 @@ static void look_ahead(struct survey *survey, const struct half_error *error, do
     outlook->reason = error->known ? NULL : error->reason;
 }
 
-// --- pictures too dark for the error -------------------------------------------------------------
+// --- images too dark for the error measure -------------------------------------------------------
 
-// Local relMSE is relative to L^2 + METRICS_RELMSE_EPSILON: where a picture is far below the root
-// of that, it counts noise against the constant. So much more samples must the same picture take
-// with a mean of 1.
+// Local relMSE is relative to L^2 + METRICS_RELMSE_EPSILON: if an image is far below the square
+// root of that, its noise is compared with the constant. The image is reported if it would need
+// this factor more samples with a mean of 1.
 #define DIM_MIN 30.0
 
 static float (*scale_pixels(struct arena *arena, float (*pixels)[3], size_t count, double scale))[3]
@@ -170,7 +170,7 @@ static float (*scale_pixels(struct arena *arena, float (*pixels)[3], size_t coun
     return scaled;
 }
 
-// Finds the samples that the error asked for would take if the picture were so much brighter.
+// Estimates the samples to the goal if the image were brighter by the factor `scale`.
 static bool look_ahead_scaled(struct survey *survey, const struct job_estimate *estimate,
                               double scale, double *samples, struct err *err)
 {
@@ -205,7 +205,7 @@ static bool find_dim(struct survey *survey, const struct job_estimate *estimate,
         return false;
     if (!(samples >= DIM_MIN * outlook->samples))
         return true;
-    // At a mean of 1 the error is about the square of the noise relative to the picture.
+    // At a mean of 1 the error is about the square of the relative noise.
     double noise = sqrt(outlook->error * samples / ceil(outlook->samples));
     return survey_add(
         survey,

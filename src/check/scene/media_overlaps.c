@@ -19,21 +19,21 @@ struct overlap *overlaps_of(struct overlaps *overlaps, uint32_t upper, uint32_t 
 
 #define PRIORITY_MAX 255u
 
-// Media by their numbers, which ascend with their priorities, in the order that they are to have.
+// The numbers of media, which ascend with their priorities, in the desired order.
 struct order {
     uint32_t media[MEDIA_MAX], count;
     uint32_t priorities[MEDIA_MAX + 1]; // by number
     bool is_possible;                   // priorities suffice
 };
 
-// What is swallowed everywhere was meant to be there; what is crossed sticks out.
+// A body that is always inside of the other was meant to exist; one that is crossed protrudes.
 static bool vanishes(const struct overlap *overlap)
 {
     return overlap->crossed == 0 && overlap->swallowed > 0;
 }
 
-// Returns whether of two media the lower one vanishes within the upper one wherever they meet. More
-// than one pair of materials may be of them.
+// Returns whether the lower one of two media vanishes inside of the upper one wherever they
+// overlap. Several pairs of materials may have these media.
 static bool is_to_swap(const struct gpu_material *materials, const struct overlaps *overlaps,
                        uint32_t lower, uint32_t upper)
 {
@@ -49,7 +49,7 @@ static bool is_to_swap(const struct gpu_material *materials, const struct overla
     return is_swallowed;
 }
 
-// Only neighbours are swapped, so that every other pair stays as it was.
+// Only adjacent media are swapped, so that the order of all other pairs is kept.
 static void swap_neighbours(const struct gpu_material *materials, const struct overlaps *overlaps,
                             struct order *order)
 {
@@ -67,8 +67,8 @@ static void swap_neighbours(const struct gpu_material *materials, const struct o
     }
 }
 
-// Raises priorities until they ascend. Equal ones stay where the file's order is the right one; a
-// medium that is raised has a priority of its own.
+// Raises priorities until they are in ascending order. Media keep an equal priority if the file's
+// order is the right one; a raised medium gets a priority of its own.
 static void raise(struct order *order)
 {
     bool was_raised = false;
@@ -122,10 +122,10 @@ static bool add(struct survey *survey, const struct overlap *overlap, bool can_f
                 arena_printf(survey->arena, "%s, %s, and %s", object, materials[0], materials[1]),
             .figure = arena_printf(survey->arena, "both have \"priority\" %u",
                                    survey->scene->materials[overlap->lower].medium_priority),
-            .consequence = is_wrong ? "The one inside is taken for the one around it: it vanishes."
+            .consequence = is_wrong ? "The inner one is treated as the one around it: it vanishes."
                                     : "Where they overlap, the order of the file's materials "
                                       "decides which one is there.",
-            .remedy = "Give the one that is to be there the higher \"priority\".",
+            .remedy = "Give the one that should apply there the higher \"priority\".",
             .share = survey_share(survey, touched),
             .pixels = touched,
             .change = can_fix ? "the inner one has the higher \"priority\"; all other media are in "

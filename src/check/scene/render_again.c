@@ -1,9 +1,9 @@
-// Renders of the small picture with other settings or without some objects, and how they differ.
+// Renders the small image with other settings or without some objects, and compares the results.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
 
-// A pixel is touched where it differs by more than this part of its light.
+// A pixel is affected if it differs by more than this share of its light.
 #define TOUCHED_MIN 0.01
 
 static bool render_with(struct survey *survey, const struct job_params *params, double **out,

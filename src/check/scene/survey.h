@@ -1,5 +1,5 @@
-// What the searches of a scene have in common: its geometry as it is rendered, what the camera sees
-// of it, and the list of findings. Internal to src/check/scene/.
+// The data that the searches of a scene share: its geometry as rendered, the camera's view, and the
+// list of findings. Internal to src/check/scene/.
 #ifndef LAMPYRIS_CHECK_SCENE_SURVEY_H
 #define LAMPYRIS_CHECK_SCENE_SURVEY_H
 
@@ -8,25 +8,26 @@
 #include "job/job.h"
 #include "render/probe/ray_probe.h"
 
-// Surfaces behind one another that a sight line goes through.
+// The greatest number of surfaces along a sight line.
 #define SIGHTING_STEPS 12
 
-// A surface that a ray meets. Places are in the flat scene's space.
+// A surface that a ray hits. Positions are in the flat scene's space.
 struct sighting {
     struct probe_hit hit;
     uint32_t object;   // instances of the scene, then shapes
-    uint32_t material; // of the scene
+    uint32_t material; // index in the scene
     double point[3];
-    double normal[3]; // unit, to the outside: where the corners run counter-clockwise
-    bool is_front;    // the ray comes from the outside
+    double normal[3]; // unit, outward: the side from which the corners are counter-clockwise
+    bool is_front;    // the ray comes from outside
 };
 
-// A straight way through the scene: through all surfaces that transmit, up to one that does not.
+// A straight line through the scene: through all surfaces that transmit light, up to one that does
+// not.
 struct sightline {
     double origin[3], direction[3];
-    const struct sighting *from; // the surface that it leaves, in place of the origin; or NULL
-    double length;               // beyond it nothing counts; INFINITY: no end
-    uint32_t media;              // the stack in which it begins, as in lib/media.glsl
+    const struct sighting *from; // the surface at which it starts, in place of `origin`; or NULL
+    double length;               // nothing beyond it counts; INFINITY: no limit
+    uint32_t media;              // the media stack at its start, as in lib/media.glsl
     struct sighting steps[SIGHTING_STEPS];
     uint32_t count;
     bool is_open; // nothing is behind the last step
@@ -35,18 +36,18 @@ struct sightline {
 struct survey {
     const struct check_scene_params *params;
     struct scene *scene;
-    struct arena *arena; // of what is found
+    struct arena *arena; // holds the findings
     struct arena scratch;
     struct geometry geometry;
     const struct flat_scene *flat;
     const struct camera *camera;
-    struct settings settings; // the scene's own, at its own size
+    struct settings settings; // the scene's own settings, with its own image size
     const char *refusal;      // why no render of that size can be planned; or NULL
-    uint64_t least_bytes;     // of the device that such a render needs, but for its waves
-    uint64_t small_bytes;     // that the render of the small picture has
-    struct job_params small;  // a render of a small picture
-    struct job job;           // that render, until the last two searches begin others
-    struct sightline *lines;  // one a pixel of it
+    uint64_t least_bytes;     // device memory that such a render needs, without its waves
+    uint64_t small_bytes;     // device memory of the render of the small image
+    struct job_params small;  // a render of a small image
+    struct job job;           // that render, until the last two searches start others
+    struct sightline *lines;  // one for each pixel of it
     uint32_t line_count;
     uint32_t *places; // by find_twice(): a number for each object, the same for those at one place
     struct twin_list *twins;      // by the same: the objects at one place, for name_twice()
@@ -56,37 +57,36 @@ struct survey {
     // By find_hidden_lights(): flags of sources that lines from what is seen have found, through
     // glass or not. NULL: it has sent none.
     bool *is_reached;
-    double sky_floor; // by the same: the luminance of the environment that shadow rays leave out
+    double sky_floor; // set there, too: the luminance of the environment that shadow rays omit
     struct scene_findings *out;
-    bool lacks_memory; // for flags
+    bool lacks_memory; // memory for flags ran out
 };
 
 // --- survey.c ------------------------------------------------------------------------------------
 
-// Adds a finding whose strings are in survey->arena; where one of them is NULL, memory ran out.
+// Adds a finding whose strings are in survey->arena; a NULL string means that memory ran out.
 bool survey_add(struct survey *survey, const struct scene_finding *finding, struct err *err);
-// Names for people, in survey->arena: "instance 3 of mesh \"leaf\"", "shape 2, a sphere",
+// Return names for messages, in survey->arena: "instance 3 of mesh \"leaf\"", "shape 2, a sphere",
 // "material \"glass\"".
 const char *survey_object_name(const struct survey *survey, uint32_t object);
 const char *survey_material_name(const struct survey *survey, uint32_t material);
-// Returns whether a surface of the material may be looked through where it is not: by a mask or by
-// blending.
+// Returns whether surfaces of the material may have gaps, by a mask or by blending.
 bool survey_has_gaps(const struct survey *survey, uint32_t material);
-// Returns whether two surfaces of the material at one place both count: lamps do where shadow rays
-// are sent to both.
+// Returns whether two surfaces of the material at the same place both count; lamps do if shadow
+// rays are sent to both.
 bool survey_counts_twice(const struct survey *survey, uint32_t material);
-// Returns whether two surfaces at one place may look different from one.
+// Returns whether two surfaces at the same place may look different from one.
 bool survey_differs_doubled(const struct survey *survey, uint32_t material_a, uint32_t material_b);
 // Returns the materials as they are uploaded, with the numbers of their media.
 const struct gpu_material *survey_gpu_materials(const struct survey *survey);
-// Returns whether an object is hidden, which may be changed there.
+// Returns the address of an object's `hidden` flag.
 bool *survey_hidden(const struct survey *survey, uint32_t object);
 static inline uint32_t survey_object_count(const struct survey *survey)
 {
     return survey->scene->instance_count + survey->scene->shape_count;
 }
 
-// What lights the scene has numbers: its lights, then its materials, then its environment.
+// Light sources are numbered: the scene's lights, then its materials, then its environment.
 static inline uint32_t survey_lamp_source(const struct survey *survey, uint32_t material)
 {
     return survey->scene->light_count + material;
@@ -115,41 +115,42 @@ static inline bool survey_is_instance(const struct survey *survey, uint32_t obje
 // Traces lines whose origin, direction, length and media are set.
 bool sightlines_trace(struct survey *survey, struct sightline *lines, uint32_t count,
                       struct err *err);
-// Traces those of the camera, one a pixel of the small picture, into survey->lines.
+// Traces the camera's lines, one for each pixel of the small image, into survey->lines.
 bool sightlines_take_view(struct survey *survey, struct err *err);
-// Fills in what a ray has met; hit->primitive is not NO_PRIMITIVE.
+// Computes the surface that a ray hit; hit->primitive is not NO_PRIMITIVE.
 void sighting_find(const struct survey *survey, const struct probe_hit *hit, const double origin[3],
                    const double direction[3], struct sighting *out);
-// Finds the outward normal of a shape at the point of its surface that is nearest; it is not unit.
+// Computes the outward normal of a shape at the point of its surface that is nearest; it is not
+// normalized.
 void sighting_shape_normal(const struct survey *survey, const struct flat_shape *shape,
                            const double point[3], double normal[3]);
-// Returns the kernels' bound of the error of a surface's points at a place, for triangles: gamma(7)
-// of their largest coordinate (Pharr, Jakob, Humphreys 2023, section 6.8.5), rounded up.
+// Returns the kernels' bound of the rounding error of a point on a triangle: gamma(7) of its
+// largest coordinate (Pharr, Jakob, Humphreys 2023, section 6.8.5), rounded up.
 double sighting_rounding(const double point[3]);
-// Returns a ray that goes on from a surface to the side that the direction points to.
+// Returns a ray that continues from a surface to the side to which the direction points.
 struct probe_ray sighting_leave(const struct sighting *at, const double direction[3]);
-// Chooses directions by their number. They are distributed by the cosine over the hemisphere about
-// a unit normal: points of Roberts's sequence (2018) on a sphere that touches the surface. None
-// runs along the surface, where rounding would decide which side the line is on.
+// Computes direction `number` of a sequence distributed by the cosine over the hemisphere about a
+// unit normal: points of Roberts's sequence (2018) on a sphere that touches the surface. None is so
+// close to the surface that rounding decides its side.
 void sighting_scatter(const double normal[3], uint32_t number, double out[3]);
-// Returns the surface on which a line of the camera ends, or NULL where lights cannot light it.
+// Returns the surface at which a line of the camera ends, or NULL if lights cannot light it.
 const struct sighting *sightline_lit_place(const struct survey *survey,
                                            const struct sightline *seen);
-// How many roundings a point is above a surface if it is to be there for certain: six binary digits
-// of that way are left by rounding.
+// The height above a surface, in units of its rounding error, at which a point is certainly on that
+// side: rounding leaves six binary digits of it.
 #define SIGHTING_HEIGHT 64.0
-// Points are aimed at, but not what is behind them.
+// Lines to a point end just in front of it.
 #define SIGHTLINE_SHORT_OF (1.0 - 0x1p-12)
-// Returns whether light goes through its surfaces, refracted or not.
+// Returns whether its surfaces transmit light, refracted or not.
 bool material_lets_through(const struct material *material);
 
-// Allocates one flag for each of the camera's lines, and so for each pixel of the picture, in
-// survey->arena; none is set. NULL without memory, which check_scene() reports.
+// Allocates one flag for each of the camera's lines, that is for each pixel of the image, in
+// survey->arena; all are 0. Returns NULL when out of memory, which check_scene() reports.
 uint8_t *survey_flags(struct survey *survey);
-// Returns the share of flags that are set, or 0 for NULL.
+// Returns the fraction of flags that are set; 0 for NULL.
 double survey_share(const struct survey *survey, const uint8_t *flags);
-// Flags the lines that meet a surface for which `meets` returns true, in front of what transmits or
-// behind it.
+// Flags the lines that hit a surface for which `meets` returns true, in front of or behind surfaces
+// that transmit light.
 typedef bool (*sighting_fn)(const struct survey *survey, const struct sighting *at,
                             const void *context);
 const uint8_t *survey_touched(struct survey *survey, sighting_fn meets, const void *context);
@@ -159,10 +160,10 @@ const uint8_t *survey_touched_by_material(struct survey *survey, uint32_t materi
 
 // --- find_coincident.c ---------------------------------------------------------------------------
 
-// Lines that meet surfaces which lie upon each other, or so near that a line from far away does not
-// tell them apart.
+// Lines that hit coincident surfaces, or surfaces so close that a line from far away cannot
+// distinguish them.
 struct coincidences {
-    uint8_t *through;        // flags of lines: one of the two surfaces lets light through, so that
+    uint8_t *through;        // flags of lines: one of the two surfaces transmits light, so that
                              // rounding decides whether the line enters or leaves there
     uint8_t *touched;        // flags of lines: the two surfaces look different from one
     uint32_t count;          // of lines that are touched
