@@ -260,7 +260,7 @@ TEST(diffuse_transmission)
     CHECK(m[0].diffuse_transmission == 0.5f && (m[0].flags & MATERIAL_THIN));
     check_scale(&scene, 0, GROUP_DIFFUSE, "---a");
     CHECK(has_note(&scene, "1 materials: light that is transmitted diffusely has the base colour"));
-    CHECK(has_note(&scene, "1 materials: diffuse transmission into volumes is left out"));
+    CHECK(has_note(&scene, "1 materials: diffuse transmission into volumes is ignored"));
     CHECK(m[3].diffuse_transmission == 0 && !(m[3].flags & MATERIAL_THIN));
     scene_finish(&scene);
 }

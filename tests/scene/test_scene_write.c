@@ -443,7 +443,7 @@ TEST(values_that_are_refused)
     check_not_written(&e, saved, ERR_INPUT, "edits.environment.radiance[0]: -1 is outside");
     e.scene.environment.radiance[0] = 1;
     e.scene.light_count = 0;
-    check_not_written(&e, saved, ERR_INPUT, "taken away");
+    check_not_written(&e, saved, ERR_INPUT, "were removed");
     e.scene.light_count = 1;
     CHECK(access(saved, F_OK) != 0, "%s was written", saved);
     check_round_trip(&e, saved, "at last");
