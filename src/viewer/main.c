@@ -1,5 +1,5 @@
-// lampyris-view: the interactive viewer. Its command line is that of `lampyris view`, without the
-// word.
+// lampyris-view: the interactive viewer. Its command line is that of `lampyris view` without the
+// word `view`.
 #include "base/process.h"
 #include "cli/exit_code.h"
 #include "cli/program.h"

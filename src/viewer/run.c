@@ -1,4 +1,4 @@
-// The loop of the viewer: from a command line to an exit code, frame by frame.
+// The main loop of the viewer: from a command line to an exit code, frame by frame.
 #include "viewer/run.h"
 
 #include "base/clock.h"
@@ -20,15 +20,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-// The size of a window that nobody asked a size for.
+// The default size of the window.
 #define DEFAULT_WIDTH 1280u
 #define DEFAULT_HEIGHT 720u
-// A frame of a script moves the camera by this, however long it takes: so its pictures are the same
-// on all devices.
+// A frame of a script moves the camera by this time, however long the frame takes, so that its
+// images are the same on all devices.
 #define SCRIPT_FRAME_SECONDS (1.0 / 30.0)
-// A frame that took longer (something was loaded) does not throw the camera far.
+// A longer frame (in which something was loaded) moves the camera by this time only.
 #define LONGEST_FRAME_SECONDS 0.25
-// How long to wait for events where nothing else happens.
+// Seconds to wait for events when nothing else happens.
 #define REST_WAIT_SECONDS 0.1
 
 // --- a frame -------------------------------------------------------------------------------------
@@ -43,7 +43,7 @@ static void take_window(struct viewer *viewer)
     arena_finish(&viewer->shell.frame_arena);
 }
 
-// The event comes, too, where the window was damaged and is to be shown again.
+// This event also arrives if the window was damaged and must be presented again.
 static void take_size(struct viewer *viewer)
 {
     const struct window *window = &viewer->shell.window;
@@ -124,8 +124,8 @@ static bool run_script(struct viewer *viewer, struct err *err)
     return err->code == ERR_NONE;
 }
 
-// window -> script -> events -> files, jobs -> camera -> panel -> changes -> rendering -> what is
-// shown -> statistics. False: it cannot go on.
+// Order: window, script, events, files and jobs, camera, panel, changes, rendering, display,
+// statistics. Returns false if the viewer cannot continue.
 static bool run_frame(struct viewer *viewer, struct err *err)
 {
     take_window(viewer);
@@ -204,12 +204,12 @@ static bool open_all(struct viewer *viewer, struct err *err)
         return false;
     if (options->argument_count == 0)
         return true;
-    // What is on the command line is to be there, as for any command; its progress shows over
-    // nothing.
+    // As for any command, the scene of the command line must exist; an empty window shows the
+    // progress of loading.
     return viewer_show(viewer, err) && viewer_load_scene(viewer, options->arguments[0], false, err);
 }
 
-// Jobs that write files end well; all else is given back in the opposite order.
+// Waits for jobs that write files; everything else is freed in reverse order.
 static void close_all(struct viewer *viewer)
 {
     watch_destroy(viewer->shell.watch);
@@ -240,7 +240,7 @@ static bool run_frames(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// Being closed while something is loaded is an end like others.
+// Closing the window during loading is a normal end.
 static int fail(struct viewer *viewer, const struct err *err)
 {
     if (err->code == ERR_STOPPED)

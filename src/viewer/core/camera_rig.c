@@ -4,17 +4,17 @@
 #include <math.h>
 #include <string.h>
 
-// The view stays this far from straight up and straight down, where there is no sideways: a
-// twentieth of a degree, two pixels of a picture of 1080 lines and 30 degrees.
+// The view stays this far from the vertical, where no sideways direction exists: a twentieth of a
+// degree, two pixels of an image of 1080 lines and 30 degrees.
 #define POLE_RADIANS (0.05 * DEGREE)
-// A notch of the wheel brings the camera nearer to the target by this factor: seven halve it.
+// A notch of the wheel scales the distance to the target by this factor: seven halve it.
 #define DOLLY_FACTOR 0.9
 #define SLOW_FACTOR 0.1
-// Parts of the scene's diagonal: a second's flight, and how far away the target is of a camera that
-// looks past everything.
+// Fractions of the scene's diagonal: the distance flown in a second, and the distance of the target
+// of a camera that looks past everything.
 #define SPEED_PART 0.2
 #define TARGET_PART 0.5
-// Cosines with the horizontal below this are what rounding makes of a camera without roll.
+// Below this cosine with the horizontal, roll is a rounding error.
 #define ROLL_MIN 1e-6
 
 const char *const camera_rig_mode_names[CAMERA_RIG_MODE_COUNT + 1] = {
@@ -37,7 +37,7 @@ static void rotate(const double axis[3], double angle, double v[3])
     memcpy(v, out, sizeof out);
 }
 
-// To the right of the picture; false where the camera has none.
+// Computes the direction to the right; returns false if the camera has none.
 static bool sideways(const struct camera *camera, const double up[3], double out[3])
 {
     vec3_cross(camera->direction, up, out);
@@ -85,7 +85,7 @@ void camera_rig_init(struct camera_rig *rig, const struct camera *camera, const 
 
 // --- turning -------------------------------------------------------------------------------------
 
-// Roll is kept where there is some; a camera without it is described by the axis itself.
+// Roll is kept; a camera without roll uses the axis itself as `up`.
 static bool has_roll(const struct camera_rig *rig, const struct camera *camera)
 {
     double right[3];
@@ -93,7 +93,7 @@ static bool has_roll(const struct camera_rig *rig, const struct camera *camera)
 }
 
 // Returns the part of a pitch (upwards positive) that keeps the view off the poles. A view that is
-// nearer already can only go away from them.
+// already nearer can only move away from them.
 static double allowed_pitch(const struct camera_rig *rig, const struct camera *camera, double pitch)
 {
     double cosine = vec3_dot(camera->direction, rig->up);
@@ -103,8 +103,8 @@ static double allowed_pitch(const struct camera_rig *rig, const struct camera *c
     return fmax(least, fmin(pitch, most));
 }
 
-// Turns direction, up and, where it is not NULL, a further vector: about the axis, then about
-// what is sideways afterwards.
+// Rotates direction, up and, unless NULL, a further vector: about the axis, then about the new
+// sideways direction.
 static void turn(const struct camera_rig *rig, double yaw, double pitch, struct camera *camera,
                  double offset[3])
 {
@@ -123,7 +123,7 @@ static void turn(const struct camera_rig *rig, double yaw, double pitch, struct 
     vec3_normalize(camera->up);
 }
 
-// About the target: what is seen of it stays in its place in the picture.
+// Orbits the target, which keeps its place in the image.
 static void orbit(const struct camera_rig *rig, double yaw, double pitch, struct camera *camera)
 {
     double offset[3], length;
@@ -154,7 +154,7 @@ static bool fly(const struct camera_rig *rig, const struct camera_rig_input *inp
     return true;
 }
 
-// Returns a pixel's width at the target, in metres.
+// Returns the width of a pixel at the target, in metres.
 static double pixel_size(const struct camera_rig *rig, const struct camera_rig_input *input,
                          const struct camera *camera)
 {
@@ -167,7 +167,7 @@ static double pixel_size(const struct camera_rig *rig, const struct camera_rig_i
     return 2.0 * distance * tan(0.5 * camera->fov_y) / height;
 }
 
-// The point under the mouse stays there: camera and target go the other way.
+// Camera and target move so that the point under the mouse stays there.
 static void pan(struct camera_rig *rig, const struct camera_rig_input *input, struct camera *camera)
 {
     double right[3], up[3], size = pixel_size(rig, input, camera);
@@ -181,7 +181,7 @@ static void pan(struct camera_rig *rig, const struct camera_rig_input *input, st
     }
 }
 
-// Parallel rays see the same from anywhere along them: they are brought closer together instead.
+// An orthographic camera sees the same at any distance: its height is scaled instead.
 static void dolly(const struct camera_rig *rig, double notches, struct camera *camera)
 {
     double factor = pow(DOLLY_FACTOR, notches), way[3];
@@ -193,13 +193,13 @@ static void dolly(const struct camera_rig *rig, double notches, struct camera *c
     add_scaled(camera->position, way, 1.0 - factor);
 }
 
-// Bytes, not values: a zero of another sign is another camera.
+// Compares bytes, because a zero of the other sign is another camera.
 static bool same_bytes(const void *a, const void *b, size_t size)
 {
     return memcmp(a, b, size) == 0;
 }
 
-// While the camera revolves, the keys that fly to the left and right say how fast it does.
+// While the camera revolves, the keys for flying left and right change its speed.
 static bool steer_revolution(struct camera_rig *rig, const struct camera_rig_input *input)
 {
     if (rig->mode != CAMERA_RIG_ORBIT || !rig->revolves)
@@ -231,7 +231,7 @@ bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *give
         dolly(rig, input->dolly, camera);
     double from[3], way[3];
     memcpy(from, camera->position, sizeof from);
-    if (fly(rig, input, camera) && orbits) { // the centre comes along
+    if (fly(rig, input, camera) && orbits) { // the centre moves along
         vec3_subtract(camera->position, from, way);
         add_scaled(rig->target, way, 1.0);
     }
@@ -248,7 +248,7 @@ void camera_rig_focus(struct camera_rig *rig, const double point[3], struct came
         camera->focus_distance = ahead;
 }
 
-// How far the middle of a sphere has to be for all of it to be seen.
+// Returns the distance of a sphere's centre at which the whole sphere is in view.
 static double framing_distance(const struct camera *camera, double radius, double aspect)
 {
     double half = 0.5 * camera->fov_y;

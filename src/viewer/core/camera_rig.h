@@ -1,5 +1,5 @@
-// Moving a camera: flying and turning about a point. Plain mathematics on struct camera; +Y, or the
-// axis that `up` of the camera is nearest to, is up.
+// Moves a camera: flying and orbiting a point. Plain mathematics on struct camera. The up axis is
+// +Y, or the axis nearest to the camera's `up`.
 #ifndef LAMPYRIS_VIEWER_CORE_CAMERA_RIG_H
 #define LAMPYRIS_VIEWER_CORE_CAMERA_RIG_H
 
@@ -10,38 +10,38 @@ extern const char *const camera_rig_mode_names[CAMERA_RIG_MODE_COUNT + 1];
 
 struct camera_rig {
     uint32_t mode;
-    double up[3];         // unit; around which the view turns
-    double target[3];     // of orbits; what the camera looks at
-    double speed;         // of flying, metres a second; > 0
-    double revolve_speed; // degrees a second; of the automatic revolution
+    double up[3];         // unit vector; the axis about which the view rotates
+    double target[3];     // centre of orbits; the point at which the camera looks
+    double speed;         // of flying, metres per second; > 0
+    double revolve_speed; // of the automatic revolution, degrees per second
     bool revolves;
-    double look_degrees; // a pixel of mouse movement
+    double look_degrees; // degrees per pixel of mouse movement
 };
 
 struct camera_rig_input {
-    double forward, right, up; // -1 to 1: keys that are held; `right`: the speed of a revolution
+    double forward, right, up; // -1 to 1: held keys; `right` also changes the speed of a revolution
     bool slow;                 // Shift
     double look[2];            // pixels of the mouse: to the right, downwards
     double pan[2];             // pixels of the mouse, with the middle button
     double dolly;              // notches towards the target; negative: away
-    uint32_t picture_height;   // pixels: what a pixel of panning is
+    uint32_t picture_height;   // pixels; defines the distance of a pixel of panning
     double seconds;            // since the last step
 };
 
-// Speed, target and up for a scene of that bounding box (world) and a camera in it.
+// Sets speed, target and up axis for a scene with this bounding box (world) and a camera in it.
 void camera_rig_init(struct camera_rig *rig, const struct camera *camera, const double min[3],
                      const double max[3]);
-// The automatic revolution's greatest speed in degrees a second, and its change by a key that is
-// held for a second.
+// The greatest speed of the automatic revolution in degrees per second, and its change by a key
+// that is held for a second.
 #define REVOLVE_SPEED_MAX 360.0
 #define REVOLVE_ACCELERATION 45.0
 
-// False: nothing moved, and the camera has its bits.
+// Returns false if nothing moved; the camera is then bitwise unchanged.
 bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *input,
                      struct camera *camera);
-// Makes a point the centre of orbits, and what the lens is focussed at where there is one.
+// Makes a point the centre of orbits, and the point in focus if the camera has a lens.
 void camera_rig_focus(struct camera_rig *rig, const double point[3], struct camera *camera);
-// The whole box in the picture, seen in the direction in which the camera looks now.
+// Moves the camera, without turning it, so that the whole box is in view.
 void camera_rig_frame(struct camera_rig *rig, const double min[3], const double max[3],
                       double aspect, struct camera *camera);
 

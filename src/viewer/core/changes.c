@@ -1,4 +1,4 @@
-// Lets changes take effect, at the least cost.
+// Applies changes at the least cost.
 #include "viewer/core/changes.h"
 
 #include "viewer/core/frame.h"
@@ -11,10 +11,10 @@
 #include <math.h>
 #include <string.h>
 
-// How long after the last change the picture is taken for resting, seconds: between two steps of a
-// hand on the mouse there is less.
+// Seconds after the last change at which the image counts as resting: the steps of a hand on the
+// mouse follow faster.
 #define REST_SECONDS 0.15
-#define SPEED_PART 0.5 // of the distance to what is seen, a second
+#define SPEED_PART 0.5 // of the distance to the target, per second
 
 uint32_t viewer_aovs(const struct shown *shown)
 {
@@ -76,15 +76,15 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
     view_begin(view);
 }
 
-// What is seen becomes what the denoiser remembers.
+// The current image becomes the denoiser's history.
 static bool keep_history(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct denoise_call call = view_denoise_call(viewer, view);
-    // While another picture is shown the renderer has not what denoising needs.
+    // While another layer is displayed, the renderer lacks the AOVs for denoising.
     bool has_layers = (DENOISE_AOVS & ~view->job.renderer.specialization.aovs) == 0;
     if (!view->denoiser.gpu || !has_layers || view_samples(view) == 0)
         return true;
-    // A small picture of what moves knows less than is remembered of the large one before.
+    // A small image of a moving scene has less information than the history of the large one.
     if (view->is_preview && view->motion.has_changed && view->denoiser.has_history)
         return true;
     if (!denoiser_keep(&view->denoiser, &call, err))
@@ -93,7 +93,7 @@ static bool keep_history(struct viewer *viewer, struct view *view, struct err *e
     return true;
 }
 
-// Sides use what is to be replaced.
+// Sides use what is about to be replaced.
 static bool end_jobs(struct viewer *viewer, struct err *err)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
@@ -117,7 +117,7 @@ static bool refresh_geometry(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// The viewer's scene as this side renders it.
+// Sets up the viewer's scene with this side's settings.
 static void settle_scene(struct viewer *viewer, struct view *view)
 {
     view->scene = *rebuild_scene(viewer);
@@ -130,7 +130,7 @@ static void settle_scene(struct viewer *viewer, struct view *view)
 static bool build_side(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct method *method = &view->method;
-    // The scene that the geometry is of is no more, and the next one is not there.
+    // The scene of the geometry no longer exists, and the next one is not ready.
     bool waits = rebuild_is_pending(viewer) && !viewer->document.rebuild.scene;
     if (waits && !refresh_geometry(viewer, err))
         return false;
@@ -168,7 +168,7 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
     return true;
 }
 
-// The film is emptied, for the camera as it is now and a picture of that size.
+// Empties the film, for the current camera and an image of this size.
 static bool look_anew(struct viewer *viewer, struct view *view, const uint32_t size[2],
                       struct err *err)
 {
@@ -211,13 +211,13 @@ static bool update_denoiser(struct viewer *viewer, struct view *view, enum chang
     if (!view->denoiser.gpu)
         return denoiser_create(&viewer->stage.gpu, &view->denoiser, err) ||
                viewer_stop_denoising(viewer, err);
-    // Objects that moved are followed; what else changed is not.
+    // Moved objects are followed; other changes are not.
     if (change >= CHANGE_METHOD && change != CHANGE_GEOMETRY)
         denoiser_forget(&view->denoiser);
     return true;
 }
 
-// From a small picture to a sharp one: until that has samples, the small one is shown.
+// Changes from a small image to a full one: until that has samples, the small one is shown.
 static bool sharpens(const struct viewer *viewer, uint32_t side)
 {
     const struct view *view = &viewer->stage.sides[side];
@@ -225,7 +225,7 @@ static bool sharpens(const struct viewer *viewer, uint32_t side)
            !wants_preview(viewer, view);
 }
 
-// While it changes all the time a picture keeps its size, but for good reason.
+// While the scene changes continuously the image keeps its size, unless there is good reason.
 static void wanted_size(const struct viewer *viewer, const struct view *view, bool keeps_size,
                         uint32_t size[2])
 {
@@ -240,8 +240,8 @@ static void wanted_size(const struct viewer *viewer, const struct view *view, bo
     size[1] = view->job.renderer.frame.height;
 }
 
-// Brings a side to where the changes and the clock want it: built anew, looking elsewhere, small
-// while it changes, or at full size when it rests.
+// Brings a side to the state that the changes and the clock require: rebuilt, with a new camera,
+// small while it changes, or at full size at rest.
 static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
 {
     struct view *view = &viewer->stage.sides[side];
@@ -276,7 +276,7 @@ static enum change greatest_change(const struct stage *stage)
     return most;
 }
 
-// Leaves the picture as it is until the hierarchy is there.
+// Leaves the image unchanged until the BVH is ready.
 static void put_off(struct stage *stage)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
@@ -284,7 +284,7 @@ static void put_off(struct stage *stage)
             stage->changes[side] = CHANGE_SHOWN;
 }
 
-// Returns whether a hierarchy has to be built, and takes so long that it is built meanwhile.
+// Returns whether a BVH must be rebuilt and takes so long that it is built in the background.
 static bool builds_meanwhile(struct viewer *viewer)
 {
     const struct geometry_params g =
@@ -294,8 +294,7 @@ static bool builds_meanwhile(struct viewer *viewer)
     return can && flatten_key(&params) != viewer->document.geometry.key;
 }
 
-// Changes of the scene, or of how a side renders it, while a hierarchy is being built are for the
-// next one.
+// Changes during a background build of the BVH take effect with the next build.
 static bool change_geometry(struct viewer *viewer, struct err *err)
 {
     struct rebuild *rebuild = &viewer->document.rebuild;
@@ -337,7 +336,7 @@ static bool apply(struct viewer *viewer, struct err *err)
         has_to_keep |= sharpens(viewer, side);
     if (has_to_keep && !keep_picture(viewer, err))
         return false;
-    // A side that has to wait for the geometry takes that of the others away.
+    // A side that must wait for the geometry makes the others wait, too.
     for (uint32_t i = 0; i < 2 * viewer->stage.side_count; i++) {
         uint32_t side = i % viewer->stage.side_count;
         bool is_due = i == side || !viewer->stage.sides[side].is_ready;
@@ -354,8 +353,7 @@ static bool apply(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// Undoes a change that cannot be had; the rest of the scene is as it was, but has to be built
-// again.
+// Undoes a change that failed; the rest of the scene is unchanged but must be rebuilt.
 static bool apply_reverted(struct viewer *viewer, struct err *err)
 {
     struct err reason = *err;
@@ -371,8 +369,8 @@ static bool apply_reverted(struct viewer *viewer, struct err *err)
     return apply(viewer, err);
 }
 
-// Lets the camera turn about what the middle of the picture shows, whose distance also tells how
-// fast to fly.
+// Makes the camera orbit the point in the centre of the image, whose distance also sets the flying
+// speed.
 static bool aim_rig(struct viewer *viewer, struct err *err)
 {
     struct camera_rig *rig = &viewer->view.rig;

@@ -1,4 +1,4 @@
-// Tells what has to be done anew after a change.
+// Applies changes: decides what has to be rebuilt.
 #ifndef LAMPYRIS_VIEWER_CORE_CHANGES_H
 #define LAMPYRIS_VIEWER_CORE_CHANGES_H
 
@@ -7,17 +7,17 @@
 struct shown;
 struct viewer;
 
-// Notes what has to be done anew before the next samples, for both sides, or for one.
+// Records what has to be rebuilt before the next samples, for both sides, or for one.
 void viewer_changed(struct viewer *viewer, enum change change);
 void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change change);
-// Does what `changes` asks for. False: the device failed.
+// Applies the recorded changes. Returns false if the device failed.
 bool viewer_apply_changes(struct viewer *viewer, struct err *err);
-// AOV_* that renderers have to have for it, and no others.
+// Returns the AOV_* that renderers need to display it.
 uint32_t viewer_aovs(const struct shown *shown);
-// Switches the denoiser off after it failed, and says why, since it is only a preview. Returns false
-// where the device is lost, or where it was no failure of the device's.
+// Disables the denoiser after a failure and reports the reason, since it is only a preview. Returns
+// false if the device is lost, or if the failure was not the device's.
 bool viewer_stop_denoising(struct viewer *viewer, struct err *err);
-// Gives back what a side has on the device.
+// Frees a side's resources on the device.
 void viewer_close_side(struct viewer *viewer, uint32_t side);
 
 #endif

@@ -1,4 +1,4 @@
-// Keeps what the viewer has on the device besides pictures, from opening it to losing it.
+// Manages the viewer's resources on the device besides images, from opening to loss.
 #include "viewer/core/device.h"
 
 #include "cli/options.h"
@@ -7,7 +7,7 @@
 #include "viewer/core/viewer.h"
 #include <stdio.h>
 
-// A device that is lost again and again is left alone.
+// After this many losses the device is not reopened.
 #define RECOVERIES_MAX 2u
 
 static struct gpu_params gpu_params(const struct viewer *viewer)
@@ -19,7 +19,7 @@ static struct gpu_params gpu_params(const struct viewer *viewer)
         params.can_present = window_can_present;
         params.present_context = (void *)&viewer->shell.window;
     }
-    if (viewer->stage.recoveries > 0) // the faults were shown
+    if (viewer->stage.recoveries > 0) // simulated faults occur only once
         params.lose_device_at_submit = params.fail_allocation = 0;
     return params;
 }

@@ -1,4 +1,4 @@
-// The device, which may be lost.
+// Opens the device, and recovers from its loss.
 #ifndef LAMPYRIS_VIEWER_CORE_DEVICE_H
 #define LAMPYRIS_VIEWER_CORE_DEVICE_H
 
@@ -8,7 +8,7 @@ struct viewer;
 
 bool viewer_open_device(struct viewer *viewer, struct err *err);
 void viewer_close_device(struct viewer *viewer);
-// After a lost device: opens it again; all pictures begin anew. False: it could not be had.
+// Opens a lost device again; all images start anew. Returns false if that fails.
 bool viewer_recover(struct viewer *viewer, struct err *err);
 
 #endif

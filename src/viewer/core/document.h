@@ -1,4 +1,4 @@
-// The document that is edited: a scene, with what it was loaded from and what was done to it since.
+// The document: a scene, the parameters with which it was loaded, and its edits.
 #ifndef LAMPYRIS_VIEWER_CORE_DOCUMENT_H
 #define LAMPYRIS_VIEWER_CORE_DOCUMENT_H
 
@@ -12,7 +12,7 @@
 
 struct picked {
     bool is_some;
-    uint32_t object, material; // indices; VIEWER_NO_OBJECT: the surroundings
+    uint32_t object, material; // indices; VIEWER_NO_OBJECT: the environment
     uint32_t primitive;
     double position[3], distance;
 };
@@ -21,16 +21,17 @@ struct history;
 
 struct document {
     char scene_path[SURROUNDINGS_PATH_MAX];
-    struct scene_options scene_options;      // those of the command line that concern this scene
-    struct scene_load_params load_params;    // by which it was loaded: for scene_write
-    char wanted_path[SURROUNDINGS_PATH_MAX]; // to be opened when no frame is being drawn; or ""
+    struct scene_options scene_options;      // the options of the command line that apply to this
+                                             // scene
+    struct scene_load_params load_params;    // the parameters that loaded it, for scene_write
+    char wanted_path[SURROUNDINGS_PATH_MAX]; // to be opened after the current frame; or ""
     bool wanted_keeps_view;
     bool has_scene;
-    bool waits_to_save; // as scene, at save_path, when the pose that is wanted is there
-    char save_path[SURROUNDINGS_PATH_MAX]; // "": one that is free
+    bool waits_to_save; // a scene is to be saved at save_path when the requested pose is loaded
+    char save_path[SURROUNDINGS_PATH_MAX]; // "": a free name is chosen
     double load_seconds;
     struct scene scene;    // as edited
-    struct scene pristine; // as loaded: copies of the arrays that are edited, for scene_write
+    struct scene pristine; // as loaded: copies of the editable arrays, for scene_write
     struct arena pristine_arena;
     struct surroundings_original original;
     struct surroundings surroundings;
@@ -38,11 +39,11 @@ struct document {
     struct geometry geometry;
     struct rebuild rebuild;
     struct pose pose;                    // of an animation
-    double bounds_min[3], bounds_max[3]; // of the scene; min > max: it is empty
+    double bounds_min[3], bounds_max[3]; // bounds of the scene; min > max: it is empty
     struct history *history;
 
     struct picked picked;
-    uint32_t chosen_material, chosen_light, chosen_object; // in the panel's lists
+    uint32_t chosen_material, chosen_light, chosen_object; // selected in the panel's lists
 };
 
 #endif

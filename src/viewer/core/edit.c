@@ -11,18 +11,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The oldest steps are forgotten beyond this many.
+// Beyond this number the oldest steps are forgotten.
 #define STEPS_MAX 1000u
 
-// A sky's sun is a light like others, which may have been edited: it is a part of what changes with
-// the surroundings.
+// A sky's sun is a light that may have been edited, so its state is part of the environment's.
 struct around {
     struct surroundings surroundings;
     struct light sun;
     bool has_sun;
 };
 
-// A target's value at one time.
+// The value of a target before or after a step.
 union state {
     struct camera camera;
     struct method method;
@@ -50,17 +49,17 @@ struct step {
     enum target target;
     uint32_t index;
     char control[GUI_ID_MAX];
-    bool is_joined; // with the one before it: both are undone as one
-    void *states;   // before, then after
+    bool is_joined; // joined with the previous step: both are undone together
+    void *states;   // the state before, then after
 };
 
 struct history {
     struct step steps[STEPS_MAX];
-    uint32_t count, done; // steps[0, done) can be undone, the others done again
-    bool is_open;         // the last one goes on
-    bool is_fresh;        // the last one has not been seen to succeed
-    bool is_group;        // those that come are one
-    uint32_t group_begin; // the number of the group's first step
+    uint32_t count, done; // steps[0, done) can be undone, the others redone
+    bool is_open;         // the last step is still open
+    bool is_fresh;        // the last step has not yet been applied successfully
+    bool is_group;        // new steps join the group
+    uint32_t group_begin; // index of the group's first step
 };
 
 bool history_create(struct history **out, struct err *err)
@@ -156,7 +155,7 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
     }
 }
 
-// Bytes, those between members included: what is copied as a whole is the same as a whole.
+// Compares all bytes, including padding, because the structs are copied as a whole.
 static bool same_bytes(const void *a, const void *b, size_t size)
 {
     return memcmp(a, b, size) == 0;
@@ -167,7 +166,7 @@ static bool same_bytes(const void *a, const void *b, size_t size)
 static enum change method_change(const struct method *from, const struct method *to)
 {
     struct method same = *from;
-    // A picture that accumulates begins with the first sample, as any does.
+    // An accumulating image begins with its first sample.
     enum change least = from->fresh_frames && !to->fresh_frames ? CHANGE_CAMERA : CHANGE_SHOWN;
     same.fresh_frames = to->fresh_frames;
     same.samples_a_frame = to->samples_a_frame;
@@ -182,7 +181,7 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
     const struct shown *to = &viewer->stage.shown;
     uint32_t aovs = viewer_aovs(to);
     if (from->what != to->what)
-        viewer->stage.has_kept = false; // it was of what was shown before
+        viewer->stage.has_kept = false; // the kept image has other display settings
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
         const struct view *view = &viewer->stage.sides[side];
         enum change change = CHANGE_SHOWN;
@@ -195,7 +194,7 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
     }
 }
 
-// Methods that deal out samples by how many there will be.
+// Applies to methods that distribute samples by their planned number.
 static void tell_plan(struct viewer *viewer, const struct method *from, const struct method *to)
 {
     uint32_t limit = viewer->stage.shown.spp_limit;
@@ -211,7 +210,7 @@ static void tell_plan(struct viewer *viewer, const struct method *from, const st
             "this method spreads its points over a fixed number of samples: set a limit");
 }
 
-// New texels live in a new arena, so that a failure leaves the old ones.
+// New texels live in a new arena, so that the old ones survive a failure.
 static bool put_around(struct viewer *viewer, const struct around *to, struct err *err)
 {
     struct arena arena = {0};
@@ -220,7 +219,7 @@ static bool put_around(struct viewer *viewer, const struct around *to, struct er
         arena_finish(&arena);
         return false;
     }
-    if (rebuild_is_pending(viewer)) { // it reads the texels that go
+    if (rebuild_is_pending(viewer)) { // the build reads the texels that are freed
         rebuild_cancel(viewer);
         viewer_changed(viewer, CHANGE_GEOMETRY);
     }
@@ -260,20 +259,20 @@ static bool add_shape(struct scene *scene)
     struct shape *added = scene_add_shape(scene, NULL);
     if (!added)
         return false;
-    memset(added, 0, sizeof *added); // all bytes: shapes are compared as they are
+    memset(added, 0, sizeof *added); // clears padding, too: shapes are compared byte by byte
     added->kind = SHAPE_QUAD;
     added->axes[0][0] = added->axes[1][2] = 0.5;
     return true;
 }
 
-// Keeps the choice in a list within it: where the chosen entry is gone, the last one is chosen.
+// Keeps the selection within the list: if the selected entry is gone, the last one is selected.
 static void choose_within(uint32_t *chosen, uint32_t count)
 {
     if (*chosen >= count)
         *chosen = count > 0 ? count - 1 : 0;
 }
 
-// Where memory ends half way, what was added stays, unseen.
+// If memory runs out halfway, the added elements stay but are not visible.
 static bool put_lists(struct document *document, const struct list_counts *to, struct err *err)
 {
     struct scene *scene = &document->scene;
@@ -398,7 +397,7 @@ static bool goes_on(const struct history *history, enum target target, uint32_t 
            strcmp(last->control, control) == 0;
 }
 
-// False: without memory there is no undoing of it, but it is done.
+// Returns false when out of memory: the step is done but cannot be undone.
 static bool record(struct history *history, enum target target, uint32_t index, const char *control,
                    const union state *before, const union state *after)
 {
@@ -503,7 +502,7 @@ bool edit_shown(struct viewer *viewer, const struct shown *to, const char *contr
     union state state = zeroed();
     state.shown = *to;
     const bool was_auto = viewer->stage.shown.exposure_is_auto;
-    // Whoever sets it does not want it found.
+    // Setting the exposure turns off its automatic choice.
     if (!same_bytes(&to->exposure, &viewer->stage.shown.exposure, sizeof to->exposure))
         state.shown.exposure_is_auto = 0;
     bool ok = edit(viewer, TARGET_DISPLAY, 0, &state, control);
@@ -553,7 +552,7 @@ void edit_end_group(struct viewer *viewer)
     viewer->document.history->is_group = viewer->document.history->is_open = false;
 }
 
-// Changes that led back to where they began are no step.
+// Changes that end where they began are not a step.
 void edit_close(struct viewer *viewer)
 {
     struct history *history = viewer->document.history;
@@ -579,7 +578,7 @@ static bool go(struct viewer *viewer, const struct step *step, const void *to)
     return false;
 }
 
-// The last step that is done; false where it cannot be taken back.
+// Undoes the last step; returns false if that is not possible.
 static bool undo_one(struct viewer *viewer)
 {
     struct history *history = viewer->document.history;
@@ -634,7 +633,7 @@ void edit_settle(struct viewer *viewer)
     viewer->document.history->is_fresh = false;
 }
 
-// Steps that are undone one by one.
+// Returns the number of steps, counting joined ones once.
 static uint32_t count_steps(const struct history *history, uint32_t from, uint32_t to)
 {
     uint32_t count = 0;

@@ -1,11 +1,11 @@
-// The exposure that suits the picture, found from it.
+// Computes the automatic exposure from the image.
 #include "viewer/core/exposure.h"
 
 #include "image/image.h"
 #include "viewer/core/viewer.h"
 
-// It is found anew at doubling numbers of samples, until noise does not move it any more; then it
-// stays while the camera moves, so that nothing flickers.
+// It is recomputed at doubling numbers of samples until noise no longer matters; then it is kept
+// while the camera moves, so that nothing flickers.
 #define SAMPLES_LAST 64
 
 void viewer_begin_exposure(struct viewer *viewer)

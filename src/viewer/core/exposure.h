@@ -1,4 +1,4 @@
-// The exposure that is found from the picture.
+// Automatic exposure.
 #ifndef LAMPYRIS_VIEWER_CORE_EXPOSURE_H
 #define LAMPYRIS_VIEWER_CORE_EXPOSURE_H
 
@@ -6,9 +6,9 @@
 
 struct viewer;
 
-// The picture or its light is another one: where the exposure is automatic, it is found anew.
+// The image or its light has changed: an automatic exposure is computed anew.
 void viewer_begin_exposure(struct viewer *viewer);
-// Finds it when it is time to.
+// Computes it when it is due.
 bool viewer_find_exposure(struct viewer *viewer, struct err *err);
 
 #endif

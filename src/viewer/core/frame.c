@@ -1,4 +1,4 @@
-// Uses the device for a frame: for samples, and for what is seen of them.
+// Uses the device for a frame: renders samples and displays them.
 #include "viewer/core/frame.h"
 
 #include "base/clock.h"
@@ -35,12 +35,12 @@ double viewer_split_x(const struct viewer *viewer)
     return place[0] + viewer->stage.shown.split_at * place[2];
 }
 
-// A picture that is to be seen whole at once may take so many times what a frame may: rather a slow
-// frame than one that shows two cameras.
+// An image that must be shown completely may take this many frame times: a slow frame is better
+// than one with two cameras.
 #define PATIENCE 8.0
-// So many times what it took is denoising not done again at rest: a quarter of the time is its.
+// At rest, denoising pauses for this multiple of its cost, so that it takes a quarter of the time.
 #define DENOISING_PAUSE 3.0
-// So long after the last event nobody is doing anything.
+// Seconds after the last event from which there is no input.
 #define CALM_SECONDS 0.3
 
 // --- rendering -----------------------------------------------------------------------------------
@@ -61,7 +61,7 @@ static double frame_render_ms(const struct viewer *viewer)
                    : frame_budget_render_ms(&viewer->view.pace);
 }
 
-// Samples of single pixels that the film has.
+// Returns the number of single-pixel samples in the film.
 static double work_done(const struct view *view)
 {
     const struct renderer *r = &view->job.renderer;
@@ -72,18 +72,18 @@ static double work_done(const struct view *view)
 uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view)
 {
     uint64_t limit = viewer->stage.shown.spp_limit, done = view_samples(view);
-    if (view->method.fresh_frames) // a picture each, of as many as are wanted
+    if (view->method.fresh_frames) // each is an image of its own
         limit = view->method.samples_a_frame;
     if (limit == 0)
         limit = SETTINGS_SPP_MAX;
-    if (viewer->stage.is_paused) // but what was changed is to be seen
+    if (viewer->stage.is_paused) // a changed image is displayed even so
         limit = 1;
     return limit > done ? limit - done : 0;
 }
 
-// Samples of a pixel taken at once: on quick devices as many as fit, since each pass costs some
-// time of its own. What is seen meanwhile is a pass old: an eighth of the picture's samples at
-// most.
+// Returns the number of samples per pixel of a pass: on fast devices as many as fit, since each
+// pass has a fixed cost. The display lags by a pass, which has at most an eighth of the image's
+// samples.
 static uint64_t samples_at_once(const struct viewer *viewer, const struct view *view)
 {
     const struct renderer *r = &view->job.renderer;
@@ -95,7 +95,7 @@ static uint64_t samples_at_once(const struct viewer *viewer, const struct view *
     return samples < left ? samples : left;
 }
 
-// Until the frame is over, or there is nothing left to do.
+// Renders until the frame is over, or nothing is left to do.
 static bool render_side(struct viewer *viewer, struct view *view, uint64_t samples, struct err *err)
 {
     double before = work_done(view);
@@ -127,7 +127,8 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
     return true;
 }
 
-// Half a wave before the time is over: the one that begins then ends half a wave behind it.
+// The limit is half a wave before the end of the time: the last wave ends at most half a wave after
+// it.
 static void set_time(struct viewer *viewer, const struct view *view, double factor)
 {
     double wave_ms = viewer->view.pace.ms_per_sample * view->job.renderer.plan.wave_samples;
@@ -135,8 +136,8 @@ static void set_time(struct viewer *viewer, const struct view *view, double fact
     viewer->stage.render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
 }
 
-// Waves that take longer than a frame may are made smaller; the picture stays the same. A factor of
-// two is for what a measurement is worth.
+// Makes waves smaller if they take longer than a frame; the image does not change. Measurements are
+// only accurate to a factor of two.
 static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
 {
     uint32_t now = view->job.renderer.plan.wave_slots;
@@ -150,7 +151,7 @@ static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
         return true;
     if (viewer->stage.gpu.lost)
         return false;
-    // It has no buffers now: the side is to be built again.
+    // The renderer has no buffers now: the side must be rebuilt.
     viewer_message(viewer, MESSAGE_WARNING, "%s", err->msg);
     *err = (struct err){0};
     view->is_ready = false;
@@ -172,8 +173,8 @@ static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *er
     return true;
 }
 
-// Those that are to be seen whole: without a sample and with nothing else to show, or with a fixed
-// number of samples a frame.
+// Renders sides that must be shown completely: without a sample and with nothing else to show, or
+// with a fixed number of samples per frame.
 static bool render_whole(struct viewer *viewer, struct view *view, bool *done, struct err *err)
 {
     uint32_t wanted = view->method.samples_a_frame;
@@ -185,7 +186,7 @@ static bool render_whole(struct viewer *viewer, struct view *view, bool *done, s
     return render_side(viewer, view, wanted > 0 ? wanted : 1, err);
 }
 
-// The side that has had less of the device.
+// Returns the side that has had less of the device's time.
 static struct view *next_side(struct viewer *viewer, const bool *done)
 {
     struct view *next = NULL;
@@ -261,8 +262,7 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
     }
 }
 
-// A picture that is new, or has more samples than the one that is shown, where the last time was
-// long enough ago that denoising does not take more than its share.
+// Denoises an image that is new, or has more samples than the displayed one if the pause is over.
 static bool is_denoising_due(const struct viewer *viewer, const struct view *view)
 {
     double since = viewer_seconds(viewer) - view->denoised_seconds;
@@ -302,8 +302,8 @@ static bool denoise(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// Until the sharp picture is denoised for the first time the small one is seen, which is: not its
-// first samples, full of noise.
+// Until the full image is denoised for the first time, the small denoised one is shown instead of
+// the first noisy samples.
 static bool shows_last(const struct viewer *viewer, const struct display_call *call)
 {
     const struct gpu_screen *screen = &viewer->stage.screen;

@@ -1,16 +1,16 @@
 #include "viewer/core/frame_budget.h"
 
-// Of the newest measurement in the running means: a change of what is seen shows within some
-// frames, and one slow frame among quick ones makes no other picture.
+// The weight of the newest measurement in the running means: a change takes effect within a few
+// frames, and one slow frame does not change the image's size.
 #define NEWEST 0.25
-// A finer picture has to fit into this part of the time before it is chosen: what it takes differs
-// from frame to frame by less.
+// A larger image must fit into this fraction of the time to be chosen, which exceeds the variation
+// between frames.
 #define MARGIN 0.8
-// Of a frame while nobody does anything: rendering takes so many times what all else does, within a
-// time after which what somebody begins to do is answered.
+// Without input, rendering may take this many times all other work, within a limit that keeps the
+// response to new input fast.
 #define CALM_SHARE 4.0
 #define CALM_FRAME_MS 200.0
-// Before anything was measured, so that the first picture is there at once on any device.
+// Used before the first measurement, so that the first image appears at once on any device.
 #define FIRST_SHRINK 8u
 
 void frame_budget_init(struct frame_budget *pace, double target_ms)
@@ -48,7 +48,7 @@ double frame_budget_render_ms(const struct frame_budget *pace)
     return left > least ? left : least;
 }
 
-// The display and the panel of a slow device would else take more of its time than the picture.
+// On a slow device the display and the panel would otherwise take more time than the image.
 double frame_budget_calm_render_ms(const struct frame_budget *pace)
 {
     double ms = CALM_SHARE * pace->overhead_ms, most = CALM_FRAME_MS - pace->overhead_ms;

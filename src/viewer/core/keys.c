@@ -12,12 +12,12 @@
 #include <math.h>
 #include <string.h>
 
-// A press that moves no further than this, points, is a click.
+// A press that moves less than this, points, is a click.
 #define CLICK_POINTS 4.0
 #define DOUBLE_CLICK_SECONDS 0.5
-// From the line between two sides, points, at which it is taken hold of.
+// Distance from the dividing line of a split view, points, within which it can be dragged.
 #define SPLIT_POINTS 6.0
-#define SPEED_FACTOR 1.25 // a notch of the wheel
+#define SPEED_FACTOR 1.25 // per notch of the wheel
 #define EXPOSURE_STEP 0.5 // stops
 
 // --- what keys do --------------------------------------------------------------------------------
@@ -174,7 +174,7 @@ static void do_quit(struct viewer *viewer)
 
 struct binding {
     int key;
-    uint32_t modifiers; // of Shift and Ctrl
+    uint32_t modifiers; // Shift and Ctrl
     void (*act)(struct viewer *viewer);
     bool repeats;
 };

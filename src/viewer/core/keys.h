@@ -1,4 +1,4 @@
-// Keys and mouse of the picture, not of the panel.
+// Keyboard and mouse input to the image, not to the panel.
 #ifndef LAMPYRIS_VIEWER_CORE_KEYS_H
 #define LAMPYRIS_VIEWER_CORE_KEYS_H
 
@@ -21,7 +21,7 @@ enum held_key {
 
 enum drag { DRAG_NONE, DRAG_PENDING, DRAG_LOOK, DRAG_PAN, DRAG_SPLIT };
 
-// The keys that are held, and how the mouse moved since the last frame.
+// The keys that are held, and the mouse movement since the last frame.
 struct keys {
     bool held[HELD_COUNT];
     bool buttons[3];
@@ -33,17 +33,17 @@ struct keys {
     double clicked_seconds;        // clock of the last click, for double clicks
     double clicked_x, clicked_y;
     bool shows_help;
-    // A click that is to be looked up when the picture is at hand; and whether it was a double one.
+    // A click that is evaluated when the image is available; and whether it was a double click.
     bool wants_pick, wants_focus;
     double pick_x, pick_y;
 };
 
 void viewer_event(struct viewer *viewer, const struct event *event);
-// By what is held and was moved; and by the automatic revolution.
+// Moves the camera by held keys, mouse movement and the automatic revolution.
 void viewer_move_camera(struct viewer *viewer, double seconds);
-// Of the last click. False: the device failed.
+// Evaluates the last click. Returns false if the device failed.
 bool viewer_answer_click(struct viewer *viewer, struct err *err);
-// Nothing is held any more that a change of the scene could come from.
+// Releases all held keys and buttons.
 bool viewer_holds_nothing(const struct viewer *viewer);
 
 struct key_help {

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-// Parts of the radius of the sphere about a scene: how far from its middle a new lamp hangs, and
-// half its edge.
+// Fractions of the radius of the scene's bounding sphere: the distance of a new lamp from its
+// centre, and half of the lamp's edge.
 #define LAMP_DISTANCE 0.75
 #define LAMP_HALF_EDGE 0.1
 
@@ -37,8 +37,8 @@ bool lamp_is(const struct scene *scene, uint32_t object)
 
 // --- how much it sends there ---------------------------------------------------------------------
 
-// Returns the radius of a sphere about the whole scene, and its middle; 1 m where the scene is
-// empty or has no end.
+// Returns the radius of the scene's bounding sphere, and its centre; 1 m if the scene is empty or
+// infinite.
 static double middle_of_scene(const struct document *document, double middle[3])
 {
     double half[3];
@@ -53,8 +53,8 @@ static double middle_of_scene(const struct document *document, double middle[3])
     return 1;
 }
 
-// Returns the area that a mesh's triangles show in all, seen along `way`: an open surface shows the
-// sum over its normals, and half of a closed one is turned away.
+// Returns the projected area of a mesh along `way`. For an open surface it is the sum over its
+// normals; of a closed one half faces away.
 static double projected_mesh(const struct scene *scene, const struct instance *instance,
                              const double way[3])
 {
@@ -114,13 +114,13 @@ static double projected_area(const struct scene *scene, uint32_t object, const d
 
 // --- new ones ------------------------------------------------------------------------------------
 
-// A square about `center` that faces `way`.
+// Orients a square about `center` so that it faces `way`.
 static void aim_quad(struct shape *quad, const double center[3], const double way[3], double half)
 {
     double across[3] = {fabs(way[0]) < 0.5, fabs(way[0]) >= 0.5, 0}, up[3];
     vec3_cross(way, across, up);
     vec3_normalize(up);
-    vec3_cross(up, way, across); // across x up is `way` then
+    vec3_cross(up, way, across); // across x up is then `way`
     memcpy(quad->center, center, sizeof quad->center);
     for (int c = 0; c < 3; c++) {
         quad->axes[0][c] = half * across[c];
@@ -128,7 +128,7 @@ static void aim_quad(struct shape *quad, const double center[3], const double wa
     }
 }
 
-// The material and the shape are the last of their lists.
+// The material and the shape are the last ones of their lists.
 static bool add_quad(struct viewer *viewer, const struct shape *like, const double radiance[3],
                      const char *control)
 {

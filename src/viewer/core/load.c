@@ -1,4 +1,4 @@
-// Scenes come and go.
+// Opens and closes scenes.
 #include "viewer/core/load.h"
 
 #include "base/clock.h"
@@ -17,7 +17,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Sets the options of a scene: those of the command line say nothing of another one than its own.
+// Sets the options of a scene: those of the command line only apply to the scene named there.
 static void set_options(struct viewer *viewer, const char *path)
 {
     const struct options *given = viewer->shell.options;
@@ -37,7 +37,7 @@ static void set_options(struct viewer *viewer, const char *path)
     options->environment_rotate_degrees = 0.0;
 }
 
-// All of a scene that is there before the old one goes.
+// A newly loaded scene, complete before the old one is closed.
 struct opened {
     struct scene scene, pristine;
     struct arena pristine_arena;
@@ -96,7 +96,7 @@ static void set_methods(struct viewer *viewer)
 {
     const struct device_options *options = &viewer->shell.options->device;
     struct method method;
-    memset(&method, 0, sizeof method); // all bytes: they are compared
+    memset(&method, 0, sizeof method); // clears padding, too: methods are compared byte by byte
     method.settings = viewer->document.scene.settings;
     method.wave = options->wave;
     method.workgroup = options->workgroup;
@@ -115,7 +115,7 @@ void viewer_find_bounds(struct viewer *viewer)
     flat_to_world(flat, high, viewer->document.bounds_max);
 }
 
-// A model without a camera is to be seen from all sides: what is turned about is its middle.
+// A model without a camera is viewed from all sides, so the camera orbits its centre.
 static void orbit_model(struct viewer *viewer)
 {
     if (!viewer->document.scene.camera_is_framed ||
@@ -132,7 +132,7 @@ void viewer_go_home(struct viewer *viewer)
 {
     struct camera camera = viewer->document.scene.cameras[viewer->view.camera_index];
     if (viewer->document.scene.camera_is_framed) {
-        struct scene fitted = viewer->document.scene; // only looked at, but for its camera
+        struct scene fitted = viewer->document.scene; // only its camera is changed
         fitted.cameras = &camera;
         viewer_picture_size(viewer, &fitted.settings.width, &fitted.settings.height);
         scene_frame_camera(&fitted);
@@ -141,7 +141,7 @@ void viewer_go_home(struct viewer *viewer)
     edit_camera(viewer, &camera, "camera.reset");
 }
 
-// Sets the view as the scene and the command line say.
+// Sets the view according to the scene and the command line.
 static void set_view(struct viewer *viewer)
 {
     const struct settings *settings = &viewer->document.scene.settings;
@@ -161,7 +161,7 @@ static void set_view(struct viewer *viewer)
         options_given(viewer->shell.options, OPTION_SPP) ? (uint32_t)settings->spp : 0;
 }
 
-// Cameras that outlive the scene that they came with.
+// Copies the names of cameras that outlive their scene.
 static void rename_cameras(struct viewer *viewer)
 {
     const char *name = viewer->document.scene.cameras[viewer->view.camera_index].name;

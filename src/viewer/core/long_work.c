@@ -1,4 +1,4 @@
-// Shows how far work is that takes longer than a frame, and asks whether it is to stop.
+// Shows the progress of work that takes longer than a frame, and stops it on request.
 #include "viewer/core/long_work.h"
 
 #include "base/clock.h"
@@ -6,7 +6,7 @@
 #include "viewer/core/messages.h"
 #include "viewer/core/viewer.h"
 
-// Work that takes longer shows how far it is, so often.
+// Seconds between updates of the progress.
 #define LONG_WORK_SECONDS 0.3
 #define PROGRESS_SECONDS 0.1
 
@@ -34,8 +34,7 @@ static bool has_picture(const struct viewer *viewer)
                (uint64_t)viewer->stage.screen.width * viewer->stage.screen.height * 4;
 }
 
-// What is let go of meanwhile is held no more; all else that happens meanwhile is not for the scene
-// that is to come.
+// Keys that are released meanwhile are no longer held; other input during the work is ignored.
 static void poll_meanwhile(struct viewer *viewer)
 {
     window_poll(&viewer->shell.window, 0.0);
@@ -49,7 +48,7 @@ static void poll_meanwhile(struct viewer *viewer)
     }
 }
 
-// A failure shows in the next frame.
+// A failure is reported in the next frame.
 void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction)
 {
     struct err err = {0};

@@ -1,4 +1,4 @@
-// Work that takes longer than a frame.
+// Progress display for work that takes longer than a frame.
 #ifndef LAMPYRIS_VIEWER_CORE_LONG_WORK_H
 #define LAMPYRIS_VIEWER_CORE_LONG_WORK_H
 
@@ -6,9 +6,9 @@
 
 struct viewer;
 
-struct progress viewer_progress(struct viewer *viewer); // of work between frames
-bool viewer_is_ending(const struct viewer *viewer);     // it was closed, or a signal came
-// Draws a frame with a progress bar, from inside of long work; at most ten a second.
+struct progress viewer_progress(struct viewer *viewer); // for work between frames
+bool viewer_is_ending(const struct viewer *viewer);     // it was closed, or a signal arrived
+// Draws a frame with a progress bar during long work; at most ten per second.
 void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction);
 
 #endif

@@ -1,4 +1,4 @@
-// Prints what the viewer and the log say: on stderr, and in the window.
+// Prints messages of the viewer and the log: on stderr, and in the window.
 #include "viewer/core/messages.h"
 
 #include "base/clock.h"
@@ -36,13 +36,12 @@ void viewer_message(struct viewer *viewer, enum message_kind kind, const char *f
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    printable_mask(text); // names from files must not steer a terminal
+    printable_mask(text); // names from files must not send control codes to a terminal
     set_message(viewer, kind, text);
     viewer_print(viewer, levels[kind], text);
 }
 
-// From any thread. What a renderer warns of it may warn of again after every change: once is
-// enough.
+// Called by any thread. A renderer may repeat a warning after every change: it is shown once.
 static void take_log(void *context, enum log_level level, const char *text)
 {
     struct viewer *viewer = context;

@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Scenes of more objects are not followed: every renderer would copy as many frames.
+// Scenes with more objects are not followed, because every renderer would copy as many frames.
 #define OBJECTS_MAX 65536u
 
-// A space of the object's own that moves, turns and scales with it, in the world. Two that are the
-// same have the same bytes.
+// An object's own coordinate frame in the world, which moves, rotates and scales with it. Equal
+// frames have equal bytes.
 struct object_frame {
     double axes[3][4];
 };
@@ -19,7 +19,7 @@ static void set_column(double m[3][4], int column, const double v[3], double fac
         m[c][column] = factor * v[c];
 }
 
-// Two unit vectors across a third one, which is returned as the last.
+// Computes two unit vectors orthogonal to a third one, which is returned as the last.
 static void across(const double normal[3], double out[3][3])
 {
     int least = fabs(normal[0]) < fabs(normal[1]) ? 0 : 1;
@@ -32,7 +32,7 @@ static void across(const double normal[3], double out[3][3])
     vec3_cross(normal, out[0], out[1]);
 }
 
-// What has no axes of its own, as a sphere or a disc, turns with none: neither does its light.
+// Shapes without axes of their own, such as spheres, do not rotate, and neither does their shading.
 static struct object_frame shape_frame(const struct shape *shape)
 {
     struct object_frame frame;
@@ -78,7 +78,7 @@ static void find_frames(struct object_frames *frames, const struct scene *scene)
         frames->list[i] = frame_of(scene, i);
 }
 
-// What of the flat scene an object is made of; nothing if it is hidden.
+// Finds the primitives of an object in the flat scene; none if it is hidden.
 static void find_primitives(const struct scene *scene, const struct flat_scene *flat,
                             uint32_t object, struct denoise_motion *out)
 {

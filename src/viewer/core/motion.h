@@ -1,4 +1,4 @@
-// What moved since the denoiser's history was seen: by that it follows objects.
+// Object motion since the denoiser's history, with which the denoiser follows objects.
 #ifndef LAMPYRIS_VIEWER_CORE_MOTION_H
 #define LAMPYRIS_VIEWER_CORE_MOTION_H
 
@@ -6,27 +6,27 @@
 #include "render/show/denoise.h"
 #include "shared/denoise.h"
 
-// Where all objects of a scene are, by their numbers; NULL: that is not known.
+// The frames of all objects of a scene by their indices; NULL: not known.
 struct object_frame;
 struct object_frames {
     struct object_frame *list;
     uint32_t count;
-    uint32_t deformations; // how often meshes had taken another form until then
+    uint32_t deformations; // number of mesh deformations up to then
 };
 
-// Of one side of the picture.
+// For one side of the image.
 struct motion {
-    struct object_frames now, past; // as its renderer has them, and as the history does
-    struct denoise_motion list[DENOISE_MOTIONS_MAX]; // of what moved in between
+    struct object_frames now, past; // those of its renderer, and those of the history
+    struct denoise_motion list[DENOISE_MOTIONS_MAX]; // of the objects that moved in between
     uint32_t count;
-    bool has_changed; // the renderer is another one than the history's
+    bool has_changed; // the renderer is not the one of the history
 };
 
-// A renderer was created for a scene, which was flattened for it. False: the history says nothing
-// of it, because there are other objects, meshes took another form, or too much moved.
+// Call when a renderer was created for a scene and its flat form. Returns false if the history is
+// not usable, because there are other objects, meshes were deformed, or too many objects moved.
 bool motion_begin(struct motion *motion, const struct scene *scene, const struct flat_scene *flat,
                   uint32_t deformations);
-// What the renderer has seen so far became the history.
+// The renderer's current frames become those of the history.
 void motion_keep(struct motion *motion);
 void motion_finish(struct motion *motion); // accepts {0}
 

@@ -1,4 +1,4 @@
-// Finds what is seen at a pixel.
+// Finds the surface at a pixel.
 #ifndef LAMPYRIS_VIEWER_CORE_PICK_H
 #define LAMPYRIS_VIEWER_CORE_PICK_H
 
@@ -9,9 +9,9 @@ struct picked;
 struct renderer;
 struct viewer;
 
-// Finds what is seen at a pixel of the window. False: the device failed.
+// Finds the surface at a pixel of the window. Returns false if the device failed.
 bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, struct err *err);
-// The scene's number of a surface in a renderer's flat scene, as AOV ids have it less 1.
+// Returns the scene's index of an object of a renderer's flat scene, which is the AOV id less 1.
 uint32_t viewer_object(const struct renderer *renderer, bool is_shape, uint32_t primitive,
                        uint32_t flat_instance);
 

@@ -29,8 +29,8 @@ static bool same_pose(const struct scene_pose *a, const struct scene_pose *b)
     return memcmp(a, b, sizeof *a) == 0;
 }
 
-// Returns what is loaded at another time: the base, where a file has one, since the file's edits
-// are here already.
+// Returns the parameters to load at another time: those of the base, if the file has one, since the
+// file's edits are already applied.
 static const struct scene_load_params *animated(const struct document *document)
 {
     return document->pristine.base ? &document->pristine.base->load : &document->load_params;
@@ -40,7 +40,7 @@ void pose_init(struct viewer *viewer)
 {
     struct pose *pose = &viewer->document.pose;
     const struct scene_load_params *load = animated(&viewer->document);
-    memset(pose, 0, sizeof *pose); // all bytes: poses are compared as they are
+    memset(pose, 0, sizeof *pose); // clears padding, too: poses are compared byte by byte
     pose->speed = 1;
     pose->shown.is_posed = load->at_seconds != NULL;
     pose->shown.seconds = load->at_seconds ? *load->at_seconds : 0;
@@ -89,7 +89,7 @@ static bool same_vertices(const struct mesh *a, const struct mesh *b)
            same_array(a->tangents, b->tangents, n * sizeof *a->tangents);
 }
 
-// The scene as the base has it, in the order of its lists.
+// The arrays of the scene as in the base.
 struct base_lists {
     struct instance *instances;
     struct shape *shapes;
@@ -97,7 +97,7 @@ struct base_lists {
     uint32_t shape_count, light_count;
 };
 
-// They are the document's own copies, which nobody else has seen to change.
+// They are the document's own copies, which only this file changes.
 static struct base_lists base_of(struct document *document)
 {
     struct scene *pristine = &document->pristine;
@@ -152,7 +152,7 @@ static bool has_moved(struct document *document, const struct scene *posed)
 
 // --- taking it over ------------------------------------------------------------------------------
 
-// An object that was placed anew is so against where it is now.
+// The placement of an object is relative to its transform in the current pose.
 static bool take_objects(struct document *document, const struct scene *posed, struct err *err)
 {
     const struct base_lists base = base_of(document);
@@ -181,7 +181,7 @@ static bool take_objects(struct document *document, const struct scene *posed, s
     return true;
 }
 
-// Takes lights from the new pose but for what was edited of them. A sky's sun does not move.
+// Takes lights from the new pose except for edited members. A sky's sun does not move.
 static void take_lights(struct document *document, const struct scene *posed)
 {
     const struct base_lists base = base_of(document);
@@ -207,7 +207,7 @@ static bool same_camera(const struct camera *a, const struct camera *b)
            memcmp(a->up, b->up, sizeof a->up) == 0;
 }
 
-// A camera of the file that is looked through moves along; one that was moved by hand does not.
+// A camera of the file that is in use moves along; one that was moved by hand does not.
 static void take_cameras(struct viewer *viewer, const struct scene *posed)
 {
     struct scene *scene = &viewer->document.scene;
@@ -229,7 +229,7 @@ static void take_cameras(struct viewer *viewer, const struct scene *posed)
     viewer_changed(viewer, CHANGE_CAMERA);
 }
 
-// Meshes of another time have their vertices in its scene; materials stay those that there are.
+// Meshes of another time have their vertices in its scene; materials are kept.
 static bool take_meshes(struct document *document, const struct scene *posed, struct err *err)
 {
     bool same = true;
@@ -248,7 +248,7 @@ static bool take_meshes(struct document *document, const struct scene *posed, st
     }
     scene->meshes = document->pristine.meshes = meshes;
     document->pose.deformations += !same;
-    // The ground of a studio fades out about where the objects are.
+    // The ground of a studio fades out around the objects.
     if (posed->has_ground && posed->image_count == scene->image_count &&
         posed->texture_count == scene->texture_count) {
         scene->images = document->pristine.images = posed->images;
@@ -268,7 +268,7 @@ static bool take(struct viewer *viewer, struct pose_job *job, struct err *err)
         take_cameras(viewer, &job->scene);
         return true;
     }
-    // Sides and geometry use the one before, which is gone with the next pose.
+    // Sides and geometry use the previous scene, which is freed with the next pose.
     scene_finish(&pose->older);
     pose->older = pose->loaded;
     pose->loaded = job->scene;
@@ -316,7 +316,7 @@ static void start(struct viewer *viewer)
     if (worker_add(viewer->shell.worker, &task))
         pose->job = job;
     else
-        free_job(job); // the next frame
+        free_job(job); // tried again in the next frame
 }
 
 void pose_update(struct viewer *viewer)
@@ -345,13 +345,13 @@ bool pose_is_played(const struct viewer *viewer)
     return viewer->document.pose.plays && pose_has_animation(viewer) && !viewer->stage.is_paused;
 }
 
-// Returns the time at which an animation that begins anew at its end is, in [0, length).
+// Returns the time in [0, length) of an animation that repeats.
 static double wrapped(double seconds, double length)
 {
     return length > 0 ? fmod(fmod(seconds, length) + length, length) : 0;
 }
 
-// Time that passes is no edit: there is nothing of it to undo, and what was undone can be redone.
+// Playing is not an edit: it cannot be undone, and undone steps can still be redone.
 void pose_play(struct viewer *viewer, double seconds)
 {
     struct scene_pose *wanted = &viewer->document.pose.wanted;

@@ -9,11 +9,11 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-// Longer than a frame may take.
+// Builds that take longer would delay frames.
 #define REBUILD_SECONDS 0.05
 #define NAME "geometry"
 
-// All that the worker's thread reads but meshes, which stay as they were loaded.
+// Everything that the worker's thread reads except meshes, which do not change.
 struct rebuild_job {
     struct scene scene;
     struct arena scene_arena;
@@ -66,7 +66,7 @@ static bool run(void *context, struct err *err)
 
 // --- on the viewer's thread ----------------------------------------------------------------------
 
-// Takes back what cannot be built, as where it is built between two frames.
+// Undoes a change that cannot be built, as when building between two frames.
 static void done(void *context, void *of_viewer, bool ok, const struct err *err)
 {
     struct viewer *viewer = of_viewer;
@@ -111,7 +111,7 @@ static void forget_copy(struct rebuild *rebuild)
     rebuild->scene = NULL;
 }
 
-// The job's copy of the scene becomes what sides are built of.
+// The job's copy of the scene becomes the one from which sides are built.
 static bool keep_copy(struct rebuild *rebuild, struct rebuild_job *job)
 {
     struct scene *copy = malloc(sizeof *copy);
@@ -149,7 +149,7 @@ void rebuild_adopt(struct viewer *viewer)
         goes_on = false;
     }
     if (is_old && !goes_on)
-        viewer_changed(viewer, CHANGE_GEOMETRY); // between two frames, then
+        viewer_changed(viewer, CHANGE_GEOMETRY); // it is then built between two frames
 }
 
 void rebuild_cancel(struct viewer *viewer)

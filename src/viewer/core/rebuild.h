@@ -1,5 +1,5 @@
-// Hierarchies of large scenes are built anew on the worker's thread, while the picture of the old
-// one goes on. Small ones are built between two frames.
+// BVHs of large scenes are rebuilt on the worker's thread, while the image with the old one
+// continues. Small ones are built between two frames.
 #ifndef LAMPYRIS_VIEWER_CORE_REBUILD_H
 #define LAMPYRIS_VIEWER_CORE_REBUILD_H
 
@@ -8,27 +8,27 @@
 
 struct viewer;
 
-// The build that is under way, or was adopted while the scene changed once more.
+// The build in progress, or one that was adopted after the scene had changed again.
 struct rebuild {
-    struct rebuild_job *job; // NULL: nothing is under way
+    struct rebuild_job *job; // NULL: no build is in progress
     bool is_stale;           // the scene changed since the job began
-    // A copy of the scene that the geometry is of, where that is not the document's as it is now.
+    // A copy of the scene of the geometry, if that is not the document's current scene; else NULL.
     struct scene *scene;
     struct arena scene_arena;
 };
 
-// Returns whether the geometry took so long the last time that frames would wait for it.
+// Returns whether the last build took so long that frames would be delayed.
 bool rebuild_is_worthwhile(const struct viewer *viewer);
 bool rebuild_is_pending(const struct viewer *viewer);
-// Builds for a copy of the document's scene as it is now. False: it cannot be had.
+// Starts a build for a copy of the document's current scene. Returns false on failure.
 bool rebuild_start(struct viewer *viewer, struct err *err);
-bool rebuild_is_done(const struct viewer *viewer); // what was under way is there
-// It becomes the document's geometry, which no side may use meanwhile; all are to be built anew.
-// Where the scene changed since it began, the next one is under way then.
+bool rebuild_is_done(const struct viewer *viewer); // the build has finished
+// The result becomes the document's geometry, which no side may use meanwhile; all sides must be
+// rebuilt. If the scene has changed since the build began, another build is started.
 void rebuild_adopt(struct viewer *viewer);
-// Ends what is under way, and waits for that; the document's geometry has to be refreshed then.
+// Cancels the build and waits for its end; the document's geometry must then be refreshed.
 void rebuild_cancel(struct viewer *viewer);
-// The scene that the document's geometry is of.
+// Returns the scene of the document's geometry.
 const struct scene *rebuild_scene(const struct viewer *viewer);
 
 #endif

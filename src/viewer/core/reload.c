@@ -1,5 +1,5 @@
-// Kernels compiled anew while the viewer runs. What is used for displaying and denoising is not
-// among them: it is not the renderer's, and makes no difference to what is accumulated.
+// Recompiles kernels while the viewer runs. Those for display and denoising are not included: they
+// do not belong to the renderer, and do not affect the film.
 #include "viewer/core/reload.h"
 
 #include "base/clock.h"
@@ -17,13 +17,13 @@
 
 #define ERRORS_MAX 8192
 
-// A .comp file. `code` is what it last compiled to; NULL: the code that the program was built with.
+// A .comp file. `code` is its last compilation; NULL: the embedded code.
 struct source {
     struct shader_unit unit;
     struct shader_code *code;
 };
 
-// The kernels that renderers may be using; its codes are users of theirs.
+// The kernels that renderers may be using, which hold references to their code.
 struct set {
     struct kernel_set kernels;
     struct shader_code *codes[KERNEL_COUNT];
@@ -37,12 +37,13 @@ struct reload {
     uint32_t source_count;
     uint32_t source_of[KERNEL_COUNT];
     struct set *sets;
-    bool is_running, is_asked_again; // a job, until its `done`; once more after it
+    bool is_running, is_asked_again; // a job runs until its `done`; another one was requested
+                                     // meanwhile
     char errors[ERRORS_MAX];
     atomic_bool is_cancelled;
 };
 
-// Kernels of one source have the same embedded code; the first of them is named like the file.
+// Kernels of one source have the same embedded code; the first of them has the file's name.
 static void list_sources(struct reload *reload)
 {
     for (int id = 0; id < KERNEL_COUNT; id++) {
@@ -132,7 +133,7 @@ void reload_stop(struct reload *reload)
 
 struct compile {
     struct shader_job job;
-    struct shader_unit units[SHADER_UNITS_MAX]; // their files are the reload's
+    struct shader_unit units[SHADER_UNITS_MAX]; // their files belong to the reload
     struct shader_result results[SHADER_UNITS_MAX];
     char errors[ERRORS_MAX];
     uint64_t start_ns;
@@ -161,7 +162,7 @@ static const struct kernel_code *embedded(const struct reload *reload, uint32_t 
     return out;
 }
 
-// Takes the code over; where it is what there was, that stays, with all pipelines made of it.
+// Takes ownership of the code; unchanged code is discarded, so that its pipelines stay in use.
 static void take(struct reload *reload, struct gpu *gpu, uint32_t index, bool ballot,
                  const struct shader_result *result)
 {
@@ -186,12 +187,13 @@ static void take(struct reload *reload, struct gpu *gpu, uint32_t index, bool ba
 
 static struct shader_code *current_code(const struct viewer *viewer, int id)
 {
-    const struct set *set = (const struct set *)viewer->stage.kernels; // its first member
+    const struct set *set = (const struct set *)viewer->stage.kernels; // the set is its first
+                                                                       // member
     return set ? set->codes[id] : NULL;
 }
 
-// Has the renderers use the sources' code as it is now. Returns how many kernels have changed, or
-// -1 without memory.
+// Makes the renderers use the sources' current code. Returns how many kernels have changed, or -1
+// when out of memory.
 static int use_sources(struct reload *reload, struct viewer *viewer)
 {
     int changed = 0;

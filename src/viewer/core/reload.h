@@ -1,4 +1,4 @@
-// Kernels compiled anew while the viewer runs.
+// Recompiles kernels while the viewer runs.
 #ifndef LAMPYRIS_VIEWER_CORE_RELOAD_H
 #define LAMPYRIS_VIEWER_CORE_RELOAD_H
 
@@ -9,15 +9,16 @@ struct reload;
 struct viewer;
 
 bool reload_create(const struct options *options, struct reload **out, struct err *err);
-// Before worker_destroy: what is being compiled ends at once. Accepts NULL.
+// Cancels the compilation; call it before worker_destroy. Accepts NULL.
 void reload_stop(struct reload *reload);
-// When no renderer is left, but before gpu_close. Accepts NULL.
+// Call it when no renderer exists any more, but before gpu_close. Accepts NULL.
 void reload_destroy(struct reload *reload, struct viewer *viewer);
-// Compiles on the worker's thread; then sets viewer->stage.kernels and shaders_changed. Whoever
-// finds that the device refuses the new ones sets viewer->stage.kernels back to what it was.
+// Compiles on the worker's thread; then sets viewer->stage.kernels and shaders_changed. If the
+// device rejects the new kernels, the caller restores viewer->stage.kernels.
 void reload_shaders(struct viewer *viewer);
 bool reload_can_compile(const struct reload *reload, const char **why_not);
-const char *reload_errors(const struct reload *reload); // "file:line: …" a line; "" without any
+// one "file:line: …" per line; "" if there are none
+const char *reload_errors(const struct reload *reload);
 const char *reload_folder(const struct reload *reload);
 
 #endif

@@ -1,4 +1,4 @@
-// How fast the viewer is: of the last frames for the panel, of all of them when it ends.
+// Speed of the viewer: of the last frames for the panel, of all frames at the end.
 #include "viewer/core/report.h"
 
 #include "base/clock.h"
@@ -15,13 +15,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define RATE_SECONDS 0.5     // over which rates are told
-#define NEWEST 0.1           // of the newest frame in the means by kernel
-#define TIMES_MAX (1u << 20) // an hour and more of frames; those beyond are not kept
+#define RATE_SECONDS 0.5     // averaging interval of rates
+#define NEWEST 0.1           // weight of the newest frame in the means by kernel
+#define TIMES_MAX (1u << 20) // more than an hour of frames; later ones are not kept
 
 // --- frame times ---------------------------------------------------------------------------------
 
-// A frame whose time there is no memory for is left out.
+// A frame is omitted when out of memory.
 void frame_times_add(struct frame_times *times, double ms)
 {
     if (times->count == times->capacity && times->count < TIMES_MAX) {
@@ -118,7 +118,7 @@ void viewer_count_frame(struct viewer *viewer)
 {
     struct frame_stats *stats = &viewer->stage.stats;
     double rays = 0.0, ms = clock_seconds_since(viewer->shell.frame_ns) * 1e3;
-    // With vsync presenting waits for the display, which is no work.
+    // With vsync, presenting includes waiting for the display.
     double waiting = viewer->stage.swapchain.vsync ? stats->present_ms : 0.0;
     stats->frame_ms = ms;
     stats->frames++;
@@ -220,7 +220,7 @@ static void print_text(struct viewer *viewer)
         print_side(viewer, side);
 }
 
-// A device that is lost says nothing any more: what was known is told then.
+// If the device is lost, the last known values are reported.
 static void judge(struct viewer *viewer)
 {
     struct err err = {0};

@@ -1,5 +1,5 @@
-// Pictures and scenes to files. What a picture is made of is copied in the viewer's thread, which
-// takes milliseconds; compressing and writing is the worker's.
+// Saves images and scenes. The data of an image is copied in the viewer's thread, which takes
+// milliseconds; the worker compresses and writes it.
 #include "viewer/core/save.h"
 
 #include "base/file.h"
@@ -20,21 +20,21 @@
 
 #define NUMBERS_MAX 9999u
 
-// A picture that waits to be written; all of it lives in its arena.
+// An image that waits to be written; all of it lives in its arena.
 struct saving {
     struct arena arena;
-    const char *path; // NULL: the first free number is taken when it is its turn
+    const char *path; // NULL: the first free number is used when it is written
     const char *stem, *extension;
     struct image image;
-    uint8_t (*display)[4]; // what a PNG is made of; NULL: image
+    uint8_t (*display)[4]; // data of a PNG; NULL: image
     struct layers layers;
     struct metadata metadata;
-    const float (*mean)[3]; // whose hash the metadata is to have; NULL: none
+    const float (*mean)[3]; // the metadata contains its hash; NULL: none
 };
 
 // --- names ---------------------------------------------------------------------------------------
 
-// "folder/box.json" -> "box"; what is saved goes into the working directory.
+// "folder/box.json" -> "box"; files are saved into the working directory.
 static char *stem_of(const struct viewer *viewer, struct arena *arena)
 {
     const char *name = path_name(viewer->document.scene_path);
@@ -46,7 +46,7 @@ static char *stem_of(const struct viewer *viewer, struct arena *arena)
                   : arena_strdup(arena, "lampyris");
 }
 
-// One thread at a time takes numbers, so that no two pictures get the same.
+// Only one thread chooses numbers, so that no two images get the same.
 static char *free_name(struct arena *arena, const char *stem, const char *extension,
                        struct err *err)
 {
@@ -66,7 +66,7 @@ static char *free_name(struct arena *arena, const char *stem, const char *extens
 
 // --- what a picture says about itself ------------------------------------------------------------
 
-// Describes this side's film as it is, as `render` describes what it made.
+// Describes the current film of a side, as `render` describes its output.
 static bool describe(const struct viewer *viewer, uint32_t side, const struct film_image *film,
                      struct saving *saving, struct err *err)
 {
@@ -101,8 +101,7 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
     return metadata_make(&params, &saving->arena, &saving->metadata, err);
 }
 
-// The camera and whether the scene is still that of the file: the rest of what a picture that was
-// made by hand depends on.
+// Adds the camera, and whether the scene was edited: the remaining inputs of the image.
 static bool add_view(const struct viewer *viewer, struct saving *saving, struct err *err)
 {
     char *steps = arena_printf(&saving->arena, "%u", edit_undo_count(viewer));
@@ -113,7 +112,7 @@ static bool add_view(const struct viewer *viewer, struct saving *saving, struct 
 
 // --- on the worker's thread ----------------------------------------------------------------------
 
-// FNV of a large picture takes as long as a frame.
+// The FNV hash of a large image takes as long as a frame.
 static bool set_hash(struct saving *saving, struct err *err)
 {
     uint64_t pixels = (uint64_t)saving->image.width * saving->image.height;
@@ -122,7 +121,7 @@ static bool set_hash(struct saving *saving, struct err *err)
     return metadata_set(&saving->metadata, "lampyris:image_hash", text, err);
 }
 
-// To the values whose sRGB encoding they are: encoding them again gives the same codes.
+// Converts to the values whose sRGB encoding this is: encoding them again gives the same codes.
 static bool decode_display(struct saving *saving, struct err *err)
 {
     float linear[256];
@@ -199,7 +198,7 @@ static struct saving *begin(const struct viewer *viewer, const char *path, const
     return NULL;
 }
 
-// Takes `saving` over; ok: it has what it needs.
+// Takes ownership of `saving`; ok: it is complete.
 static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, struct err *err)
 {
     if (ok && !worker_add(viewer->shell.worker,
@@ -213,8 +212,8 @@ static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, str
     return false;
 }
 
-// Shows the last picture where it would be without the panel, until the next frame is drawn. Where
-// that cannot be had, it stays as it is shown.
+// Shows the last image without the panel until the next frame is drawn. If that fails, the display
+// is unchanged.
 static void draw_alone(struct viewer *viewer)
 {
     struct display_call call = viewer->stage.last_call;
@@ -298,7 +297,7 @@ bool save_exr(struct viewer *viewer, uint32_t side, const char *path, bool denoi
     return hand_over(viewer, saving, ok, &err);
 }
 
-// Scenes are small, and go on being edited: they are written by the viewer's own thread.
+// Scenes are small and may be edited meanwhile: the viewer's own thread writes them.
 static bool write_scene(struct viewer *viewer, const char *path)
 {
     struct arena arena = {0};
@@ -340,8 +339,8 @@ static bool write_scene(struct viewer *viewer, const char *path)
     return ok;
 }
 
-// Until the pose that is wanted is there, the camera and the lights are those of another time.
-// While an animation is played it never is: what is shown is saved.
+// Until the requested pose is loaded, camera and lights belong to another time. While an animation
+// is playing, the displayed pose is saved.
 static bool has_to_wait(const struct viewer *viewer)
 {
     return pose_is_pending(viewer) && !pose_is_played(viewer);

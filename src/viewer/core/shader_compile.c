@@ -17,7 +17,7 @@
 #define COMPILER "glslangValidator"
 #define SECOND_NS UINT64_C(1000000000)
 #define SPIRV_MAGIC 0x07230203u // SPIR-V specification, section 2.3: the first word of a module
-#define SPIRV_HEADER_BYTES 20u  // the same: five words before the first instruction
+#define SPIRV_HEADER_BYTES 20u  // section 2.3: five words before the first instruction
 
 // --- what can be known before --------------------------------------------------------------------
 
@@ -34,7 +34,7 @@ const char *shader_why_not(const char *folder)
 
 // --- what a kernel is made from ------------------------------------------------------------------
 
-// Hashes the paths and contents of all files. False where one cannot be read.
+// Hashes the paths and contents of all files. Returns false if one cannot be read.
 static bool hash_files(const char *files, struct arena *arena, uint64_t *hash)
 {
     *hash = HASH_INIT;
@@ -54,7 +54,7 @@ static bool is_unchanged(const struct shader_unit *unit, struct arena *arena)
     return unit->files && hash_files(unit->files, arena, &hash) && hash == unit->hash;
 }
 
-// Clocks of some file systems count whole seconds.
+// The clocks of some file systems have a resolution of a second.
 static bool is_newer(const char *files, uint64_t than_ns)
 {
     for (const char *path = files; *path; path += strlen(path) + 1) {
@@ -65,8 +65,8 @@ static bool is_newer(const char *files, uint64_t than_ns)
     return false;
 }
 
-// From make's syntax, "TARGET: FILE FILE …", in which the compiler escapes nothing: of a folder
-// with a blank in its name come paths that do not exist, and so no hash.
+// Parses make's syntax, "TARGET: FILE FILE …", which the compiler does not escape: a folder with a
+// blank in its name gives paths that do not exist, and so no hash.
 static char *parse_dependencies(const char *text)
 {
     const char *at = strchr(text, ':');
@@ -148,7 +148,7 @@ static void remove_files(const struct run *run)
 
 // --- what came of it -----------------------------------------------------------------------------
 
-// A copy; NULL where it is no SPIR-V.
+// Returns a copy; NULL if it is not SPIR-V.
 static struct shader_code *read_code(const char *path, struct arena *arena)
 {
     struct file_bytes bytes;
@@ -166,8 +166,7 @@ static struct shader_code *read_code(const char *path, struct arena *arena)
     return code;
 }
 
-// Adds a line unless it is there: what is wrong in a file that several kernels include is said
-// once.
+// Adds a line unless it exists: an error in a file that several kernels include is reported once.
 static void add_error(char *errors, size_t size, const char *line)
 {
     size_t used = strlen(errors), length = strlen(line);
@@ -178,7 +177,8 @@ static void add_error(char *errors, size_t size, const char *line)
         snprintf(errors + used, size - used, "%s\n", line);
 }
 
-// Of the compiler's other lines, summaries name no place, and that it gave up follows other faults.
+// Returns whether a line of the compiler is an error: summaries name no place, and the final
+// failure follows from other errors.
 static bool is_fault(const char *line)
 {
     const char *colon = strchr(line, ':');
@@ -217,7 +217,8 @@ static void add_messages(const struct shader_job *job, const char *name, const c
     add_error(errors, size, line);
 }
 
-// started: the clock's time; files that changed since then may have been read before or after.
+// started: the clock's time; files that changed after it may have been read before or after the
+// change.
 static void collect(const struct shader_job *job, const struct run *run, bool exited_well,
                     uint64_t started_ns, struct shader_result *result, char *errors, size_t size)
 {
@@ -255,12 +256,12 @@ struct batch {
     struct arena arena;
     char *temporary;
     uint64_t started_ns;
-    struct run *runs; // those under way
+    struct run *runs; // the running ones
     uint32_t run_count, most_runs;
     bool failed;
 };
 
-// Takes what has ended; true when there was one.
+// Collects a finished run; returns whether there was one.
 static bool reap(struct batch *batch)
 {
     for (uint32_t i = 0; i < batch->run_count; i++) {
@@ -292,7 +293,7 @@ static void kill_all(struct batch *batch)
     batch->run_count = 0;
 }
 
-// Those units that are to be compiled; returns how many.
+// Lists the units to compile; returns their number.
 static uint32_t list_changed(const struct shader_job *job, uint32_t out[SHADER_UNITS_MAX])
 {
     uint32_t count = 0;

@@ -1,4 +1,4 @@
-// Kernels from their source while the program runs: by glslangValidator, with the build's
+// Compiles kernels from source while the program runs: by glslangValidator, with the build's
 // arguments, in a process of its own and without a shell.
 #ifndef LAMPYRIS_VIEWER_CORE_SHADER_COMPILE_H
 #define LAMPYRIS_VIEWER_CORE_SHADER_COMPILE_H
@@ -12,15 +12,16 @@
 #define SHADER_UNITS_MAX 32u
 
 struct shader_code {
-    uint32_t users; // the caller's, who frees it
+    uint32_t users; // for the caller, who frees it
     size_t bytes;
     uint32_t words[];
 };
 
-// Knowledge of one kernel from the last time that it was compiled.
+// The state of a kernel after its last compilation.
 struct shader_unit {
     const char *name; // of its file, without ".comp"
-    char *files;      // what was read, each path ended by NUL, all by an empty one; NULL: not known
+    char *files;      // files that were read, each path ended by NUL, the list by an empty path;
+                      // NULL: not known
     uint64_t hash;    // of these files
 };
 
@@ -28,8 +29,8 @@ enum shader_outcome { SHADER_UNCHANGED, SHADER_COMPILED, SHADER_FAILED };
 
 struct shader_result {
     enum shader_outcome outcome;
-    struct shader_code *code; // COMPILED. These two are the caller's to free
-    struct shader_unit unit;  // COMPILED: as above
+    struct shader_code *code; // COMPILED only. This and `unit` are freed by the caller
+    struct shader_unit unit;  // COMPILED only: the new state
 };
 
 struct shader_job {
@@ -40,12 +41,12 @@ struct shader_job {
     const atomic_bool *is_cancelled;
 };
 
-// Why kernels of this folder cannot be compiled, in words, or NULL.
+// Returns why kernels of this folder cannot be compiled, or NULL.
 const char *shader_why_not(const char *folder);
 
-// Compiles those units whose files are others than before. False: some failed; `errors` has a line
-// "FILE:LINE: what is wrong" for each fault, FILE as seen from the folder; or it was cancelled.
-// Those that did not fail are in `results` all the same. Any thread.
+// Compiles the units whose files have changed. Returns false if some failed, with a line
+// "FILE:LINE: what is wrong" for each error in `errors`, FILE relative to the folder; or if it was
+// cancelled. `results` then still has those that did not fail. May be called by any thread.
 bool shader_compile(const struct shader_job *job, struct shader_result *results, char *errors,
                     size_t size, struct err *err);
 

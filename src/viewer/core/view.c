@@ -5,8 +5,8 @@
 #include "viewer/core/viewer.h"
 #include <stdlib.h>
 
-// Seconds between two looks, once there were some at doubling numbers of samples: a look reads the
-// film back, which holds up the picture a little.
+// Seconds between two error estimates, after those at doubling numbers: an estimate reads the film
+// back, which delays the image a little.
 #define LOOK_SECONDS 3.0
 #define FIRST_LOOK 2 // samples: one in each half
 
@@ -64,8 +64,8 @@ static bool run_look(void *context, struct err *err)
     return job_estimate_end(&job->estimate, err);
 }
 
-// When the list is full, every other one of the older half makes room, so that the curve still
-// begins where it did.
+// When the list is full, every other estimate of the older half is removed, so that the curve keeps
+// its beginning.
 static void thin(struct view *view)
 {
     uint32_t kept = 0;
@@ -113,12 +113,12 @@ static void look_done(void *context, void *viewer, bool ok, const struct err *er
     free_job(job);
 }
 
-// Both halves have as many samples as each other at even numbers, and all pixels have the same at
+// Both halves have equal numbers of samples at even numbers, and all pixels have the same number at
 // the end of a pass.
 bool view_wants_look(const struct viewer *viewer, const struct view *view)
 {
     uint64_t samples = view_samples(view);
-    // While a hierarchy is being built the arrays that the side's scene shares are another's.
+    // During a background build the scene's shared arrays may belong to another scene.
     if (!view->is_ready || view->is_preview || view->is_looking || view->method.fresh_frames ||
         rebuild_is_pending(viewer) || view->job.renderer.pass.length > 0 || samples % 2 != 0)
         return false;
@@ -171,7 +171,7 @@ bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
         return false;
     }
     view->looked_seconds = viewer_seconds(viewer);
-    // At doubling numbers; beyond, the time decides.
+    // At doubling numbers first; later the time decides.
     view->next_look = job->samples >= 256 ? job->samples + 2 : 2 * job->samples;
     view->is_looking = worker_add(viewer->shell.worker, &(struct worker_task){
                                                             .name = "error",
@@ -180,6 +180,6 @@ bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
                                                             .context = job,
                                                         });
     if (!view->is_looking)
-        free_job(job); // the list is full: the next time
+        free_job(job); // the list is full: tried again later
     return true;
 }

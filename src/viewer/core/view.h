@@ -1,5 +1,5 @@
-// One picture that accumulates: a renderer with settings of its own, and how good it is so far. The
-// split view has two.
+// An accumulating image: a renderer with its own settings, and its error so far. The split view has
+// two.
 #ifndef LAMPYRIS_VIEWER_CORE_VIEW_H
 #define LAMPYRIS_VIEWER_CORE_VIEW_H
 
@@ -9,64 +9,64 @@
 #include "viewer/core/motion.h"
 #include "viewer/core/worker.h"
 
-// The choices that a side renders with besides the scene; undone as TARGET_METHOD.
+// The rendering choices of a side in addition to the scene; undone as TARGET_METHOD.
 struct method {
-    struct settings settings; // width and height are the picture's
-    uint32_t wave, workgroup; // 0: the device's
+    struct settings settings; // width and height are those of the image
+    uint32_t wave, workgroup; // 0: the device's default
     bool compile_all;         // --features all
     bool merge_classes;
-    bool fresh_frames;        // each frame is a picture of its own: nothing accumulates
-    uint32_t samples_a_frame; // of every pixel; 0: as many as the frame's time allows
+    bool fresh_frames;        // each frame is an image of its own: nothing accumulates
+    uint32_t samples_a_frame; // per pixel; 0: as many as fit into the frame's time
 };
 
 #define VIEW_LOOKS_MAX 64
 
 struct view {
     struct method method;
-    struct scene scene; // the viewer's, but with the method's settings: arrays are shared
+    struct scene scene; // the viewer's scene with the method's settings: arrays are shared
     struct job job;
     struct denoiser denoiser;
     struct motion motion;      // since the denoiser's history
-    bool is_ready;             // renderer holds a picture's state
-    bool is_preview;           // its film has fewer pixels, because the camera moves
-    uint64_t epoch;            // counts pictures begun: what a job says of an older one is void
-    double seconds;            // of rendering this picture
-    struct render_stats seen;  // the renderer's, as of the last frame
-    uint64_t denoised_samples; // that the denoiser's picture is of; 0: it is of another film
+    bool is_ready;             // the renderer holds the state of an image
+    bool is_preview;           // the film has fewer pixels, because the camera moves
+    uint64_t epoch;            // counts images: results of jobs for older ones are discarded
+    double seconds;            // rendering time of this image
+    struct render_stats seen;  // the renderer's at the last frame
+    uint64_t denoised_samples; // samples of the denoised image; 0: it belongs to another film
     uint32_t denoised_by[2];   // iterations, temporal
-    double denoised_seconds;   // clock of when it was made, and what it took
+    double denoised_seconds;   // clock time of the denoised image, and its cost
     double denoising_seconds;
-    uint32_t usual_wave;    // paths in flight, as the renderer was created
-    bool is_looking;        // a job finds out the error
+    uint32_t usual_wave;    // paths in flight of a new renderer
+    bool is_looking;        // a job is estimating the error
     double changed_seconds; // clock of the last change that emptied the film
-    double turn_seconds;    // of rendering, since the sides began to take turns
-    uint64_t first_sample;  // of the film: not 0 with fresh frames
-    double looked_seconds;  // clock of the last look
-    // The error at doubling numbers of samples, and in between now and then.
+    double turn_seconds;    // rendering time since the sides began to alternate
+    uint64_t first_sample;  // index of the film's first sample: not 0 with fresh frames
+    double looked_seconds;  // clock time of the last error estimate
+    // Error estimates at doubling numbers of samples, and some in between.
     struct job_look looks[VIEW_LOOKS_MAX];
     uint32_t look_count;
-    double next_look; // samples at which the error is to be found again
-    struct error_sources sources; // of the newest look's error
+    double next_look;             // samples at which the error is estimated next
+    struct error_sources sources; // of the newest error estimate
 };
 
 struct viewer;
 
-// Returns whether the error is to be found now, of the film as it is.
+// Returns whether the error of the current film is to be estimated now.
 bool view_wants_look(const struct viewer *viewer, const struct view *view);
-// Of the film as it is, where the time for it has come: on the worker's thread, into `looks`.
+// Estimates the error of the current film if it is due: on the worker's thread, into `looks`.
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
-// Looks at the error at once, whatever the time, of two samples and more.
+// Estimates the error at once, with two samples or more.
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
-// A picture begins: what is known of the last one is void.
+// Starts a new image: estimates of the last one are discarded.
 void view_begin(struct view *view);
-// The newest look; before the first one, one without samples that knows nothing.
+// Returns the newest estimate; before the first one, an empty estimate without samples.
 struct job_look view_newest_look(const struct view *view);
-// Returns whether the denoiser's picture, if one is to be seen, is of all samples and by the
-// settings of now.
+// Returns whether the denoised image, if it is displayed, includes all samples and uses the current
+// settings.
 bool view_is_denoised(const struct viewer *viewer, const struct view *view);
-// By which the denoiser is called, as things are.
+// Returns the denoiser's call for the current state.
 struct denoise_call view_denoise_call(const struct viewer *viewer, const struct view *view);
-// The lowest number of samples that a pixel of the film has.
+// Returns the lowest number of samples of all pixels of the film.
 uint64_t view_samples(const struct view *view);
 
 #endif

@@ -1,8 +1,8 @@
-// The interactive viewer: what its parts share.
+// The interactive viewer: the state that its parts share.
 //
-// One thread runs all of it, frame by frame (viewer/run.c), but for jobs of the worker. A frame
-// takes what happened (window, script), changes the scene and the cameras by it, renders for as
-// long as a frame may take, and shows what there is.
+// One thread runs everything, frame by frame (viewer/run.c), except the worker's jobs. A frame
+// reads input (window, script), applies it to the scene and the cameras, renders for the frame's
+// time, and displays the result.
 #ifndef LAMPYRIS_VIEWER_CORE_VIEWER_H
 #define LAMPYRIS_VIEWER_CORE_VIEWER_H
 

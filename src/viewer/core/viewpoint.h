@@ -1,4 +1,4 @@
-// From where the scene is seen, and what moves that.
+// The camera, and the state that moves it.
 #ifndef LAMPYRIS_VIEWER_CORE_VIEWPOINT_H
 #define LAMPYRIS_VIEWER_CORE_VIEWPOINT_H
 
@@ -15,9 +15,9 @@ struct saved_view {
 
 struct viewpoint {
     struct camera camera;  // of all sides
-    uint32_t camera_index; // of the scene's, that it began with
+    uint32_t camera_index; // the camera of the scene with which it began
     struct camera_rig rig;
-    bool wants_target; // the rig's is to be found in the first picture
+    bool wants_target; // the rig's target is to be found in the first image
     struct keys keys;
     struct saved_view saved[VIEWER_SAVED_VIEWS];
     bool is_moving; // the camera moved, or the scene changed, a moment ago

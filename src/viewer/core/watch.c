@@ -1,5 +1,5 @@
-// Looks at files a few times a second: that works on every file system, and sees alike what is
-// written in place and what is replaced by a new file of the name.
+// Polls files a few times a second, which works on every file system and detects both files written
+// in place and files replaced by name.
 #include "viewer/core/watch.h"
 
 #include "viewer/core/load.h"
@@ -15,8 +15,8 @@
 // Files that are reloaded together.
 struct watched {
     struct watch_files files;
-    uint64_t loaded; // stamp of what was loaded
-    uint64_t seen;   // of the last look
+    uint64_t loaded; // hash of the loaded files
+    uint64_t seen;   // hash at the last poll
 };
 
 struct watch {
@@ -67,8 +67,8 @@ void watch_destroy(struct watch *watch)
     free(watch);
 }
 
-// Returns whether something has changed since it was loaded, and rested from one look to the next:
-// whoever saves may need several steps for it.
+// Returns whether files have changed since they were loaded, and were unchanged between two polls:
+// saving may take several steps.
 static bool has_changed(struct watched *watched)
 {
     uint64_t stamp = watch_files_stamp(&watched->files);

@@ -1,4 +1,4 @@
-// Files that are read again when they change.
+// Reloads files when they change.
 #ifndef LAMPYRIS_VIEWER_CORE_WATCH_H
 #define LAMPYRIS_VIEWER_CORE_WATCH_H
 
@@ -7,11 +7,12 @@
 struct viewer;
 struct watch;
 
-// Begins or ends watching; a message says where it could not begin.
+// Starts or stops watching; a message reports a failure.
 void viewer_watch(struct viewer *viewer, bool on);
 bool viewer_watches(const struct viewer *viewer);
 bool watch_create(struct viewer *viewer, struct watch **out, struct err *err);
 void watch_destroy(struct watch *watch); // accepts NULL
-void watch_poll(struct viewer *viewer);  // reloads what has changed and then rested for a moment
+// reloads files that have changed and then stayed unchanged for a moment
+void watch_poll(struct viewer *viewer);
 
 #endif

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Longer files have their names of other files at the beginning (OBJ), or have none (binary glTF).
+// Longer files name other files at their beginning (OBJ), or not at all (binary glTF).
 #define TEXT_MAX (1u << 20)
 
 void watch_files_finish(struct watch_files *files)
@@ -45,8 +45,8 @@ static bool has_text(const char *path)
     return false;
 }
 
-// Whatever stands in quotation marks (JSON) or between blanks, and is a file beside this one, is
-// taken for one that it names: too many are no harm.
+// Any text in quotation marks (JSON) or between blanks that is the name of a file in the folder is
+// taken as a reference: extra files do no harm.
 static void add_word(struct watch_files *files, const char *folder, const char *word, size_t length)
 {
     char path[PATH_MAX];
@@ -70,7 +70,7 @@ static void add_named(struct watch_files *files, const char *path)
     for (int c; file && folder && total < TEXT_MAX && (c = fgetc(file)) != EOF; total++) {
         if (!c || !strchr(ends, c)) {
             text[used] = (char)c;
-            used += used + 1 < sizeof text; // too long for a name, then
+            used += used + 1 < sizeof text; // too long for a name
             continue;
         }
         add_word(files, folder, text, used);

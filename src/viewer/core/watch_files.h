@@ -1,4 +1,4 @@
-// Which files a scene is made of, as far as its text names them; and whether any has changed.
+// Lists the files of a scene, as far as its text names them, and detects changes.
 #ifndef LAMPYRIS_VIEWER_CORE_WATCH_FILES_H
 #define LAMPYRIS_VIEWER_CORE_WATCH_FILES_H
 
@@ -14,15 +14,15 @@ struct watch_files {
 };
 
 void watch_files_add(struct watch_files *files, const char *path);
-// The file and, where it is text of a kind that is known (our JSON, glTF, OBJ, MTL), whatever it
-// names that is there, and what these name.
+// Adds the file and, if it is text of a known kind (our JSON, glTF, OBJ, MTL), all existing files
+// that it names, recursively.
 void watch_files_add_scene(struct watch_files *files, const char *path);
 // The sources of kernels in a folder.
 void watch_files_add_shaders(struct watch_files *files, const char *folder);
 void watch_files_finish(struct watch_files *files); // {0} afterwards
 
-// Returns a stamp of all their times, sizes and places on the disk: another one when any was
-// written or replaced.
+// Returns a hash of the times, sizes and inodes of all files: it changes when any was written or
+// replaced.
 uint64_t watch_files_stamp(const struct watch_files *files);
 
 #endif

@@ -12,10 +12,10 @@ struct entry {
     struct err err;
 };
 
-// A ring whose entries are, in this order: finished, running, waiting. The three numbers only grow.
+// A ring of entries, in this order: finished, running, waiting. The three counters only grow.
 struct worker {
     struct thread thread;
-    struct mutex mutex;    // of all below
+    struct mutex mutex;    // protects all members below
     struct condition wake; // there is a task, or `is_closing`
     struct entry entries[TASKS_MAX];
     uint64_t taken, finished, added;
@@ -37,7 +37,7 @@ static void worker_main(void *argument)
         if (worker->finished == worker->added)
             break;
         struct entry *entry = entry_at(worker, worker->finished);
-        mutex_unlock(&worker->mutex); // nobody else writes to this entry
+        mutex_unlock(&worker->mutex); // no other thread writes to this entry
         entry->ok = entry->task.run(entry->task.context, &entry->err);
         mutex_lock(&worker->mutex);
         worker->finished++;
@@ -91,7 +91,7 @@ bool worker_add(struct worker *worker, const struct worker_task *task)
     return is_taken;
 }
 
-// Frees the entry, so that `done` may add a task.
+// Frees the entry first, so that `done` may add a task.
 static bool take_finished(struct worker *worker, struct entry *out)
 {
     mutex_lock(&worker->mutex);

@@ -1,5 +1,5 @@
-// One thread for what must not hold up the picture: errors, files, compiling. Tasks run in the
-// order they came; finished ones are taken by the viewer's thread, which alone calls these
+// A thread for work that must not delay the image: error estimates, files, compiling. Tasks run in
+// order; finished ones are taken by the viewer's thread, the only one that may call these
 // functions.
 #ifndef LAMPYRIS_VIEWER_CORE_WORKER_H
 #define LAMPYRIS_VIEWER_CORE_WORKER_H
@@ -12,19 +12,20 @@ struct worker;
 
 struct worker_task {
     const char *name; // "error", "picture", "shaders"
-    // On the worker's thread. False: err says why.
+    // Runs on the worker's thread. Returns false with err on failure.
     bool (*run)(void *context, struct err *err);
-    // On the viewer's thread, from worker_poll; frees the context. `viewer` is worker_poll's.
+    // Runs on the viewer's thread, from worker_poll; frees the context. `viewer` is worker_poll's.
     void (*done)(void *context, void *viewer, bool ok, const struct err *err);
     void *context;
 };
 
 bool worker_create(struct worker **out, struct err *err);
-// Waits for the tasks that are left (a picture that is being saved is not lost), with their `done`.
+// Finishes the tasks that are left (an image that is being saved is not lost), and calls their
+// `done`.
 void worker_destroy(struct worker *worker, void *viewer); // accepts NULL
-// False where the list is full (64): the task is not taken, and its context stays the caller's.
+// Returns false if the list is full (64): the caller keeps the context.
 bool worker_add(struct worker *worker, const struct worker_task *task);
-// Calls `done` of what has ended.
+// Calls `done` for the finished tasks.
 void worker_poll(struct worker *worker, void *viewer);
 uint32_t worker_count(const struct worker *worker, const char *name); // waiting or running
 bool worker_is_idle(const struct worker *worker);

@@ -35,53 +35,54 @@ enum gui_kind {
 // A control of the frame, as it was drawn.
 struct gui_item {
     char id[GUI_ID_MAX];
-    char value[GUI_VALUE_MAX]; // after the frame
+    char value[GUI_VALUE_MAX]; // at the end of the frame
     enum gui_kind kind;
-    float rect[4]; // left, top, right, bottom, pixels; where it can be clicked
-    bool is_shown; // within what can be seen, not scrolled away or in a closed group
+    float rect[4]; // left, top, right, bottom, pixels; the clickable region
+    bool is_shown; // visible: not scrolled away or in a closed group
     bool is_enabled;
     char label[GUI_LABEL_MAX];
     const char *help; // the caller's
-    double range[2];  // the least and the greatest of a number; both 0: it has none
+    double range[2];  // the least and the greatest value of a number; both 0: no range
     uint32_t group;   // see gui_state.h
 };
 
 struct gui {
-    struct gui_item items[GUI_ITEMS_MAX]; // of the last frame that ended
+    struct gui_item items[GUI_ITEMS_MAX]; // of the last finished frame
     uint32_t item_count;
-    bool wants_mouse, wants_keys; // the panel takes these events; the camera must not
+    bool wants_mouse, wants_keys; // the panel receives these events, and the camera must not
     bool is_busy;                 // a widget is being dragged or typed into
-    bool is_hidden;               // the caller's wish: no panel, but its controls for scripts
-    const char *used; // id of the value that was changed last; the caller sets it to NULL before a
-                      // row of controls over a copy of something
+    bool is_hidden;               // set by the caller: the panel is not drawn, but scripts can use
+                                  // its controls
+    const char *used; // id of the control that changed a value last; the caller sets it to NULL
+                      // before a row of controls that edit a copy
     const char *hovered_help; // of the control under the mouse, or NULL
-    bool is_floating;         // the caller's wish: a window in the window, not beside the picture
-    float width;              // of what the panel takes of the window; 0 hidden or floating
+    bool is_floating;         // set by the caller: a window inside the window, not beside the image
+    float width;              // part of the window's width that the panel takes; 0 hidden or
+                              // floating
     float place[4];           // of the panel: left, top, right, bottom, pixels; 0 while hidden
     struct gui_state *own;    // see gui_state.h
 };
 
-bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels a point
-// A control's help and, of a number, its range.
+bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels per point
+// Writes a control's help and, for a number, its range.
 void gui_item_help(const struct gui_item *item, char out[GUI_HELP_MAX]);
 void gui_finish(struct gui *gui);                       // accepts NULL and {0}
-void gui_atlas(struct gui *gui, struct gpu_atlas *out); // of the letters; lives as long
+void gui_atlas(struct gui *gui, struct gpu_atlas *out); // of the font; lives as long as the gui
 void gui_event(struct gui *gui, const struct event *event);
-// seconds: since the last frame.
-// Of the panel, pixels, in a window of that width where it is not hidden.
+// Returns the panel's width, pixels, in a window of that width when it is not hidden.
 float gui_panel_width(const struct gui *gui, uint32_t window_width);
+// seconds: since the last frame.
 void gui_begin(struct gui *gui, uint32_t width, uint32_t height, double seconds);
-// Returns what is to be drawn, valid until the next gui_begin. Afterwards `items` are those of this
-// frame.
+// Returns the drawing, valid until the next gui_begin. `items` are then those of this frame.
 void gui_end(struct gui *gui, struct gpu_drawing *out);
-// An id that two controls of the last frame had, which is a bug of the panel; or NULL.
+// Returns an id that two controls of the last frame shared, which is a bug of the panel; or NULL.
 const char *gui_duplicate(const struct gui *gui);
 
 // --- for scripts ---------------------------------------------------------------------------------
-// In the next frame the control takes this value, as if the user had given it (buttons: are
-// pressed), also in closed groups. gui_set_result tells afterwards: NULL where it was done, else
-// why not ("no control camera.fow; did you mean camera.fov?", "1.7 is outside [0, 1]").
-// Several before one frame are all done; then the result is that of the first that was not.
+// Gives the control this value in the next frame, as if the user had (buttons: pressed), also in
+// closed groups. gui_set_result returns NULL if that succeeded, else the reason ("no control
+// camera.fow; did you mean camera.fov?", "1.7 is outside [0, 1]"). Several calls before one frame
+// are all applied; the result is the first failure.
 void gui_set(struct gui *gui, const char *id, const char *value);
 const char *gui_set_result(const struct gui *gui);
 // Opens its groups and scrolls to it, so that its rect can be clicked two frames later.
@@ -89,69 +90,72 @@ void gui_reveal(struct gui *gui, const char *id);
 const struct gui_item *gui_find(const struct gui *gui, const char *id);
 
 // --- layout --------------------------------------------------------------------------------------
-// Of the window at the left: what is between is in it. False: it is hidden, and nothing is to be
-// drawn, but controls may be all the same, for scripts.
-bool gui_panel_begin(struct gui *gui, const char *title, const char *facts); // below the title
+// The panel's window at the left. Returns false if it is hidden: nothing is drawn, but controls may
+// be called all the same, for scripts.
+// facts: below the title
+bool gui_panel_begin(struct gui *gui, const char *title, const char *facts);
 void gui_panel_end(struct gui *gui);
-// True: it is open. Controls are called for all the same: what is in a closed group is not drawn,
-// but has an item (is_shown false) and can be set by scripts.
+// Returns whether it is open. Controls are called in any case: those in a closed group are not
+// drawn, but have an item (is_shown false) and can be set by scripts.
 bool gui_group_begin(struct gui *gui, const char *id, const char *label, const char *help,
                      bool open_at_first);
 void gui_group_end(struct gui *gui);
 void gui_enabled(struct gui *gui,
                  bool enabled); // of those that follow, until a group begins or ends
-// Returns whether what is called for now is drawn: else texts need not be put together.
+// Returns whether the current controls are drawn: otherwise texts need not be formatted.
 bool gui_is_drawn(const struct gui *gui);
 void gui_same_line(struct gui *gui);
 void gui_space(struct gui *gui);
 void gui_line(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void gui_warning(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
-// A label at the left, as controls have it, and a text where their values are.
+// A label at the left, as for controls, and a text in place of the value.
 void gui_pair(struct gui *gui, const char *label, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-// A pair in one line however long the text is, so that what follows stays where it is.
+// A pair on one line, however long the text, so that the layout does not change.
 void gui_fact(struct gui *gui, const char *label, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-// Text over the picture, its upper left corner there; with a dark ground. Returns its height.
+// Text over the image with a dark background, with this upper left corner. Returns its height.
 float gui_note(struct gui *gui, float x, float y, bool is_warning, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
-// Two columns over the middle of the picture: keys and what they do. Ended by {NULL}.
+// A table of two columns over the centre of the image: keys and their functions. Ended by {NULL}.
 struct gui_pair {
     const char *left, *right;
 };
 void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count);
-// A scale of colours in the picture's lower right corner, from the left to the right: display
-// values, red in the lowest byte. texts: of its left end, its middle and its right end.
+// A colour scale in the lower right corner of the image, from left to right: display values, red in
+// the lowest byte. texts: for its left end, centre and right end.
 void gui_legend(struct gui *gui, const uint32_t *colors, uint32_t count,
                 const char *const texts[3]);
-// A bar over the middle of the picture: what is being done.
+// A progress bar over the centre of the image.
 void gui_progress(struct gui *gui, const char *what, double fraction);
 
 // --- controls ------------------------------------------------------------------------------------
 bool gui_button(struct gui *gui, const char *id, const char *label, const char *help);
 bool gui_switch(struct gui *gui, const char *id, const char *label, const char *help, bool *value);
-// A switch of a number that is 0 or 1.
+// A switch for a number that is 0 or 1.
 bool gui_flag(struct gui *gui, const char *id, const char *label, const char *help,
               uint32_t *value);
 struct gui_range {
     double min, max;
     bool logarithmic; // 0 is allowed as min
     bool integer;
-    const char *unit;      // shown behind the number; NULL: none
+    const char *unit;      // shown after the number; NULL: none
     const char *infinite;  // the word for max itself ("off", "unlimited"); NULL: none
     double greatest;       // the greatest number, where max is a word
     const char *least;     // the word for min itself ("off", "pinhole"); NULL: none
-    const char *file_word; // what scene files call that word, which is read, too; NULL: the same
-    double drag; // what dragging over all of the control's width adds; 0: follows from the range
+    const char *file_word; // the name of that word in scene files, which is also accepted; NULL:
+                           // the same
+    double drag; // change by dragging over the whole width of the control; 0: derived from the
+                 // range
 };
-// All controls of numbers say their range behind `help`.
+// All number controls append their range to `help`.
 bool gui_number(struct gui *gui, const char *id, const char *label, const char *help,
                 const struct gui_range *range, double *value);
 bool gui_float(struct gui *gui, const char *id, const char *label, const char *help,
                const struct gui_range *range, float *value);
 bool gui_count(struct gui *gui, const char *id, const char *label, const char *help,
                const struct gui_range *range, uint32_t *value);
-// An angle in radians, shown in degrees. `range` is in degrees.
+// Edits an angle in radians, shown in degrees. `range` is in degrees.
 bool gui_angle(struct gui *gui, const char *id, const char *label, const char *help,
                const struct gui_range *range, double *radians);
 // names: ended by NULL.
@@ -164,11 +168,11 @@ bool gui_vector(struct gui *gui, const char *id, const char *label, const char *
                 const struct gui_range *range, double value[3]);
 bool gui_text(struct gui *gui, const char *id, const char *label, const char *help, char *value,
               uint32_t size); // changed when the user ends it with Enter or leaves it
-// True when it is chosen.
+// Returns true when it is selected.
 bool gui_row(struct gui *gui, const char *id, const char *label, const char *help, bool is_chosen);
 
-// A list of any length in a frame of its own, which scrolls: of 10^6 rows only those are called for
-// that are seen, and those that scripts are to find: the first GUI_LIST_IDS and the chosen one.
+// A list of any length with its own scrolling. Of 10^6 rows only the visible ones are called for,
+// and those that scripts may find: the first GUI_LIST_IDS and the selected one.
 //   struct gui_list list = {.count = n, .chosen = i, .height = 8};
 //   gui_list_begin(gui, "materials", &list);
 //   for (uint32_t row; gui_list_next(gui, &list, &row);)
@@ -176,11 +180,11 @@ bool gui_row(struct gui *gui, const char *id, const char *label, const char *hel
 //   gui_list_end(gui, &list);
 #define GUI_LIST_IDS 64u
 struct gui_list {
-    uint32_t count;  // of rows
+    uint32_t count;  // number of rows
     uint32_t chosen; // or UINT32_MAX
-    uint32_t height; // rows that are seen at once; fewer where there are fewer
-    // Of gui_list_next:
-    uint32_t first, last; // seen
+    uint32_t height; // rows visible at once; fewer if there are fewer
+    // Used by gui_list_next:
+    uint32_t first, last; // the visible rows
     uint32_t next;
     bool was_drawn;
 };
@@ -197,9 +201,11 @@ struct gui_bar {
 void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const char *unit);
 struct gui_curve {
     const char *label;
-    const double *x, *y;      // both logarithmic axes; what is not positive and finite is left out
+    const double *x, *y;      // both axes are logarithmic; values that are not positive and finite
+                              // are omitted
     const double *low, *high; // the interval of each y, shown as a band; NULL: none
-    const double *most;       // bounds, shown as arrows downwards where there is no y; NULL: none
+    const double *most;       // upper bounds, shown as arrows downwards if there is no y; NULL:
+                              // none
     uint32_t count;
 };
 void gui_curves(struct gui *gui, const struct gui_curve *curves, uint32_t count,

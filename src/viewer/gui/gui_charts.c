@@ -1,4 +1,4 @@
-// Bars and curves.
+// Bar charts and curves.
 #include "viewer/gui/gui_state.h"
 #include "viewer/gui/imgui_bridge.h"
 
@@ -17,7 +17,7 @@ static const uint32_t series_colors[] = {
 #define BAR_COLOR IM_RGBA(128, 152, 66, 255)
 #define SERIES_COLORS (sizeof series_colors / sizeof *series_colors)
 
-// `labels`: the width of their column. `most`: the longest bar's value.
+// `labels`: the width of their column. `most`: the value of the longest bar.
 static void draw_bar(const struct gui_state *own, const struct gui_bar *bar, const char *unit,
                      float labels, double most)
 {
@@ -63,7 +63,7 @@ void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const
 
 // --- curves --------------------------------------------------------------------------------------
 
-// Decades, and the rectangle that shows them.
+// The ranges of the axes in decades, and the rectangle in which they are drawn.
 struct axes {
     double x[2], y[2]; // log10
     struct im_vec min, max;
@@ -88,7 +88,7 @@ static void widen(double range[2], double value)
     range[1] = fmax(range[1], log10(value));
 }
 
-// A bit of it around, and no less than half a decade.
+// Adds a margin, and makes the range at least half a decade.
 static void make_room(double range[2])
 {
     double middle = 0.5 * (range[0] + range[1]);
@@ -102,7 +102,7 @@ static bool has_bound(const struct gui_curve *curve, uint32_t point)
     return curve->most && is_good(curve->most[point]);
 }
 
-// False: there is no point to show.
+// Returns false if there is no point to show.
 static bool find_axes(const struct gui_curve *curves, uint32_t count, struct axes *out)
 {
     out->x[0] = out->y[0] = DBL_MAX;
@@ -127,7 +127,7 @@ static bool find_axes(const struct gui_curve *curves, uint32_t count, struct axe
     return true;
 }
 
-// Values with lines of their own, ascending: 10^n, and where these are few 2 and 5 times them.
+// Positions of grid lines, ascending: 10^n, and 2 and 5 times these if they are few.
 struct ticks {
     double values[64];
     uint32_t count;
@@ -154,7 +154,7 @@ static void write_tick(double value, char *out, size_t size)
         snprintf(out, size, "%.0e", value);
 }
 
-// Lines of a grid; labels that would touch the one before are left out.
+// Draws the grid lines; labels that would touch the previous one are omitted.
 static void draw_columns(struct ImDrawList *list, const struct axes *axes)
 {
     struct ticks ticks;
@@ -194,7 +194,7 @@ static void draw_rows(struct ImDrawList *list, const struct axes *axes)
     }
 }
 
-// The error is somewhere below.
+// An arrow downwards: the value is somewhere below the bound.
 static void draw_bound(struct ImDrawList *list, struct im_vec at, uint32_t color, float scale)
 {
     const float length = 8.0f * scale, barb = 3.0f * scale, width = 1.5f * scale;
@@ -211,7 +211,7 @@ static void draw_curve(struct ImDrawList *list, const struct axes *axes,
 {
     struct im_vec last = {0}, last_low = {0}, last_high = {0};
     bool has_last = false, has_band = false;
-    const uint32_t band = (color & 0xffffffu) | 46u << 24; // the same, but for alpha
+    const uint32_t band = (color & 0xffffffu) | 46u << 24; // the same colour with another alpha
     for (uint32_t p = 0; p < curve->count; p++) {
         if (is_good(curve->x[p]) && !is_good(curve->y[p]) && has_bound(curve, p))
             draw_bound(list, place(axes, curve->x[p], curve->most[p]), color, scale);

@@ -1,5 +1,5 @@
-// Controls: each is entered into the registry, takes what a script wants of it, and is drawn: a
-// label at the left, the value at the right.
+// Controls: each is entered into the registry, applies what a script sets, and is drawn with a
+// label at the left and the value at the right.
 #include "base/maths.h"
 #include "image/image.h"
 #include "viewer/gui/gui_state.h"
@@ -15,7 +15,7 @@
 
 // --- what all share ------------------------------------------------------------------------------
 
-// Where the last thing drawn by ImGui is, and whether the mouse is over it.
+// Records the rectangle of the last item of ImGui, and whether the mouse is over it.
 static void note_drawn(struct gui *gui, struct gui_item *item)
 {
     struct gui_state *own = gui->own;
@@ -36,7 +36,7 @@ static void note_drawn(struct gui *gui, struct gui_item *item)
         im_scroll_here();
 }
 
-// The label in its column; what follows fills the rest of the line.
+// Draws the label in its column; the control fills the rest of the line.
 static void put_label(struct gui *gui, struct gui_item *item)
 {
     const float column = gui->own->label_width;
@@ -51,7 +51,8 @@ static void put_label(struct gui *gui, struct gui_item *item)
     im_same_line(column, -1.0f);
 }
 
-// Enters a control, and begins to draw it where it is drawn. *wish: what a script wants of it.
+// Enters a control into the registry, and starts drawing it if it is visible. *wish: the value that
+// a script sets.
 static struct gui_item *begin(struct gui *gui, const char *id, enum gui_kind kind,
                               const char *label, const char *help, const char **wish)
 {
@@ -203,7 +204,7 @@ bool gui_flag(struct gui *gui, const char *id, const char *label, const char *he
     return true;
 }
 
-// Its words are rows of their own while it is open.
+// While it is open, its words are rows with items of their own.
 static void draw_choice(struct gui *gui, const struct gui_item *item, const char *const *names,
                         uint32_t *value)
 {
@@ -214,7 +215,7 @@ static void draw_choice(struct gui *gui, const struct gui_item *item, const char
     for (uint32_t i = 0; names[i]; i++) {
         char id[GUI_ID_MAX];
         if (snprintf(id, sizeof id, "%s=%s", item->id, names[i]) >= GUI_ID_MAX)
-            id[GUI_ID_MAX - 1] = '\0'; // names of a scene may be of any length
+            id[GUI_ID_MAX - 1] = '\0'; // names in a scene may have any length
         struct gui_item *entry = items_add(own, id, GUI_ROW, names[i], item->help);
         bool wished = items_wish(own, entry) != NULL;
         if (im_row(names[i], i == *value) || wished)
@@ -254,7 +255,7 @@ static void edit_start(struct gui_state *own, const char *id, const char *text)
     own->edit_idle = 0;
 }
 
-// A box with a text, which can be typed into. True: that ended, and edit_text is what was typed.
+// A text box for typing. Returns true when typing ended; edit_text is then the typed text.
 static bool text_box(struct gui_state *own, const char *id, const char *text, uint32_t size,
                      float width)
 {
@@ -264,7 +265,7 @@ static bool text_box(struct gui_state *own, const char *id, const char *text, ui
     im_input("##edit", is_mine ? own->edit_text : copy, size < GUI_TEXT_MAX ? size : GUI_TEXT_MAX,
              width, begins);
     const struct im_item last = im_last();
-    if (!is_mine && last.is_active && !own->edit_id[0]) // else that one ends in this frame
+    if (!is_mine && last.is_active && !own->edit_id[0]) // otherwise typing ends in this frame
         edit_start(own, id, copy);
     if (!is_mine)
         return false;
@@ -273,7 +274,7 @@ static bool text_box(struct gui_state *own, const char *id, const char *text, ui
     if (!last.was_deactivated)
         return false;
     own->edit_id[0] = '\0';
-    return last.was_edited; // not given up
+    return last.was_edited; // and not cancelled
 }
 
 bool gui_text(struct gui *gui, const char *id, const char *label, const char *help, char *value,
@@ -308,7 +309,8 @@ static void type_number(struct gui_state *own, const char *id, float width,
     own->refusal_until = own->clock + REFUSAL_SECONDS;
 }
 
-// The mouse drags the last item, whose width is given. A click with Ctrl, or two, begin to type.
+// Dragging the last item, whose width is given, changes the number. A click with Ctrl, or a double
+// click, starts typing.
 static void drag_number(struct gui_state *own, const char *id, float width,
                         const struct gui_range *range, bool is_float, double *value)
 {
@@ -331,8 +333,8 @@ static void drag_number(struct gui_state *own, const char *id, float width,
     }
 }
 
-// With as many digits as there is room for; below it, where the range is a picture of the number,
-// how much of it that fills.
+// Draws as many digits as fit; below them a bar for the number's position in its range, if it has
+// one.
 static void draw_number(float width, const struct gui_range *range, double value)
 {
     const struct im_place now = im_now();
@@ -353,7 +355,7 @@ static void draw_number(float width, const struct gui_range *range, double value
     im_draw_rect(im_layer(IM_WINDOW), bar, IM_DIM_GLOW, now.rounding);
 }
 
-// Boxes in what is left of the line, as one item.
+// Draws the boxes in the rest of the line, as one item.
 static void draw_boxes(struct gui_state *own, const char *id, uint32_t count,
                        const struct gui_range *range, bool is_float, double *value)
 {
@@ -379,9 +381,8 @@ static void draw_boxes(struct gui_state *own, const char *id, uint32_t count,
     im_group_end();
 }
 
-// Values are linear; what a screen shows and people choose from is encoded as sRGB has it (IEC
-// 61966-2-1). Above 1 a colour is shown, and chosen, as what it is with its greatest component
-// at 1.
+// Values are linear; the swatch and the colour wheel show them sRGB-encoded (IEC 61966-2-1). A
+// colour above 1 is shown and edited scaled so that its greatest component is 1.
 static void draw_swatch(struct gui *gui, struct gui_item *item, const struct gui_range *range,
                         double value[3])
 {
@@ -403,7 +404,7 @@ static void draw_swatch(struct gui *gui, struct gui_item *item, const struct gui
     im_same_line(0.0f, now.inner_spacing);
 }
 
-// Numbers are doubles inside; those of other types come and go as such without loss.
+// Numbers are handled as doubles, which represent the other types exactly.
 static bool numbers(struct gui *gui, const char *id, enum gui_kind kind, const char *label,
                     const char *help, const struct gui_range *range, bool is_float, double *value)
 {
@@ -484,8 +485,8 @@ bool gui_color(struct gui *gui, const char *id, const char *label, const char *h
 
 // --- lists ---------------------------------------------------------------------------------------
 
-// In doubles: 10^6 rows are more pixels than single precision tells apart, and rows would tremble;
-// where ImGui itself rounds, all rows are moved together.
+// Positions are computed in doubles: 10^6 rows are more pixels than single precision resolves, and
+// rows would jitter. ImGui's own rounding moves all rows together.
 static void find_rows(struct gui_list *list, float height)
 {
     const struct im_place now = im_now();
@@ -496,7 +497,7 @@ static void find_rows(struct gui_list *list, float height)
     list->first = list->first < list->last ? list->first : list->last;
 }
 
-// Goes to where the row begins.
+// Moves the cursor to the start of the row.
 static void go_to_row(uint32_t row)
 {
     const struct im_place now = im_now();
@@ -520,7 +521,7 @@ void gui_list_begin(struct gui *gui, const char *id, struct gui_list *list)
     im_dummy(0.0f, 0.0f);
 }
 
-// Returns the first of the rows from `row` on that is to be called for.
+// Returns the first row, from `row` on, for which the caller must draw.
 static uint32_t next_row(const struct gui_list *list, uint32_t row)
 {
     if (row < GUI_LIST_IDS || (row >= list->first && row < list->last) || row == list->chosen)

@@ -1,7 +1,7 @@
-// Passes mouse and keys on to the panel.
+// Passes mouse and keyboard events to the panel.
 //
-// Dear ImGui takes what is held at the time of a frame. What follows each other within one frame
-// (pressed and let go) therefore waits for the next one.
+// Dear ImGui reads the state at the time of a frame, so a second change within one frame (press and
+// release) waits for the next one.
 #include "viewer/gui/gui_state.h"
 #include "viewer/gui/imgui_bridge.h"
 
@@ -15,7 +15,7 @@ static bool is_over_panel(const struct gui *gui)
            (!gui->is_floating || (mouse[1] >= (double)place[1] && mouse[1] < (double)place[3]));
 }
 
-// A button that was pressed elsewhere is moved and let go there.
+// A button that was pressed elsewhere receives its movements and its release there.
 void events_want(struct gui *gui)
 {
     const struct gui_state *own = gui->own;
@@ -38,7 +38,7 @@ void gui_event(struct gui *gui, const struct event *event)
     } else if (event->kind == EVENT_FOCUS) {
         own->buttons_elsewhere = 0;
     }
-    // The event that lets go of a button goes where the button was pressed.
+    // The release of a button is sent to where it was pressed.
     bool let_go_elsewhere = event->kind == EVENT_BUTTON && !event->down && !gui->wants_mouse;
     events_want(gui);
     if (let_go_elsewhere)
@@ -50,7 +50,7 @@ void gui_event(struct gui *gui, const struct event *event)
     }
 }
 
-// The events of a frame that came already.
+// The events already passed in this frame.
 struct fed {
     uint32_t buttons;
     int keys[32];
@@ -62,8 +62,8 @@ static bool must_wait(const struct fed *fed, const struct event *event)
 {
     switch (event->kind) {
     case EVENT_MOVE:
-        return fed->buttons != 0; // a click is where the mouse was then
-    case EVENT_BUTTON: // a drag ends where the mouse was let go, and is seen to get there
+        return fed->buttons != 0; // a click belongs to the mouse position at that time
+    case EVENT_BUTTON:            // a drag must reach the place of the release before it ends
         return (fed->buttons >> event->code & 1u) || (fed->moved && !event->down);
     case EVENT_KEY:
         for (uint32_t i = 0; i < fed->key_count; i++)

@@ -1,4 +1,4 @@
-// Values of controls as text, and where dragging leads.
+// Conversion of values to and from text, and the result of dragging.
 #include "viewer/gui/gui_state.h"
 
 #include <errno.h>
@@ -13,7 +13,7 @@ static bool same(double a, double b, bool is_float)
     return is_float ? (float)a == (float)b : a == b;
 }
 
-// The word that stands for a value, or NULL.
+// Returns the word that stands for a value, or NULL.
 static const char *word_of(double value, const struct gui_range *range)
 {
     if (range && range->infinite && value >= range->max)
@@ -32,7 +32,7 @@ static void write_one(double value, bool is_float, const struct gui_range *range
         snprintf(out, GUI_VALUE_MAX, "%.0f", value == 0.0 ? 0.0 : value);
         return;
     }
-    // 17 significant digits tell every double from its neighbours (IEEE 754-2019, 5.12.2).
+    // 17 significant digits distinguish all doubles (IEEE 754-2019, 5.12.2).
     for (int digits = 1; digits <= 17; digits++) {
         snprintf(out, GUI_VALUE_MAX, "%.*g", digits, value);
         if (same(strtod(out, NULL), value, is_float))
@@ -95,7 +95,7 @@ static void say_range(const struct gui_range *range, bool is_float, const char *
         snprintf(why, GUI_WHY_MAX, "%.60s is outside [%.40s, %.40s]", value, min, max);
 }
 
-// One number at the beginning of text; *end is behind it and behind the unit, where that stands.
+// Reads one number at the beginning of text; *end is after it and after its unit, if that follows.
 static bool read_one(const char *text, const char **end, bool is_float,
                      const struct gui_range *range, double *out, char *why)
 {
@@ -122,7 +122,7 @@ static bool read_one(const char *text, const char **end, bool is_float,
     *end = skip_spaces(behind);
     if (range->unit && strncmp(*end, range->unit, strlen(range->unit)) == 0)
         *end += strlen(range->unit);
-    // As scene files and options have it: a number is in the range before it is rounded.
+    // As in scene files and options, the range is checked before the number is rounded.
     if (!(value >= range->min && value <= (range->infinite ? range->greatest : range->max))) {
         say_range(range, is_float, written, why);
         return false;
@@ -185,17 +185,17 @@ bool value_read_choice(const char *text, const char *const *names, uint32_t *out
 }
 
 // --- dragging ------------------------------------------------------------------------------------
-// A width of the control is all of a range that is not wide, or a factor of 1000 where the range is
-// logarithmic. Results are rounded to what a pixel of some hundred can tell apart, so that they are
-// numbers which people would write.
+// Dragging over the width of the control covers a range that is not wide, or a factor of 1000 if
+// the range is logarithmic. Results are rounded to the resolution of a few hundred pixels, so that
+// they are round numbers.
 
 #define FACTOR_A_WIDTH 1000.0
-#define WIDE 1e4 // ranges beyond: a width is as much as the value itself, or 1
+#define WIDE 1e4 // wider than this, a width changes the value by its own size, or by 1
 
 static double rounded(double value, double step)
 {
     double unit = pow(10.0, floor(log10(step)));
-    // By division where the unit is below 1, so that 0.3 is the double next to 0.3.
+    // Dividing if the unit is below 1 makes 0.3 the double nearest to 0.3.
     return unit < 1.0 ? rint(value * rint(1.0 / unit)) / rint(1.0 / unit)
                       : rint(value / unit) * unit;
 }
@@ -208,7 +208,7 @@ static double dragged_logarithmic(double start, double widths, const struct gui_
         return widths > 0.0 ? rounded(least * (factor - 1.0), least * factor / 1000.0) : range->min;
     double value = start * factor;
     if (range->min <= 0.0 && widths <= -1.0)
-        return range->min; // as far as that: nothing
+        return range->min; // from there downwards the result is min
     return value > 1e-300 && isfinite(value) ? rounded(value, value / 200.0) : value;
 }
 

@@ -1,5 +1,5 @@
-// Dear ImGui for C: what the panel uses of it, without state or decisions of its own. Where a name
-// or a word is ImGui's, its header has the contract.
+// The part of Dear ImGui that the panel uses, for C, without state or decisions of its own. ImGui's
+// header documents functions and terms that have its names.
 //
 // Positions and sizes are pixels; colours have red in the lowest byte. One thread.
 #ifndef LAMPYRIS_VIEWER_GUI_IMGUI_BRIDGE_H
@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-struct im; // a context, and what its last frame draws
+struct im; // a context, and the drawing of its last frame
 struct ImDrawList;
 
 struct im_vec {
@@ -37,69 +37,71 @@ struct im_rect {
 #define IM_FRAME IM_GRAY(0.17f, 1.0f)
 #define IM_POPUP IM_GRAY(0.12f, 0.99f)
 #define IM_LINE IM_GRAY(0.22f, 1.0f)
-#define IM_GLOW IM_RGBA(168, 201, 84, 255) // a glow-worm's
+#define IM_GLOW IM_RGBA(168, 201, 84, 255) // the colour of a glow-worm
 #define IM_DIM_GLOW IM_RGBA(115, 140, 56, 140)
 #define IM_WARNING IM_RGBA(242, 153, 89, 255)
 
-struct im *im_create(float scale); // pixels a point
+struct im *im_create(float scale); // scale: pixels per point
 void im_destroy(struct im *im);    // accepts NULL
-// path NULL: the font that ImGui has within itself. ranges: live as long.
+// path NULL: the font that is embedded in ImGui. ranges: must live as long.
 bool im_font(const char *path, float pixels, const uint16_t *ranges);
-bool im_atlas(struct gpu_atlas *out); // once the font is there; false: no memory
+bool im_atlas(struct gpu_atlas *out); // call it after the font was added; false: out of memory
 
-#define IM_KEYS 512                                    // codes are below
-#define IM_MOUSE_BUTTONS 5u                            // and these
+#define IM_KEYS 512                                    // codes of keys are below this
+#define IM_MOUSE_BUTTONS 5u                            // and those of buttons below this
 void im_put(struct im *im, const struct event *event); // codes in range
 void im_begin(struct im *im, float width, float height, float seconds);
-// is_busy: an item is active; is_typing: text is taken. *out lives until the next frame ends.
+// is_busy: an item is active; is_typing: text input is active. *out lives until the next frame
+// ends.
 void im_end(struct im *im, struct gpu_drawing *out, bool *is_busy, bool *is_typing);
 
 // --- layout --------------------------------------------------------------------------------------
-// What there is at this point of a frame.
+// The layout at this point of a frame.
 struct im_place {
-    struct im_vec display;        // its size
+    struct im_vec display;        // size of the display
     struct im_vec window, cursor; // upper left corners of the window and of the next item
     float window_height, scroll;
-    float room;                     // to the right end
-    float line, line_spaced, frame; // heights of letters, of rows of them, and of controls
-    // Of the style, scaled:
+    float room;                     // space up to the right end
+    float line, line_spaced, frame; // heights of a line of text, of lines with spacing, and of
+                                    // controls
+    // Values of the style, scaled:
     struct im_vec window_padding, frame_padding, spacing;
     float inner_spacing, rounding;
 };
 struct im_place im_now(void);
-void im_panel_begin(float width, float height); // at the upper left, without any decoration
-// A window in the window, with a bar to move it by and edges to size it by: at first of that place.
-// Returns where it is now.
+void im_panel_begin(float width, float height); // at the upper left, without decoration
+// Begins a window inside the window with a title bar for moving and edges for resizing, initially
+// at this place. Returns its current place.
 struct im_rect im_panel_begin_floating(const char *title, struct im_rect at_first);
 void im_panel_end(void);
-// Begins a list as wide as there is room, with a ground of its own, and switches as high as
-// letters.
+// Begins a list of the available width with its own background, and switches as high as text.
 void im_child_begin(const char *id, float height, bool is_list);
 void im_child_end(bool is_list);
-void im_item_begin(const char *id, bool is_disabled); // ids within are its own
+void im_item_begin(const char *id, bool is_disabled); // ids inside are local to it
 void im_item_end(void);
 void im_group_begin(void);
 void im_group_end(void);
-void im_same_line(float at, float space); // at 0: where the last item ends; space below 0: spacing
+// at 0: at the end of the last item; space below 0: default spacing
+void im_same_line(float at, float space);
 void im_separator(void);
 void im_indent(int levels);
 void im_dummy(float width, float height);
-void im_cursor_set_y(float y); // in the window
+void im_cursor_set_y(float y); // relative to the window
 void im_scroll_set(float y);
-void im_scroll_here(void); // what was drawn last comes to the middle
+void im_scroll_here(void); // scrolls the last item to the centre
 
 // --- items ---------------------------------------------------------------------------------------
-// The last item, and what mouse and keys do to it.
+// The last item, and its interaction with mouse and keys.
 struct im_item {
     struct im_rect box, clip;
-    bool is_hovered;                                            // also where it is disabled
-    bool is_active, was_activated, was_deactivated, was_edited; // edited: before it ended
+    bool is_hovered;                                            // also if it is disabled
+    bool is_active, was_activated, was_deactivated, was_edited; // edited: before it was deactivated
     bool is_double_clicked, has_control;
     bool is_dragged;
-    float drag; // how far the mouse dragged it since the last frame, with Shift a tenth
+    float drag; // mouse movement since the last frame; a tenth of it with Shift
 };
 struct im_item im_last(void);
-// wrap: where lines end, in the window; 0: at the right end, -1: nowhere.
+// wrap: x position in the window where lines end; 0: at the right end, -1: no wrapping.
 void im_text(uint32_t rgba, float wrap, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
 struct im_vec im_text_size(const char *text, float wrap); // wrap: a width; -1: none
@@ -107,14 +109,14 @@ static inline float im_text_width(const char *text)
 {
     return im_text_size(text, -1.0f).x;
 }
-bool im_tree(const char *label, bool is_open, bool is_framed); // true: is open now
+bool im_tree(const char *label, bool is_open, bool is_framed); // returns whether it is open now
 bool im_button(const char *label, struct im_vec size, bool is_field);
 bool im_checkbox(const char *label, bool *value);
 bool im_row(const char *label, bool is_on);
 bool im_combo_begin(const char *id, const char *shown);
-void im_combo_end(void); // where it was open
+void im_combo_end(void); // call it if it was open
 void im_input(const char *id, char *text, uint32_t size, float width, bool takes_focus);
-// A swatch that opens a wheel of this width; *is_open: it is.
+// A swatch that opens a colour wheel of this width; *is_open: the wheel is open.
 bool im_color(const char *id, float rgb[3], float size, float width, bool *is_open);
 
 // --- drawing -------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-// The panel: groups of controls for all that the viewer holds. Changes go through edit.h.
+// The panel: groups of controls for all of the viewer's state. Changes go through edit.h.
 #ifndef LAMPYRIS_VIEWER_PANEL_PANEL_H
 #define LAMPYRIS_VIEWER_PANEL_PANEL_H
 
@@ -6,7 +6,7 @@
 #include <stdbool.h>
 
 struct viewer;
-struct panel; // what people typed into it, and its lists' filters
+struct panel; // typed texts, and the filters of lists
 
 bool panel_create(struct panel **out, struct err *err);
 void panel_destroy(struct panel *panel); // accepts NULL

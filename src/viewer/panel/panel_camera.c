@@ -1,4 +1,4 @@
-// The camera, how it is moved, and views that were saved.
+// The camera, its movement, and saved views.
 #include "viewer/panel/panel_internal.h"
 
 #include "scene/core/affine.h"
@@ -56,7 +56,8 @@ static double target_distance(const struct viewpoint *view)
     return distance > 0 && isfinite(distance) ? distance : 1;
 }
 
-// Another kind shows about as much of the target, and has no lens: only perspective ones do.
+// Another kind of camera shows about as much of the target, and has no lens: only perspective
+// cameras have one.
 static void change_kind(const struct viewpoint *view, struct camera *to)
 {
     if (!(to->fov_y > 0 && to->fov_y < M_PI))
@@ -89,7 +90,7 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
     uint32_t corners = to->lens_blades;
     if (gui_count(gui, "camera.blades", "Blades",
                   "Of the aperture; 0: a round one. 1 and 2 become 3.", &blades, &corners)) {
-        // Between round and a triangle there is nothing: a drag passes over it.
+        // The values between 0 (round) and 3 are invalid: dragging skips them.
         bool is_falling = corners < to->lens_blades;
         to->lens_blades = corners == 1 || corners == 2 ? (is_falling ? 0 : 3) : corners;
     }

@@ -1,4 +1,4 @@
-// Lights without extent: a list, and all of the chosen one.
+// Punctual and directional lights: a list, and the parameters of the selected one.
 #include "viewer/panel/panel_internal.h"
 
 #include "scene/core/affine.h"
@@ -25,8 +25,7 @@ static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
              light_kind_names[light->kind], light->hidden ? ", hidden" : "");
 }
 
-// Gives parameters that were not used values that make sense when a light becomes one of another
-// type.
+// Gives unused parameters useful values when a light becomes one of another type.
 static void change_kind(struct light *to, uint32_t kind)
 {
     to->kind = kind;
@@ -57,7 +56,7 @@ static void place(struct panel *panel, const struct document *document, struct l
     gui_enabled(gui, true);
 }
 
-// Intensity and colour apart: the greatest component, and what it multiplies.
+// Edits intensity and colour separately: the greatest component, and its multiplier.
 static void radiant(struct gui *gui, struct light *to)
 {
     struct gui_range strength = panel_radiance;
@@ -76,11 +75,11 @@ static void radiant(struct gui *gui, struct light *to)
         to->radiant[c] = color[c] * intensity;
 }
 
-// The inner angle stays below the outer one: the one that is moved pushes the other.
+// The inner angle stays below the outer one: editing one of them moves the other if necessary.
 static void cone(struct gui *gui, struct light *to)
 {
     double inner = (double)to->inner_angle, outer = (double)to->outer_angle;
-    const float least = 1e-3f; // between the two, radians
+    const float least = 1e-3f; // difference of the two, radians
     gui_enabled(gui, to->kind == LIGHT_SPOT);
     if (gui_angle(gui, "light.inner_angle", "Inner angle",
                   "Between the axis and where the light begins to fade, degrees.", &right_angle,

@@ -1,4 +1,4 @@
-// Lists of any length, of which people see those whose names have a text in them.
+// Lists of any length with a filter: rows whose names contain a text are shown.
 #include "viewer/panel/panel_internal.h"
 
 #include <ctype.h>
@@ -21,7 +21,7 @@ static bool contains(const char *name, const char *text)
     return false;
 }
 
-// Looks through all names only where the filter or the list is another one than in the last frame.
+// Applies the filter to all names only if the filter or the list changed since the last frame.
 static void update(struct panel_filter *filter, const struct panel_list *list)
 {
     bool is_same = filter->of == list->of && filter->of_count == list->count &&
@@ -38,7 +38,7 @@ static void update(struct panel_filter *filter, const struct panel_list *list)
         return;
     filter->rows = malloc(list->count * sizeof *filter->rows);
     if (!filter->rows)
-        return; // without memory all are shown
+        return; // when out of memory, all rows are shown
     filter->count = 0;
     char name[PANEL_NAME_MAX];
     for (uint32_t row = 0; row < list->count; row++) {

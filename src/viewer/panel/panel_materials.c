@@ -1,4 +1,4 @@
-// Materials: a list, and all that the chosen one's model takes.
+// Materials: a list, and the parameters of the selected one's model.
 #include "viewer/panel/panel_internal.h"
 
 #include "scene/json/load_json.h"
@@ -26,7 +26,8 @@ static const char *label_of(struct panel *panel, const char *name)
             *c = ' ';
     if (label[0] >= 'a' && label[0] <= 'z')
         label[0] = (char)(label[0] - 'a' + 'A');
-    const char *color = strstr(label, "color"); // files have it so; people here write it otherwise
+    const char *color = strstr(label, "color"); // files use the American spelling, the panel the
+                                                // British one
     if (color)
         color = arena_printf(panel->frame_arena, "%.*scolour%s", (int)(color - label), label,
                              color + strlen("color"));
@@ -37,7 +38,7 @@ static struct gui_range range_of(const struct material_parameter *p)
 {
     return (struct gui_range){.min = (double)p->min,
                               .max = (double)p->max,
-                              // Wide ranges are of quantities that differ by factors.
+                              // Wide ranges belong to quantities that vary by factors.
                               .logarithmic = p->min >= 0 && p->max > 10};
 }
 
@@ -56,7 +57,7 @@ static bool is_black(const float color[3])
     return color[0] == 0 && color[1] == 0 && color[2] == 0;
 }
 
-// Returns whether a parameter makes a difference, given the others.
+// Returns whether a parameter has an effect, given the others.
 static bool matters(const struct document *document, const struct material *m, uint32_t parameter)
 {
     bool is_principled = m->model == MATERIAL_PRINCIPLED;
@@ -89,7 +90,7 @@ static bool matters(const struct document *document, const struct material *m, u
     }
 }
 
-// Ids live as long as the frame; so does gui->used.
+// Ids live as long as the frame, and so does gui->used.
 static void parameter(struct panel *panel, const struct document *document,
                       const struct material_parameter *p, struct material *to)
 {
@@ -109,7 +110,7 @@ static void parameter(struct panel *panel, const struct document *document,
 
 // --- flags ---------------------------------------------------------------------------------------
 
-// id: "material." and the key.
+// id: "material." followed by the key.
 static void flag(struct gui *gui, const char *id, const char *label, const char *help,
                  struct material *to)
 {

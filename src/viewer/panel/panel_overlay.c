@@ -1,4 +1,4 @@
-// Shows what stands over the picture: messages, the sides of the split view, keys.
+// Shows the overlays of the image: messages, the sides of the split view, keys.
 #include "viewer/panel/panel_internal.h"
 
 #include "base/false_color.h"
@@ -21,14 +21,14 @@ static double message_lasts(enum message_kind kind)
     return seconds[kind];
 }
 
-// Where the picture begins that the panel leaves free.
+// Returns the left end of the space beside the panel.
 static float free_x(struct panel *panel)
 {
     return panel->gui->width + MARGIN * panel->window->scale;
 }
 
-// Writes what the second side's settings have different from the first's: ", sampler pcg, mis
-// none". As much of it as there is room for.
+// Writes the settings of the second side that differ from the first's: ", sampler pcg, mis none",
+// as many as fit.
 static void write_difference(const struct stage *stage, char *out, size_t size)
 {
     const struct settings *a = &stage->sides[0].method.settings;
@@ -67,14 +67,14 @@ static void side_note(struct panel *panel, const struct stage *stage, uint32_t s
         gui_note(panel->gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples, other);
 }
 
-// Under each other where the line is too far at the left for both.
+// One is below the other if the line is too far to the left for both.
 static float sides(struct panel *panel, const struct stage *stage, float y)
 {
     float line = 22.0f * panel->window->scale;
     float left = free_x(panel);
     float right = (float)viewer_split_x(panel->viewer) + MARGIN * panel->window->scale;
     side_note(panel, stage, 0, left, y);
-    // Room for a sentence of some forty letters.
+    // The width of a sentence of some forty letters.
     if (right < left + 330.0f * panel->window->scale) {
         side_note(panel, stage, 1, fmaxf(right, left), y + line);
         return y + 2.0f * line;
@@ -99,7 +99,7 @@ static uint32_t encoded(double linear)
     return image_quantize(image_srgb_from_linear(fminf(fmaxf((float)linear, 0.0f), 1.0f)));
 }
 
-// Of false colours: from where to where they reach, and where the middle is.
+// Draws the legend of false colours: the ends of the range and its centre.
 static void legend(struct panel *panel, const struct document *document, const struct stage *stage)
 {
     enum { COLORS = 33 };
@@ -114,7 +114,7 @@ static void legend(struct panel *panel, const struct document *document, const s
         colors[i] = encoded(rgb[0]) | encoded(rgb[1]) << 8 | encoded(rgb[2]) << 16 | 0xff000000u;
     }
     double middle = 0.5 * (range[0] + range[1]);
-    if (shown_is_logarithmic(what)) // 0 stands for what is next to it
+    if (shown_is_logarithmic(what)) // 0 stands for values close to it
         middle = sqrt(fmax(range[0], (double)FLT_MIN) * range[1]);
     char texts[3][64];
     snprintf(texts[0], sizeof texts[0], "%.3g", range[0]);

@@ -1,4 +1,4 @@
-// Where the chosen object is, and what lamps become.
+// The placement of the selected object, and the exchange of lamps and lights.
 #include "viewer/panel/panel_internal.h"
 
 #include "scene/core/placement.h"
@@ -8,7 +8,7 @@
 static const struct gui_range turn = {-1e6, 1e6, .unit = "°", .drag = 180};
 static const struct gui_range scale = {1e-6, 1e6, .logarithmic = true};
 
-// The middle of a mesh is that of all its vertices: it is looked for once.
+// The centre of a mesh depends on all its vertices, so it is computed once.
 static const double *middle_of(struct panel *panel, const struct scene *scene, uint32_t object)
 {
     struct panel_middle *known = &panel->middle;
@@ -26,7 +26,7 @@ static const double *middle_of(struct panel *panel, const struct scene *scene, u
     return known->middle;
 }
 
-// Shapes that take one scale alone get it along all axes.
+// Shapes with a single scale get it along all axes.
 static void even_scale(double now[3], const double before[3])
 {
     double changed = now[0];

@@ -1,4 +1,4 @@
-// How a side is rendered, and what is shown of it.
+// The rendering method and the display settings of a side.
 #include "viewer/panel/panel_internal.h"
 
 #include <string.h>
@@ -28,7 +28,7 @@ static void accumulation(struct panel *panel, const struct stage *stage, struct 
     gui_count(gui, "renderer.samples_a_frame", "Per frame",
               "Samples of every pixel in a frame; 0: as many as the time allows.", &samples_a_frame,
               &to->samples_a_frame);
-    const char *used = gui->used; // the limit is no part of the method
+    const char *used = gui->used; // the limit is not part of the method
     struct shown shown = stage->shown;
     double most = shown.spp_limit ? (double)shown.spp_limit : spp.max;
     if (gui_number(gui, "renderer.spp", "Samples",
@@ -40,7 +40,7 @@ static void accumulation(struct panel *panel, const struct stage *stage, struct 
     gui->used = used;
 }
 
-// Powers of two that the device takes; 0 for its own choice.
+// Powers of two that the device supports; 0 for its default.
 static void workgroup(const struct stage *stage, struct gui *gui, struct method *to)
 {
     static const char *const words[] = {"device's", "8",   "16",  "32",   "64",
@@ -83,8 +83,8 @@ static void device(const struct stage *stage, struct gui *gui, struct method *to
         to->merge_classes = merged;
 }
 
-// All materials at once: what is anisotropic becomes isotropic, and what was so in the file becomes
-// it again.
+// Applies to all materials: turning it off makes anisotropic materials isotropic, turning it on
+// restores the file's values.
 static void anisotropy(struct panel *panel, const struct document *document)
 {
     struct gui *gui = panel->gui;
@@ -107,7 +107,7 @@ static void anisotropy(struct panel *panel, const struct document *document)
     edit_begin_group(panel->viewer);
     for (uint32_t i = 0; i < scene->material_count; i++) {
         struct material to = scene->materials[i];
-        bool was = is_on && i < before->material_count; // else it was added
+        bool was = is_on && i < before->material_count; // otherwise it was added
         to.anisotropic = was ? before->materials[i].anisotropic : 0.0f;
         edit_material(panel->viewer, i, &to, id);
     }
@@ -215,7 +215,7 @@ static void split(struct panel *panel, const struct stage *stage, struct shown *
     }
 }
 
-// Of the viewer alone: not undone, and not saved.
+// These belong to the viewer alone: they are neither undone nor saved.
 static void pace(struct panel *panel, struct stage *stage, struct viewpoint *view)
 {
     static const struct gui_range target = {1, 1000, .logarithmic = true, .unit = "ms"};

@@ -1,4 +1,4 @@
-// The scene: its file, what is around it, its objects, and what was picked.
+// The scene: its file, its environment, its objects, and the picked surface.
 #include "viewer/panel/panel_internal.h"
 
 #include "base/file.h"
@@ -26,7 +26,8 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-// Into panel->files; without memory or the folder the list is empty.
+// Lists scenes into panel->files; the list is empty when out of memory or if the folder cannot be
+// read.
 static void list_folder(struct panel *panel)
 {
     struct arena *arena = &panel->files_arena;
@@ -52,7 +53,7 @@ static void list_folder(struct panel *panel)
         qsort(panel->files, panel->file_count, sizeof *panel->files, by_name);
 }
 
-// The newest first; one that was there already moves up.
+// The newest is first; an existing entry moves to the front.
 static void remember(struct panel *panel, const char *path)
 {
     uint32_t place = 0;
@@ -157,7 +158,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     gui_group_begin(gui, "surroundings", "Surroundings", "What light arrives from outside.", false);
     struct surroundings to = document->surroundings;
     gui->used = NULL;
-    // An image without a path is none: the path is asked for first.
+    // Before an image is set, its path must be entered.
     bool has_image = to.image[0] != '\0';
     uint32_t kind = to.kind;
     if (gui_choice(gui, "surroundings.kind", "Kind",
@@ -175,7 +176,8 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     gui_enabled(gui, is_lit);
     gui_number(gui, "surroundings.strength", "Strength", "Factor on all of it.", &panel_radiance,
                &to.strength);
-    gui_enabled(gui, is_lit && around->width > 0); // one colour looks the same from all sides
+    gui_enabled(gui, is_lit && around->width > 0); // a constant environment is the same in all
+                                                   // rotations
     gui_number(gui, "surroundings.rotation", "Rotation",
                "About +Y, degrees, in addition to the file's.", &turn, &to.rotation_degrees);
     gui_enabled(gui, to.kind == SURROUNDINGS_CONSTANT);
@@ -186,7 +188,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     if (gui_text(gui, "surroundings.image", "Image",
                  "Path of a picture in latitude and longitude (.hdr, .exr, …); Enter shows it.",
                  to.image, sizeof to.image)) {
-        // Unused bytes are 0, so that states can be compared as they are.
+        // Unused bytes are 0, so that states can be compared byte by byte.
         size_t length = strlen(to.image);
         memset(to.image + length, 0, sizeof to.image - length);
         to.kind = length ? SURROUNDINGS_IMAGE : SURROUNDINGS_ORIGINAL;

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#define WIDE 1e3 // ranges beyond are logarithmic
+#define WIDE 1e3 // wider ranges are logarithmic
 
 static const char *const setting_ids[SETTING_TOTAL] = {
 #define SETTING(ID, type, member, key, ...) [SETTING_##ID] = "renderer." key,
@@ -11,7 +11,7 @@ static const char *const setting_ids[SETTING_TOTAL] = {
 #include "scene/core/settings_list.h"
 };
 
-// Where a word means a number beyond the range, the control ends one step behind it.
+// If a word stands for a number beyond the range, the control ends one step after the range.
 static bool has_word_at_end(const struct field *field)
 {
     return field->word && field->word_value > field->max;

@@ -1,4 +1,4 @@
-// Shows what there is to know of the picture as it grows.
+// Shows statistics of the accumulating image.
 #include "viewer/panel/panel_internal.h"
 
 #include "base/memory.h"
@@ -48,9 +48,9 @@ static void frame_bars(struct panel *panel, const struct stage *stage)
     gui_bars(panel->gui, bars, sizeof bars / sizeof *bars, "ms");
 }
 
-#define KERNEL_ROWS 8u // at least: what is below stays where it is while kernels come and go
+#define KERNEL_ROWS 8u // at least, so that the layout below does not change as kernels come and go
 
-// Those that there are, in the order in which they run.
+// Draws the existing kernels in the order in which they run.
 static void kernel_bars(struct panel *panel, const struct stage *stage)
 {
     struct gui_bar bars[KERNEL_COUNT + KERNEL_ROWS] = {0};
@@ -68,7 +68,7 @@ static void kernel_bars(struct panel *panel, const struct stage *stage)
 
 // --- error ---------------------------------------------------------------------------------------
 
-// The error of independent samples falls with their number, and so with time.
+// The error of independent samples decreases with their number, and so with time.
 static void forecast_line(struct panel *panel, const struct job_look *look)
 {
     struct gui *gui = panel->gui;
@@ -82,7 +82,7 @@ static void forecast_line(struct panel *panel, const struct job_look *look)
              time_text(panel, look->seconds * error / target));
 }
 
-// Three lines, whatever is known.
+// Always draws three lines, so that the layout does not change.
 static void error_lines(struct panel *panel, const struct stage *stage, uint32_t side)
 {
     struct gui *gui = panel->gui;

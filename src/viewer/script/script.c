@@ -1,4 +1,4 @@
-// A script instead of hands and eyes: one command after the other, a step of it in every frame.
+// Runs a script in place of a user: one command after the other, one step of it per frame.
 #include "viewer/script/script.h"
 
 #include "base/clock.h"
@@ -55,8 +55,8 @@ enum step rest_frames(struct script *script, uint64_t frames)
 
 // --- files ---------------------------------------------------------------------------------------
 
-// A picture is written on another thread: a failure shows as a message of a time after the
-// command's start.
+// An image is written on another thread: a failure is a message that is newer than the start of the
+// command.
 static enum step wait_for_file(struct script *script, struct viewer *viewer, struct err *err)
 {
     if (!worker_is_idle(viewer->shell.worker) || viewer->document.waits_to_save)
@@ -102,7 +102,7 @@ static enum step step_copy(struct script *script, struct viewer *viewer,
     (void)script, (void)viewer;
     struct arena arena = {0};
     struct file_bytes bytes;
-    // It stands for an editor, which may replace what the viewer reads.
+    // It simulates an editor that replaces files which the viewer reads.
     bool ok = file_read_own(&arena, command->texts[0], 0, &bytes, err) &&
               file_replace_atomic(command->texts[1], bytes.data, bytes.size, err);
     arena_finish(&arena);

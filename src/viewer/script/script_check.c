@@ -1,4 +1,4 @@
-// Waiting, and what the viewer shows and knows.
+// Waiting, and tests of the viewer's state and image.
 #include "viewer/core/messages.h"
 #include "viewer/script/script_run.h"
 
@@ -27,7 +27,7 @@ static uint64_t least_samples(const struct viewer *viewer)
     return viewer->stage.side_count ? least : 0;
 }
 
-// Every pixel has as many samples as it is to get, and nothing else is under way.
+// Returns whether every pixel has all its samples and no work is in progress.
 static bool is_complete(const struct viewer *viewer)
 {
     return viewer->stage.is_resting && viewer->stage.shown.spp_limit > 0 &&
@@ -72,7 +72,7 @@ enum step step_wait(struct script *script, struct viewer *viewer,
 
 // --- writing down --------------------------------------------------------------------------------
 
-// A line at the end of the file.
+// Appends a line to the file.
 static bool append(const char *path, json_t *object, struct err *err)
 {
     if (!file_inputs_check(path, err)) {
@@ -192,8 +192,8 @@ enum step step_expect(struct script *script, struct viewer *viewer,
 
 // --- what a control does -------------------------------------------------------------------------
 
-// The control's own value, what was said, how often something was undone and how long things took
-// would be different in any case.
+// Removes the control's own value, messages, the count of undone steps and times, which always
+// differ.
 static void forget_own(json_t *state, const char *id)
 {
     static const char history[] = "history.";
@@ -223,8 +223,8 @@ static bool has_changed(const struct script *script, const struct command_line *
     return !json_equal(json_object_get(before, "sides"), json_object_get(after, "sides"));
 }
 
-// Nothing is changed before the picture rests, so that as many samples are compared; step_set()
-// finds whether the control takes the value.
+// Waits until the image is complete before the change, so that equal numbers of samples are
+// compared; step_set() tests whether the control takes the value.
 enum step step_check(struct script *script, struct viewer *viewer,
                      const struct command_line *command, struct err *err)
 {

@@ -1,4 +1,4 @@
-// Keys, mouse and the panel's controls, as a user has them.
+// Simulates keyboard and mouse, and sets the panel's controls.
 #include "viewer/core/viewer.h"
 #include "viewer/script/script_run.h"
 
@@ -22,7 +22,7 @@ static void push_mouse(struct script *script, struct viewer *viewer, double x, d
     push(script, viewer, (struct event){.kind = EVENT_MOVE, .x = x, .y = y});
 }
 
-// The modifiers are keys, too: before the key, or after it.
+// The modifiers are keys, too: they are pressed before the key, and released after it.
 static void push_modifiers(struct script *script, struct viewer *viewer, uint32_t modifiers,
                            bool down)
 {
@@ -115,7 +115,7 @@ enum step step_scroll(struct script *script, struct viewer *viewer,
     return next_phase(script);
 }
 
-// The next character of UTF-8; what is none is taken byte by byte.
+// Returns the next character of UTF-8; invalid bytes are returned one by one.
 static int take_character(const char **text)
 {
     const unsigned char *at = (const unsigned char *)*text;
@@ -201,10 +201,10 @@ enum step step_set(struct script *script, struct viewer *viewer, const struct co
     return rest_frames(script, FRAMES_TO_SEE);
 }
 
-#define REVEAL_FRAMES 3u  // until a control that was scrolled to has its place
+#define REVEAL_FRAMES 3u  // until a control has its final place after scrolling
 #define REVEAL_TRIALS 10u // frames in all
 
-// Puts the mouse on the control; the phase after it begins when it is there.
+// Moves the mouse to the control; the next phase begins when it is there.
 static enum step aim(struct script *script, struct viewer *viewer, const char *id, struct err *err)
 {
     const struct gui_item *item = gui_find(&viewer->shell.gui, id);
@@ -233,7 +233,7 @@ enum step step_click(struct script *script, struct viewer *viewer,
     switch (script->now.phase) {
     case 0:
         return aim(script, viewer, command->texts[0], err);
-    case 1: // the control knows where the mouse is
+    case 1: // the control has seen the mouse
         return script->now.frame++ == 0 ? STEP_AGAIN : next_phase(script);
     case 2:
         push_button(script, viewer, 0, true);

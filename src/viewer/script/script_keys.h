@@ -5,7 +5,7 @@
 #include "base/err.h"
 #include <stdint.h>
 
-// GLFW's code of the key, and EVENT_SHIFT … of what stands before it. err: what was expected.
+// Parses a key: GLFW's code, and the modifiers EVENT_SHIFT … before it. err: what was expected.
 bool script_key(const char *name, int *code, uint32_t *modifiers, struct err *err);
 
 #endif

@@ -1,4 +1,4 @@
-// The script that runs, for the files of this room.
+// The running script, for the files of this folder.
 #ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_RUN_H
 #define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_RUN_H
 
@@ -7,19 +7,19 @@
 
 struct viewer;
 
-// Of one frame of a command.
+// Result of one frame of a command.
 enum step {
-    STEP_DONE,  // what follows may begin in this frame
-    STEP_AGAIN, // goes on in the next frame
+    STEP_DONE,  // the next command may begin in this frame
+    STEP_AGAIN, // continues in the next frame
     STEP_FAILED
 };
 
-// Of the command that runs: zeroed when it begins.
+// State of the current command, zeroed when it begins.
 struct progress_of {
     bool has_begun;
     uint32_t phase;
-    uint64_t frame; // of this phase, from 0
-    json_t *before; // of `check`: the state, and the picture
+    uint64_t frame; // frames of this phase, from 0
+    json_t *before; // for `check`: the state, and the image's hash, before
     uint64_t picture;
 };
 
@@ -29,7 +29,7 @@ struct script {
     struct command_line *commands;
     uint32_t count, at;
     struct progress_of now;
-    double started;         // clock of the command that runs
+    double started;         // clock time at which the current command began
     double timeout_seconds; // for one command
     double mouse[2];
 };
@@ -37,7 +37,7 @@ struct script {
 typedef enum step (*step_fn)(struct script *script, struct viewer *viewer,
                              const struct command_line *command, struct err *err);
 
-// --- script_input.c: what a user does ------------------------------------------------------------
+// --- script_input.c: user input ------------------------------------------------------------------
 enum step step_key(struct script *, struct viewer *, const struct command_line *, struct err *);
 enum step step_mouse(struct script *, struct viewer *, const struct command_line *, struct err *);
 enum step step_button(struct script *, struct viewer *, const struct command_line *, struct err *);
@@ -52,20 +52,20 @@ enum step step_minimise(struct script *, struct viewer *, const struct command_l
                         struct err *);
 enum step step_close(struct script *, struct viewer *, const struct command_line *, struct err *);
 
-// --- script_check.c: what came of it -------------------------------------------------------------
+// --- script_check.c: tests of the result ---------------------------------------------------------
 enum step step_wait(struct script *, struct viewer *, const struct command_line *, struct err *);
 enum step step_hash(struct script *, struct viewer *, const struct command_line *, struct err *);
 enum step step_state(struct script *, struct viewer *, const struct command_line *, struct err *);
 enum step step_check(struct script *, struct viewer *, const struct command_line *, struct err *);
 enum step step_expect(struct script *, struct viewer *, const struct command_line *, struct err *);
 
-// The next phase, from its frame 0 on.
+// Starts the next phase with its frame 0.
 enum step next_phase(struct script *script);
-// Goes on in the next frame, until so many have passed in this phase; done then.
+// Continues in the next frame until this phase has had so many frames; then returns STEP_DONE.
 enum step rest_frames(struct script *script, uint64_t frames);
 
-// From a command to what it does to the picture: pushed events are read in the next frame, and what
-// they do is on the screen at its end.
+// Frames from a command to its effect on the image: pushed events are read in the next frame, and
+// their effect is on the screen at its end.
 #define FRAMES_TO_SEE 2u
 
 #endif

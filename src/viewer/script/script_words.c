@@ -9,7 +9,7 @@
 
 #define WORDS_MAX 8u
 
-// A line of a script while it is read.
+// A line of a script during parsing.
 struct words {
     const char *list[WORDS_MAX];
     uint32_t count, next;
@@ -50,7 +50,8 @@ static bool take_count(struct words *words, const char *what, double most, doubl
                     most));
 }
 
-// The word's place in a list that NULL ends; false, and nothing is taken, where it is not in it.
+// Takes the word's index in a NULL-terminated list; returns false, without taking it, if it is not
+// in the list.
 static bool take_one_of(struct words *words, const char *const *names, int *out)
 {
     for (int i = 0; words->next < words->count && names[i]; i++)
@@ -294,8 +295,8 @@ static bool parse_line(struct words *words, struct command_line *out, struct err
 
 // --- lines ---------------------------------------------------------------------------------------
 
-// Cuts the line into words, in place: they end at blanks, or stand in quotation marks, where
-// \ takes the next character as it is. What follows # outside of them says nothing.
+// Splits the line into words, in place. They are separated by blanks, or quoted; in quotes, a
+// backslash escapes the next character. Text after an unquoted # is a comment.
 static bool split(char *line, struct words *out, struct err *err)
 {
     *out = (struct words){0};

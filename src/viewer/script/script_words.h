@@ -1,4 +1,4 @@
-// Reads the commands of scripts and their arguments, which are checked before anything runs.
+// Parses scripts. Commands and their arguments are checked before anything runs.
 #ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_WORDS_H
 #define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_WORDS_H
 
@@ -50,19 +50,19 @@ enum comparison {
     COMPARE_CONTAINS,
     COMPARE_LACKS
 };
-// The effect that a changed control has to have: see script_check.c.
+// The effect that the change of a control must have: see script_check.c.
 enum effect { EFFECT_RESULT, EFFECT_PICTURE, EFFECT_STATE };
 
 #define COMMAND_TEXTS 3
 #define COMMAND_NUMBERS 2
 
-// What a command uses of this its entry in the table says.
+// The table of commands says which members a command uses.
 struct command_line {
     enum verb verb;
     uint32_t line;
     const char *texts[COMMAND_TEXTS]; // files, ids, values
     double numbers[COMMAND_NUMBERS];
-    int code; // of a key (GLFW's) or a button
+    int code; // of a key (GLFW's) or of a button
     uint32_t modifiers;
     enum press press;
     enum wait_unit unit;
@@ -75,7 +75,7 @@ struct command_line {
 // Reads a script. ERR_INPUT: "FILE:LINE: what is wrong and what was expected".
 bool script_read(const char *path, struct arena *arena, struct command_line **out, uint32_t *count,
                  struct err *err);
-// The script's name of a comparison, "==".
+// Returns the name of a comparison in scripts, "==".
 const char *comparison_name(enum comparison comparison);
 
 #endif

@@ -234,7 +234,7 @@ bool state_hash_picture(struct viewer *viewer, uint64_t *hash, struct err *err)
     uint64_t bytes = (uint64_t)screen->width * screen->height * 4;
     *hash = HASH_INIT;
     if (bytes == 0 || viewer->stage.display.pixels.bytes < bytes)
-        return true; // nothing was shown so far
+        return true; // nothing has been displayed yet
     uint8_t *pixels = malloc(bytes);
     if (!pixels)
         return err_memory(err, "the picture", bytes);

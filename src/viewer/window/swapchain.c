@@ -1,12 +1,12 @@
-// The window's pictures.
+// Presents images in the window.
 #include "viewer/window/swapchain.h"
 
 #include "viewer/window/swapchain_choose.h"
 
-// Longer than a frame of any display. A window that nobody sees may never get an image: then the
-// picture is left out, and the program goes on.
+// Longer than a frame of any display. A window that is not visible may never get an image: then the
+// image is skipped, and the program continues.
 #define ACQUIRE_NS UINT64_C(100000000)
-// Without a picture in between; a window system that is gone for good would have no end of them.
+// Without an image between them; if the window system is gone for good, this ends the loop.
 #define MAX_LOST_SURFACES 4
 
 static bool succeeds(struct gpu *gpu, const char *call, VkResult result, struct err *err)
@@ -14,8 +14,8 @@ static bool succeeds(struct gpu *gpu, const char *call, VkResult result, struct 
     return result == VK_SUCCESS || gpu_fail(gpu, call, result, err);
 }
 
-// False where the result ends the work on this picture. It has failed (*failed) only where making
-// the swapchain anew does not help.
+// Returns false if the result ends the work on this image. It is a failure (*failed) only if
+// recreating the swapchain does not help.
 static bool goes_on(struct gpu *gpu, struct swapchain *swapchain, const char *call, VkResult result,
                     bool *failed, struct err *err)
 {
@@ -23,7 +23,7 @@ static bool goes_on(struct gpu *gpu, struct swapchain *swapchain, const char *ca
     case VK_SUCCESS:
         return true;
     case VK_SUBOPTIMAL_KHR:
-        // One that is so from its first picture on would be so again.
+        // If it is suboptimal from its first image on, recreating it does not help.
         swapchain->is_suboptimal |= swapchain->shown == swapchain->shown_before_made;
         swapchain->is_stale |= !swapchain->is_suboptimal;
         return true;
@@ -66,7 +66,7 @@ static void calls_load(struct gpu *gpu, struct swapchain_calls *out)
 #undef DEVICE
 }
 
-// All but the swapchain itself, which the next one takes over from.
+// Frees everything except the swapchain itself, which is passed to its successor.
 static void images_finish(struct gpu *gpu, struct swapchain *swapchain)
 {
     gpu_settle(gpu);
@@ -155,7 +155,7 @@ struct offer {
     uint32_t format_count, mode_count;
 };
 
-// More than there is room for is no failure: the first ones are enough to choose from.
+// If there are more entries than room, the first ones are enough to choose from.
 static VkResult offer_read(const struct gpu *gpu, const struct swapchain *swapchain,
                            struct offer *out)
 {
@@ -189,7 +189,8 @@ static VkCompositeAlphaFlagBitsKHR composite_alpha(const VkSurfaceCapabilitiesKH
     VkCompositeAlphaFlagsKHR offered = surface->supportedCompositeAlpha;
     if (offered & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR)
         return VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
-    return 1u << __builtin_ctz(offered); // one of them there is: pictures are opaque in all
+    return 1u << __builtin_ctz(offered); // at least one is offered: images are opaque in all of
+                                         // them
 }
 
 static VkResult handle_create(struct gpu *gpu, struct swapchain *swapchain,
@@ -219,12 +220,12 @@ static VkResult handle_create(struct gpu *gpu, struct swapchain *swapchain,
     VkResult result = swapchain->calls.create(gpu->device, &info, NULL, &swapchain->handle);
     if (result != VK_SUCCESS)
         swapchain->handle = VK_NULL_HANDLE;
-    if (old) // retired, also by a failure
+    if (old) // it is retired, even if creation failed
         swapchain->calls.destroy(gpu->device, old, NULL);
     return result;
 }
 
-// False where it did not come about: *failed tells whether that is an error.
+// Returns false if there is no swapchain: *failed tells whether that is an error.
 static bool remake(struct gpu *gpu, struct swapchain *swapchain, const struct window *window,
                    bool *failed, struct err *err)
 {
@@ -251,8 +252,8 @@ static bool remake(struct gpu *gpu, struct swapchain *swapchain, const struct wi
     return !*failed;
 }
 
-// For the window as it is now. Without a swapchain afterwards, and no failure, where the window has
-// no area or the surface was lost.
+// Makes a swapchain for the current window. If the window has no area or the surface was lost,
+// there is none afterwards, and that is no failure.
 static bool swapchain_make(struct gpu *gpu, struct swapchain *swapchain,
                            const struct window *window, struct err *err)
 {
@@ -339,7 +340,7 @@ static void barrier(struct gpu_commands *commands, VkImage image, VkImageLayout 
                          VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL, 0, NULL, 1, &info);
 }
 
-// Puts the channels where the image has them, and scales.
+// Reorders the channels for the image's format, and scales.
 static void blit(struct swapchain *swapchain, const struct gpu_screen *screen, VkImage to)
 {
     bool same_size = screen->width == swapchain->width && screen->height == swapchain->height;
@@ -365,7 +366,7 @@ static void copy(struct swapchain *swapchain, VkImage from, VkImage to)
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
-// The screen's values are encoded already. Blits to formats that encode would do it again, where
+// The screen's values are sRGB-encoded. Blits to formats that encode would encode them again;
 // copies keep the bits.
 static void picture_record(struct swapchain *swapchain, const struct gpu_screen *screen,
                            VkImage image)
@@ -402,13 +403,13 @@ static VkResult present_call(struct gpu *gpu, struct swapchain *swapchain, uint3
     return swapchain->calls.present(gpu->queue, &info);
 }
 
-// *shown: whether a picture was.
+// *shown: whether an image was presented.
 static bool picture_show(struct gpu *gpu, struct swapchain *swapchain,
                          const struct gpu_screen *screen, bool *shown, struct err *err)
 {
     bool failed = false;
     uint32_t index;
-    // Waits for the last copy, which has waited for the semaphore: it is free again.
+    // Waits for the last copy, which has waited for the semaphore, so that it can be reused.
     if (!gpu_begin(gpu, &swapchain->commands, err))
         return false;
     VkResult result = swapchain->calls.acquire(gpu->device, swapchain->handle, ACQUIRE_NS,
@@ -419,7 +420,7 @@ static bool picture_show(struct gpu *gpu, struct swapchain *swapchain,
     swapchain->commands.awaited = swapchain->acquired;
     swapchain->commands.signalled = swapchain->copied[index];
     if (!gpu_submit(gpu, &swapchain->commands, err)) {
-        swapchain->is_stale = true; // its image and its semaphore wait for ever
+        swapchain->is_stale = true; // its image and its semaphore would wait forever
         return false;
     }
     result = present_call(gpu, swapchain, index);
@@ -434,8 +435,8 @@ bool swapchain_show(struct gpu *gpu, struct swapchain *swapchain, struct window 
         return true;
     if (gpu->lost)
         return gpu_fail(gpu, "showing a picture", VK_ERROR_DEVICE_LOST, err);
-    // Once more where it turns out to be out of date: a window that grows has a picture in every
-    // frame.
+    // Tries again if the swapchain is out of date, so that a window that is being resized has an
+    // image in every frame.
     bool shown = false;
     for (int attempt = 0; attempt < 2 && !shown; attempt++) {
         if (!bring_up_to_date(gpu, swapchain, window, err) ||

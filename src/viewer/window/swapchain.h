@@ -29,31 +29,32 @@ struct swapchain {
     VkFormat format;
     VkPresentModeKHR present_mode;
     VkImage images[SWAPCHAIN_IMAGES_MAX];
-    VkSemaphore copied[SWAPCHAIN_IMAGES_MAX]; // an image of these is ready to be shown
-    VkSemaphore acquired;                     // the image that was asked for last may be written
+    VkSemaphore copied[SWAPCHAIN_IMAGES_MAX]; // signalled when the image is ready to be presented
+    VkSemaphore acquired;                     // signalled when the last acquired image may be
+                                              // written
     uint32_t image_count;
-    // Of the swapchain's size, where its format would encode once more what is encoded already:
-    // copies keep the bits, and only from here on.
+    // An image of the swapchain's size in case its format encodes values to sRGB, which they are
+    // already: copies keep the bits, and are only possible from this image.
     struct gpu_image converted;
-    bool vsync; // may be changed at any time; swapchain_show takes notice
+    bool vsync; // may be changed at any time; swapchain_show applies it
     bool has_vsync;
-    uint32_t window_width, window_height; // the window's when the swapchain was made
-    bool is_stale, is_surface_lost;       // to be made anew
-    bool is_suboptimal;                   // and making it anew does not help
-    uint32_t lost_in_a_row;               // surfaces, since the last picture
+    uint32_t window_width, window_height; // size of the window when the swapchain was made
+    bool is_stale, is_surface_lost;       // must be recreated
+    bool is_suboptimal;                   // and recreating it does not help
+    uint32_t lost_in_a_row;               // number of surfaces lost since the last image
     struct gpu_commands commands;
-    uint64_t shown, recreated;  // pictures; times that it was made anew
-    uint64_t shown_before_made; // `shown` when it was made
+    uint64_t shown, recreated;  // numbers of images shown, and of recreations
+    uint64_t shown_before_made; // `shown` at the last creation
     struct swapchain_calls calls;
 };
 
-// Headless windows have none: *out is {0} then, and swapchain_show does nothing.
+// Headless windows have no swapchain: *out is {0}, and swapchain_show does nothing.
 bool swapchain_create(struct gpu *gpu, struct window *window, bool vsync, struct swapchain *out,
                       struct err *err);
 void swapchain_finish(struct gpu *gpu, struct swapchain *swapchain); // accepts NULL and {0}
-// Copies what gpu_screen_draw made, scaled where the sizes differ, and shows it. Makes the
-// swapchain anew where the window or vsync changed, where it is out of date or where the surface
-// was lost; a picture may be left out then. Does nothing while minimised.
+// Copies the screen's image of gpu_screen_draw, scaled if the sizes differ, and presents it.
+// Recreates the swapchain if the window or vsync changed, if it is out of date or if the surface
+// was lost; an image may be skipped then. Does nothing while minimised.
 bool swapchain_show(struct gpu *gpu, struct swapchain *swapchain, struct window *window,
                     const struct gpu_screen *screen, struct err *err);
 

@@ -41,7 +41,7 @@ VkPresentModeKHR swapchain_choose_mode(const VkPresentModeKHR *offered, uint32_t
         for (uint32_t i = 0; i < count; i++)
             if (offered[i] == wanted[w])
                 return offered[i];
-    return VK_PRESENT_MODE_FIFO_KHR; // every surface has it
+    return VK_PRESENT_MODE_FIFO_KHR; // every surface supports it
 }
 
 static uint32_t within(uint32_t value, uint32_t least, uint32_t most)
@@ -52,7 +52,7 @@ static uint32_t within(uint32_t value, uint32_t least, uint32_t most)
 VkExtent2D swapchain_choose_extent(const VkSurfaceCapabilitiesKHR *surface, uint32_t window_width,
                                    uint32_t window_height)
 {
-    // The mark of surfaces that take any size (Vulkan specification, VkSurfaceCapabilitiesKHR).
+    // Marks surfaces that take any size (Vulkan specification, VkSurfaceCapabilitiesKHR).
     if (surface->currentExtent.width != UINT32_MAX)
         return surface->currentExtent;
     return (VkExtent2D){
@@ -61,8 +61,8 @@ VkExtent2D swapchain_choose_extent(const VkSurfaceCapabilitiesKHR *surface, uint
     };
 }
 
-// One more than the surface holds back, so that an image is to be had while another one is shown;
-// mailboxes keep one more that waits.
+// One more than the surface holds back, so that an image is available while another one is
+// displayed; mailbox mode needs one more for the waiting image.
 uint32_t swapchain_choose_count(const VkSurfaceCapabilitiesKHR *surface, VkPresentModeKHR mode)
 {
     uint32_t count = surface->minImageCount + 1;

@@ -1,4 +1,4 @@
-// The window: GLFW's, or none.
+// The window: GLFW's, or a headless replacement.
 #include "viewer/window/window.h"
 
 #include "base/clock.h"
@@ -10,15 +10,15 @@
 
 // --- events -------------------------------------------------------------------------------------
 
-// Both say where something is now: of several in a row the last one counts.
+// Both events report a current state, so only the last of consecutive ones counts.
 static bool replaces_last(const struct window_events *queue, const struct event *event)
 {
     return queue->count > 0 && event->kind == queue->list[queue->count - 1].kind &&
            (event->kind == EVENT_MOVE || event->kind == EVENT_RESIZE);
 }
 
-// A full queue ends with the loss of the focus: what is lost after that may be keys that were let
-// go, and none must stay held for ever.
+// A full queue ends with the loss of focus: the lost events may be releases of keys, and no key may
+// stay held forever.
 static void event_add(struct window *window, const struct event *event)
 {
     struct window_events *queue = &window->queues[window->gathering];
@@ -45,7 +45,7 @@ void window_push(struct window *window, const struct event *event)
     event_add(window, event);
 }
 
-// GLFW's own modifiers lack, when one of these keys is pressed, the key itself (X11).
+// GLFW's modifiers omit the key itself when a modifier is pressed (X11).
 static uint32_t held_modifiers(GLFWwindow *handle)
 {
     static const struct {
@@ -64,7 +64,7 @@ static uint32_t held_modifiers(GLFWwindow *handle)
     return held;
 }
 
-// Adds an event that GLFW told of.
+// Adds an event that GLFW reported.
 static void tell(GLFWwindow *handle, struct event event)
 {
     event.modifiers = held_modifiers(handle);
@@ -117,7 +117,7 @@ static void on_drop(GLFWwindow *handle, int count, const char **paths)
         tell(handle, (struct event){.kind = EVENT_DROP, .path = paths[i]});
 }
 
-// A window without area, which some systems have while it is minimised, keeps its size here.
+// A window without area, which some systems report while it is minimised, keeps its size here.
 static bool size_set(struct window *window, int width, int height)
 {
     if (width <= 0 || height <= 0)
@@ -265,7 +265,7 @@ const char *const *window_extensions(uint32_t *count)
 bool window_can_present(void *window, VkInstance instance, VkPhysicalDevice device,
                         uint32_t queue_family)
 {
-    (void)window; // GLFW needs no window for it
+    (void)window; // GLFW does not need the window for this
     return glfwGetPhysicalDevicePresentationSupport(instance, device, queue_family);
 }
 
@@ -287,7 +287,7 @@ void window_poll(struct window *window, double wait_seconds)
     else if (window->handle)
         glfwPollEvents();
     else if (waits)
-        clock_sleep(wait_seconds); // a signal ends it early, as it ends the wait for events
+        clock_sleep(wait_seconds); // a signal ends it early, as it ends waiting for events
     struct window_events *gathered = &window->queues[window->gathering];
     window->events = gathered->list;
     window->event_count = gathered->count;
@@ -321,7 +321,7 @@ void window_minimise(struct window *window, bool minimised)
 void window_capture(struct window *window, bool captured)
 {
     if (window->handle && window->is_captured != captured) {
-        // Movements as the mouse makes them, without the system's acceleration.
+        // Raw movements of the mouse, without the system's acceleration.
         if (glfwRawMouseMotionSupported())
             glfwSetInputMode(window->handle, GLFW_RAW_MOUSE_MOTION, captured);
         glfwSetInputMode(window->handle, GLFW_CURSOR,

@@ -1,7 +1,6 @@
-// The window and what comes from it; or, headless, the same without one: then all events are those
-// that window_push brings.
-//
-// One thread, the program's first, and one window at a time.
+// The window and its events; or a headless replacement, whose events all come from window_push.
+// Only the program's first thread may call these functions, and only one window may exist at a
+// time.
 #ifndef LAMPYRIS_VIEWER_WINDOW_WINDOW_H
 #define LAMPYRIS_VIEWER_WINDOW_WINDOW_H
 
@@ -19,10 +18,10 @@ enum event_kind {
     EVENT_MOVE,   // x, y: pixels of the framebuffer from the upper left
     EVENT_SCROLL, // x, y: notches
     EVENT_TEXT,   // code: a Unicode character
-    EVENT_DROP,   // path; one event a file
-    EVENT_RESIZE, // to window->width, height (several at once become one); of the same size where
-                  // what the window shows was damaged
-    EVENT_FOCUS,  // down: has it now; without it no key is held any more
+    EVENT_DROP,   // path; one event per file
+    EVENT_RESIZE, // to window->width, height (several are merged into one); with the same size if
+                  // the contents of the window were damaged
+    EVENT_FOCUS,  // down: it has the focus now; without it no key is held
     EVENT_CLOSE,
 };
 
@@ -41,8 +40,7 @@ struct event {
 
 #define WINDOW_EVENTS_MAX 512
 
-// Events in the order in which they happened. Movements of the mouse that follow on one another are
-// one event.
+// Events in order. Consecutive mouse movements are merged into one event.
 struct window_events {
     struct event list[WINDOW_EVENTS_MAX];
     uint32_t count;
@@ -52,14 +50,14 @@ struct window_events {
 struct window {
     struct GLFWwindow *handle; // NULL: headless
     uint32_t width, height;    // of the framebuffer, pixels; never 0
-    float scale;               // pixels for a point of text: 2 on many displays with small pixels
-    double pixels_per_unit[2]; // of the framebuffer, for a unit of GLFW's screen coordinates
-    bool is_minimised;         // nothing is to be drawn
+    float scale;               // pixels per point of text: 2 on many high-resolution displays
+    double pixels_per_unit[2]; // framebuffer pixels per unit of GLFW's screen coordinates
+    bool is_minimised;         // nothing is drawn
     bool should_close;
-    bool is_captured;     // the mouse looks around: hidden, its positions without bounds
+    bool is_captured;     // the mouse rotates the view: it is hidden and not confined
     struct event *events; // of the last window_poll
     uint32_t event_count;
-    // One holds `events`, the other one gathers what comes before the next window_poll.
+    // One holds `events`, the other collects events until the next window_poll.
     struct window_events queues[2];
     uint32_t gathering;
 };
@@ -70,27 +68,27 @@ struct window_params {
     bool headless;
 };
 
-// ERR_USAGE where there is no display, saying so and pointing to `lampyris render` and --headless.
-// *out must not move.
+// Opens the window. ERR_USAGE if there is no display, with a pointer to `lampyris render` and
+// --headless. *out must not move.
 bool window_open(const struct window_params *params, struct window *out, struct err *err);
 void window_close(struct window *window); // accepts NULL and {0}; after swapchain_finish
 
-// The instance extensions that surfaces need, and whether a queue family can show pictures, as
-// gpu_params wants them. Without an open window: none, and false.
+// Return the instance extensions that surfaces need, and whether a queue family can present, as
+// gpu_params requires. Without an open window: none, and false.
 const char *const *window_extensions(uint32_t *count);
 bool window_can_present(void *window, VkInstance instance, VkPhysicalDevice device,
                         uint32_t queue_family);
-// Creates the surface that swapchains show pictures on; the caller's to destroy.
+// Creates the surface for swapchains; the caller destroys it.
 bool window_create_surface(struct window *window, VkInstance instance, VkSurfaceKHR *out,
                            struct err *err);
 
-// Replaces `events` by what happened since the last time, in order; where nothing did, waits at
-// most so long for it. Updates the other fields.
+// Replaces `events` by those since the last call, in order; if there are none, waits for one up to
+// this time. Updates the other fields.
 void window_poll(struct window *window, double wait_seconds);
-// An event as if the user had made it: from scripts. The next window_poll brings it. Of a path a
-// copy is kept.
+// Adds an event as if the user had caused it: for scripts. The next window_poll returns it. A path
+// is copied.
 void window_push(struct window *window, const struct event *event);
-// Asks for another size; headless it has it at once. The next window_poll brings the event.
+// Requests another size; headless windows take it at once. The next window_poll returns the event.
 void window_resize(struct window *window, uint32_t width, uint32_t height);
 void window_minimise(struct window *window, bool minimised);
 void window_capture(struct window *window, bool captured);
