@@ -1,4 +1,4 @@
-// The commands of the program: what they are called and what they take.
+// The commands of the program: their names and arguments.
 #ifndef LAMPYRIS_CLI_COMMANDS_H
 #define LAMPYRIS_CLI_COMMANDS_H
 
@@ -23,24 +23,24 @@ struct command {
     const char *summary;     // half a line for lists: "render a scene to pictures"
     const char *arguments;   // "SCENE", for the usage line
     const char *description; // sentences, for the help
-    const char *examples;    // one a line
+    const char *examples;    // one per line
     uint32_t min_arguments, max_arguments;
 };
 
 extern const struct command commands[COMMAND_TOTAL];
 
-// NULL when there is none of that name; err then says which one may have been meant.
+// Returns NULL when there is no command of that name; err then suggests a similar one.
 const struct command *command_find(const char *name, struct err *err);
 
-// Each runs the command whose options were parsed and checked, and returns the exit code. It prints
-// its result to stdout, and its failure through command_fail.
+// Each runs a command whose options were parsed and checked, and returns the exit code. It prints
+// its result to stdout, and a failure through command_fail.
 int cmd_render(const struct options *options);
 int cmd_converge(const struct options *options);
 int cmd_bench(const struct options *options);
 int cmd_compare(const struct options *options);
 int cmd_check(const struct options *options);
 int cmd_info(const struct options *options);
-int cmd_view(const struct options *options); // becomes lampyris-view
+int cmd_view(const struct options *options); // replaces the process by lampyris-view
 int cmd_devices(const struct options *options);
 int cmd_help(const struct options *options);
 

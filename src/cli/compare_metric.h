@@ -1,4 +1,4 @@
-// The metrics of `lampyris compare`, and the limits that are set to them.
+// The metrics of `lampyris compare`, and the limits on them.
 #ifndef LAMPYRIS_CLI_COMPARE_METRIC_H
 #define LAMPYRIS_CLI_COMPARE_METRIC_H
 
@@ -29,10 +29,10 @@ struct compare_limit {
     double value;
 };
 
-// The metric with this name; -1 where there is none.
+// Returns the metric with this name; -1 if there is none.
 int compare_metric_find(const char *name, size_t length);
 bool compare_greater_is_better(enum compare_metric metric);
-// Written so that a metric that is no number fails.
+// A metric that is NaN fails.
 bool compare_limit_holds(double value, const struct compare_limit *limit);
 
 #endif

@@ -24,7 +24,7 @@ static bool is_empty(const struct error_by *by, uint32_t class)
     return !(by->classes[class].error > 0.0) && !(by->light[class] > 0.0);
 }
 
-// Says in words what the classes have in common, where that is certain.
+// Describes a property that all classes share, if that is certain.
 static const char *common_words(const struct error_share *together, bool has_interval)
 {
     const struct interval *share = &together->share;

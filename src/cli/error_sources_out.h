@@ -1,4 +1,4 @@
-// Says where the error of a film comes from, as --error-by asks.
+// Reports where the error of a film comes from, for --error-by.
 #ifndef LAMPYRIS_CLI_ERROR_SOURCES_OUT_H
 #define LAMPYRIS_CLI_ERROR_SOURCES_OUT_H
 
@@ -7,7 +7,7 @@
 #include <jansson.h>
 
 // Print lines of text, or return an object; nothing, or null, without --error-by. `command` is the
-// render's command, to which --pixel and --sample are added to follow a path; NULL where a path
+// command of the render, to which --pixel and --sample are added to follow a path; NULL if a path
 // cannot be followed.
 void error_sources_print(const struct error_sources *sources, const char *command);
 json_t *error_sources_json(const struct error_sources *sources, const char *command);

@@ -1,17 +1,17 @@
-// How the program and its commands end.
+// The exit codes of the program.
 #ifndef LAMPYRIS_CLI_EXIT_CODE_H
 #define LAMPYRIS_CLI_EXIT_CODE_H
 
 #include "base/err.h"
 #include <jansson.h>
 
-// 128 + N for signal N, as shells do (130 for SIGINT, 143 for SIGTERM ...).
+// A process that signal N ended has 128 + N, as in shells (130 for SIGINT, 143 for SIGTERM ...).
 enum exit_code {
     EXIT_CODE_OK = 0,
     EXIT_CODE_CHECK_FAILED = 1, // compare: a limit was exceeded; check: a case failed
-    EXIT_CODE_INPUT = 2,        // command line or a file that was read
+    EXIT_CODE_INPUT = 2,        // command line or an input file
     EXIT_CODE_DEVICE = 3,       // device, driver, memory
-    EXIT_CODE_OUTPUT = 4,       // a file that was to be written
+    EXIT_CODE_OUTPUT = 4,       // an output file
     EXIT_CODE_NO_VULKAN = 69,   // EX_UNAVAILABLE of sysexits.h: no loader or no driver
 };
 

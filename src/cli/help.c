@@ -106,7 +106,7 @@ static bool begins_group(const struct help_writer *writer, const struct option_d
     return true;
 }
 
-// Options of a command (NULL: of all), by groups.
+// Lists the options of a command (NULL: of all), by groups.
 static void option_list(const struct help_writer *writer, const struct command *command)
 {
     const unsigned for_all = (1u << COMMAND_TOTAL) - 1;
@@ -240,10 +240,10 @@ static void program_page(const struct help_writer *writer)
 void help_manual(FILE *out, const struct command *command)
 {
     const struct help_writer writer = {.out = out, .roff = true};
-    // Without a date, so that the same source gives the same page.
+    // There is no date, so that the same source gives the same page.
     fprintf(out, ".TH lampyris%s%s 1 \"\" \"lampyris %s\" \"User Commands\"\n",
             command ? "\\-" : "", command ? command->name : "", LAMPYRIS_VERSION);
-    fputs(".nh\n.ad l\n", out); // names of options are not to be hyphenated or spread
+    fputs(".nh\n.ad l\n", out); // names of options must not be hyphenated or spread
     if (command)
         command_page(&writer, command);
     else

@@ -1,4 +1,4 @@
-// The help texts and the manual, made from the tables of commands and options.
+// The help texts and the manual, generated from the tables of commands and options.
 #ifndef LAMPYRIS_CLI_HELP_H
 #define LAMPYRIS_CLI_HELP_H
 

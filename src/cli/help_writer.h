@@ -12,12 +12,12 @@ struct help_writer {
 };
 
 void help_section(const struct help_writer *writer, const char *title); // "OPTIONS"
-void help_group(const struct help_writer *writer, const char *title);   // within a section
+void help_group(const struct help_writer *writer, const char *title);   // inside a section
 void help_paragraph(const struct help_writer *writer, const char *text);
-// A term and what it means. `names` stands in bold, `argument` (NULL: none) in italics.
+// Writes a term and its meaning. `names` is bold, `argument` (NULL: none) is in italics.
 void help_item(const struct help_writer *writer, const char *names, const char *argument,
                const char *text);
-// Lines that are shown as they are.
+// Writes lines verbatim.
 void help_literal(const struct help_writer *writer, const char *lines);
 
 #endif

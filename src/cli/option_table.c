@@ -18,7 +18,7 @@
 #define FIELD(member)                                                                              \
     .offset = offsetof(struct options, member), .size = sizeof(((struct options *)NULL)->member)
 
-#define MOST_BYTES (UINT64_C(1) << 40) // more than a device has
+#define MOST_BYTES (UINT64_C(1) << 40) // more than any device has
 
 _Static_assert(offsetof(struct settings, height) == offsetof(struct settings, width) + 4,
                "--size writes width and height at once");
@@ -26,7 +26,7 @@ _Static_assert(offsetof(struct bvh_method, intersection_cost) ==
                    offsetof(struct bvh_method, traversal_cost) + sizeof(double),
                "--bvh-costs writes both at once");
 
-// Filled paragraphs: one field a line would make the table four times as long.
+// Lines are filled: one field per line would make the table four times as long.
 // clang-format off
 const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_OUTPUT] = {

@@ -23,9 +23,9 @@ static bool check_range(double min, double max, double value, const char *text, 
            err_set(err, ERR_USAGE, "\"%s\" is outside [%.15g, %.15g]", text, min, max);
 }
 
-// Digits, then perhaps one of k, M, G for 2^10, 2^20, 2^30: waves, samples and bytes come in powers
-// of two. No sign, no blanks. *rest is what follows; false when there is no number or it is too
-// big.
+// Parses digits, then optionally k, M or G for 2^10, 2^20, 2^30, because waves, samples and bytes
+// are often powers of two. No sign, no blanks. *rest is the remaining text. Returns false when
+// there is no number or it is too large.
 static bool parse_count(const char *text, uint64_t *out, const char **rest)
 {
     if (*text < '0' || *text > '9')
@@ -43,7 +43,8 @@ static bool parse_count(const char *text, uint64_t *out, const char **rest)
     return true;
 }
 
-// A finite decimal number: strtod would also take "nan", "inf", hexadecimal and leading blanks.
+// Parses a finite decimal number: strtod would also accept "nan", "inf", hexadecimal and leading
+// blanks.
 static bool parse_real(const char *text, double *out, const char **rest)
 {
     size_t length = strspn(text, "+-.0123456789eE");
@@ -109,7 +110,7 @@ static bool parse_choice(const char *words, const char *text, unsigned *index, s
     return fail_unknown_word(text, length, words, strchr(words, '|') ? "one of " : "", err);
 }
 
-// The value of a number, a switch or a choice, whatever it is stored as.
+// Parses a number, a switch or a choice, whatever type stores it.
 static bool parse_value(const struct option_def *def, const struct field *field, const char *text,
                         double *value, struct err *err)
 {
@@ -154,7 +155,7 @@ static bool store_field(const struct option_def *def, const struct field *field,
     return true;
 }
 
-// A member of struct options that is of one of the types of fields.
+// Stores a member of struct options that has one of the types of fields.
 static bool store_member(const struct option_def *def, enum field_type type, const char *text,
                          struct options *options, struct err *err)
 {
@@ -163,7 +164,7 @@ static bool store_member(const struct option_def *def, enum field_type type, con
     return store_field(def, &field, text, options, err);
 }
 
-// Two counts with a separator: "640x480", "12,34".
+// Parses two counts with a separator: "640x480", "12,34".
 static bool store_two(const struct option_def *def, char separator, const char *text,
                       struct options *options, struct err *err)
 {
@@ -180,7 +181,7 @@ static bool store_two(const struct option_def *def, char separator, const char *
     return true;
 }
 
-// In lists, whose words are separated by commas, the two stand apart by a colon.
+// In lists, whose words are separated by commas, a colon separates the two.
 static bool store_real_pair(const struct option_def *def, const char *text, struct options *options,
                             struct err *err)
 {
@@ -228,7 +229,7 @@ static bool store_environment(const char *text, struct options *options, struct 
         environment->is_sky = true;
         return sky_parse(text + (text[3] ? 4 : 3), &environment->sky, err);
     }
-    // A text of a number's characters and commas is a colour, if a misspelt one.
+    // A text of digits, signs and commas is meant as a colour, though it may be misspelt.
     bool is_color = strchr(text, ',') && text[strspn(text, "+-.0123456789eE,")] == '\0';
     if (!is_color) {
         environment->file = text;
@@ -371,7 +372,7 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
     return true;
 }
 
-// A name that stands for bits.
+// A name of a set of bits.
 struct bits_word {
     const char *name;
     uint32_t bits;
@@ -414,7 +415,7 @@ static bool err_unknown_word(const char *word, size_t length, const struct bits_
     return fail_unknown_word(word, length, known, "some of ", err);
 }
 
-// Words separated by commas, all of whose bits are added to the option's.
+// Parses words separated by commas, and adds the bits of all of them to the option's.
 static bool store_bits(const struct option_def *def, const struct bits_word *words,
                        const char *text, struct options *options, struct err *err)
 {

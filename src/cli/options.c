@@ -30,7 +30,7 @@ static const struct option_def *find_short(char name)
     return NULL;
 }
 
-// Before the command only options that every command takes are known.
+// Before the command, only options that every command has are known.
 static bool is_available(const struct option_def *def, const struct command *command)
 {
     for (int i = 0; !command && i < COMMAND_TOTAL; i++)
@@ -81,7 +81,7 @@ void option_mark(const struct option_def *def, struct options *options)
         is_set[SETTING_WIDTH] = is_set[SETTING_HEIGHT] = true;
 }
 
-// Applies an option. `attached` is what stood behind '=' (or behind a short name), or NULL.
+// Applies an option. `attached` is the text after '=' (or after a short name), or NULL.
 static bool apply(struct parser *parser, const struct option_def *def, const char *attached,
                   struct err *err)
 {
@@ -91,7 +91,7 @@ static bool apply(struct parser *parser, const struct option_def *def, const cha
         return err_set(err, ERR_USAGE, "--%s takes no value, but got \"%s\"", def->name, attached);
     const char *value = attached;
     if (def->type != VALUE_FLAG && !value) {
-        // "--output --half" is a forgotten name, not a file called "--half". A file of such a name
+        // "--output --half" is a missing name, not a file called "--half". A file of such a name
         // can be written --output=--half.
         value = parser->next < parser->count ? parser->arguments[parser->next] : NULL;
         char argument[OPTION_ARGUMENT_MAX];
@@ -115,7 +115,7 @@ static bool parse_long(struct parser *parser, const char *text, struct err *err)
     return apply(parser, def, text[length] ? text + length + 1 : NULL, err);
 }
 
-// "-o FILE", "-oFILE", "-q".
+// Parses "-o FILE", "-oFILE", "-q".
 static bool parse_short(struct parser *parser, const char *text, struct err *err)
 {
     const struct option_def *def = find_short(text[0]);
@@ -162,7 +162,7 @@ static bool parse_all(struct parser *parser, struct err *err)
     return true;
 }
 
-// Options that make no sense without, or together with, another.
+// Checks options that need, or exclude, another option.
 static bool check_combinations(const struct options *options, struct err *err)
 {
     static const struct {
@@ -204,7 +204,7 @@ static bool check_combinations(const struct options *options, struct err *err)
     return true;
 }
 
-// Returns whether an option of check says something of a scene.
+// Returns whether an option of check applies to a scene.
 static bool needs_scene(const struct option_def *def)
 {
     switch ((enum option_id)(def - option_table)) {
@@ -221,7 +221,7 @@ static bool needs_scene(const struct option_def *def)
     }
 }
 
-// Options of check that belong to devices, and to scenes.
+// Checks that options of check for devices and for scenes are used accordingly.
 static bool check_check(const struct options *options, struct err *err)
 {
     static const enum option_id of_devices[] = {OPTION_ONLY, OPTION_LIST, OPTION_LONG,
@@ -262,7 +262,7 @@ static bool check(const struct options *options, struct err *err)
     return true;
 }
 
-// No list can have more entries than the command line has arguments.
+// A list has at most as many entries as the command line has arguments.
 static bool allocate_lists(struct options *options, int argc, struct err *err)
 {
     size_t most = (size_t)argc;
@@ -277,7 +277,7 @@ static bool allocate_lists(struct options *options, int argc, struct err *err)
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
 
-// Returns the end of what it has copied.
+// Copies a text; returns the end of the copy.
 static char *put(char *out, const char *text)
 {
     size_t length = strlen(text);
@@ -295,21 +295,22 @@ char *options_quote(const char *word, char *out)
     *out++ = '\'';
     for (; *word; word++) {
         if (*word == '\'')
-            out = put(out, "'\\'"); // close, a quote, and the quote itself opens again
+            out = put(out, "'\\'"); // closes the quote, adds an escaped one, and the next quote
+                                    // opens again
         *out++ = *word;
     }
     return put(out, "'");
 }
 
-// Options that belong to one run only: what ends it, and what it tells besides the picture. Whoever
-// follows one of its paths leaves out all but the first.
+// Options that belong to a single run: what ends it, and what it reports in addition to the image.
+// A command that follows one of its paths omits all except the first.
 static const enum option_id passing[] = {OPTION_ERROR,  OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
                                          OPTION_RESUME, OPTION_TRACE,      OPTION_REFERENCE,
                                          OPTION_TEV,    OPTION_EXPLAIN,    OPTION_ERROR_BY};
 enum { PASSING_COUNT = sizeof passing / sizeof passing[0] };
 
-// Returns how many arguments, from this one on, belong to one of the passing options whose number
-// is at least `first`.
+// Returns the number of arguments, starting with this one, that belong to a passing option whose
+// index is at least `first`.
 static int passing_arguments(const char *argument, size_t first)
 {
     if (strncmp(argument, "--", 2) != 0)
@@ -324,7 +325,7 @@ static int passing_arguments(const char *argument, size_t first)
     return 0;
 }
 
-// Makes the command line without the passing options from number `first_passing` on.
+// Makes the command line without the passing options from index `first_passing` on.
 static const char *make_line(struct arena *arena, size_t size, int argc, char **argv,
                              size_t first_passing)
 {

@@ -1,5 +1,5 @@
-// The command line. One table, option_table, says what each option is called, takes and means;
-// parsing, the help texts and the manual page all come from it.
+// The command line. One table, option_table, has the name, the argument and the help of each
+// option; parsing, the help texts and the manual page use it.
 #ifndef LAMPYRIS_CLI_OPTIONS_H
 #define LAMPYRIS_CLI_OPTIONS_H
 
@@ -20,9 +20,9 @@ struct command;
 struct progress;
 
 #define OPTIONS_ARGUMENTS_MAX 16
-#define OPTION_TIME_MAX 1e9 // of --time, seconds: more than anyone waits
+#define OPTION_TIME_MAX 1e9 // of --time, seconds
 
-// In the order of option_table, which is the order of the help.
+// The order is that of option_table, which is the order of the help.
 enum option_id {
     OPTION_OUTPUT,
     OPTION_SIZE,
@@ -125,7 +125,7 @@ enum option_id {
     OPTION_TOTAL
 };
 
-// How an option's value is written, and what stands in its field of struct options.
+// How an option's value is written, and the type of its member of struct options.
 enum option_type {
     VALUE_FLAG,        // none; bool
     VALUE_SWITCH,      // "on" or "off"; bool
@@ -136,9 +136,9 @@ enum option_type {
     VALUE_SETTING,     // as the setting's row says; the member of `settings`
     VALUE_SIZE,        // WxH; two uint32_t
     VALUE_PAIR,        // X,Y; two uint32_t
-    VALUE_REAL_PAIR,   // X,Y or X:Y, the way in lists; two double
+    VALUE_REAL_PAIR,   // X,Y, or X:Y in lists; two double
     VALUE_ENVIRONMENT, // FILE or R,G,B
-    // Repeatable, each with a list of its own:
+    // Repeatable options, each with a list of its own:
     VALUE_OUTPUT,
     VALUE_DEFINE, // KEY=VALUE
     VALUE_LIMIT,  // METRIC=VALUE
@@ -146,7 +146,7 @@ enum option_type {
     VALUE_CURVE,  // "KEY=VALUE KEY=VALUE"
     VALUE_AOVS,   // names separated by commas; bits of AOV_*
     VALUE_KINDS,  // the same; bits of AOVS_BY
-    // Lists of their own, not repeatable:
+    // Options with lists that are not repeatable:
     VALUE_TIMES,  // S,T,...
     VALUE_DEPTHS, // N,M,...
     VALUE_RAYS,   // words separated by commas
@@ -155,10 +155,10 @@ enum option_type {
 struct option_def {
     const char *name;     // without the dashes
     char short_name;      // 0: none
-    const char *argument; // what the help calls the value; NULL for a flag and for a setting
+    const char *argument; // name of the value in the help; NULL for a flag and for a setting
     enum option_type type;
     double min, max;      // range of a number, both ends included; 0, 0 where there is none
-    const char *fallback; // what holds when it is not given, for the help; or NULL
+    const char *fallback; // the default, for the help; or NULL
     const char *help;     // sentences, with units
     const char *group;    // heading in the help
     unsigned commands;    // bit 1 << enum command_id for each command that takes it
@@ -170,7 +170,7 @@ struct option_def {
 };
 
 extern const struct option_def option_table[OPTION_TOTAL];
-// The option of that long name; NULL.
+// Returns the option with that long name, or NULL.
 const struct option_def *option_find(const char *name, size_t length);
 
 // Shells that complete options by a script of ours.
@@ -179,11 +179,10 @@ enum completion_shell { COMPLETION_BASH, COMPLETION_ZSH, COMPLETION_FISH };
 enum features_option { FEATURES_NEEDED, FEATURES_ALL };
 enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 
-// The rays that --rays of bench records: those that the camera sends, those that surfaces send on,
-// and those to lights.
+// The rays that --rays of bench records: camera rays, rays scattered by surfaces, and shadow rays.
 enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
 
-// On what it runs, and how: bits of the image do not depend on it.
+// The device and how it is used: no bit of the image depends on it.
 struct device_options {
     struct gpu_params gpu;
     uint32_t wave;      // paths in flight; 0: chosen by device
@@ -201,51 +200,51 @@ struct render_options {
     uint32_t aovs; // AOV_*
     bool half_float;
     double time_seconds; // 0: no limit
-    double error;        // local relMSE to stop at; 0: no such limit
+    double error;        // local relMSE at which to stop; 0: no such limit
     bool adaptive;       // sample counts by tile
 
-    uint32_t frames, spp_per_frame; // 0 frames: one picture of settings.spp samples
-    uint32_t every;                 // write a picture every so many frames; 0: at the end only
+    uint32_t frames, spp_per_frame; // 0 frames: one image of settings.spp samples
+    uint32_t every;                 // write an image after this many frames; 0: only at the end
     bool accumulate;
-    const char *checkpoint;    // NULL: none is kept
-    double checkpoint_seconds; // between two of them
+    const char *checkpoint;    // NULL: none is written
+    double checkpoint_seconds; // between two checkpoints
     bool resume;
-    uint32_t reopens; // of a lost device
+    uint32_t reopens; // how often a lost device is reopened
 
-    uint32_t pixel[2]; // the path to follow, where --pixel was given
+    uint32_t pixel[2]; // the path to follow, with --pixel
     uint64_t sample;
-    bool explain;      // list what is left out, and why
+    bool explain;      // list the omitted parts, with reasons
     const char *trace; // file; NULL: none
     const char *tev;   // HOST:PORT; NULL: none
-    // The command line without what belongs to one run: --error, --checkpoint and what goes with
-    // it.
+    // The command line without options that belong to a single run: --error, --checkpoint and
+    // options that depend on it.
     const char *repeatable_line;
-    // The command line that follows a path when --pixel and --sample are added.
+    // The command line that follows a path after --pixel and --sample are added.
     const char *following_line;
 };
 
-// Variants of renders that are measured beside each other: converge and bench.
+// Variants of renders that are compared: converge and bench.
 struct study_options {
-    const char **vary; // "KEY=A,B,..."; --sweep, too
+    const char **vary; // "KEY=A,B,..."; also of --sweep
     uint32_t vary_count;
     const char **curves; // "KEY=VALUE KEY=VALUE"
     uint32_t curve_count;
-    const char *report; // folder, of check a file; NULL: none
+    const char *report; // folder; a file for check; NULL: none
 };
 
 struct converge_options {
     uint32_t replicates;
     uint64_t spp_from;
-    const double *times; // seconds, rising; NULL: points are numbers of samples
+    const double *times; // seconds, ascending; NULL: points are numbers of samples
     uint32_t time_count;
-    bool images; // every picture as EXR, into the report
+    bool images; // write every image as EXR into the report
 };
 
 struct bench_options {
     uint32_t repeats;
-    const char *kernel;     // the one to time alone; NULL: all of a render
+    const char *kernel;     // the kernel to time alone; NULL: a complete render
     uint32_t rays;          // 1 << RAYS_*; 0: all
-    const uint32_t *depths; // bounces; NULL: those that `rays` says
+    const uint32_t *depths; // bounces; NULL: those implied by `rays`
     uint32_t depth_count;
     const char *baseline; // an earlier run's JSON; NULL: none
 };
@@ -253,47 +252,47 @@ struct bench_options {
 struct check_options {
     const char *only; // a group or a case; NULL: all
     bool list;
-    bool longer;       // the long cases, too
-    bool reproducible; // those of equal bits alone, and a line about them
+    bool longer;       // run the long cases, too
+    bool reproducible; // run only the cases of bitwise equality, and print a line about them
     const char *fix;   // with a scene: where to write it with harmless remedies; NULL: nowhere
 };
 
 struct compare_options {
     struct compare_limit *limits;
     uint32_t limit_count;
-    const char *difference; // NULL: no picture
+    const char *difference; // NULL: no image
     enum error_map map;
     const char *reference_variance; // file, "auto" or a number; NULL: none
-    const char *exposures;          // "START,STOP"; NULL: the reference decides
+    const char *exposures;          // "START,STOP"; NULL: computed from the reference
 };
 
 struct view_options {
     const char *script; // file; NULL: none
     bool headless;      // without a window
-    bool watch;         // reload what changes
+    bool watch;         // reload changed files
     bool vsync;
-    double frame_ms;     // aim of a frame's time
-    bool denoise;        // what is shown
-    const char *shaders; // folder of their source; NULL: the one of the build
+    double frame_ms;     // goal for the time of a frame
+    bool denoise;        // denoise the displayed image
+    const char *shaders; // folder of the shaders' source; NULL: that of the build
 };
 
-// A command reads what is common and its own; what others have is as if nothing had been given.
+// A command reads the common members and its own; the others have their defaults.
 struct options {
-    int argc; // as main was given them, for commands that reproduce a run
+    int argc; // as passed to main, for commands that reproduce a run
     char **argv;
     const struct command *command;                // NULL only with --help or --version
     const char *arguments[OPTIONS_ARGUMENTS_MAX]; // SCENE …; IMAGE and REFERENCE; COMMAND of help
     uint32_t argument_count;
     bool given[OPTION_TOTAL];
-    const char *command_line; // all of it, quoted for a shell
+    const char *command_line; // the complete command line, quoted for a shell
 
     bool help, help_all, version, man, quiet, json;
     enum completion_shell completion;
     enum log_level log_level;
-    const struct progress *progress; // where to report, and who asks to stop; set by main
-    uint64_t memory;       // budget of the host's memory, bytes; 0: what the machine leaves
-    uint32_t error_by;     // AOVS_BY: what the error is split by
-    const char *reference; // file, "auto" or "none"; NULL: auto, of render none
+    const struct progress *progress; // receives reports and stops the work; set by main
+    uint64_t memory;       // budget of the host's memory, bytes; 0: what the machine has free
+    uint32_t error_by;     // AOVS_BY: by what the error is split
+    const char *reference; // file, "auto" or "none"; NULL: auto, for render none
 
     struct scene_options scene;
     struct device_options device;
@@ -308,8 +307,8 @@ struct options {
     struct arena arena; // owns the lists and the command line; other strings are argv's
 };
 
-// Parses and checks the command line. Errors are ERR_USAGE (or ERR_SYSTEM). *out is to be finished
-// in any case; after a failure its command says for which one help may be offered.
+// Parses and checks the command line. Errors are ERR_USAGE (or ERR_SYSTEM). *out must be finished
+// in any case; after a failure its `command` is the one whose help may be suggested.
 bool options_parse(int argc, char **argv, struct options *out, struct err *err);
 void options_finish(struct options *options); // accepts NULL and {0}
 
@@ -318,26 +317,26 @@ static inline bool options_given(const struct options *options, enum option_id i
     return options->given[id];
 }
 
-// Returns whether it changes how a picture is computed, and may so be varied by the command: not
-// how it is shown; its size and samples by bench alone.
+// Returns whether it changes how an image is computed, so that the command can vary it. Display
+// options are excluded; size and samples can only be varied by bench.
 bool option_is_setting(const struct option_def *def, const struct command *command);
 
-// Converts the text of one value and stores it (option_values.c). err: what is wrong and what was
+// Converts the text of one value and stores it (option_values.c). err: the fault and what was
 // expected, without the option's name.
 bool option_store(const struct option_def *def, const char *text, struct options *options,
                   struct err *err);
-// Notes that it was given.
+// Records that the option was given.
 void option_mark(const struct option_def *def, struct options *options);
 
-// Writes text that a shell reads as this one word; returns its end. `out` has room for 4 bytes a
-// byte, and 3.
+// Quotes a word for a shell; returns the end of the output. `out` has room for 4 bytes per byte,
+// plus 3.
 char *options_quote(const char *word, char *out);
 
-// Returns the help's word for the value: "WxH", "path|direct", "METRES|off".
+// Returns the value's name in the help: "WxH", "path|direct", "METRES|off".
 #define OPTION_ARGUMENT_MAX 120
 const char *option_argument(const struct option_def *def, char out[OPTION_ARGUMENT_MAX]);
 
-// Returns whether the command takes the option.
+// Returns whether the command has the option.
 bool option_belongs(const struct option_def *def, const struct command *command);
 // Returns the line that the command's --help has of the option; NULL where only --help-all has it.
 const char *option_brief(const struct option_def *def, const struct command *command);

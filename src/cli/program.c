@@ -45,8 +45,8 @@ static int fail_parsing(const struct options *options, const struct err *err)
     return code;
 }
 
-// A result that did not arrive is a failure, and one to look into before what the result says. A
-// reader who has seen enough needs no message.
+// Output that could not be written is a failure, which takes precedence over the result's own exit
+// code. A closed pipe needs no message.
 static int finish_stdout(int code)
 {
     if (fflush(stdout) == 0 && !ferror(stdout))

@@ -5,8 +5,8 @@
 struct options;
 typedef int (*program_command_fn)(const struct options *options);
 
-// Parses the command line and runs the command that it names, or `command` in place of whatever it
-// names; NULL: none. Returns main's exit code.
+// Parses the command line and runs the command that it names, or `command` instead unless it is
+// NULL. Returns main's exit code.
 int program_run(int argc, char **argv, program_command_fn command);
 
 #endif

@@ -9,7 +9,7 @@
 #define SECOND_NS UINT64_C(1000000000)
 
 // A bar is redrawn often enough to look alive, and seldom enough to cost nothing. Lines in a log
-// file are to be read, not watched.
+// file are fewer.
 #define REDRAW_NS (SECOND_NS / 10)
 #define LINE_NS (SECOND_NS * 5)
 
@@ -33,7 +33,7 @@ static void format_seconds(double seconds, char *out, size_t size)
         snprintf(out, size, "very long");
 }
 
-// Back to the start of the line, and clear it (ECMA-48, EL).
+// Moves to the start of the line, and clears it (ECMA-48, EL).
 static void clear_line(struct progress_bar *bar)
 {
     if (bar->line_open)
@@ -45,7 +45,8 @@ static void draw_bar(struct progress_bar *bar, double fraction, const char *time
 {
     enum { MOST_CELLS = 40 };
     char cells[MOST_CELLS + 1];
-    // "PHASE: [" … "] 100% (TIMES)", and one column free, since some terminals wrap at the last.
+    // "PHASE: [" … "] 100% (TIMES)", and one free column, since some terminals wrap at the last
+    // column.
     int fixed = (int)(strlen(bar->phase) + strlen(times)) + 13;
     int width = terminal_columns(bar->stream) - fixed;
     width = width > MOST_CELLS ? MOST_CELLS : width;
@@ -83,7 +84,7 @@ static void show(struct progress_bar *bar, double fraction, uint64_t now_ns)
     bar->shown_ns = now_ns;
 }
 
-// A phase that was shown ends with the time it took.
+// Prints the time of a phase that was shown.
 static void end_phase(struct progress_bar *bar, uint64_t now_ns)
 {
     uint64_t taken_ns = now_ns - bar->phase_start_ns;

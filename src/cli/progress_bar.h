@@ -1,10 +1,10 @@
-// Draws progress on stderr, and keeps messages from running into the bar. On a terminal:
+// Draws progress on stderr, and keeps messages and the bar apart. On a terminal:
 //
 //   Rendering: [++++++++++++                  ]  41% (12.3 s | 17.7 s)
 //
-// with the elapsed and the remaining time, on one line; elsewhere plain lines every few seconds.
-// Nothing is shown before a phase has taken a second; from then on a terminal names each phase as
-// it begins. A phase that took a second or more leaves a line with its time.
+// with the elapsed and the remaining time, on one line; elsewhere it prints plain lines every few
+// seconds. Nothing is shown before a phase has taken a second; from then on a terminal shows each
+// phase when it begins. A phase of a second or more leaves a line with its time.
 #ifndef LAMPYRIS_CLI_PROGRESS_BAR_H
 #define LAMPYRIS_CLI_PROGRESS_BAR_H
 
@@ -18,29 +18,28 @@
 struct progress_bar {
     FILE *stream;
     bool is_terminal, is_quiet;
-    struct mutex mutex; // of the stream and what follows: messages come from any thread
-    bool line_open;     // the bar stands on the terminal's current line
+    struct mutex mutex; // protects the stream and the members below: messages come from any thread
+    bool line_open;     // the bar is on the terminal's current line
     bool shown;         // this phase has been shown
     char phase[32];
     uint64_t phase_start_ns, shown_ns;
-    // Where the phase began, or where it was when it last went back: what is left is found from
-    // the way since then.
+    // Start of the phase, or the last time at which the fraction decreased: the remaining time is
+    // extrapolated from the progress since then.
     double from_fraction;
     uint64_t from_ns;
 };
 
 void progress_bar_init(struct progress_bar *bar, FILE *stream);
-// Ends the phase, and the bar's line, before something else is printed. Accepts repeated calls.
+// Ends the phase, and the bar's line, before other output. May be called repeatedly.
 void progress_bar_finish(struct progress_bar *bar);
 
-// Returns the listener that long-running work reports to. Work is asked to stop when a signal has
-// asked us to.
+// Returns the listener for long-running work. It stops the work after a signal.
 struct progress progress_bar_listener(struct progress_bar *bar);
 
-// A sink for log_configure, whose context is the bar. An error ends the phase.
+// A sink for log_configure, with the bar as its context. An error ends the phase.
 void progress_bar_log(void *context, enum log_level level, const char *message);
 
-// The listener calls this; the time is an argument (clock_ns) for tests.
+// Is called by the listener; the time is an argument (clock_ns) for tests.
 void progress_bar_update(struct progress_bar *bar, const char *phase, double fraction,
                          uint64_t now_ns);
 

@@ -32,7 +32,7 @@ static bool choose_camera(const struct scene_options *options, const struct scen
                    options->camera, scene->path, scene->camera_count);
 }
 
-// The lens of the command line. It makes another scene.
+// Applies the lens of the command line, which changes the scene's hash.
 static bool set_lens(const struct scene_options *options, struct scene *scene,
                      struct camera *camera, struct err *err)
 {
@@ -82,7 +82,7 @@ struct scene_load_params options_scene_params(const struct scene_options *option
     };
 }
 
-// Whatever else identifies the scene, it is another one now.
+// The scene's hash changes, because it is another scene now.
 static void make_isotropic(struct scene *scene)
 {
     static const char what[] = "isotropic";
@@ -102,7 +102,7 @@ bool options_adapt_scene(const struct scene_options *options, const struct progr
     options_apply_settings(options, &scene->settings);
     if (!options->anisotropy)
         make_isotropic(scene);
-    scene->progress = progress; // framing looks at all vertices
+    scene->progress = progress; // framing visits all vertices
     scene_frame_camera(scene);
     scene->progress = NULL;
     if (progress_should_stop(progress))

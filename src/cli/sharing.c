@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-// Triangles that copies in the world would be, less those that are stored.
+// Returns the number of triangles if all instances were copies, minus those that are stored.
 static uint64_t saved_triangles(const struct flat_scene *flat)
 {
     uint64_t saved = 0;

@@ -1,4 +1,4 @@
-// Says what instances save.
+// Reports how much memory instances save.
 #ifndef LAMPYRIS_CLI_SHARING_H
 #define LAMPYRIS_CLI_SHARING_H
 
@@ -6,8 +6,8 @@
 
 #include <jansson.h>
 
-// A line of text, nothing without instances: "shared    12 meshes by 1000000 instances: …".
-// `features`: of the kernels, for what a triangle's corners carry.
+// Prints a line of text, nothing without instances: "shared 12 meshes by 1000000 instances: …".
+// `features`: of the kernels, which decide what data a triangle's corners have.
 void sharing_print(const struct flat_scene *flat, uint32_t features);
 json_t *sharing_json(const struct flat_scene *flat, uint32_t features);
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// The n-th of the words between commas; NULL past the last.
+// Returns the n-th word between commas; NULL after the last.
 static const char *nth_word(const char *words, uint32_t n, size_t *length)
 {
     for (; n > 0; n--) {
@@ -26,7 +26,7 @@ static uint32_t count_words(const char *words)
     return count;
 }
 
-// Returns whether a value of the option leaves every bit of the picture alone.
+// Returns whether no value of the option changes a bit of the image.
 static bool keeps_picture(const struct option_def *def)
 {
     static const enum option_id those[] = {OPTION_WAVE,         OPTION_WORKGROUP, OPTION_FEATURES,
@@ -38,7 +38,7 @@ static bool keeps_picture(const struct option_def *def)
     return false;
 }
 
-// Joins what there is so far and one more "KEY=VALUE", before or after it.
+// Joins a list and one more "KEY=VALUE", before or after it.
 static const char *join(struct arena *arena, const char *first, const char *second)
 {
     return arena_printf(arena, "%s%s%s", first, *first && *second ? " " : "", second);
@@ -86,7 +86,7 @@ static bool set(struct variant *variant, struct arena *arena, const char *whole,
     return variant->picture || err_memory(err, "a label", strlen(pair));
 }
 
-// Number `index` of the combinations, the last list changing fastest.
+// Applies combination number `index`, with the last list varying fastest.
 static bool vary(struct variant *variant, struct arena *arena, uint32_t index, struct err *err)
 {
     const struct options *options = &variant->options;
@@ -111,7 +111,7 @@ static bool vary(struct variant *variant, struct arena *arena, uint32_t index, s
     return true;
 }
 
-// "KEY=VALUE KEY=VALUE".
+// Applies "KEY=VALUE KEY=VALUE".
 static bool spell(struct variant *variant, struct arena *arena, const char *text, struct err *err)
 {
     variant->label = text;

@@ -1,4 +1,4 @@
-// Finds what has become slower since an earlier run.
+// Finds rows that are slower than in an earlier run.
 #include "cli/bench/bench.h"
 
 #include "base/file.h"
@@ -37,7 +37,7 @@ static json_t *find_row(json_t *variant, const char *name)
     return NULL;
 }
 
-// What was rendered must be the same; what came of it may differ, and is then told.
+// The work must be the same; the results may differ, which is then reported.
 static bool check_work(const struct bench *b, const struct bench_variant *v, const json_t *before,
                        struct err *err)
 {
@@ -69,7 +69,7 @@ static void look_at_picture(const struct bench *b, const struct bench_variant *v
                  text_of(before, "image_hash"), hash);
 }
 
-// The repetitions' times of a row in the file; NULL where it has none.
+// Reads the repetitions' times of a row from the file; NULL if it has none.
 static double *read_times(struct bench *b, json_t *row, size_t *count, struct err *err)
 {
     const json_t *list = json_object_get(row, "repeat_ms");
@@ -103,7 +103,7 @@ static bool compare_row(struct bench *b, struct bench_change *change, json_t *be
     return true;
 }
 
-// The rows that are compared: all but those of the host, which are its system's.
+// Lists the rows to compare: all except those of the host, which depend on its operating system.
 static uint32_t list_rows(const struct bench_variant *v, json_t *before, struct bench_change *out)
 {
     uint32_t count = 0;

@@ -19,7 +19,8 @@ static const char head[] =
 
 // --- a bar a variant -----------------------------------------------------------------------------
 
-// All kernels that some variant runs, in the order of the list, and the host's part.
+// Returns whether the kernel is in the chart: those that some variant runs, in the order of the
+// list, and the host's part.
 static bool is_stacked(const struct chart *c, int kernel)
 {
     for (uint32_t i = 0; i < c->count; i++)
@@ -44,7 +45,7 @@ static double stacked_ms(const struct bench_variant *v, int kernel)
     return fmax(sum, 0.0);
 }
 
-// gnuplot's data take words in double quotes only.
+// In gnuplot's data, words must be in double quotes.
 static void put_tick(FILE *out, const char *label)
 {
     fputc('"', out);
@@ -88,7 +89,7 @@ static bool write_bars(const struct chart *c, FILE *out)
 
 // --- by bounce -----------------------------------------------------------------------------------
 
-// Variants that make the same picture have the same rays.
+// Variants with the same image have the same rays.
 static bool is_new_picture(const struct chart *c, uint32_t i)
 {
     for (uint32_t k = 0; k < i; k++)
@@ -137,7 +138,8 @@ static bool write_bounces(const struct chart *c, FILE *out)
 
 // --- against a number ----------------------------------------------------------------------------
 
-// The value of "KEY=VALUE" where it is a number; NAN where more than that is varied, or words.
+// Returns the value of "KEY=VALUE" if it is a number; NAN if more than that is varied, or if it is
+// a word.
 static double swept_number(const struct bench_variant *v)
 {
     const char *value = strchr(v->variant.label, '=');
@@ -191,8 +193,8 @@ static bool write_sweep(const struct chart *c, FILE *out)
 
 // --- kernels alone, against the depth ------------------------------------------------------------
 
-// The row's points; returns how many. Rows of one kernel make a line: the camera's rays lead to
-// those that surfaces send on. Nothing is written to NULL.
+// Writes the row's points; returns how many. Rows of one kernel form a line: camera rays are
+// followed by scattered rays. With NULL, nothing is written.
 static uint32_t write_line(const struct bench_variant *v, enum kernel_id kernel, FILE *out)
 {
     uint32_t points = 0;
@@ -211,7 +213,7 @@ static uint32_t write_line(const struct bench_variant *v, enum kernel_id kernel,
     return points;
 }
 
-// The data of all variants and kernels, or else how they are drawn.
+// Writes the data of all variants and kernels, or else how to draw them.
 static uint32_t write_lines(const struct chart *c, bool data, FILE *out)
 {
     uint32_t lines = 0;

@@ -1,4 +1,4 @@
-// Concludes what follows from the times.
+// Computes statistics from the times.
 #include "cli/bench/bench.h"
 
 #include "metrics/spread.h"
@@ -56,7 +56,8 @@ double bench_bvh_bytes(const struct bench_variant *v, const struct bench_row *ro
            (double)row->primitives * (double)sizeof(struct gpu_triangle);
 }
 
-// Of times; of a kernel alone, of times an item: waves of other sizes have others of these.
+// Returns the ratio of times; for a kernel alone, of times per item, because waves of other sizes
+// have other numbers of items.
 static struct interval speed_ratio(const struct bench_row *first, const struct bench_row *row,
                                    uint32_t count)
 {
@@ -89,7 +90,7 @@ static bool conclude_variant(const struct bench *b, struct bench_variant *v, str
     return true;
 }
 
-// Variants that are to make the same picture, and repetitions of one: the same bits.
+// Variants with the same image, and repetitions of a variant, must give the same bits.
 static bool same_pictures(const struct bench *b, struct err *err)
 {
     for (uint32_t i = 0; i < b->variant_count; i++) {

@@ -1,4 +1,4 @@
-// The report for people: one file that needs no network, with charts and tables.
+// The HTML report: one file that needs no network, with charts and tables.
 #include "cli/bench/bench.h"
 
 #include "cli/bench/bench_chart.h"
@@ -13,7 +13,7 @@ struct page {
     struct html_page html;
 };
 
-// The first variant is what the others are compared with.
+// The other variants are compared with the first one.
 static void put_speed(struct page *page, const struct bench_variant *v, const struct bench_row *row)
 {
     if (v != bench_first(page->b, v))

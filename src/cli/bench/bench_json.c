@@ -1,4 +1,4 @@
-// Writes what `lampyris bench` says to machines.
+// Writes the JSON output of `lampyris bench`.
 #include "cli/bench/bench.h"
 
 #include "report/json_out.h"
@@ -87,7 +87,7 @@ static json_t *bvh_json(const struct bvh *bvh)
                      "triangles", (json_int_t)bvh->triangle_count);
 }
 
-// Of a repetition, which is a frame; null with --kernel.
+// A repetition is a frame; null with --kernel.
 static json_t *frame_json(const struct bench_variant *v)
 {
     const struct bench_row *wall = bench_wall(v);

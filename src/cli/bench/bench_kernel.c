@@ -1,4 +1,4 @@
-// --kernel: one kernel alone, on the queues that it gets in a render.
+// --kernel: measures one kernel alone, on the queues that it gets in a render.
 #include "cli/bench/bench.h"
 
 #include "base/log.h"
@@ -13,15 +13,16 @@ static const char *const kernel_names[KERNEL_COUNT] = {
     KERNEL_LIST(X)
 #undef X
 };
-static const char *const rays_names[] = {"primary", "diffuse", "shadow"}; // of enum rays_option
+// indexed by enum rays_option
+static const char *const rays_names[] = {"primary", "diffuse", "shadow"};
 #define ALL_KINDS (sizeof rays_names / sizeof rays_names[0])
 
 // --- what is to be timed -------------------------------------------------------------------------
 
-// A row of each variant.
+// A row for each variant.
 struct target {
     enum kernel_id kernel;
-    const char *rays; // NULL of kernels that trace none
+    const char *rays; // NULL for kernels that trace no rays
     uint32_t depth;
 };
 
@@ -55,7 +56,7 @@ static bool is_traced(enum kernel_id kernel)
     return kernel == KERNEL_intersect_closest || kernel == KERNEL_intersect_shadow;
 }
 
-// Returns whether it runs once a wave.
+// Returns whether the kernel runs once per wave.
 static bool has_no_depth(enum kernel_id kernel)
 {
     return kernel == KERNEL_generate_rays || kernel == KERNEL_accumulate ||
@@ -70,7 +71,7 @@ static void add(struct targets *out, const struct target *target)
     out->list[out->count++] = *target;
 }
 
-// Rays of one kind: those of the camera are at depth 0, those that surfaces send on below.
+// Adds rays of one kind: camera rays have depth 0, scattered ones greater depths.
 static bool add_rays(const struct bench_options *options, enum rays_option kind,
                      struct targets *out, struct err *err)
 {
@@ -122,7 +123,7 @@ static bool plan(const struct bench_options *options, struct arena *arena, struc
         return false;
     if (!is_traced(kernel))
         return add_depths(options, kernel, out, err);
-    // Kinds of rays say by which of the two kernels they are traced.
+    // The kind of rays determines which of the two kernels traces them.
     uint32_t usual = kernel == KERNEL_intersect_shadow ? 1u << RAYS_SHADOW
                                                        : 1u << RAYS_PRIMARY | 1u << RAYS_DIFFUSE;
     uint32_t kinds = options->rays ? options->rays : usual;
@@ -143,13 +144,13 @@ bool bench_check_kernel(const struct bench_options *options, struct err *err)
 
 // --- timing --------------------------------------------------------------------------------------
 
-// One target, of all variants.
+// One target, for all variants.
 struct contest {
     struct bench *b;
     const struct target *target;
     uint32_t index;                    // of the rows
-    struct kernel_recording *recorded; // one a variant
-    double from, to;                   // of all the progress
+    struct kernel_recording *recorded; // one per variant
+    double from, to;                   // range of the total progress
 };
 
 static bool fail(const struct contest *c, const struct bench_variant *v, struct err *err)
@@ -159,7 +160,7 @@ static bool fail(const struct contest *c, const struct bench_variant *v, struct 
                        v->variant.label, kernel_names[c->target->kernel]);
 }
 
-// The bytes of rays, and of the entries in the queues of hits and misses.
+// Returns the bytes of rays, and of the entries in the queues of hits and misses.
 static double bytes_traced(const struct renderer *r, const struct bench_row *row)
 {
     double bytes = (double)row->items * bench_bytes_read(r, row->kernel);
@@ -169,7 +170,7 @@ static double bytes_traced(const struct renderer *r, const struct bench_row *row
     return bytes;
 }
 
-// Without the kernel the row stays empty.
+// If the variant does not have the kernel, the row stays empty.
 static bool record(struct contest *c, uint32_t variant, struct err *err)
 {
     struct bench_variant *v = &c->b->variants[variant];
@@ -180,7 +181,7 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
         .depth = c->target->depth,
         .samples = v->scene_data.settings.spp,
     };
-    bool is_first = v == bench_first(c->b, v); // it speaks for the others
+    bool is_first = v == bench_first(c->b, v); // it represents the others in messages
     double ms;
     if (!v->job.renderer.kernels[params.kernel].pipeline) {
         if (is_first)
@@ -200,7 +201,7 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
     if (is_traced(params.kernel) &&
         !kernel_recording_count_steps(recorded, &row->nodes, &row->primitives, err))
         return fail(c, v, err);
-    if (!kernel_recording_run(recorded, &ms, err)) // warms up
+    if (!kernel_recording_run(recorded, &ms, err)) // warm-up
         return fail(c, v, err);
     if (is_traced(params.kernel))
         row->bytes = bytes_traced(&v->job.renderer, row);
@@ -270,7 +271,7 @@ static bool make_rows(struct bench *b, struct bench_variant *v, const struct tar
     return v->rows;
 }
 
-// Some variant has each kernel.
+// Checks that every kernel exists in some variant.
 static bool check_there(const struct bench *b, const struct targets *targets, struct err *err)
 {
     for (uint32_t t = 0; t < targets->count; t++) {
@@ -286,7 +287,7 @@ static bool check_there(const struct bench *b, const struct targets *targets, st
     return true;
 }
 
-// After a signal only those rows stay that are complete.
+// After a signal only complete rows are kept.
 static void end_early(struct bench *b, uint32_t complete)
 {
     b->repeats_done = complete > 0 ? b->repeats : 0;

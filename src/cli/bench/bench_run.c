@@ -1,4 +1,4 @@
-// Running what is measured: all variants in turns, each repetition the same samples.
+// Runs the measurements: all variants in turn, with the same samples in each repetition.
 #include "cli/bench/bench.h"
 
 #include "base/clock.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Samples a pixel of a repetition, unless the command line says how many.
+// Samples per pixel of a repetition by default.
 #define BENCH_SPP 4
 
 // --- variants ------------------------------------------------------------------------------------
@@ -103,7 +103,7 @@ struct bench_row *bench_rows_create(struct bench *b, uint32_t count, struct err 
 
 // --- counting ------------------------------------------------------------------------------------
 
-// Counts the kernels' work in a repetition that is watched and not timed.
+// Counts the kernels' work in a repetition that is not timed.
 struct census {
     struct bench_variant *v;
     uint64_t rays_before, shadow_before; // entries of the queues that shading fills
@@ -116,14 +116,14 @@ static bool is_shading(enum kernel_id kernel)
     return kernel >= KERNEL_shade_miss && kernel <= KERNEL_shade_whitted;
 }
 
-// Records that one item takes at least: of paths, rays and queues, not of the scene. What a kernel
-// hands on is counted by what it hands on.
+// Counts the records that an item takes at least: of paths, rays and queues, not of the scene.
+// Output of a kernel is counted by the number of items that it produces.
 double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
 {
     const double queue = 4.0, word = 16.0;
     const uint32_t slot_words = AOV_SLOT_WORDS(r->specialization.aovs);
     switch (kernel) {
-    case KERNEL_generate_rays: // writes but the hit
+    case KERNEL_generate_rays: // writes everything except the hit
         return 3.0 * word + word * slot_words + queue;
     case KERNEL_intersect_closest: // origin, direction
         return queue + 2.0 * word;
@@ -135,7 +135,7 @@ double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
         return queue + 3.0 * word;
     case KERNEL_sort_count: // origin, direction; writes the key
         return queue + 3.0 * word;
-    case KERNEL_sort_scan: // a ray's share is nothing: it reads and writes counts
+    case KERNEL_sort_scan: // negligible per ray: it reads and writes counts
         return 0.0;
     case KERNEL_sort_scatter: // the key
         return 2.0 * queue + word;
@@ -213,7 +213,7 @@ static bool count_wave(void *context, struct err *err)
 static const char *const host_names[] = {"recording", "submitting", "reading back", "other"};
 #define HOST_ROWS (sizeof host_names / sizeof host_names[0])
 
-// Kernels that rendering runs; the film's resolving comes after it.
+// Returns whether rendering runs the kernel; resolving the film comes afterwards.
 static bool runs(const struct bench_variant *v, int kernel)
 {
     return v->job.renderer.kernels[kernel].pipeline && kernel != KERNEL_resolve;
@@ -285,14 +285,14 @@ static bool hash_picture(struct bench *b, struct bench_variant *v, uint64_t *has
     return ok;
 }
 
-// Renders of one wave are over before they look.
+// Renders of a single wave end before they can be stopped.
 static bool should_stop(struct bench *b)
 {
     b->stopped |= progress_should_stop(b->options->progress);
     return b->stopped;
 }
 
-// One repetition: the samples of the variant, from the first.
+// Runs one repetition: the samples of the variant, from the first.
 static bool repeat(struct bench *b, struct bench_variant *v, struct job_step step, double *ms,
                    struct err *err)
 {
@@ -310,7 +310,7 @@ static bool repeat(struct bench *b, struct bench_variant *v, struct job_step ste
     return ok;
 }
 
-// Gives the rows the times of one repetition: the growth of the renderer's statistics.
+// Stores the times of one repetition in the rows: the increase of the renderer's statistics.
 static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t round,
                        const struct render_stats *before, double wall_ms)
 {
@@ -347,7 +347,7 @@ static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t 
                                           : NAN;
 }
 
-// Once to count, which also lets the renderer find out what its rays need, and once to warm up.
+// Runs once to count, which also adapts the renderer to its rays, and once to warm up.
 static bool warm_up(struct bench *b, struct bench_variant *v, struct job_step step, struct err *err)
 {
     struct census census = {.v = v};

@@ -37,7 +37,8 @@ void device_check_print_row(const struct device_check *d, size_t row)
     fflush(stdout);
 }
 
-// For a paper: what was the same, and where. The first case is the same picture again.
+// Prints, for a paper, what was equal, and on which device. The first case renders the same image
+// again.
 static void print_reproducible(const struct device_check *d)
 {
     size_t same = device_check_outcomes(d, CHECK_PASSED), others = 0, broken = 0;

@@ -1,4 +1,4 @@
-// `lampyris check SCENE`: what in a scene is stiff or extreme, for people and for machines.
+// `lampyris check SCENE`: stiff and extreme properties of a scene, as text and as JSON.
 #include "cli/check/check_command.h"
 
 #include "base/file_inputs.h"
@@ -14,10 +14,10 @@
 #include <math.h>
 #include <stdio.h>
 
-// To which it looks ahead where nothing is asked for.
+// The default error for the outlook.
 #define USUAL_ERROR 1e-3
 
-// What is wrong, and stays so in the file that --fix writes.
+// Counts errors that remain in the file of --fix.
 static uint32_t count_wrong(const struct scene_check *check)
 {
     uint32_t count = 0;
@@ -52,7 +52,7 @@ static void print_finding(const struct scene_finding *finding)
     print_line("  remedy  ", finding->remedy);
 }
 
-// How many digits behind the point make three in all: "410", "41.0", "1180".
+// Returns the number of decimals that gives three significant digits: "410", "41.0", "1180".
 static int decimals(double x)
 {
     return x >= 100.0 ? 0 : x >= 10.0 ? 1 : 2;
@@ -179,9 +179,9 @@ static bool run(struct scene_check *check, struct err *err)
            (!fix || scene_write(&fixed, err));
 }
 
-// Prepares to check from the beginning, which takes some seconds, where the device was lost.
-// Returns false where that is not what failed, or the device was opened again as often as for a
-// render (--reopen).
+// Prepares to check again from the beginning, which takes some seconds, if the device was lost.
+// Returns false if it failed for another reason, or was reopened as often as a render permits
+// (--reopen).
 static bool run_again(struct scene_check *check, uint32_t reopened, struct err *err)
 {
     struct err failure;

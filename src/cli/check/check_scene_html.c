@@ -1,5 +1,4 @@
-// The report for people: one file with the findings of a scene, and with pictures that show where
-// they are.
+// The HTML report: one file with the findings of a scene, and images that show where they are.
 #include "cli/check/scene_check.h"
 
 #include "base/file.h"
@@ -8,7 +7,7 @@
 #include "report/html.h"
 #include <math.h>
 
-// Draws the picture in grey, half as bright, and in red the pixels that a finding touches.
+// Draws the image in grey at half its brightness, and in red the pixels that a finding affects.
 // `white` is the radiance that is shown as 1.
 static void mark_pixels(const struct image *picture, const uint8_t *flags, float white,
                         float (*out)[3])

@@ -1,4 +1,4 @@
-// `lampyris check`: whether a device computes what it should; with a scene, what in it is stiff.
+// `lampyris check`: tests a device; with a scene, finds its stiff properties.
 #include "cli/check/check_command.h"
 #include "cli/commands.h"
 

@@ -1,4 +1,4 @@
-// `lampyris check` without a scene: the cases of the device, their results, and how these are told.
+// `lampyris check` without a scene: the cases, their results, and the reports.
 #ifndef LAMPYRIS_CLI_CHECK_DEVICE_CHECK_H
 #define LAMPYRIS_CLI_CHECK_DEVICE_CHECK_H
 
@@ -18,21 +18,21 @@ struct check_row {
 struct device_check {
     const struct options *options;
     struct gpu gpu;
-    struct arena arena; // of the rows and of pictures
+    struct arena arena; // holds the rows and the images
     struct check_row *rows;
-    size_t count;      // that were chosen
-    size_t done;       // of them, from the first: fewer where a signal has ended it
-    uint32_t reopened; // how often a case was run again on a lost device that was opened again
+    size_t count;      // number of selected cases
+    size_t done;       // number of finished cases: fewer if a signal has ended the run
+    uint32_t reopened; // how often a case was repeated on a reopened device
     double seconds;
 };
 
 size_t device_check_outcomes(const struct device_check *d, enum check_outcome outcome);
 
-// check_device_print.c: the table of --list; the line of a case that was run; what follows them.
+// check_device_print.c: the table of --list; the line of a finished case; the lines at the end.
 void device_check_print_list(const struct device_check *d);
 void device_check_print_row(const struct device_check *d, size_t row);
 void device_check_print_end(const struct device_check *d);
-// docs/check.schema.json; of --list without results.
+// docs/check.schema.json; for --list without results.
 json_t *device_check_json(const struct device_check *d);
 
 // check_device_html.c: --report

@@ -1,4 +1,4 @@
-// `lampyris check SCENE`: what was found, and how it is told.
+// `lampyris check SCENE`: the findings and their report.
 #ifndef LAMPYRIS_CLI_CHECK_SCENE_CHECK_H
 #define LAMPYRIS_CLI_CHECK_SCENE_CHECK_H
 
@@ -16,13 +16,13 @@ struct scene_check {
     struct scene scene;
     struct arena arena;
     struct scene_findings findings;
-    bool is_outside; // what --fix has written names files outside of its folder
+    bool is_outside; // the file of --fix names files outside of its folder
 };
 
-// "local relMSE 0.001 takes about 410 spp, 130 s of rendering and 35.2 MiB on the device", or "at
-// most" so much and why no more is known; and a line's end.
+// Prints "local relMSE 0.001 takes about 410 spp, 130 s of rendering and 35.2 MiB on the device",
+// or "at most" with the reason why no more is known; and a newline.
 void scene_check_print_outlook(const struct scene_outlook *outlook, FILE *out);
-// ", 12 % of the picture"; nothing where it is not known.
+// Prints ", 12 % of the picture"; nothing if it is not known.
 void scene_check_print_share(double share, FILE *out);
 
 // check_scene_html.c: --report

@@ -1,4 +1,4 @@
-// lampyris compare: error metrics between pictures and a reference.
+// lampyris compare: error metrics between images and a reference.
 #include "cli/commands.h"
 
 #include "base/file.h"
@@ -16,7 +16,7 @@
 
 // --- reading -------------------------------------------------------------------------------------
 
-// "FILE:LAYER", unless there is a file of that whole name.
+// Splits "FILE:LAYER", unless there is a file with that complete name.
 static bool split_layer(const struct comparison *c, const char *name, struct arena *arena,
                         struct image_read_params *out, struct err *err)
 {
@@ -61,7 +61,7 @@ static bool read_variance(struct comparison *c, const char *name, struct err *er
     return ok;
 }
 
-// The reference, and its own noise as --reference-variance tells it.
+// Reads the reference, and estimates its noise as --reference-variance says.
 static bool read_reference(struct comparison *c, struct err *err)
 {
     const char *variance = c->options->compare.reference_variance, *name = c->reference_path;
@@ -100,7 +100,7 @@ static void correct(const struct comparison *c, struct compared *picture)
         intervals[k]->value -= noise[k];
         intervals[k]->low -= noise[k];
         intervals[k]->high -= noise[k];
-        // An error is not below 0; what is left of it without the reference's noise may be.
+        // An error is not below 0, but it may be after subtraction of the reference's noise.
         if (!c->is_corrected && intervals[k]->low < 0)
             intervals[k]->low = 0;
     }
@@ -145,7 +145,7 @@ static bool measure(const struct comparison *c, const struct picture_pair *pair,
     return !progress_should_stop(progress) || stopped(err);
 }
 
-// The picture as it is exposed, in memory from `arena` where that is not as it is.
+// Exposes the image, in memory from `arena` unless the exposure is 0.
 static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_t count,
                    struct arena *arena, const float (**out)[3], struct err *err)
 {
@@ -156,7 +156,7 @@ static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_
     float(*exposed)[3] = arena_alloc(arena, count, sizeof *exposed);
     if (!exposed)
         return err_memory(err, "an exposed picture", count * sizeof *exposed);
-    // Pixels that are not finite stay out of the comparison.
+    // Pixels that are not finite are excluded from the comparison.
     for (uint64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
             exposed[i][k] = isfinite(pixels[i][k])
@@ -166,7 +166,7 @@ static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_
     return true;
 }
 
-// One picture's share of the whole progress.
+// The part of the total progress of one image.
 struct share {
     const struct progress *whole;
     uint32_t index, count;
@@ -266,14 +266,16 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
     double nonfinite = picture->value[METRIC_NONFINITE];
     if (nonfinite == 0 || nonfinite_limited)
         return passed;
-    // They are left out of the metrics: a picture full of NaN must not pass for that.
+    // Pixels that are not finite are excluded from the metrics, so an image full of NaN must fail
+    // by itself.
     bool fails = options->compare.limit_count > 0;
     log_message(fails ? LOG_ERROR : LOG_WARN, "%s: %.0f pixels are not finite and were left out",
                 picture->path, nonfinite);
     return passed && !fails;
 }
 
-// All at once: the first difference picture is written before the second picture is read.
+// All inputs are listed first, because the first difference image is written before the second
+// image is read.
 static bool name_inputs(const struct comparison *c, struct err *err)
 {
     const char *variance = c->options->compare.reference_variance;
@@ -288,7 +290,7 @@ static bool name_inputs(const struct comparison *c, struct err *err)
     return ok;
 }
 
-// Names the difference pictures, and finds out before the work whether they can be written.
+// Chooses the names of the difference images, and checks in advance whether they can be written.
 static bool prepare_maps(struct comparison *c, struct err *err)
 {
     const char *path = c->options->compare.difference;
@@ -306,10 +308,10 @@ static bool prepare_maps(struct comparison *c, struct err *err)
     return true;
 }
 
-// "START,STOP", or what the reference makes of it.
+// Uses "START,STOP", or computes the exposures from the reference.
 static bool choose_exposures(struct comparison *c, struct err *err)
 {
-    const double most = 128; // stops, either way: the range of floats
+    const double most = 128; // stops in either direction: the range of floats
     const char *text = c->options->compare.exposures;
     const struct image *reference = &c->reference.image;
     const float(*pixels)[3] = (const float(*)[3])reference->pixels;
@@ -329,8 +331,9 @@ static bool choose_exposures(struct comparison *c, struct err *err)
     return true;
 }
 
-// Asks the budget for what comparing one picture takes at its most, once the reference's size is
-// known: the picture itself, the exposed copies and the map of errors, and one metric at a time.
+// Checks the memory budget, once the reference's size is known, for the most that comparing one
+// image needs: the image itself, the exposed copies and the map of errors, and one metric at a
+// time.
 static bool check_memory(const struct comparison *c, struct err *err)
 {
     uint32_t width = c->reference.image.width, height = c->reference.image.height;

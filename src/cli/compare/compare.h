@@ -1,4 +1,4 @@
-// lampyris compare: what its parts share.
+// lampyris compare: declarations that its parts share.
 #ifndef LAMPYRIS_CLI_COMPARE_COMPARE_H
 #define LAMPYRIS_CLI_COMPARE_COMPARE_H
 
@@ -8,17 +8,17 @@
 #include "metrics/perceptual.h"
 #include "report/html_viewer.h"
 
-// One picture against the reference. Of mse, rmse, relmse and local relmse the reference's own
-// noise is subtracted where --reference-variance says so; rmse has the sign of mse then.
+// One image compared with the reference. With --reference-variance, the noise of the reference is
+// subtracted from mse, rmse, relmse and local relmse; rmse then has the sign of mse.
 struct compared {
     const char *path;
     double value[METRIC_TOTAL];
-    double measured[METRIC_TOTAL]; // the same with the reference's noise
-    struct error_intervals error;  // 95 %, less the reference's noise, too
+    double measured[METRIC_TOTAL]; // including the reference's noise
+    struct error_intervals error;  // 95 %, without the reference's noise, too
     uint32_t max_pixel[2];
     bool is_equal; // bit for bit
     bool passed;
-    const char *map; // the difference picture's file; NULL: none
+    const char *map; // file of the difference image; NULL: none
 };
 
 struct comparison {
@@ -26,21 +26,21 @@ struct comparison {
     struct arena arena; // owns the reference
     const char *reference_path;
     struct reference reference;
-    bool is_corrected; // of the reference's noise
+    bool is_corrected; // the reference's noise is subtracted
     struct flip_exposures exposures;
-    struct compared pictures[OPTIONS_ARGUMENTS_MAX]; // in the order they were given
+    struct compared pictures[OPTIONS_ARGUMENTS_MAX]; // in the order of the command line
     uint32_t count;
     bool passed;
     struct html_page page; // of --report, as is the viewer
     struct html_viewer viewer;
 };
 
-// compare_map.c: writes picture->map. `flip` holds the numbers of the map where that is a FLIP, one
-// a pixel. Memory is taken from `arena`.
+// compare_map.c: writes picture->map. `flip` holds the values of a FLIP map, one per pixel. Memory
+// is taken from `arena`.
 bool compare_write_map(const struct comparison *c, const struct compared *picture,
                        const struct picture_pair *pair, const float *flip, struct arena *arena,
                        struct err *err);
-// "|x - r| / (|r| + 0.01)": what a map's numbers are.
+// Returns the definition of a map's values: "|x - r| / (|r| + 0.01)".
 const char *compare_map_words(enum error_map map);
 
 // compare_html.c: the page of --report. It begins once the reference is read, takes each picture

@@ -1,4 +1,4 @@
-// Difference pictures of lampyris compare.
+// Difference images of lampyris compare.
 #include "cli/compare/compare.h"
 
 #include "base/file.h"
@@ -22,7 +22,7 @@ const char *compare_map_words(enum error_map map)
     return words[map];
 }
 
-// Three numbers a pixel, alike where the map has but one; NaN where there is none.
+// Fills in three numbers per pixel, equal if the map has only one; NaN if there is no value.
 static void fill_values(enum error_map map, const struct picture_pair *pair, const float *flip,
                         float (*out)[3])
 {
@@ -45,7 +45,7 @@ static bool write_numbers(const struct image_write_params *params, enum error_ma
                                 .channels = colors,
                                 .type = IMAGE_LAYER_FULL};
     if (is_flip(map)) {
-        // One number a pixel: gathered at the front.
+        // The map has one number per pixel: they are moved to the front.
         float *plane = &values->pixels[0][0];
         for (uint64_t i = 0; i < (uint64_t)values->width * values->height; i++)
             plane[i] = values->pixels[i][0];
@@ -58,7 +58,7 @@ static bool write_numbers(const struct image_write_params *params, enum error_ma
     return image_write(&numbers, err);
 }
 
-// The colours are meant for the display, pictures hold linear light.
+// The colours are display values, but images hold linear values.
 static bool write_colors(const struct image_write_params *params, enum error_map map,
                          const struct image *values, struct arena *arena, struct err *err)
 {

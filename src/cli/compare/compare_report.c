@@ -66,13 +66,14 @@ static void print_one(const struct comparison *c)
     }
 }
 
-// Pixels that are not finite are left out, or black in both: they must not make a picture the best.
+// Pixels that are not finite are excluded from metrics, or black in both images: they must not make
+// an image the best.
 static bool may_be_best(const struct compared *p)
 {
     return p->value[METRIC_NONFINITE] == 0;
 }
 
-// NAN where no picture has the metric.
+// Returns NAN if no image has the metric.
 static double best_value(const struct comparison *c, enum compare_metric metric)
 {
     double best = NAN;
@@ -203,7 +204,7 @@ static json_t *checks_json(const struct comparison *c, const struct compared *p)
     return checks;
 }
 
-// "hdr-flip" of the command line is "hdr_flip" here.
+// "hdr-flip" of the command line is "hdr_flip" in JSON.
 static void set_metric(json_t *object, enum compare_metric metric, double value)
 {
     char key[32];

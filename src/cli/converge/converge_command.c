@@ -1,4 +1,4 @@
-// The command that makes a curve's picture again.
+// Makes the command that renders a curve's image again.
 #include "cli/converge/converge.h"
 
 #include "base/memory_stream.h"
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What stands on the command line once more in a render: options of its that say how a picture is
-// computed. What differs between curves, and between replicates, comes after them.
+// Returns whether an option is copied to the command: those of render that affect how an image is
+// computed. Options that differ between curves, and between replicates, are appended.
 static bool is_kept(const struct option_def *def)
 {
     switch ((enum option_id)(def - option_table)) {
@@ -40,7 +40,7 @@ static const struct option_def *find(const char *argument, bool *is_attached)
     return NULL;
 }
 
-// Returns whether the curve's own value, which comes later, replaces this one.
+// Returns whether the curve's own value, which is appended, replaces this one.
 static bool is_varied(const struct converge_curve *curve, const struct option_def *def)
 {
     size_t length = strlen(def->name);
@@ -73,7 +73,7 @@ static bool put_given(FILE *out, const struct options *options, const struct con
         if (strcmp(argument, "--") == 0)
             break;
         if (argument[0] != '-' || argument[1] == '\0')
-            continue; // the command, a scene
+            continue; // the command's name, or a scene
         const struct option_def *def = find(argument, &is_attached);
         bool has_value = def && def->type != VALUE_FLAG && !is_attached && i + 1 < options->argc;
         if (def && is_kept(def) && !is_varied(curve, def))
@@ -107,7 +107,7 @@ bool converge_command(struct converge *c, const struct converge_curve *curve, co
         return err_memory(err, "a command", 0);
     FILE *file = stream.file;
     const char *scene = c->options->arguments[curve->variant.scene];
-    bool is_last = scene[0] == '-'; // which "--" tells from an option
+    bool is_last = scene[0] == '-'; // "--" separates it from an option
     fputs("lampyris render", file);
     bool ok = (is_last || put_word(file, scene)) && put_given(file, c->options, curve) &&
               put_varied(file, &c->arena, curve);

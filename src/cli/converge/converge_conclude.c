@@ -1,4 +1,4 @@
-// Concludes what the samples of `lampyris converge` say.
+// Computes the statistics of `lampyris converge`.
 #include "cli/converge/converge.h"
 
 #include "base/hash.h"
@@ -97,7 +97,7 @@ uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZ
 }
 
 struct columns {
-    double *values, *others; // scratch: one a replicate
+    double *values, *others; // scratch memory: one per replicate
     double *errors, *x;      // a row of points for each replicate
 };
 
@@ -176,8 +176,8 @@ static void find_efficiency(const struct converge *c, struct converge_curve *cur
 
 // --- time to an error ----------------------------------------------------------------------------
 
-// Outside of its points a curve goes on as independent samples do, with -1: slopes of few points
-// are steeper or flatter than what they lead to. The interval allows for the one that was found.
+// Outside of its points a curve is continued with slope -1, as for independent samples, because a
+// slope from few points is not its asymptote. The interval includes the measured slope.
 static struct interval slope_outside(const struct converge_curve *curve)
 {
     struct interval found = curve->slope;
@@ -185,7 +185,7 @@ static struct interval slope_outside(const struct converge_curve *curve)
     return (struct interval){-1, fmin(found.low, -1), is_slow ? found.high : -1};
 }
 
-// The curve itself, and those along the ends of its intervals.
+// Continues the curve itself, and those along the ends of its intervals.
 static struct interval reach(const struct converge *c, const struct converge_curve *curve,
                              bool in_samples, double target, double *x, double *errors)
 {
@@ -221,7 +221,7 @@ static void find_targets(const struct converge *c, struct converge_curve *curve,
         out->seconds.high += curve->start_seconds;
         out->extrapolated =
             !(out->spp.value >= first->spp.value && out->spp.value <= last->spp.value);
-        if (out->extrapolated && curve->bias.low > target) // what stays is more than that
+        if (out->extrapolated && curve->bias.low > target) // the bias alone exceeds the target
             out->spp = out->seconds = (struct interval){NAN, NAN, NAN};
     }
 }

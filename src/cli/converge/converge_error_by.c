@@ -1,4 +1,4 @@
-// Where the error of a curve's last pictures comes from: --error-by.
+// --error-by: splits the error of a curve's last images.
 #include "cli/converge/converge.h"
 
 bool converge_split_error(struct converge *c, struct converge_curve *curve, uint32_t replicate,
@@ -13,7 +13,7 @@ bool converge_split_error(struct converge *c, struct converge_curve *curve, uint
     return job_find_sources(&curve->job, &curve->sources[replicate], err);
 }
 
-// All replicates of a curve have as many samples, or each has a reason of its own.
+// All replicates of a curve have the same number of samples, or each gives a reason.
 static const char *find_reason(const struct converge *c, const struct converge_curve *curve)
 {
     for (uint32_t r = 0; r < c->replicates_done; r++)

@@ -1,4 +1,4 @@
-// The report for people: one file that needs no network, with plots, tables and pictures.
+// The HTML report: one file that needs no network, with plots, tables and images.
 #include "cli/converge/converge.h"
 
 #include "report/html_viewer.h"
@@ -12,7 +12,7 @@ struct page {
     struct html_page html;
 };
 
-// A matrix of all pairs of more curves cannot be read.
+// A matrix of all pairs of more curves would be unreadable.
 #define MATRIX_CURVES 8
 
 static bool put_plot(struct page *page, uint32_t scene, bool over_time, struct err *err)
@@ -254,7 +254,7 @@ static void put_kind(struct page *page, const struct error_by *by, enum error_ki
     fputs("<td></td></tr>\n</table></div>\n", out);
 }
 
-// --error-by, of the last pictures of each curve.
+// Adds --error-by for the last images of each curve.
 static void put_sources(struct page *page, uint32_t first, uint32_t count)
 {
     FILE *out = page->html.out;

@@ -1,16 +1,17 @@
-// Measures a picture for `lampyris converge`.
+// Measures an image for `lampyris converge`.
 #include "cli/converge/converge.h"
 
 #include "metrics/perceptual.h"
 #include <math.h>
 #include <string.h>
 
-// SSIM and FLIP take 1.3 us a pixel of one processor: about a sample there, but a hundred of a GPU.
-// Up to this size they are measured of every replicate, which is then a tenth of a second each.
+// SSIM and FLIP take 1.3 us per pixel on one processor: about a sample's time on a CPU, but a
+// hundred samples' on a GPU. Up to this size they are measured in every replicate, in a tenth of a
+// second each.
 #define PERCEPTION_PIXELS (256u * 256u)
 
-// False where the perceptual metrics lack memory. Where it is asked to stop, some are left NAN: the
-// replicate does not count then.
+// Returns false if the perceptual metrics lack memory. When stopped, some metrics stay NAN, and the
+// replicate does not count.
 static bool compare(const struct reference *reference, const struct film_image *film,
                     bool with_perception, const struct progress *progress,
                     double metric[CONVERGE_METRICS], struct err *err)
@@ -33,8 +34,8 @@ static bool compare(const struct reference *reference, const struct film_image *
            err_memory(err, "SSIM and FLIP", metrics_flip_bytes(film->width, film->height));
 }
 
-// Without a reference: what the half-buffers say, as in a render's summary. Of relMSE they know a
-// bound alone.
+// Without a reference, the error is estimated from the half-buffers, as in a render's summary. For
+// relMSE they give only a bound.
 static bool estimate(struct job *job, struct converge_sample *sample, struct err *err)
 {
     if (!job_judge_film(job, err))
@@ -75,7 +76,7 @@ bool converge_measure_point(struct converge *c, struct converge_curve *curve, ui
         ok = estimate(job, sample, err);
     if (ok && point + 1 == c->point_count)
         ok = converge_split_error(c, curve, replicate, err);
-    // The mean of all tells the bias.
+    // The mean of all replicates shows the bias.
     bool is_needed = reference->name || replicate == 0 || c->options->converge.images;
     if (ok && point + 1 == c->point_count && is_needed)
         ok = keep_picture(c, curve, replicate, &job->film, err);

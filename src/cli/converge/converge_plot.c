@@ -1,4 +1,4 @@
-// gnuplot scripts of curves.
+// gnuplot scripts for curves.
 #include "cli/converge/converge.h"
 
 #include "base/memory_stream.h"
@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// gnuplot cannot place an error bar at a bound that is not known.
+// gnuplot cannot draw an error bar with an unknown bound.
 static bool is_drawn(struct interval i)
 {
     return isfinite(i.value) && i.value > 0;
@@ -32,7 +32,7 @@ static void put_data(FILE *out, const struct converge *c, const struct converge_
     fputs("EOD\n", out);
 }
 
-// The part of a scene's curves that is drawn.
+// The range in which a scene's curves are drawn.
 struct extent {
     uint32_t curves;
     double x_min, x_max, y_min, y_max;
@@ -63,14 +63,14 @@ static struct extent find_extent(const struct converge *c, uint32_t scene, bool 
                 continue;
             out.x_min = fmin(out.x_min, place_of(point, over_time));
             out.x_max = fmax(out.x_max, place_of(point, over_time));
-            out.y_min = fmin(out.y_min, fmin(e.value, e.low)); // fmin and fmax pass over NAN
+            out.y_min = fmin(out.y_min, fmin(e.value, e.low)); // fmin and fmax ignore NAN
             out.y_max = fmax(out.y_max, fmax(e.value, e.high));
         }
     }
     return out;
 }
 
-// Colours that the colour-blind tell apart: Okabe and Ito (2008), without yellow.
+// Colours that colour-blind people can distinguish: Okabe and Ito (2008), without yellow.
 #define COLORS 7
 static const char style[] = "set logscale xy\nset grid xtics ytics mytics linecolor '#dfe4ea'\n"
                             "set border 3 linecolor '#66727f'\nset tics nomirror\nset bars 0.6\n"
@@ -83,7 +83,7 @@ static const char style[] = "set logscale xy\nset grid xtics ytics mytics lineco
                             "set linetype 7 linecolor '#000000' pointtype 4\n"
                             "set ylabel 'local relMSE'\nset format y '1e%T'\n";
 
-// gnuplot labels powers of ten alone: in a short range 1, 2 and 5 of each decade.
+// gnuplot only labels powers of ten: for short ranges this adds 1, 2 and 5 of each decade.
 static void put_tics(FILE *out, char axis, double min, double max)
 {
     if (max / min > 100)
@@ -101,7 +101,7 @@ static void put_tics(FILE *out, char axis, double min, double max)
     fputs(")\n", out);
 }
 
-#define KEY_INSIDE 6 // curves whose names fit into a corner
+#define KEY_INSIDE 6 // curves whose names fit into a corner of the plot
 
 static void put_frame(FILE *out, const struct converge *c, const struct extent *extent,
                       uint32_t scene, bool over_time)
@@ -134,7 +134,7 @@ static void put_script(FILE *out, const struct converge *c, const struct extent 
     for (uint32_t i = 0; i < c->curve_count; i++)
         if (is_in(c, i, scene))
             put_data(out, c, &c->curves[i], i, over_time);
-    // What independent samples do, from the upper left.
+    // A line for independent samples, from the upper left.
     fprintf(out, "plot %.9g / x with lines dashtype 3 linecolor '#8a949e' title '1 / %s'",
             extent->x_min * extent->y_max, over_time ? "time" : "samples");
     uint32_t number = 0;

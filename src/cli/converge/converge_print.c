@@ -1,4 +1,4 @@
-// Prints what `lampyris converge` says on the terminal.
+// Prints the text output of `lampyris converge`.
 #include "cli/converge/converge.h"
 
 #include "cli/error_sources_out.h"
@@ -27,7 +27,7 @@ static void print_head(const struct converge *c, const struct converge_curve *cu
            c->spp ? "slope on samples" : "slope on time", "s", "efficiency, ratio");
 }
 
-// Formats are the callers' literals, of one double.
+// Formats are literals of the callers, with one double.
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
 
 static void print_interval(struct interval i, const char *format, int width)
@@ -45,7 +45,7 @@ static void print_interval(struct interval i, const char *format, int width)
     printf(" %*s", width, text);
 }
 
-// Where only a bound is known of a replicate, the mean of the bounds.
+// If only a bound is known for a replicate, this is the mean of the bounds.
 static void print_error(const struct converge_point *point)
 {
     struct interval error = point->metric[CONVERGE_LOCAL_RELMSE];
@@ -90,7 +90,7 @@ static void print_targets(const struct converge_curve *curve)
     putchar('\n');
 }
 
-// Those that the curve is told apart from.
+// Prints the curves from which this one differs significantly.
 static void print_verdict(const struct converge *c, const struct converge_curve *curve,
                           enum curve_verdict verdict, const char *words)
 {

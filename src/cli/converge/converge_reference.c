@@ -1,15 +1,15 @@
-// Finds the reference that the curves of `lampyris converge` are compared with.
+// Makes the reference with which the curves of `lampyris converge` are compared.
 #include "cli/converge/converge.h"
 
 #include "base/log.h"
 #include <math.h>
 #include <string.h>
 
-// A hundred times the samples of the longest curve, with a seed of its own, by the settings without
-// what is varied.
+// Its samples relative to those of the longest curve; it has a seed of its own and the settings
+// without variations.
 #define REFERENCE_FACTOR 100
 
-// With --times, as many as the fastest curve is expected to reach.
+// With --times, it is the number that the fastest curve is expected to reach.
 static double longest_samples(const struct converge *c, uint32_t scene)
 {
     double most = 1;

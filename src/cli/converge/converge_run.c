@@ -22,7 +22,7 @@ static bool make_curves(struct converge *c, struct err *err)
     return true;
 }
 
-// The times given, or doubling from --spp-from to --spp.
+// Uses the given times, or numbers of samples that double from --spp-from to --spp.
 static bool make_points(struct converge *c, struct err *err)
 {
     if (c->options->converge.times) {
@@ -70,7 +70,7 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
     return true;
 }
 
-// With --times it is also measured how long samples take.
+// With --times, the pilot also measures the time of samples.
 #define PILOT_SECONDS 0.1
 
 static bool warm_up(struct converge *c, struct converge_curve *curve, struct err *err)
@@ -132,7 +132,8 @@ bool converge_advance(struct converge *c, struct job *job, const struct job_step
     return ok;
 }
 
-// How many samples a point has; with --times as many as fit, by what was measured so far.
+// Returns the number of samples of a point; with --times, as many as fit according to the
+// measurements so far.
 static uint64_t plan_samples(const struct converge *c, const struct converge_curve *curve,
                              uint32_t point)
 {
@@ -142,7 +143,7 @@ static uint64_t plan_samples(const struct converge *c, const struct converge_cur
     return fit < 1 ? 1 : fit < SETTINGS_SPP_MAX ? (uint64_t)fit : SETTINGS_SPP_MAX;
 }
 
-// One replicate of a curve on its way, and the part of all the work that it is.
+// A replicate of a curve, and its part of the total progress.
 struct run {
     struct converge *c;
     struct converge_curve *curve;
@@ -193,7 +194,7 @@ static bool measure_replicate(struct run *run, struct err *err)
 {
     struct converge *c = run->c;
     struct converge_curve *curve = run->curve;
-    // Samples that are planned begin anew for each point; others go on from the one before.
+    // Planned samplers begin anew for each point; others continue from the previous point.
     bool is_planned = sample_planning(&curve->scene_data.settings, NULL) != PLANNING_NONE;
     for (uint32_t point = 0; point < c->point_count && !c->stopped; point++) {
         if ((point == 0 || is_planned) && !begin(run, point, err))
@@ -206,7 +207,7 @@ static bool measure_replicate(struct run *run, struct err *err)
         sample->seconds = job_elapsed(&curve->job);
         if (!c->stopped && !converge_measure_point(c, curve, run->replicate, point, err))
             return false;
-        c->stopped |= progress_should_stop(&c->progress); // what is measured may be incomplete
+        c->stopped |= progress_should_stop(&c->progress); // the measurement may be incomplete
     }
     bool is_first = run->replicate == 0; // a pilot is short, and slower
     curve->speed.samples = (is_first ? 0 : curve->speed.samples) + run_samples(run);

@@ -1,4 +1,4 @@
-// lampyris devices: which Vulkan devices there are, and which one would be used.
+// lampyris devices: lists the Vulkan devices, and the one that would be used.
 #include "cli/commands.h"
 
 #include "base/log.h"
@@ -12,7 +12,7 @@ struct device_list {
     uint32_t chosen; // index, or UINT32_MAX when none can be used
 };
 
-// Opens the device as render would: so the choice is render's own, and known to work.
+// Opens the device as render would, so that the choice is the same, and known to work.
 static bool find_chosen(const struct options *options, struct device_list *list, struct err *err)
 {
     struct gpu gpu = {0};
@@ -71,7 +71,7 @@ int cmd_devices(const struct options *options)
     if (!gpu_list_devices(list.devices, &list.count, &err))
         return command_fail(&err);
     if (!find_chosen(options, &list, &err)) {
-        // A list is worth having even where no device can be used.
+        // The list is useful even if no device can be used.
         if (options->device.gpu.device)
             return command_fail(&err);
         log_warn("no device can be used: %s", err.msg);

@@ -1,4 +1,4 @@
-// `lampyris info`: what is in a scene, what rendering it will need, and what it will take.
+// `lampyris info`: the contents of a scene, the code that it needs, and the memory that it takes.
 #include "cli/commands.h"
 
 #include "cli/scene_options.h"
@@ -28,7 +28,7 @@ static uint32_t count_materials(const struct scene *scene, uint32_t model)
     return count;
 }
 
-// Materials that are shaded as a simpler model than their own.
+// Counts materials that are shaded as a simpler model than their own.
 static uint32_t count_reduced(const struct scene *scene)
 {
     uint32_t count = 0;

@@ -44,7 +44,8 @@ static struct job_goal goal_of(const struct options *options)
         .samples_per_frame = options->render.spp_per_frame,
         .accumulate = options->render.accumulate,
     };
-    // A path is followed without tiles, but with the samples of a render whose number was open.
+    // A path is followed without tiles, but with the sample sequence of a render without a fixed
+    // number.
     if (follows_path(options) && options->render.adaptive) {
         goal.adaptive = false;
         goal.seconds = INFINITY;
@@ -113,8 +114,7 @@ static bool set_up(struct render_run *run, struct err *err)
 
 // --- its end -------------------------------------------------------------------------------------
 
-// Writes what there is in all ways that were asked for, whatever becomes of the others. The caller
-// reports the last failure.
+// Writes all requested outputs, even if some of them fail. The caller reports the last failure.
 static bool finish_outputs(struct render_run *run, struct err *err)
 {
     struct err failures[3] = {0};
@@ -137,8 +137,8 @@ static bool finish_outputs(struct render_run *run, struct err *err)
     return ok;
 }
 
-// The failure that ended rendering is what the caller reports. A picture whose error cannot be told
-// is one, too.
+// The caller reports the failure that ended rendering. An image whose error cannot be estimated is
+// a failure, too.
 static void write_rescued(struct render_run *run)
 {
     struct err failures[3] = {0};
@@ -196,5 +196,5 @@ int cmd_render(const struct options *options)
     arena_finish(&run.arena);
     if (!ok)
         return command_fail(&err);
-    return EXIT_CODE_OK; // or main's, when a signal stopped it
+    return EXIT_CODE_OK; // main returns another code if a signal stopped it
 }

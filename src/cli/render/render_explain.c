@@ -1,4 +1,4 @@
-// Says what a render leaves out: in a line of the summary, and in the table of --explain.
+// Reports what a render leaves out: in a line of the summary, and in the table of --explain.
 #include "cli/render/render_report.h"
 #include "render/parts.h"
 #include "report/text_out.h"

@@ -1,4 +1,4 @@
-// Reports a render to machines: as one JSON object, described by docs/render.schema.json.
+// Reports a render as one JSON object, described by docs/render.schema.json.
 #include "base/memory.h"
 #include "cli/error_sources_out.h"
 #include "cli/render/render_report.h"
@@ -170,7 +170,7 @@ static json_t *adaptive_json(const struct render_run *run)
                      "least", run->job.plan.least, "most", run->job.plan.most);
 }
 
-// How it ended, and what it takes to go on.
+// Adds how it ended, and how to resume it.
 static void add_ending(json_t *object, const struct render_run *run)
 {
     json_object_set_new(object, "ended_by", json_string(job_ended_by(&run->job)));

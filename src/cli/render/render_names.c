@@ -1,6 +1,6 @@
-// The names of what a render writes: that no file is written twice, nor over what is read. What is
-// written under numbers (--every) may be millions of files: those that are there already, which may
-// be links to any file, are looked up in their folder, and the others compared by name.
+// Checks the names of outputs: that no file is written twice, or over an input. Numbered images
+// (--every) may be millions of files: existing ones, which may be links to any file, are looked up
+// in their folder, and the others compared by name.
 #include "cli/render/render_run.h"
 
 #include "base/file.h"
@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The n-th file that is written at the end: pictures, then checkpoint and trace; NULL for one that
-// was not asked for.
+// Returns the n-th file that is written at the end: images, then checkpoint and trace; NULL for one
+// that was not requested.
 static const char *output_at(const struct render_run *run, uint32_t n)
 {
     return n < run->output_count    ? run->outputs[n]
@@ -21,7 +21,7 @@ static const char *output_at(const struct render_run *run, uint32_t n)
 
 // --- numbered pictures ---------------------------------------------------------------------------
 
-// One that stands in its folder before rendering.
+// A numbered image that exists before rendering.
 struct numbered {
     const char *path;
     bool is_link;
@@ -76,7 +76,7 @@ static bool list_numbered(const struct render_run *run, struct numbered_list *li
 
 // --- two outputs ---------------------------------------------------------------------------------
 
-// A file by the name, and in the folder, of a picture that will be numbered.
+// Checks a file with the name, and in the folder, of an image that will be numbered.
 static bool check_name(const struct render_run *run, const char *path, struct arena *arena,
                        struct err *err)
 {
@@ -108,7 +108,7 @@ static bool check_numbered(const struct render_run *run, struct numbered_list *l
         for (size_t k = 0; ok && output && k < list->count; k++)
             ok = file_check_distinct(output, list->files[k].path, err);
     }
-    // Only links make two numbered pictures one file.
+    // Only links can make two numbered images the same file.
     for (size_t i = 0; ok && i < list->count; i++) {
         const struct numbered *link = &list->files[i];
         for (size_t k = 0; ok && link->is_link && k < list->count; k++)
@@ -134,8 +134,8 @@ bool render_check_distinct(const struct render_run *run, struct err *err)
 
 // --- outputs and inputs --------------------------------------------------------------------------
 
-// The picture to look at was not asked for: where a texture has its name (spot.obj, spot.png), the
-// picture that counts is written alone.
+// Drops the default PNG if its name is that of an input (a texture spot.png of spot.obj): only the
+// EXR is then written.
 static void drop_default_of_inputs(struct render_run *run)
 {
     struct err reason = {0};

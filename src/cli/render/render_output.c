@@ -25,13 +25,13 @@ static char *without_extension(struct arena *arena, const char *path)
     return stem;
 }
 
-// Returns whether somebody reads the summary, and may want to look at the picture.
+// Returns whether a person reads the summary, and may want to look at the image.
 static bool is_watched(const struct options *options)
 {
     return terminal_is(stdout) && !options->quiet && !options->json;
 }
 
-// The scene's name with .exr, in the working directory; for people a picture to look at besides.
+// The default is the scene's name with .exr, in the working directory; for people also a PNG.
 static bool default_outputs(struct render_run *run, struct err *err)
 {
     static const char *const formats[] = {"%s.exr", "%s.png"};
@@ -62,7 +62,7 @@ static bool list_locks(struct render_run *run, struct err *err)
     return true;
 }
 
-// Other formats have no layers.
+// Other formats than EXR have no layers.
 static bool check_layers(const struct render_run *run, struct err *err)
 {
     bool has_exr = false;
@@ -107,7 +107,8 @@ void render_release_outputs(struct render_run *run)
         file_lock_release(&run->locks[i]);
 }
 
-// Uncompressed: what compression saves is not known before, and noise leaves it little.
+// Returns the uncompressed size, because compression is not predictable, and noise compresses
+// little.
 static uint64_t picture_bytes(const struct render_run *run, bool is_png)
 {
     const struct settings *settings = &run->scene.settings;
@@ -120,7 +121,7 @@ static uint64_t picture_bytes(const struct render_run *run, bool is_png)
 bool render_check_space(const struct render_run *run, struct err *err)
 {
     const struct options *options = run->options;
-    // Where a clock may end the run, only the last picture is certain.
+    // If time may end the run, only the last image is certain.
     bool is_certain = options->render.every && options->render.time_seconds == 0.0;
     uint64_t pictures = is_certain ? options->render.frames / options->render.every + 1u : 1u;
     for (uint32_t i = 0; i < run->output_count; i++) {
@@ -134,7 +135,7 @@ bool render_check_space(const struct render_run *run, struct err *err)
 
 // --- writing -------------------------------------------------------------------------------------
 
-// How a picture is stored.
+// How an image is stored.
 struct storage {
     bool half_float, uncompressed;
 };
@@ -160,8 +161,8 @@ static bool write_picture(const struct render_run *run, const char *path, struct
     return image_write(&params, err);
 }
 
-// First in the simplest way, as a compressor may have failed; where the size of files is limited,
-// in smaller ones then. Says how.
+// Tries the simplest way first, because a compressor may have failed; if file sizes are limited,
+// smaller formats follow. Reports the format.
 static bool save(const struct render_run *run, const char *path, uint64_t limit,
                  const struct metadata *metadata, struct err *err)
 {
@@ -184,7 +185,7 @@ static bool save(const struct render_run *run, const char *path, uint64_t limit,
     return false;
 }
 
-// Hours of rendering shall not be lost because a disk is full or gone, or a compressor fails.
+// Hours of rendering must not be lost because a disk is full or gone, or a compressor fails.
 static void save_elsewhere(const struct render_run *run, const struct metadata *metadata,
                            struct arena *arena)
 {
@@ -193,7 +194,7 @@ static void save_elsewhere(const struct render_run *run, const struct metadata *
         return;
     const char *path = arena_printf(arena, "%s/picture.exr", folder);
     struct err err = {0};
-    // As high as it may be: the limit may be what kept the picture from its place.
+    // The limit is raised as far as possible, because it may be the reason of the failure.
     const uint64_t limit = file_size_limit_raise();
     if (!path || !save(run, path, limit, metadata, &err)) {
         folder_remove(folder);
@@ -204,8 +205,8 @@ static void save_elsewhere(const struct render_run *run, const struct metadata *
 
 // --- what a picture says about itself ------------------------------------------------------------
 
-// The command that makes this picture again, wherever a clock, the error or the number of the frame
-// decided what is in it. There is none for one that a signal cut short.
+// Makes the command that renders this image again, even if a time limit, the error or the frame
+// number decided its contents. There is none if a signal interrupted it.
 static const char *repeating_command(const struct render_run *run, uint32_t frame,
                                      struct arena *arena)
 {
@@ -222,7 +223,7 @@ static const char *repeating_command(const struct render_run *run, uint32_t fram
     return line && is_timed ? arena_printf(arena, "%s --time %.9g", line, OPTION_TIME_MAX) : line;
 }
 
-// Without a number of samples that all pixels have, no command makes the same picture.
+// If pixels differ in their numbers of samples, no command makes the same image.
 static bool is_repeatable(const struct render_run *run)
 {
     bool is_even = run->job.rescue.copied.is_even && !run->options->render.frames;
@@ -278,7 +279,7 @@ static bool write_outputs(struct render_run *run, uint32_t frame, struct arena *
             has_exr |= path_has_extension(path, "exr");
             continue;
         }
-        if (!ok) // it is the caller's to report the first
+        if (!ok) // the caller reports the first one
             log_message(LOG_ERROR, "%s", failure.msg);
         else if (err)
             *err = failure;
@@ -292,7 +293,7 @@ static bool write_outputs(struct render_run *run, uint32_t frame, struct arena *
 bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *err)
 {
     uint64_t start = clock_ns();
-    struct arena arena = {0}; // of names and metadata
+    struct arena arena = {0}; // for names and metadata
     bool ok = write_outputs(run, frame, &arena, err);
     arena_finish(&arena);
     job_add_time(&run->job, JOB_WRITING, start);

@@ -1,4 +1,4 @@
-// Reports a render to people.
+// Reports a render as text.
 #include "cli/render/render_report.h"
 
 #include "base/file.h"
@@ -167,7 +167,7 @@ static double pick_largest(const double *amounts, int count, int most, bool *is_
     return others;
 }
 
-// The three that take longest; --explain has all.
+// Prints the three slowest kernels; --explain prints all.
 static void print_largest_kernels(const struct render_stats *stats)
 {
     double ms[KERNEL_COUNT], sum = 0.0;
@@ -248,7 +248,7 @@ static void print_nonfinite(const struct render_run *run)
                    stats->count[site], site_name(site));
 }
 
-// The first of them; all are in --explain.
+// Prints the first note; --explain prints all.
 static void print_notes(const struct scene *scene)
 {
     if (scene->note_count == 0)
@@ -260,7 +260,7 @@ static void print_notes(const struct scene *scene)
     putchar('\n');
 }
 
-// Prints the exposure of PNG pictures where it is not the scene file's or an option's.
+// Prints the exposure of PNG images if neither the scene file nor an option sets it.
 static void print_exposure(const struct render_run *run)
 {
     const struct settings *s = &run->scene.settings;

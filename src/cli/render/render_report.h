@@ -1,4 +1,4 @@
-// Functions that the reports for people and for machines share.
+// Functions that the text report and the JSON report share.
 #ifndef LAMPYRIS_CLI_RENDER_RENDER_REPORT_H
 #define LAMPYRIS_CLI_RENDER_RENDER_REPORT_H
 
@@ -6,19 +6,20 @@
 #include "render/parts.h"
 #include <jansson.h>
 
-// A line of the times of all kernels, and one of those of all steps: the summary names the largest.
+// Print a line with the times of all kernels, and one with those of all steps; the summary only
+// names the largest.
 void report_print_kernels(const struct render_stats *stats);
 void report_print_steps(const struct render_run *run);
 
 extern const char *const report_class_names[CLASS_COUNT];
 
 // --- render_explain.c ---
-// "left out  41 of 63 features, 7 of 14 kernels, 5.5 MiB; --explain lists them".
+// Prints "left out 41 of 63 features, 7 of 14 kernels, 5.5 MiB; --explain lists them".
 void explain_print_line(const struct renderer *r);
-// --explain: which parts are left out, why, and what that saves; and what the summary has no room
-// for.
+// --explain: prints which parts are left out, why, and what that saves, with details that the
+// summary omits.
 void explain_print(struct render_run *run);
-// Says of one part that is left out why that is so, and what it saves.
+// Describes a part that is left out: why, and what that saves.
 json_t *explain_json(const struct renderer *r, const struct part *part);
 
 #endif

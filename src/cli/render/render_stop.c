@@ -1,4 +1,4 @@
-// Ends a render on a signal: after the wave in flight, but not before every pixel has a sample.
+// Ends a render after a signal: after the current wave, but not before every pixel has a sample.
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/signals.h"
@@ -6,10 +6,10 @@
 
 #include <math.h>
 
-// So long may the first sample of every pixel take once a signal has asked to stop. Batch systems
-// kill what has not ended 30 s (Slurm) to 90 s (systemd) after their signal.
+// The longest delay of a stop for the first sample of every pixel. Batch systems kill programs 30 s
+// (Slurm) to 90 s (systemd) after their signal.
 #define PATIENCE_SECONDS 20.0
-// Nobody wants to read about less.
+// Shorter delays are not reported.
 #define SHORT_SECONDS 1.0
 
 static double patience_seconds(void)
@@ -17,8 +17,8 @@ static double patience_seconds(void)
     return signals_leave_time() ? PATIENCE_SECONDS : 0.0;
 }
 
-// False as long as it is not known whether that takes long enough to be told: before the first wave
-// has ended there is no rate, only the time that was waited.
+// Returns false while it is not known whether the delay is long enough to be reported: before the
+// end of the first wave there is no rate, only the time waited so far.
 static bool say_what_it_waits_for(const struct render_run *run)
 {
     const struct pass *pass = &run->job.renderer.pass;

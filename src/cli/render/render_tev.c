@@ -1,4 +1,4 @@
-// --tev: shows a render in the viewer tev while it goes on.
+// --tev: shows a render in the viewer tev while it accumulates.
 #include "base/clock.h"
 #include "base/log.h"
 #include "cli/render/render_run.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Most that reading and packing pictures may take of the render's time.
+// The greatest share of the render's time for reading and packing images.
 #define COST_MAX 0.03
 #define SECONDS_BETWEEN 2.0
 
@@ -28,7 +28,7 @@ static uint32_t count_channels(const struct image_layer *layer)
     return count;
 }
 
-// Appends a layer's channels; floats hold numbers of objects and samples up to 2^24 exactly.
+// Appends a layer's channels; floats represent object and sample numbers up to 2^24 exactly.
 static void pack_layer(struct tev_picture *picture, const struct image_layer *layer)
 {
     const char *const *names = layer->channels ? layer->channels : color;
@@ -45,7 +45,7 @@ static void pack_layer(struct tev_picture *picture, const struct image_layer *la
     }
 }
 
-// The film with the layers that are asked for. False when out of memory.
+// Packs the film with the requested layers. Returns false when out of memory.
 static bool pack_picture(const struct film_image *film, uint32_t aovs, struct tev_picture *out)
 {
     const struct image_layer picture = {"", film->mean, NULL, IMAGE_LAYER_FLOAT};

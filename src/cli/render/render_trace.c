@@ -1,4 +1,4 @@
-// --trace and --reference of render: the file of the trace, and the image to compare with.
+// --trace and --reference of render: the trace's file, and the reference image.
 #include "cli/render/render_run.h"
 
 #include "base/clock.h"
@@ -12,8 +12,7 @@
 
 // --- the reference -------------------------------------------------------------------------------
 
-// Samples that picture and reference share are in both, so that the error between them is too
-// small.
+// Samples that the image shares with the reference make the error between them too small.
 static void warn_of_shared_samples(struct render_run *run, const char *path)
 {
     struct image_attribute *list;
@@ -60,13 +59,13 @@ bool render_open_reference(struct render_run *run, struct err *err)
 bool render_read_trace(struct render_run *run, struct err *err)
 {
     const char *path = run->options->render.trace;
-    if (!path || !run->job.resumed.file) // without one to go on from, the file is replaced
+    if (!path || !run->job.resumed.file) // without a checkpoint to resume, the file is replaced
         return true;
     if (!file_exists(path)) {
         log_warn("%s: does not exist: the trace begins where the checkpoint ends", path);
         return true;
     }
-    struct trace trace = run->job.trace; // its identity; the rows become those of the file
+    struct trace trace = run->job.trace; // its identity; the rows are replaced by those of the file
     if (!trace_read(path, &trace, &run->arena, err))
         return false;
     job_resume_trace(&run->job, trace.rows, trace.count);
@@ -107,8 +106,8 @@ bool render_update_trace(struct render_run *run, struct err *err)
 {
     const char *path = run->options->render.trace;
     struct err failure = {0};
-    // A path that is no regular file gets all rows at the end: it cannot be written anew after
-    // each.
+    // A path that is no regular file gets all rows at the end, because it cannot be rewritten after
+    // each row.
     if (file_is_special(path) || write_file(run, &failure))
         return true;
     if (failure.code != ERR_OUTPUT) {

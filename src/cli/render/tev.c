@@ -12,7 +12,7 @@
 #define CREATE_IMAGE 4
 #define UPDATE_IMAGE 5 // with several channels
 #define NAME_MAX_BYTES 1024
-// Of the values in one packet, unless a row has more: the viewer shows one after the other.
+// Bytes of the values in one packet, unless a row has more: the viewer displays packets one by one.
 #define BAND_BYTES ((size_t)4 << 20)
 
 struct tev {
@@ -21,13 +21,13 @@ struct tev {
     struct thread thread;
     struct mutex mutex;
     struct condition changed;
-    // All of this under the mutex.
-    bool has_picture; // to be sent, or being sent
+    // The mutex protects these.
+    bool has_picture; // it is waiting or being sent
     bool is_closing, is_abandoned, is_failed, is_done;
-    struct tev_picture picture; // its arrays are our own
-    // Of the thread alone.
+    struct tev_picture picture; // owns its arrays
+    // Only the thread uses these.
     struct connection connection;
-    bool is_created; // the viewer knows the picture
+    bool is_created; // the image was created in the viewer
 };
 
 // --- addresses -----------------------------------------------------------------------------------
@@ -52,7 +52,7 @@ static bool is_host_text(const char *text, size_t length)
     return length > 0 && length <= TEV_HOST_MAX;
 }
 
-// Where the host ends, and what of the port follows; NULL: none does.
+// Returns the end of the host, and sets the start of the port; NULL: there is none.
 static const char *split(const char *text, const char **host, size_t *length)
 {
     const char *end = strchr(text, ']'), *colon = strchr(text, ':');
@@ -103,7 +103,7 @@ static bool is_abandoned(void *context)
 
 static bool fail(struct tev *tev, const char *reason)
 {
-    if (is_abandoned(tev)) // nobody waits for it any more, and tev_wait has told so
+    if (is_abandoned(tev)) // nobody waits for it any more, and tev_wait has reported that
         return false;
     log_warn("--tev: %s port %s: %s; the render goes on without", tev->address.host,
              tev->address.port, reason);
@@ -141,7 +141,7 @@ static void put_bytes(struct head *head, const void *data, size_t size)
     head->size += size;
 }
 
-// The bits of the value in the order of tev's bytes, whatever the host's is.
+// Returns the bits of the value in tev's byte order on any host.
 static uint32_t little_endian(uint32_t value)
 {
     const uint8_t bytes[] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16),
@@ -165,7 +165,7 @@ static void begin(struct head *head, char type, const struct tev *tev)
 {
     static const char keep_focus = 0;
     head->size = 0;
-    put_int(head, 0); // the length
+    put_int(head, 0); // placeholder of the length
     put_bytes(head, &type, 1);
     put_bytes(head, &keep_focus, 1);
     put_text(head, tev->name);
@@ -217,7 +217,7 @@ static bool send_band(struct tev *tev, struct head *head, uint32_t from, uint32_
     return true;
 }
 
-// Its bands from the top.
+// Sends its bands from the top.
 static bool send_picture(struct tev *tev, struct head *head)
 {
     const struct tev_picture *picture = &tev->picture;
@@ -242,7 +242,7 @@ void tev_free_picture(struct tev_picture *picture)
     *picture = (struct tev_picture){0};
 }
 
-// Until there is a picture, or none will come.
+// Waits for an image, or for the end.
 static bool await_picture(struct tev *tev)
 {
     mutex_lock(&tev->mutex);
@@ -323,7 +323,7 @@ bool tev_is_ready(struct tev *tev)
 void tev_send(struct tev *tev, struct tev_picture *picture)
 {
     size_t count = (size_t)picture->width * picture->height * picture->channel_count;
-    // Little-endian, whatever the host's order.
+    // Converts to little-endian on big-endian hosts.
     for (size_t i = 0; i < count && little_endian(1) != 1; i++) {
         uint32_t bits;
         memcpy(&bits, &picture->values[i], sizeof bits);

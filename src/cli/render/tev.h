@@ -1,7 +1,7 @@
-// Sends pictures to the viewer tev over TCP.
+// Sends images to the viewer tev over TCP.
 //
-// The protocol (tev, include/tev/Ipc.h and src/Ipc.cpp, as of version 1.29): packets that begin
-// with their length in bytes, itself included (uint32), and a type (one byte). Integers are
+// The protocol (tev, include/tev/Ipc.h and src/Ipc.cpp, as of version 1.29): a packet begins with
+// its length in bytes, including this field (uint32), and a type (one byte). Integers are
 // little-endian, texts end with a NUL.
 //
 //   CreateImage, 4:    bool take the focus; text name; int32 width, height, channels; texts: names
@@ -9,7 +9,8 @@
 //   UpdateImage v2, 5: bool take the focus; text name; int32 channels; texts: their names;
 //                      int32 x, y, width, height; floats, one channel after the other
 //
-// A thread of its own talks to the viewer. It holds one picture; who has a newer one asks whether
+// A separate thread talks to the viewer. It holds one image; the caller asks whether that was sent
+// before it makes a newer one. Only tev_close waits for the peer, for a limited time.
 // that is gone already. Nothing here waits for the peer but tev_close, for so long.
 #ifndef LAMPYRIS_CLI_RENDER_TEV_H
 #define LAMPYRIS_CLI_RENDER_TEV_H
@@ -22,41 +23,41 @@
 #define TEV_HOST_MAX 255   // bytes of a host name (RFC 1035, section 2.3.4)
 #define TEV_CHANNEL_MAX 64 // bytes of a channel's name, with the NUL
 #define TEV_CHANNELS_MAX 64
-#define TEV_PATIENCE_SECONDS 3.0  // a peer that takes nothing for so long is given up
-#define TEV_FAREWELL_SECONDS 10.0 // and one that has not taken the last picture after so long
+#define TEV_PATIENCE_SECONDS 3.0  // a peer that takes nothing for this long is given up
+#define TEV_FAREWELL_SECONDS 10.0 // and so is one that has not taken the last image after this time
 
 struct tev_address {
     char host[TEV_HOST_MAX + 1];
     char port[6];
 };
 
-// "HOST", "HOST:PORT", ":PORT", "PORT" or "[V6]:PORT"; what is missing is 127.0.0.1 and TEV_PORT.
-// ERR_USAGE. Names are looked up when the connection is made.
+// Parses "HOST", "HOST:PORT", ":PORT", "PORT" or "[V6]:PORT"; the defaults are 127.0.0.1 and
+// TEV_PORT. ERR_USAGE. Names are resolved when the connection is made.
 bool tev_parse_address(const char *text, struct tev_address *out, struct err *err);
 
-// Both arrays are malloc's.
+// Both arrays are allocated with malloc.
 struct tev_picture {
     uint32_t width, height;
     uint32_t channel_count;            // at most TEV_CHANNELS_MAX
-    char (*channels)[TEV_CHANNEL_MAX]; // names; every picture has those of the first
-    float *values;                     // channel after channel, rows from the top
+    char (*channels)[TEV_CHANNEL_MAX]; // names; every image has those of the first one
+    float *values;                     // channel by channel, rows from the top
 };
 
 struct tev;
 
-// Begins to connect. `name` is what the viewer calls the picture. NULL when out of memory or
+// Starts to connect. `name` is the image's name in the viewer. Returns NULL when out of memory or
 // threads, with *err set.
 struct tev *tev_open(const struct tev_address *address, const char *name, struct err *err);
-// Returns whether it would take a picture: false while one is under way, and after a failure, of
+// Returns whether it can take an image: false while one is being sent, and after a failure, of
 // which it has warned.
 bool tev_is_ready(struct tev *tev);
-// Takes the picture over; only when ready.
+// Takes ownership of the image; call it only when ready.
 void tev_send(struct tev *tev, struct tev_picture *picture);
-void tev_free_picture(struct tev_picture *picture); // one that was not sent
-// Waits until nothing is under way, for TEV_FAREWELL_SECONDS at most.
+void tev_free_picture(struct tev_picture *picture); // for one that was not sent
+// Waits until nothing is being sent, for at most TEV_FAREWELL_SECONDS.
 void tev_wait(struct tev *tev);
-// Waits likewise and ends the thread; one that looks up a name for ages is left to the end of the
-// program. Accepts NULL.
+// Waits likewise and ends the thread. A thread that is resolving a name for too long is left
+// running until the program ends. Accepts NULL.
 void tev_close(struct tev *tev);
 
 #endif

@@ -146,7 +146,7 @@ static bool damaged(uint32_t row, const char *what, struct err *err)
                    what);
 }
 
-// Returns the text before the next separator, and ends it there; NULL after the last.
+// Returns the text before the next separator, which it replaces by NUL; NULL after the last.
 static char *next_part(char **rest, char separator)
 {
     char *begin = *rest, *end = begin ? strchr(begin, separator) : NULL;

@@ -1,4 +1,4 @@
-// `lampyris view`: the window is a program of its own, so that this one needs no window library.
+// `lampyris view`: the viewer is a separate program, so that this one needs no window library.
 #include "cli/commands.h"
 
 #include "base/file.h"
@@ -12,8 +12,8 @@
 #define PROGRAM "lampyris-view"
 #define IN_BUILD_FOLDER "../viewer/" PROGRAM
 
-// Beside this program, as installed; else where the build folder has it; else wherever the system
-// finds it.
+// Finds the viewer: next to this program, as installed; else in the build folder; else by the
+// system's search path.
 static void find_program(char *out, size_t size)
 {
     static const char *const places[] = {PROGRAM, IN_BUILD_FOLDER};
@@ -28,7 +28,7 @@ static void find_program(char *out, size_t size)
     snprintf(out, size, "%s", PROGRAM);
 }
 
-// Its own command line leaves out the word "view".
+// The viewer's command line omits the word "view".
 int cmd_view(const struct options *options)
 {
     char program[PATH_MAX];
