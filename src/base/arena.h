@@ -15,16 +15,16 @@ struct arena {
     size_t used_bytes; // handed out so far, padding included
 };
 
-// Zeroed memory for `count` elements of `size` bytes, aligned to 64 bytes (to 16 when small).
-// NULL when count * size overflows, memory or its budget is exhausted. A count of 0 gives a valid
-// pointer.
+// Returns zeroed memory for `count` elements of `size` bytes, aligned to 64 bytes (to 16 when
+// small). NULL when count * size overflows, or when memory or its budget is exhausted. A count of 0
+// gives a valid pointer.
 void *arena_alloc(struct arena *arena, size_t count, size_t size);
-// A copy of an array; NULL like arena_alloc.
+// Copies an array; NULL as for arena_alloc.
 void *arena_copy(struct arena *arena, const void *from, size_t count, size_t size);
-// Room for `more` elements behind the first `count` of a growing array: `items` itself while the
-// capacity lasts, else a copy of at least twice the capacity. The old one stays in the arena;
-// doubling keeps the sum of all outgrown arrays below the size of the live one. NULL like
-// arena_alloc, and for more than 2^32 - 1 elements.
+// Makes room for `more` elements after the first `count` of a growing array. Returns `items` itself
+// if the capacity suffices, else a copy of at least twice the capacity. The old array stays in the
+// arena; doubling keeps the sum of all outgrown arrays below the size of the current one. NULL as
+// for arena_alloc, and for more than 2^32 - 1 elements.
 void *arena_reserve(struct arena *arena, void *items, uint32_t count, uint64_t more,
                     uint32_t *capacity, size_t size);
 // Appends a zeroed element to a growing array, the pointer to which is at `array`; its index goes
@@ -32,7 +32,7 @@ void *arena_reserve(struct arena *arena, void *items, uint32_t count, uint64_t m
 void *arena_append(struct arena *arena, void *array, uint32_t *count, uint32_t *capacity,
                    size_t size, uint32_t *index);
 char *arena_strdup(struct arena *arena, const char *text); // NULL like arena_alloc
-// The whole text, however long; NULL like arena_alloc.
+// Formats a text of any length; NULL as for arena_alloc.
 char *arena_printf(struct arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 char *arena_vprintf(struct arena *arena, const char *format, va_list arguments)
@@ -40,8 +40,8 @@ char *arena_vprintf(struct arena *arena, const char *format, va_list arguments)
 // Releases everything; the arena is {0}. Accepts NULL and {0}.
 void arena_finish(struct arena *arena);
 
-// For fault tests: the n-th allocation from now (1: the next), in whichever arena and thread, fails
-// once as if memory were exhausted. 0 calls it off.
+// For fault tests: the n-th allocation from now (1: the next), in any arena and thread, fails once
+// as if memory were exhausted. 0 cancels it.
 void arena_fail_at(uint64_t n);
 
 #define ARENA_NEW(arena, type, count) ((type *)arena_alloc((arena), (count), sizeof(type)))

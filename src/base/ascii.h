@@ -1,4 +1,4 @@
-// Comparing words without regard to the case of ASCII letters, whatever the locale.
+// Compares words, ignoring the case of ASCII letters, independently of the locale.
 #ifndef LAMPYRIS_BASE_ASCII_H
 #define LAMPYRIS_BASE_ASCII_H
 

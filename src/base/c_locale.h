@@ -1,4 +1,4 @@
-// Numbers as the C locale writes them, whatever the process's locale takes for a decimal point.
+// Formats numbers as in the C locale, whatever decimal point the process's locale uses.
 #ifndef LAMPYRIS_BASE_C_LOCALE_H
 #define LAMPYRIS_BASE_C_LOCALE_H
 

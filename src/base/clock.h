@@ -3,15 +3,15 @@
 
 #include <stdint.h>
 
-// Monotonic time in nanoseconds.
+// Returns monotonic time in nanoseconds.
 uint64_t clock_ns(void);
-// Nanoseconds since 1970 by the system's clock, which may be set: comparable with the times of
-// files.
+// Returns nanoseconds since 1970 by the system's clock, which may be set; it is comparable with the
+// times of files.
 uint64_t clock_wall_ns(void);
-// Waits that long, or until a signal arrives.
+// Waits for this time, or until a signal arrives.
 void clock_sleep(double seconds);
 
-// Seconds since `start_ns`, a time of clock_ns().
+// Returns the seconds since `start_ns`, a time of clock_ns().
 static inline double clock_seconds_since(uint64_t start_ns)
 {
     return (double)(clock_ns() - start_ns) * 1e-9;

@@ -1,11 +1,11 @@
-// The one error type. Whoever detects a problem fills it in, callers prepend context, and only
-// The program prints it and exits.
+// The only error type. The function that detects a problem fills it in, callers prepend context,
+// and only the program prints it and exits.
 #ifndef LAMPYRIS_BASE_ERR_H
 #define LAMPYRIS_BASE_ERR_H
 
 #include <stdbool.h>
 
-// Whose fault it is. cli/exit_code.c maps a code to the exit code in brackets.
+// The cause of an error. cli/exit_code.c maps a code to the exit code in brackets.
 enum err_code {
     ERR_NONE = 0,
     ERR_USAGE,     // the command line [2]
@@ -33,16 +33,16 @@ struct err {
 bool err_set(struct err *err, enum err_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-// Puts context in front of the message, "CONTEXT: MESSAGE", keeping the code; returns false.
+// Prepends context to the message, "CONTEXT: MESSAGE", and keeps the code; returns false.
 bool err_prepend(struct err *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// To be called where memory was not to be had: ERR_BUDGET where the budget refused it, saying how
-// much WHAT needs and what is left; else ERR_SYSTEM, "out of memory (N bytes for WHAT)". Returns
-// false.
+// Reports that memory could not be allocated: ERR_BUDGET if the budget refused it, with how much
+// WHAT needs and what is left; else ERR_SYSTEM, "out of memory (N bytes for WHAT)". Returns false.
 bool err_memory(struct err *err, const char *what, unsigned long long bytes);
 
-// Lets compilers and analysers see, in every file, that the value is always false: else they warn
-// of what would be uninitialised if a failure returned true. (git's error() does the same.)
+// Shows compilers and analysers, in every file, that the value is always false: otherwise they warn
+// of variables that would be uninitialised if a failure returned true. (git's error() does the
+// same.)
 static inline bool err_false(void)
 {
     return false;

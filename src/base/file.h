@@ -1,5 +1,5 @@
-// Files: reading whole, writing atomically, and confining paths that come from inside files. Any
-// thread may call, one at a time for one arena or writer.
+// Files: reads whole files, writes atomically, and confines paths that come from inside files. Any
+// thread may call, but only one at a time for the same arena or writer.
 #ifndef LAMPYRIS_BASE_FILE_H
 #define LAMPYRIS_BASE_FILE_H
 
@@ -20,22 +20,22 @@ struct file_bytes {
 // says so; file_resolve() does the same.
 bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                struct err *err);
-// The same for a file that the program writes itself and goes on from: it is not kept as an input.
+// Reads a file that the program itself wrote and continues: it is not recorded as an input.
 bool file_read_own(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                    struct err *err);
 
-// How a path that stands inside a file is to be understood.
+// How to interpret a path that is written inside a file.
 struct file_reference {
     const char *folder;  // of the file that names the path
     bool percent_decode; // decode %XX first, as URIs want it; a malformed escape or %00 is refused
     bool allow_outside;  // the path may lead anywhere
 };
 
-// The path that `path`, found inside a file, names as seen from the working directory. Unless
-// allow_outside, that is a regular file under the folder, symbolic links resolved; refused are then
-// absolute paths, "..", schemes such as "file:" (all of them written as escapes, too), and whatever
-// is no regular file. With allow_outside nothing is looked up: reading the file will tell.
-// ERR_INPUT or ERR_SYSTEM and NULL on failure; the result lives in the arena.
+// Resolves `path`, found inside a file, relative to the working directory. Unless allow_outside is
+// set, the result is a regular file under the folder, with symbolic links resolved; absolute paths,
+// "..", schemes such as "file:" (also written as escapes) and files that are not regular are then
+// rejected. With allow_outside nothing is checked, and errors occur when the file is read. On
+// failure sets ERR_INPUT or ERR_SYSTEM and returns NULL; the result lives in the arena.
 char *file_resolve(struct arena *arena, const struct file_reference *reference, const char *path,
                    struct err *err);
 
@@ -47,14 +47,14 @@ char *path_folder(struct arena *arena, const char *path);         // "a/b.c" -> 
 const char *path_extension(const char *path);                     // "a.PNG" -> "PNG", else ""
 bool path_has_extension(const char *path, const char *extension); // without regard to case
 const char *path_name(const char *path);                          // "a/b.c" -> "b.c"
-// "a/b.c", 12 -> "a/b.0012.c". NULL when out of memory.
+// Makes "a/b.0012.c" of "a/b.c" and 12. NULL when out of memory.
 char *path_numbered(struct arena *arena, const char *path, uint32_t number);
-// The number with which path_numbered() makes a file's name of the name of `path`; 0 where none
-// does. Their folders do not matter.
+// Returns the number with which path_numbered() makes the file name `name` of the name of `path`; 0
+// if there is none. Folders do not matter.
 uint32_t path_number_of(const char *name, const char *path);
 
-// The file that writing to `path` makes or replaces: symbolic links are followed, whether or not
-// there is a file at their end. From malloc; NULL when out of memory.
+// Returns the file that writing to `path` creates or replaces: symbolic links are followed, whether
+// or not their target exists. Allocated with malloc; NULL when out of memory.
 char *file_target(const char *path);
 
 // Atomic writing: a temporary file in the same folder, fsync, reading it back, rename, fsync of the
@@ -77,31 +77,31 @@ struct file_writer {
     char *path;           // what the rename replaces, symbolic links resolved; NULL when closed
     char *temporary_path; // NULL when it has no name
     bool direct;          // a device or pipe: there is no temporary file
-    uint8_t *block;       // what waits to be written
+    uint8_t *block;       // bytes that wait to be written
     size_t block_bytes;
     struct hash128 sum; // of the blocks before it
 };
 
 // Creates the temporary file: so an unwritable folder is found out before any work is done.
 bool file_writer_open(struct file_writer *writer, const char *path, struct err *err);
-// What is written may wait in memory until commit, and with it what goes wrong.
+// Data, and so errors, may be delayed until commit.
 bool file_writer_write(struct file_writer *writer, const void *data, size_t size, struct err *err);
-// Syncs, reads back and renames; on failure the temporary file is removed and the old one kept.
+// Syncs, reads back and renames. On failure the temporary file is removed and the old file kept.
 bool file_writer_commit(struct file_writer *writer, struct err *err);
 // Removes the temporary file unless committed. Accepts {0}-like closed writers and NULL.
 void file_writer_finish(struct file_writer *writer);
 
-// Opens, writes, commits.
+// Opens, writes and commits.
 bool file_write_atomic(const char *path, const void *data, size_t size, struct err *err);
-// The same where replacing an input is what is asked for.
+// Does the same but may replace an input, because that is intended.
 bool file_replace_atomic(const char *path, const void *data, size_t size, struct err *err);
 
-// For tests: one bit of the n-th byte that all writers together write from now on changes on its
-// way to the file. 0 turns it off.
+// For tests: changes one bit of the n-th byte that all writers together write from now on. 0 turns
+// it off.
 void file_corrupt_at(uint64_t n);
 
-// ERR_OUTPUT when the file system on which `path` is to be written has less than `bytes` left for
-// this user. True of devices and pipes, and where it cannot be known.
+// Fails with ERR_OUTPUT when the file system of `path` has less than `bytes` free for this user.
+// Returns true for devices and pipes, and if the free space is not known.
 bool file_check_space(const char *path, uint64_t bytes, struct err *err);
 
 // Finds out before rendering whether `path` could be written: its folder exists and is writable,

@@ -1,33 +1,33 @@
-// Open files, as numbers. -1 is none. What fails leaves its reason in errno.
+// Open files, as numbers; -1 is none. Functions that fail set errno.
 #ifndef LAMPYRIS_BASE_FILE_HANDLE_H
 #define LAMPYRIS_BASE_FILE_HANDLE_H
 
 #include "base/file_system.h"
 #include <stddef.h>
 
-// For reading. Never blocks, also where the path is a pipe's or a device's.
+// Opens a file for reading. Never blocks, even if the path is a pipe or a device.
 int file_handle_open(const char *path);
-// A new file for reading and writing, or EEXIST.
+// Creates a new file for reading and writing; EEXIST if it exists.
 int file_handle_create(const char *path, unsigned permissions);
-// A new file in the folder without a name: gone when the process ends, in whatever way, unless it
-// is named before. Not every system and file system has them.
+// Creates a new file without a name in the folder: unless it is named, it vanishes with the
+// process. Not every system and file system supports this.
 int file_handle_create_unnamed(const char *folder, unsigned permissions);
 bool file_handle_name(int handle, const char *path);
-// An existing pipe or device for writing. ENXIO: a pipe that nobody reads.
+// Opens an existing pipe or device for writing. ENXIO: a pipe without a reader.
 int file_handle_open_stream(const char *path);
 bool file_handle_close(int handle);
 
 bool file_handle_status(int handle, struct file_status *out);
 bool file_handle_set_permissions(int handle, unsigned permissions);
-// Up to `size` bytes, fewer only at the end of the file; -1 on failure.
+// Reads up to `size` bytes, fewer only at the end of the file; -1 on failure.
 int64_t file_handle_read(int handle, void *data, size_t size);
 bool file_handle_write(int handle, const void *data, size_t size);
 bool file_handle_rewind(int handle);
 bool file_handle_sync(int handle); // all of it is on the disk
 
-// Opens, or creates, a file and locks it until the handle is closed or its process ends, in
-// whatever way. -1 with EWOULDBLOCK where another handle, in this process or another, has the lock.
-// Where the file system has no locks, is_locked is false, and errno says why.
+// Opens, or creates, a file and locks it until the handle is closed or its process ends. Returns -1
+// with EWOULDBLOCK if another handle, in any process, has the lock. If the file system has no
+// locks, is_locked is false, and errno has the reason.
 int file_handle_lock(const char *path, bool *is_locked);
 // Removes the file and lifts the lock, in the order that leaves no other's file removed.
 void file_handle_unlock(int handle, const char *path);

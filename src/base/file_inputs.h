@@ -1,4 +1,4 @@
-// The files that a run reads, so that it refuses to write over them.
+// Records the files that a run reads, so that it does not overwrite them.
 #ifndef LAMPYRIS_BASE_FILE_INPUTS_H
 #define LAMPYRIS_BASE_FILE_INPUTS_H
 
@@ -7,39 +7,38 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// A set of paths. The caller's memory; to be zeroed, except for the mutex, which
-// file_inputs_begin() makes.
+// A set of paths in the caller's memory, which must be zeroed, except for the mutex, which
+// file_inputs_begin() initialises.
 struct file_inputs {
     struct mutex mutex;
     struct file_input *list;
     size_t count, capacity;
 };
 
-// From here on every file that file_read() opens is kept in `inputs`, and file_writer_open()
-// refuses to replace one of them. One run at a time: the set is known to all of the program, as the
-// log's sink is. Not thread-safe, in contrast to the functions below, which do nothing while there
-// is no run.
+// From now on every file that file_read() opens is recorded in `inputs`, and file_writer_open()
+// refuses to replace one of them. There is one run at a time: like the log's sink, the set is
+// global. Not thread-safe, in contrast to the functions below, which do nothing without a run.
 void file_inputs_begin(struct file_inputs *inputs);
-// Ends the run and frees the set. Accepts one that was never begun.
+// Ends the run and frees the set. Accepts a run that was never begun.
 void file_inputs_end(struct file_inputs *inputs);
 
 // Adds a file that will be read, so that the outputs can be checked before it is. Nothing happens
 // for what is no regular file, or is not there.
 bool file_inputs_add(const char *path, struct err *err);
 
-// The same for a file that the run goes on with and replaces itself, under this path alone.
+// Records a file that the run continues and replaces itself, under this path only.
 bool file_inputs_add_own(const char *path, struct err *err);
 
-// This file is no input any more: nothing that the run may do needs what it held when it was read.
+// Removes a file from the inputs: the run no longer needs its former contents.
 void file_inputs_forget(const char *path);
 
-// ERR_USAGE where `output` is one of the inputs: under any name, for device and inode decide, and
-// where there is a symbolic link, what it leads to.
+// Fails with ERR_USAGE if `output` is one of the inputs, under any name: device and inode are
+// compared, and symbolic links are followed.
 bool file_inputs_check(const char *output, struct err *err);
 
-// Whether two paths lead to the same regular file, which need not be there yet.
+// Returns whether two paths lead to the same regular file, which need not exist yet.
 bool file_is_same(const char *a, const char *b);
-// ERR_USAGE where two outputs do; NULL is none.
+// Fails with ERR_USAGE if two outputs are the same file; NULL is no file.
 bool file_check_distinct(const char *a, const char *b, struct err *err);
 
 #endif

@@ -1,5 +1,5 @@
-// What the system knows of files by their names, and what it does with them. Paths are UTF-8 with
-// "/" between their parts on every system. What fails leaves its reason in errno.
+// File operations by name. Paths are UTF-8 with "/" as separator on every system. Functions that
+// fail set errno.
 #ifndef LAMPYRIS_BASE_FILE_SYSTEM_H
 #define LAMPYRIS_BASE_FILE_SYSTEM_H
 
@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #ifdef _WIN32
-#define PATH_SEPARATORS "/\\" // those that users may write
+#define PATH_SEPARATORS "/\\" // separators that users may write
 #define PATH_BEGINS_WITH_DRIVE(path) ((path)[1] == ':')
 #else
 #define PATH_SEPARATORS "/"
@@ -45,13 +45,14 @@ static inline bool file_status_same(const struct file_status *a, const struct fi
     return a->device == b->device && a->number == b->number;
 }
 
-// The absolute path with links resolved, from malloc; NULL where there is no such file.
+// Returns the absolute path with links resolved, allocated with malloc; NULL if the file does not
+// exist.
 char *file_real_path(const char *path);
-// What a link says, from malloc; NULL for what is no link.
+// Returns the target of a link, allocated with malloc; NULL if it is no link.
 char *file_read_link(const char *path);
 
 bool file_remove(const char *path);
-bool file_touch(const char *path); // its content changed now
+bool file_touch(const char *path); // sets the time of modification to now
 // At one stroke: whoever opens `to` finds the old content or the new one.
 bool file_rename(const char *from, const char *to);
 

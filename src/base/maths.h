@@ -35,26 +35,26 @@ static inline void vec3_cross(const double a[3], const double b[3], double out[3
     out[2] = z;
 }
 
-// The length, without overflow or underflow on the way.
+// Returns the length, without intermediate overflow or underflow.
 static inline double vec3_length(const double v[3])
 {
     return hypot(hypot(v[0], v[1]), v[2]);
 }
 
-// The length of a vector whose components are moderate: faster.
+// Returns the length of a vector with moderate components: faster.
 static inline double vec3_norm(const double v[3])
 {
     return sqrt(vec3_dot(v, v));
 }
 
-// Scales v to unit length without overflow or underflow on the way; false, and v unchanged, when it
-// is zero or not finite.
+// Scales v to unit length without intermediate overflow or underflow. Returns false, with v
+// unchanged, when it is zero or not finite.
 bool vec3_normalize(double v[3]);
-// The same, but a vector of unit length but for some roundings stays as it is: what was normalised
-// once and written down reads back the same.
+// Does the same, but leaves a vector unchanged whose length is 1 up to a few roundings, so that a
+// normalized vector that was written to a file reads back the same.
 bool vec3_make_unit(double v[3]);
 
-// The luminance of linear Rec. 709 colours (ITU-R BT.709-6, 3.2).
+// Returns the luminance of linear Rec. 709 colours (ITU-R BT.709-6, 3.2).
 static inline double vec3_luminance(const double rgb[3])
 {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];

@@ -1,7 +1,6 @@
-// The host's memory: how much the machine leaves to this process, and how much of that the process
-// may take. Memory belongs to the process, as standard error does, so that there is one budget for
-// all of it, whatever asks: arenas, decoders, libraries. It is asked before memory is allocated,
-// and refuses what exceeds it. Any thread may call.
+// The host's memory: how much is available to this process, and how much of that it may use. There
+// is one budget for the whole process, which arenas, decoders and libraries share. It is asked
+// before memory is allocated, and refuses requests that exceed it. Any thread may call.
 #ifndef LAMPYRIS_BASE_MEMORY_H
 #define LAMPYRIS_BASE_MEMORY_H
 
@@ -10,55 +9,60 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Bytes that the process can still have: the least of what the machine can give without swapping
-// (MemAvailable), what the limits of its control group and of those above it leave (version 1 and
-// 2), and what RLIMIT_AS and RLIMIT_DATA leave. UINT64_MAX where nothing of that is known.
+// Returns the bytes that the process can still get: the least of the memory available without
+// swapping (MemAvailable), the rest of the limits of its control group and the groups above it
+// (versions 1 and 2), and the rest of RLIMIT_AS and RLIMIT_DATA. UINT64_MAX if none of these is
+// known.
 uint64_t memory_available(void);
-// The same with "proc" and "sys" of the folder `root` in place of the system's, without RLIMIT.
+// Does the same with "proc" and "sys" of the folder `root` in place of the system's, without
+// RLIMIT.
 uint64_t memory_available_in(const char *root);
 
-// What RLIMIT_AS and RLIMIT_DATA (`ulimit -v`, `ulimit -d`) leave; UINT64_MAX without them.
+// Returns the rest of RLIMIT_AS and RLIMIT_DATA (`ulimit -v`, `ulimit -d`); UINT64_MAX without
+// limits.
 uint64_t memory_limits_left(void);
 
-// Three quarters of what is available: the rest is for the libraries, the driver and the others.
+// Returns three quarters of the available memory: the rest is for libraries, the driver and other
+// programs.
 uint64_t memory_default_budget(void);
 
-// What all that is counted below may add up to, in bytes; 0: no limit, as at the start.
+// Sets the limit for the sum of all memory counted below, in bytes; 0: no limit, the initial state.
 void memory_set_budget(uint64_t bytes);
 uint64_t memory_budget(void);
-uint64_t memory_used(void); // of it
+uint64_t memory_used(void); // part of the budget
 
-// Takes bytes from the budget, or gives them back. False, and nothing taken, where too few are
+// Takes bytes from the budget, or gives them back. Returns false, taking nothing, if too few are
 // left.
 bool memory_take(uint64_t bytes);
 void memory_give(uint64_t bytes);
-// Gives back bytes that were taken but that the system did not have, and counts the failure.
+// Gives back bytes that were taken but that the system could not allocate, and counts the failure.
 void memory_fail(uint64_t bytes);
-// Whether so many bytes could be taken, which are taken later. ERR_BUDGET where not.
+// Checks whether this many bytes could be taken now; they are taken later. ERR_BUDGET if not.
 bool memory_check(uint64_t bytes, const char *what, struct err *err);
 
-// calloc(1, bytes) and free, from the budget. Fit for libraries that ask for such functions.
+// calloc(1, bytes) and free with the budget, in the form that libraries require.
 void *memory_alloc(size_t bytes);
 void memory_free(void *data); // accepts NULL
 
-// How often memory_take or memory_alloc have failed so far. A library that hides the failure, or
-// takes it for bad input, is found out by comparing the counts before and after.
+// Returns how often memory_take or memory_alloc have failed so far. A difference before and after a
+// call shows that a library hid the failure, or took it for bad input.
 uint64_t memory_failures(void);
 
-// Of the last failure since the previous call: the bytes that the budget refused, or 0 where it was
-// the system, and what was left of the budget then. err_memory asks, to say which it was.
+// For the last failure since the previous call, returns the bytes that the budget refused, or 0 if
+// the system refused them, and what was left of the budget. err_memory uses it for its message.
 uint64_t memory_refused(uint64_t *left);
 
-// What the process has now, and the most that it had so far, of the budget or not; 0 where it is
-// not known.
+// Return the memory of the process now, and its maximum so far, inside the budget or not; 0 if not
+// known.
 uint64_t memory_resident(void);
 uint64_t memory_peak(void);
-// All of the machine's, 0 where it is not known.
+// Returns the machine's total memory, 0 if not known.
 uint64_t memory_physical(void);
-// What malloc() gave for `data`, which may be more than it was asked for.
+// Returns the size of the block that malloc() returned for `data`, which may exceed the requested
+// size.
 size_t memory_block_bytes(void *data);
 
-// "1.5 GiB", "48 bytes".
+// A text such as "1.5 GiB", "48 bytes".
 struct memory_text {
     char text[24];
 };

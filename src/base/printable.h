@@ -1,18 +1,19 @@
-// Text from files and command lines, made fit for a terminal.
+// Makes text from files and command lines safe for a terminal.
 #ifndef LAMPYRIS_BASE_PRINTABLE_H
 #define LAMPYRIS_BASE_PRINTABLE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-// Replaces, in place, each character that is not seen or that changes how others are seen by one
-// '?': control characters (C0, DEL, C1), separators of lines and paragraphs, directional controls
-// such as U+202E and whatever else renderers ignore by default, such as zero-width spaces; and each
-// byte that is not UTF-8, since terminals may take 0x80 to 0x9f for C1. What is left is one line
-// whose characters stand in the order in which they are read, and looks like itself only.
+// Replaces by '?', in place, each character that is invisible or that changes how others are
+// displayed: control characters (C0, DEL, C1), line and paragraph separators, directional controls
+// such as U+202E and all characters that renderers ignore by default, such as zero-width spaces;
+// and each byte that is not UTF-8, since terminals may take 0x80 to 0x9f for C1. The result is one
+// line whose characters are displayed in their order.
 void printable_mask(char *text);
 
-// The bytes of the character that begins here, at least one; whether it is one that stays.
+// Returns the number of bytes of the character that begins here, at least one, and whether it is
+// kept.
 size_t printable_character(const char *text, bool *stays);
 
 #endif

@@ -1,4 +1,4 @@
-// This process and others.
+// This process and child processes.
 #ifndef LAMPYRIS_BASE_PROCESS_H
 #define LAMPYRIS_BASE_PROCESS_H
 
@@ -8,38 +8,38 @@
 #include <stdint.h>
 #include <stdio.h>
 
-// What main() begins with: afterwards arguments are UTF-8, and consoles show UTF-8.
+// main() calls this first: afterwards arguments are UTF-8, and consoles display UTF-8.
 void process_begin(int *argc, char ***argv);
 uint64_t process_id(void);
-// The file of the program that runs; false where that is not known.
+// Finds the file of the running program; returns false if it is not known.
 bool process_own_path(char *out, size_t size);
 
-// Whether the system finds a program of this name where it looks for them (PATH).
+// Returns whether the system finds a program of this name in PATH.
 bool program_is_installed(const char *name);
 
-// A program that runs beside this one. {0} is none.
+// A running child process; {0} is none.
 struct process {
     intptr_t handle;
 };
 
 struct process_params {
     const char *const *arguments; // the program's name first, NULL last
-    FILE *in;                     // what it reads; NULL: nothing
-    FILE *out;                    // where it writes
-    bool has_errors_in_out;       // else its messages go where ours go
+    FILE *in;                     // input; NULL: none
+    FILE *out;                    // output
+    bool has_errors_in_out;       // its error output goes to `out`, else to ours
 };
 
-// ERR_SYSTEM.
+// Starts a program. ERR_SYSTEM.
 bool process_start(struct process *process, const struct process_params *params, struct err *err);
-// Waits until it has ended, or looks whether it has; then it is none, and `is_well` says whether it
-// exited with 0.
+// Wait until it has ended, or test whether it has; then it becomes {0}, and `is_well` says whether
+// it exited with 0.
 void process_wait(struct process *process, bool *is_well);
 bool process_has_ended(struct process *process, bool *is_well);
-// Ends it at once. Accepts none.
+// Kills it. Accepts {0}.
 void process_kill(struct process *process);
 
-// Runs a program in place of this one; returns where it cannot be run, with the reason in errno.
-// Where the system cannot replace a program, this one exits as the other does.
+// Replaces this process by a program; returns only on failure, with the reason in errno. If the
+// system cannot replace a process, runs the program and exits with its code.
 void process_become(const char *program, char **arguments);
 
 #endif

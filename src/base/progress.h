@@ -1,4 +1,4 @@
-// How long-running work reports where it is. The library calls; cli/progress_bar.c draws the bar.
+// Progress reports of long-running work. The library calls these; cli/progress_bar.c draws the bar.
 #ifndef LAMPYRIS_BASE_PROGRESS_H
 #define LAMPYRIS_BASE_PROGRESS_H
 
@@ -7,19 +7,20 @@
 #include <stdint.h>
 
 struct progress {
-    // phase: "Loading", "Building BVH", "Compiling", "Rendering"; fraction of it that is done, in
-    // [0, 1], and as even in time as can be: what time is left is found from it. 0 as long as it is
-    // not known. May be called from the thread that called the long-running function only. NULL:
-    // nobody listens.
+    // phase: "Loading", "Building BVH", "Compiling", "Rendering"; fraction: the part of it that is
+    // done, in [0, 1], as proportional to time as possible, because the remaining time is
+    // extrapolated from it; 0 while it is not known. Only the thread that called the long-running
+    // function may call this. NULL: no listener.
     void (*report)(void *context, const char *phase, double fraction);
-    // Polled now and then, from any thread; true asks the work to stop early, and stays true until
-    // it has. NULL: never.
+    // Polled regularly, from any thread; true stops the work early, and must stay true until it has
+    // stopped. NULL: never.
     bool (*should_stop)(void *context);
     void *context;
-    // Called before results are printed: what was shown of the progress is not to stand between
-    // them. NULL: nothing is shown.
+    // Called before results are printed, so that the progress display does not interfere. NULL:
+    // nothing is displayed.
     void (*end)(void *context);
-    // Called before a line of results is printed while the work goes on. NULL: nothing is shown.
+    // Called before a line of results is printed while the work continues. NULL: nothing is
+    // displayed.
     void (*pause)(void *context);
 };
 
@@ -47,8 +48,8 @@ static inline void progress_pause(const struct progress *progress)
         progress->pause(progress->context);
 }
 
-// For loops over counts that come from files, at turn `i`: whether to stop. Looks at every 65536th
-// turn alone, which costs nothing measurable beside a turn's work.
+// For loops over counts from files, at iteration `i`: returns whether to stop. Polls only every
+// 65536th iteration, so the cost is negligible.
 static inline bool progress_stops_at(const struct progress *progress, uint64_t i)
 {
     return i % 65536 == 0 && progress_should_stop(progress);

@@ -1,4 +1,4 @@
-// Connections to other programs (TCP). Nothing blocks for longer than its patience.
+// TCP connections to other programs. No call blocks longer than its patience.
 #ifndef LAMPYRIS_BASE_SOCKET_H
 #define LAMPYRIS_BASE_SOCKET_H
 
@@ -10,8 +10,8 @@
 
 struct connection {
     intptr_t socket; // CONNECTION_NONE where there is none
-    // How long the other side may take nothing at all, and whether somebody asks to stop waiting,
-    // which is looked at ten times a second.
+    // How long the other side may accept nothing, and a function, polled ten times a second, that
+    // requests the end of waiting.
     double patience_seconds;
     bool (*is_abandoned)(void *context);
     void *context;
@@ -21,9 +21,10 @@ struct connection {
 
 #define CONNECTION_NONE ((intptr_t)-1)
 
-// To the first of the host's addresses that answers. False, with the reason, where none does.
+// Connects to the first of the host's addresses that answers. Returns false, with the reason, if
+// none does.
 bool connection_open(struct connection *connection, const char *host, const char *port);
-// All of it, or false with the reason.
+// Sends all of the data, or returns false with the reason.
 bool connection_send(struct connection *connection, const void *data, size_t size);
 void connection_close(struct connection *connection); // accepts CONNECTION_NONE
 

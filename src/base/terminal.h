@@ -1,4 +1,4 @@
-// Streams that people may read as they are written.
+// Properties of streams that may be terminals.
 #ifndef LAMPYRIS_BASE_TERMINAL_H
 #define LAMPYRIS_BASE_TERMINAL_H
 
@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 bool terminal_is(FILE *stream);
-// One that also knows escape sequences (ECMA-48).
+// Returns whether it also understands escape sequences (ECMA-48).
 bool terminal_is_smart(FILE *stream);
 int terminal_columns(FILE *stream); // 80 where it is not known
 

@@ -33,8 +33,8 @@ typedef pthread_t thread_handle;
     }
 #endif
 
-// Initializing cannot fail on the systems that we know.
-void mutex_init(struct mutex *mutex); // the same as MUTEX_INIT
+// Initialization cannot fail on the supported systems.
+void mutex_init(struct mutex *mutex); // equivalent to MUTEX_INIT
 void mutex_finish(struct mutex *mutex);
 void mutex_lock(struct mutex *mutex);
 void mutex_unlock(struct mutex *mutex);
@@ -43,7 +43,7 @@ void condition_init(struct condition *condition);
 void condition_finish(struct condition *condition);
 // Both wait with the mutex unlocked, and may return without a reason.
 void condition_wait(struct condition *condition, struct mutex *mutex);
-// Until a time of clock_ns(); false once it has come.
+// Waits until a time of clock_ns(); returns false when it has come.
 bool condition_wait_until(struct condition *condition, struct mutex *mutex, uint64_t deadline_ns);
 void condition_wake_one(struct condition *condition);
 void condition_wake_all(struct condition *condition);
@@ -56,8 +56,8 @@ struct thread {
     void *context;
 };
 
-// Starts a thread in which all signals are blocked, so that their handlers run in a thread of the
-// caller's. Returns 0 or a value of errno.
+// Starts a thread in which all signals are blocked, so that their handlers run in one of the
+// caller's threads. Returns 0 or a value of errno.
 int thread_start(struct thread *thread, thread_fn fn, void *context);
 void thread_join(struct thread *thread);
 // Lets the thread end by itself; its struct must stay in memory until the process ends.
