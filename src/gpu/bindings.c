@@ -1,4 +1,4 @@
-// The buffers that kernels see.
+// The buffers that are bound for kernels.
 #include "gpu/gpu_internal.h"
 
 #include "base/memory.h"
@@ -63,7 +63,7 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
                          struct err *err)
 {
     *out = (struct gpu_bindings){0};
-    // One texel: within every device's limits, and a view is needed even where none is used.
+    // One texel is within every device's limits, and a view is needed even if it is not used.
     if (buffer_allocate(gpu, "dummy", 16, GPU_DEVICE, true, &out->dummy, err) &&
         buffer_zero(gpu, &out->dummy, err) &&
         gpu_bindings_write(gpu, storage, texel, uniform, out, err))

@@ -10,8 +10,8 @@
 #define HOST_FLAGS (VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)
 #define MAPPED_FLAGS (HOST_FLAGS | VK_MEMORY_PROPERTY_HOST_CACHED_BIT)
 
-// Whole texels, so that the last one can be read; also whole words, as vkCmdFillBuffer wants.
-// 0 when that overflows.
+// Rounds up to whole texels, so that the last one can be read, and to whole words, as
+// vkCmdFillBuffer requires. Returns 0 on overflow.
 static uint64_t padded_bytes(uint64_t bytes)
 {
     return (bytes + (TEXEL_BYTES - 1)) & ~(uint64_t)(TEXEL_BYTES - 1);
@@ -23,9 +23,9 @@ bool gpu_texel_fits(const struct gpu *gpu, uint64_t bytes)
            padded_bytes(bytes) / TEXEL_BYTES <= gpu->max_texel_elements;
 }
 
-// The first type with all required flags and the most of the preferred ones: within equals, the
-// specification puts faster types first. Types with other flags (protected, lazily allocated,
-// vendors' own) need features that we do not enable. UINT32_MAX: none.
+// Finds the first type with all required flags and the most of the preferred ones: the
+// specification puts faster types first among equal ones. Types with other flags (protected, lazily
+// allocated, vendor-specific) need features that are not enabled. UINT32_MAX: none.
 static uint32_t memory_type_find(const struct gpu *gpu, uint32_t allowed_types,
                                  VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred,
                                  VkMemoryPropertyFlags *flags)
@@ -48,8 +48,8 @@ static uint32_t memory_type_find(const struct gpu *gpu, uint32_t allowed_types,
     return best;
 }
 
-// Host-visible memory of a discrete GPU is a window over the bus: reads are slow and it may be
-// small, so there only memory is mapped that the host shares.
+// Host-visible memory of a discrete GPU is accessed over the bus: reads are slow and it may be
+// small, so only memory that is shared with the host is mapped.
 static VkMemoryPropertyFlags preferred_flags(const struct gpu *gpu, enum gpu_memory memory)
 {
     if (memory == GPU_READBACK)
@@ -155,7 +155,7 @@ bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu
                      bool texel, struct gpu_buffer *out, struct err *err)
 {
     *out = (struct gpu_buffer){.bytes = bytes ? bytes : TEXEL_BYTES, .name = name};
-    // Refused before Vulkan is asked, whose behaviour with absurd sizes varies.
+    // Too large sizes are rejected before calling Vulkan, whose behaviour with them varies.
     bool fits = out->bytes <= gpu->max_allocation && out->bytes <= UINT64_MAX - TEXEL_BYTES;
     if (!(fits || too_large(err)) || !handle_create(gpu, out, err) ||
         !memory_create(gpu, out, memory, err) || (texel && !texel_view_create(gpu, out, err))) {

@@ -1,4 +1,4 @@
-// Recording, submitting and timing.
+// Recording, submission and timing of commands.
 #include "gpu/gpu_internal.h"
 #include "gpu/slow.h"
 #include <assert.h>
@@ -66,7 +66,7 @@ void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands)
 {
     if (!commands)
         return;
-    gpu_wait(gpu, commands, NULL); // what is in use must not be destroyed
+    gpu_wait(gpu, commands, NULL); // objects in use must not be destroyed
     if (commands->pool && !gpu->abandoned) {
         vkDestroyQueryPool(gpu->device, commands->queries, NULL);
         vkDestroyFence(gpu->device, commands->fence, NULL);
@@ -83,7 +83,7 @@ bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
     };
-    if (!gpu->device) // it could not be opened again
+    if (!gpu->device) // the device could not be reopened
         return gpu_fail(gpu, "recording", VK_ERROR_DEVICE_LOST, err);
     if (!gpu_wait(gpu, commands, err) ||
         !VK(gpu, err, vkResetCommandPool(gpu->device, commands->pool, 0)) ||
@@ -109,13 +109,14 @@ void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, struct gpu_binding
 void gpu_push(struct gpu *gpu, struct gpu_commands *commands, const void *data, uint32_t bytes)
 {
     assert(bytes <= GPU_PUSH_BYTES && bytes % 4 == 0);
-    // All layouts have the same push constants, so that those set through one are for all kernels.
+    // All layouts have the same push constants, so that setting them through one layout is valid
+    // for all kernels.
     vkCmdPushConstants(commands->handle, gpu->layouts->pipeline, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        bytes, data);
 }
 
-// Binds the kernel and the buffers that it names; false, with commands->failure, where there is no
-// memory for their descriptors.
+// Binds the kernel and the buffers that it uses; returns false, with commands->failure, if there is
+// no memory for their descriptors.
 static bool bind_kernel(struct gpu *gpu, struct gpu_commands *commands,
                         const struct gpu_kernel *kernel)
 {
@@ -154,8 +155,8 @@ void gpu_dispatch_indirect(struct gpu *gpu, struct gpu_commands *commands,
         vkCmdDispatchIndirect(commands->handle, arguments->handle, offset);
 }
 
-// The source stages include the reading of indirect arguments, because they may be overwritten
-// after it.
+// The source stages include reading of indirect arguments, because they may be overwritten
+// afterwards.
 void gpu_barrier(struct gpu *gpu, struct gpu_commands *commands)
 {
     (void)gpu;
@@ -189,8 +190,8 @@ void gpu_copy(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_b
     vkCmdCopyBuffer(commands->handle, from->handle, to->handle, 1, &region);
 }
 
-// Once something was drawn, lavapipe 22.3 bins timestamps as it does triangles, and takes the time
-// when it next flushes: after the kernel that follows. A barrier makes it flush.
+// After drawing, lavapipe 22.3 bins timestamps with the triangles and executes them at the next
+// flush, after the following kernel. A barrier forces a flush.
 static void settle_timestamp(struct gpu *gpu, struct gpu_commands *commands)
 {
     if (gpu->params.graphics && gpu->info.is_cpu)
@@ -253,8 +254,8 @@ bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
 {
     if (!commands->pending)
         return true;
-    // However long it takes: a driver whose device hangs reports it as lost. Slices, because some
-    // drivers overflow on UINT64_MAX.
+    // There is no time limit: a driver reports a hanging device as lost. The wait is in slices,
+    // because some drivers overflow with UINT64_MAX.
     const uint64_t slice_ns = UINT64_C(1000000000);
     VkResult result;
     do
@@ -281,7 +282,7 @@ bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *o
             vkGetQueryPoolResults(gpu->device, commands->queries, 0, count, sizeof ticks, ticks,
                                   sizeof ticks[0], VK_QUERY_RESULT_64_BIT)))
         return false;
-    // The counter wraps at its valid bits; a difference modulo them is right all the same.
+    // The counter wraps at its valid bits; differences modulo 2^bits are still correct.
     for (uint32_t i = 0; i < count; i++)
         out[i] = (double)((ticks[i] - ticks[0]) & gpu->timestamp_mask) * gpu->timestamp_ns;
     slow_timestamps(gpu, commands->slow, commands->slow_log.mapped, count, out);

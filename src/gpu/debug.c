@@ -1,4 +1,4 @@
-// Failures in words, and names for objects.
+// Describes failures, and names objects for debuggers.
 #include "gpu/gpu_internal.h"
 #include <string.h>
 

@@ -1,4 +1,4 @@
-// Opening and closing a device.
+// Opens and closes a device.
 #include "base/memory.h"
 #include "gpu/gpu_internal.h"
 #include <stdio.h>
@@ -7,7 +7,7 @@
 
 static bool device_create(struct gpu *gpu, struct err *err)
 {
-    // A device that offers the portability subset obliges us to enable it.
+    // A device that offers the portability subset requires that it is enabled.
     const char *const portability = "VK_KHR_portability_subset";
     const char *extensions[4];
     uint32_t extension_count = 0;
@@ -47,8 +47,8 @@ static bool device_create(struct gpu *gpu, struct err *err)
     return true;
 }
 
-// Drivers compile within the process. Without the address space for that, Mesa's on the processor
-// (22.3) does not fail but end it by a signal: with `ulimit -v` of 300 to 700 MB, not with 800.
+// Drivers compile within the process. Without enough address space, Mesa's CPU driver (22.3) does
+// not fail but ends the process by a signal: with `ulimit -v` of 300 to 700 MB, not with 800.
 static bool check_address_space(struct err *err)
 {
     const uint64_t least = UINT64_C(720) << 20;
@@ -73,7 +73,7 @@ bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
         err_prepend(err, "%s", out->info.name);
         goto fail;
     }
-    // The caller's, and not needed any more.
+    // The string belongs to the caller and is not needed any more.
     out->params.device = NULL;
     out->params.instance_extensions = NULL;
     out->params.present_context = NULL;

@@ -1,9 +1,9 @@
 // A thin layer over Vulkan: every vk* call of the renderer is in this folder. Raw handles stay
-// visible. One queue; for all kernels one numbering of bindings, of which each kernel's layout has
-// those that its code names, and one push-constant block.
+// visible. There is one queue, one push-constant block, and one numbering of bindings for all
+// kernels; each kernel's layout has those that its code uses.
 //
-// Threads: one thread at a time uses a struct gpu and what belongs to it. Opening, closing and
-// listing set the process-wide function pointers of volk: not on two threads at once.
+// Threads: one thread at a time may use a struct gpu and its objects. Opening, closing and listing
+// set volk's process-wide function pointers: only one thread at a time may do so.
 #ifndef LAMPYRIS_GPU_GPU_H
 #define LAMPYRIS_GPU_GPU_H
 
@@ -15,7 +15,7 @@
 #include <volk.h>
 
 #define GPU_FIRST_STORAGE 16 // storage-buffer bindings 0 .. 15
-#define GPU_MAX_STORAGE 32   // with those after GPU_UNIFORM_BINDING
+#define GPU_MAX_STORAGE 32   // including those after GPU_UNIFORM_BINDING
 #define GPU_MAX_TEXEL 12     // uniform-texel-buffer bindings, GPU_FIRST_STORAGE + 0 .. 11
 #define GPU_UNIFORM_BINDING (GPU_FIRST_STORAGE + GPU_MAX_TEXEL) // the one uniform buffer
 #define GPU_MAX_BINDINGS (GPU_MAX_STORAGE + GPU_MAX_TEXEL + 1)
@@ -31,7 +31,7 @@ struct gpu_device_info {
     char driver[512];   // name, version and info of the driver
     const char *kind;   // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
     bool is_cpu;        // runs on the processor (lavapipe, SwiftShader)
-    bool shares_memory; // its memory is the host's
+    bool shares_memory; // device memory is the host's memory
     uint32_t api_version;
     uint64_t memory_bytes; // largest device-local heap
     char unusable[256];    // "", or what it lacks for us
@@ -42,8 +42,8 @@ struct gpu_device_info {
 bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *count,
                       struct err *err);
 
-// What follows from the bindings that a kernel's code names. Kernels that name the same ones share
-// it; the device keeps it until it is closed.
+// The layout for a set of bindings that a kernel's code uses. Kernels with the same set share it;
+// the device keeps it until it is closed.
 struct gpu_layout {
     uint64_t bindings; // bit i: binding i
     VkDescriptorSetLayout set;
@@ -55,7 +55,7 @@ struct gpu_kernel {
     VkPipeline pipeline;
     const struct gpu_layout *layout;
     const char *name;
-    // What it was made from.
+    // The module and the derivation from which it was made.
     const uint32_t *spirv;
     uint64_t variant;
     uint32_t constants[GPU_MAX_CONSTANTS], constant_count;
@@ -68,7 +68,7 @@ struct gpu {
     VkQueue queue;
     uint32_t queue_family;
     struct gpu_device_info info;
-    // What is used, after overrides.
+    // The limits in use, after overrides.
     uint64_t max_storage_range;
     uint64_t max_texel_elements; // 0 without texel buffers
     uint32_t storage_count;      // storage buffers that one kernel may bind
@@ -88,8 +88,8 @@ struct gpu {
                                   // keeps it, so that objects left over can be counted
     bool lost;                    // VK_ERROR_DEVICE_LOST was seen
     bool out_of_memory;           // VK_ERROR_OUT_OF_DEVICE_MEMORY; whoever goes on takes it back
-    bool abandoned;               // it may still be at work, so nothing is destroyed any more
-    uint64_t allocated_bytes, peak_bytes; // of buffers, staging included, and images
+    bool abandoned;               // it may still be working, so nothing is destroyed any more
+    uint64_t allocated_bytes, peak_bytes; // of buffers, including staging, and images
 
     struct gpu_layout *layouts; // the first one made, which stands last, has no bindings
     VkPipelineCache pipeline_cache;
@@ -98,21 +98,21 @@ struct gpu {
     struct gpu_kernel kept[GPU_KEPT_KERNELS];
     uint32_t kept_next;
     VkDebugUtilsMessengerEXT messenger;
-    struct gpu_commands *copying; // that synchronous copies use; NULL before the first one
+    struct gpu_commands *copying; // used by synchronous copies; NULL before the first one
     struct gpu_params params;
     uint32_t allocation_count, submit_count;
 };
 
-// params may be NULL: all defaults. *out must not move until gpu_close: the validation layers hold
-// its address.
+// params may be NULL: defaults. *out must not move until gpu_close, because the validation layers
+// hold its address.
 bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err);
 void gpu_close(struct gpu *gpu); // accepts NULL and {0}
-// Closes the device, which may be lost, and opens it again: all that belonged to it must be
-// finished before. On failure *gpu has no device any more, is lost, and can be closed.
+// Closes the device, which may be lost, and opens it again: all its objects must be finished
+// before. On failure *gpu has no device, is lost, and can be closed.
 bool gpu_reopen(struct gpu *gpu, struct err *err);
 
-// Bytes of device memory that can still be had: what VK_EXT_memory_budget tells, or else the rest
-// of the largest heap; and no more than the host has left where its memory is the device's.
+// Returns the device memory that is still available: the value of VK_EXT_memory_budget, or else the
+// rest of the largest heap; limited by the host's free memory if that is also the device's.
 uint64_t gpu_memory_free(const struct gpu *gpu);
 
 // --- buffers ------------------------------------------------------------------------------------
@@ -130,13 +130,13 @@ struct gpu_buffer {
     const char *name;        // the caller's, who keeps it while the buffer lives
 };
 
-// texel: also make a uniform-texel view (the size must fit the limit: ask gpu_texel_fits before).
-// Storage, indirect, transfer usage. A size of 0 is made 16. Zero-filled.
+// texel: also creates a uniform texel view (the size must fit the limit: call gpu_texel_fits
+// before). Usage: storage, indirect, transfer. A size of 0 becomes 16. Zero-filled.
 bool gpu_buffer_create(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
                        bool texel, struct gpu_buffer *out, struct err *err);
 void gpu_buffer_finish(struct gpu *gpu, struct gpu_buffer *buffer); // accepts NULL and {0}
 bool gpu_texel_fits(const struct gpu *gpu, uint64_t bytes);
-// Synchronous copies; through staging memory in pieces of at most 64 MiB where needed.
+// Copy synchronously, if needed through staging memory in pieces of at most 64 MiB.
 bool gpu_upload(struct gpu *gpu, struct gpu_buffer *buffer, uint64_t offset, const void *data,
                 uint64_t bytes, struct err *err);
 bool gpu_download(struct gpu *gpu, const struct gpu_buffer *buffer, uint64_t offset, void *data,
@@ -155,19 +155,19 @@ struct gpu_kernel_params {
     uint64_t variant;
 };
 
-// The code, or what it was made from, must outlive the device. Fails where it binds more buffers at
-// once than the device takes.
+// The code, or the module from which it was derived, must outlive the device. Fails if the kernel
+// binds more buffers than the device supports.
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
                        struct gpu_kernel *out, struct err *err);
-// Destroys the kept pipelines that were made from this code: it may be freed then.
+// Destroys the kept pipelines of this code, so that it may be freed.
 void gpu_kernels_forget(struct gpu *gpu, const uint32_t *spirv);
-// The device keeps the pipeline for a kernel of the same code and constants to come. Accepts NULL
+// The device keeps the pipeline for later kernels with the same code and constants. Accepts NULL
 // and {0}.
 void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel);
 
 #define GPU_MAX_STATISTICS 32
 
-// A figure of a compiled kernel, under the driver's name for it: registers, instructions, ...
+// A statistic of a compiled kernel, with the driver's name for it: registers, instructions, ...
 struct gpu_statistic {
     char name[VK_MAX_DESCRIPTION_SIZE];
     double value; // 0 or 1 of what is false or true
@@ -195,14 +195,14 @@ struct gpu_bindings {
     struct gpu_sets *sets; // see sets.c; NULL: none was needed yet
 };
 
-// storage, texel, uniform: NULL for none at all. Texel buffers need a texel view. The buffers must
-// outlive the bindings.
+// storage, texel, uniform: NULL for none. Texel buffers need a texel view. The buffers must outlive
+// the bindings.
 bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
                          const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
                          const struct gpu_buffer *uniform, struct gpu_bindings *out,
                          struct err *err);
-// Binds other buffers in place of those. No commands that use the bindings may be pending, and what
-// was recorded with them before is void.
+// Binds other buffers instead. No commands that use the bindings may be pending, and commands
+// recorded with them before become invalid.
 bool gpu_bindings_write(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
                         const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
                         const struct gpu_buffer *uniform, struct gpu_bindings *bindings,
@@ -221,11 +221,11 @@ struct gpu_commands {
     VkQueryPool queries; // VK_NULL_HANDLE without timestamps
     uint32_t timestamp_count;
     bool pending;
-    struct gpu_bindings *bindings; // what gpu_bind was called with
+    struct gpu_bindings *bindings; // the argument of gpu_bind
     VkDescriptorSet set;           // the one of them that is bound
-    struct err failure;            // of recording; gpu_submit tells it
-    // Set after gpu_begin, of one submission, or VK_NULL_HANDLE: its transfers wait for one, and it
-    // signals the other.
+    struct err failure;            // during recording; gpu_submit returns it
+    // Set after gpu_begin, for one submission, or VK_NULL_HANDLE: its transfers wait for `awaited`,
+    // and it signals `signalled`.
     VkSemaphore awaited, signalled;
 };
 
@@ -233,7 +233,8 @@ bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *
 void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands);
 // Starts recording anew; waits for a submission of these commands that is still pending.
 bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
-// For the dispatches to come. The bindings must stay where they are until these are submitted.
+// Binds buffers for the following dispatches. The bindings must stay valid until the commands are
+// submitted.
 void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, struct gpu_bindings *bindings);
 void gpu_push(struct gpu *gpu, struct gpu_commands *commands, const void *data, uint32_t bytes);
 void gpu_dispatch(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_kernel *kernel,
@@ -241,34 +242,37 @@ void gpu_dispatch(struct gpu *gpu, struct gpu_commands *commands, const struct g
 void gpu_dispatch_indirect(struct gpu *gpu, struct gpu_commands *commands,
                            const struct gpu_kernel *kernel, const struct gpu_buffer *arguments,
                            uint64_t offset);
-// All shader writes and transfers before are visible to all shader, indirect and transfer (also
-// host, after the fence) reads and writes after.
+// Makes all previous shader writes and transfers visible to all later shader, indirect and transfer
+// (after the fence also host) reads and writes.
 void gpu_barrier(struct gpu *gpu, struct gpu_commands *commands);
 void gpu_fill(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_buffer *buffer,
               uint64_t offset, uint64_t bytes, uint32_t value);
 void gpu_copy(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_buffer *from,
               uint64_t from_offset, const struct gpu_buffer *to, uint64_t to_offset,
               uint64_t bytes);
-// Index of the timestamp, or UINT32_MAX when there is none (no support, or the pool is full).
+// Returns the index of the timestamp, or UINT32_MAX if there is none (not supported, or the pool is
+// full).
 uint32_t gpu_timestamp(struct gpu *gpu, struct gpu_commands *commands);
-// Ends recording with a barrier, so that the next submission and, after gpu_wait, the host see all.
-// Fails where recording did, by lack of memory for descriptor sets; nothing is submitted then.
+// Ends recording with a barrier, so that the next submission and, after gpu_wait, the host see all
+// writes. Fails if recording failed for lack of memory for descriptor sets; nothing is submitted
+// then.
 bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
 bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
-// Waits as gpu_wait does; then: nanoseconds from timestamp 0, for all timestamp_count of them.
+// Waits as gpu_wait does; then writes all timestamp_count timestamps, in nanoseconds since
+// timestamp 0.
 bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *out,
                        struct err *err);
 
-// A function of an extension that was asked for when the device was opened. volk's pointers to such
-// functions are no use: they are NULL again once another device is opened without the extension.
+// Returns a function of an extension that was enabled for the device. volk's pointers to such
+// functions are unusable: they become NULL when another device is opened without the extension.
 PFN_vkVoidFunction gpu_function(const struct gpu *gpu, const char *name);
 
-// Waits until the device does nothing, so that what it used may be destroyed. Where that cannot be
-// known, the device is abandoned: from then on all that belongs to it is left as it is, until the
-// process ends. Called wherever waiting failed.
+// Waits until the device is idle, so that its objects may be destroyed. If that cannot be
+// determined, the device is abandoned: from then on its objects are not destroyed until the process
+// ends. Called wherever waiting failed.
 void gpu_settle(struct gpu *gpu);
 
-// Records the failing call and VkResult in words; ERR_GPU. Returns false.
+// Sets the failing call and its VkResult as text; ERR_GPU. Returns false.
 bool gpu_fail(struct gpu *gpu, const char *call, VkResult result, struct err *err);
 
 #endif

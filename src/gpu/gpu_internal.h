@@ -1,10 +1,10 @@
-// What the files of this folder share and nobody else sees.
+// Declarations for the files of this folder only.
 #ifndef LAMPYRIS_GPU_GPU_INTERNAL_H
 #define LAMPYRIS_GPU_GPU_INTERNAL_H
 
 #include "gpu/screen.h"
 
-// Runs a Vulkan call; true on success, else the call's name and its result are recorded in err.
+// Runs a Vulkan call; true on success, else err has the call's name and its result.
 #define VK(gpu, err, call) vk_check((gpu), #call, (call), (err))
 bool vk_check(struct gpu *gpu, const char *call, VkResult result, struct err *err);
 
@@ -21,7 +21,7 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
 // False, too, where the driver fails to tell: *failure (NULL: it does not matter) says why then,
 // and else stays as it is.
 bool device_has_extension(VkPhysicalDevice device, const char *name, VkResult *failure);
-// Chooses by gpu->params.device; fills in physical, queue_family and info.
+// Selects by gpu->params.device; sets physical, queue_family and info.
 bool device_select(struct gpu *gpu, struct err *err);
 // Writes in words what keeps us from using the device, or "". queue_family: UINT32_MAX when no
 // family computes.
@@ -35,7 +35,7 @@ bool device_read_limits(struct gpu *gpu, struct err *err);
 bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
                      bool texel, struct gpu_buffer *out, struct err *err);
 bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err);
-// Memory for a buffer or an image, not bound yet. *flags: what this memory is.
+// Allocates memory for a buffer or an image, without binding it. *flags: the flags of its type.
 bool memory_allocate(struct gpu *gpu, const VkMemoryRequirements *needs, enum gpu_memory memory,
                      VkMemoryPropertyFlags *flags, VkDeviceMemory *out, struct err *err);
 void memory_count(struct gpu *gpu, uint64_t bytes); // more bytes are in use
@@ -45,13 +45,13 @@ void memory_count(struct gpu *gpu, uint64_t bytes); // more bytes are in use
 bool commands_create_for_copies(struct gpu *gpu, struct gpu_commands *out, struct err *err);
 
 // --- transfer.c ---------------------------------------------------------------------------------
-void transfers_destroy(struct gpu *gpu); // what copies between the host and buffers have kept
+void transfers_destroy(struct gpu *gpu); // the objects kept for copies between host and buffers
 
 // --- image.c ------------------------------------------------------------------------------------
 // Before a transfer writes all of an image: what it held is gone. Waits for transfers from it and
 // for fragments that sample it.
 void image_discard(struct gpu_commands *commands, const struct gpu_image *image);
-// From tightly packed rows into an image that image_discard has prepared.
+// Copies tightly packed rows into an image that image_discard has prepared.
 void image_fill(struct gpu_commands *commands, const struct gpu_image *image, uint32_t width,
                 uint32_t height, const struct gpu_buffer *pixels);
 
@@ -68,20 +68,20 @@ VkDescriptorType binding_type(uint32_t binding);
 // The first layout, without bindings: push constants are set through it.
 bool layouts_create(struct gpu *gpu, struct err *err);
 void layouts_destroy(struct gpu *gpu);
-// The layout with these bindings, made where there is none yet; NULL on failure.
+// Returns the layout with these bindings, creating it if necessary; NULL on failure.
 const struct gpu_layout *layout_find(struct gpu *gpu, uint64_t bindings, struct err *err);
 
 // --- sets.c -------------------------------------------------------------------------------------
 // The bindings' descriptor set for a layout, made and written where that was not done yet.
 bool sets_find(struct gpu *gpu, struct gpu_bindings *bindings, const struct gpu_layout *layout,
                VkDescriptorSet *out, struct err *err);
-// The sets are to be written again before they are used: other buffers are bound.
+// Marks the sets as outdated because other buffers were bound: they are written again before use.
 void sets_expire(struct gpu_sets *sets);
 void sets_destroy(struct gpu *gpu, struct gpu_sets *sets); // accepts NULL
 
 // --- kernel.c -----------------------------------------------------------------------------------
 bool pipeline_cache_create(struct gpu *gpu, struct err *err);
-void kernels_destroy(struct gpu *gpu); // those that are kept, and the cache
+void kernels_destroy(struct gpu *gpu); // kept pipelines, and the pipeline cache
 
 // --- debug.c ------------------------------------------------------------------------------------
 // Names an object for the validation layers' messages and for debuggers; nothing without them.

@@ -34,7 +34,7 @@ static bool has_layer(const char *name)
     return found;
 }
 
-// layer: NULL asks for those of the loader and the drivers.
+// layer: NULL for extensions of the loader and the drivers.
 static bool has_extension(const char *layer, const char *name)
 {
     uint32_t count = 0;
@@ -61,7 +61,8 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     return VK_FALSE; // the call goes on as it would without the layers
 }
 
-// The type GENERAL is left out: it is the loader's talk about drivers, not about what we do.
+// The type GENERAL is excluded: it contains the loader's messages about drivers, not about this
+// program.
 static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct gpu *gpu)
 {
     return (VkDebugUtilsMessengerCreateInfoEXT){
@@ -88,7 +89,7 @@ static bool validation_check(struct err *err)
     return true;
 }
 
-// Checked one by one, since vkCreateInstance does not say which one is missing.
+// They are checked one by one, since vkCreateInstance does not say which one is missing.
 static bool extensions_check(const struct gpu_params *params, struct err *err)
 {
     if (params->instance_extension_count > MAX_CALLER_EXTENSIONS)
@@ -120,7 +121,7 @@ static VkResult instance_call(struct gpu *gpu, const void *next, bool portabilit
     const VkApplicationInfo application = {
         .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
         .pApplicationName = "lampyris",
-        .apiVersion = VK_API_VERSION_1_1, // nothing newer is used, wherever it is to be had
+        .apiVersion = VK_API_VERSION_1_1, // nothing newer is used
     };
     const VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
@@ -142,7 +143,7 @@ bool instance_create(struct gpu *gpu, struct err *err)
         !extensions_check(&gpu->params, err))
         return false;
 
-    // Both stand in the chain, so that messages about the instance itself are heard, too.
+    // Both structs are in the chain, so that messages about the instance itself are received, too.
     const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(gpu);
     const VkValidationFeatureEnableEXT enable[] = {
         VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
@@ -161,8 +162,8 @@ bool instance_create(struct gpu *gpu, struct err *err)
                        "which also has lavapipe for machines without a GPU)");
     if (result != VK_SUCCESS)
         return gpu_fail(gpu, "vkCreateInstance", result, err);
-    // Pointers to core functions that come from an instance dispatch by their first argument, so
-    // several open devices do not disturb each other; volkLoadDevice would bind them to the latest.
+    // Pointers to core functions from an instance dispatch by their first argument, so several open
+    // devices do not interfere; volkLoadDevice would bind them to the latest device.
     volkLoadInstance(gpu->instance);
     return !validation ||
            VK(gpu, err,

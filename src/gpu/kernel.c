@@ -48,8 +48,8 @@ static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *par
         vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, &out->pipeline));
 }
 
-// The part of the code that the constants leave, as the device is to run it. In two buffers of the
-// code's size and SPIRV_ROUNDING_BYTES each.
+// Prepares the code for the device: unreachable code is removed, and rounding is set. Uses two
+// buffers of the code's size plus SPIRV_ROUNDING_BYTES.
 static void code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *params,
                          uint32_t *trimmed, uint32_t *rounded, VkShaderModuleCreateInfo *info)
 {
@@ -99,7 +99,7 @@ static bool same_code(const struct gpu_kernel *kernel, const struct gpu_kernel_p
                   params->constant_count * sizeof *params->constants) == 0;
 }
 
-// Takes a pipeline of the same code and constants out of those that are kept.
+// Takes a kept pipeline with the same code and constants.
 static bool take_kept(struct gpu *gpu, const struct gpu_kernel_params *params,
                       struct gpu_kernel *out)
 {

@@ -1,5 +1,5 @@
-// Layouts of kernels' bindings: each has only those that its kernels name, because Vulkan lets a
-// device take as few as 4 storage buffers at once.
+// Descriptor set layouts: each has only the bindings that its kernels use, because Vulkan devices
+// may support as few as 4 storage buffers at once.
 #include "gpu/gpu_internal.h"
 #include <stdlib.h>
 

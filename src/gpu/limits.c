@@ -7,7 +7,7 @@
 
 #define VARIABLE "LAMPYRIS_LIMITS"
 
-// NAME for a flag; false when the word is none of them.
+// Parses the NAME of a flag; returns false when the word is none of them.
 static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size_t length)
 {
     const struct {
@@ -32,8 +32,8 @@ static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size
     return false;
 }
 
-// NAME=NUMBER, which does not replace a number that is there already; false when the word is none
-// of them.
+// Parses NAME=NUMBER, which does not replace a number that is already set; returns false when the
+// word is none of them.
 static bool take_number(struct gpu_limit_overrides *limits, const char *word, size_t length)
 {
     const struct {
@@ -60,7 +60,7 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         char *end;
         errno = 0;
         uint64_t number = strtoull(word + name_length, &end, 10);
-        // strtoull would take a sign, and make -1 the largest number.
+        // strtoull would accept a sign, and convert -1 to the largest number.
         if (!isdigit((unsigned char)word[name_length]) || end != word + length || errno ||
             number == 0 || (numbers[i].most > 0 && number > numbers[i].most))
             return false;

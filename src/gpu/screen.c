@@ -1,4 +1,4 @@
-// The picture of a viewer with its panel, in an image of our own.
+// The display of a viewer: image and panel, drawn into an image of our own.
 #include "gpu/gpu_internal.h"
 #include <assert.h>
 #include <math.h>
@@ -96,7 +96,7 @@ bool gpu_screen_create(struct gpu *gpu, const struct gpu_atlas *atlas, struct gp
     return false;
 }
 
-// Others of the queue, such as a window, may still read the image.
+// Other users of the queue, such as a window, may still read the image.
 static void picture_finish(struct gpu *gpu, struct gpu_screen *screen)
 {
     if (screen->image.handle)
@@ -162,8 +162,8 @@ bool gpu_screen_resize(struct gpu *gpu, struct gpu_screen *screen, uint32_t widt
 
 // --- drawing ------------------------------------------------------------------------------------
 
-// Keeps the buffer where it is large enough, else makes one of at least twice the size, so that a
-// panel that grows line by line does not make one a frame.
+// Keeps a buffer that is large enough, else creates one of at least twice the size, so that a
+// growing panel does not create one in every frame.
 static bool buffer_grow(struct gpu *gpu, const char *name, uint64_t bytes,
                         struct gpu_buffer *buffer, struct err *err)
 {
@@ -205,7 +205,7 @@ static bool drawing_upload(struct gpu *gpu, struct gpu_screen *screen,
     return true;
 }
 
-// The pixels of [from, to) that lie on the screen; a NaN counts as its left end.
+// Computes the pixels of [from, to) that are on the screen; a NaN counts as the left end.
 static int32_t on_screen(float position, uint32_t size)
 {
     double rounded = floor((double)position + 0.5);
@@ -245,7 +245,7 @@ static void drawing_record(struct gpu_screen *screen, const struct gpu_drawing *
     }
 }
 
-// The pass is run without triangles, too: it also brings the image into its last layout.
+// The pass also runs without triangles, because it transitions the image to its final layout.
 static void pass_record(struct gpu_screen *screen, const struct gpu_drawing *drawing)
 {
     const VkRenderPassBeginInfo begin = {

@@ -1,12 +1,13 @@
-// What a viewer shows: a picture, and triangles drawn over it (a panel). Made in an image of our
-// own, so that it is the same with a window and without one. Needs gpu_params.graphics.
+// The display of a viewer: an image, with triangles drawn over it (a panel). It is drawn into an
+// image of our own, so that it is the same with and without a window. Needs gpu_params.graphics.
 #ifndef LAMPYRIS_GPU_SCREEN_H
 #define LAMPYRIS_GPU_SCREEN_H
 
 #include "gpu/gpu.h"
 
-// Dear ImGui's layout. Positions in pixels from the upper left; colours with red in the lowest
-// byte, alpha not premultiplied; both colours and pixels are display values (sRGB-encoded).
+// A vertex in Dear ImGui's layout. Positions are in pixels from the upper left; colours have red in
+// the lowest byte, and alpha is not premultiplied. All colours and pixels are display values
+// (sRGB-encoded).
 struct gpu_vertex {
     float position[2];
     float uv[2]; // in the atlas
@@ -25,7 +26,7 @@ struct gpu_drawing {
     uint32_t vertex_count, index_count, draw_count;
 };
 
-// One picture that all draws take their texels from: coverage, white times it.
+// The image from which all draws take their texels: coverage, multiplied by white.
 struct gpu_atlas {
     const uint8_t *coverage; // width * height, rows from the top
     uint32_t width, height;
@@ -38,7 +39,7 @@ struct gpu_image {
     uint64_t bytes;
 };
 
-// Of one layer and level, optimally tiled, its content and layout undefined.
+// Creates an image of one layer and level, optimally tiled, with undefined content and layout.
 bool gpu_image_create(struct gpu *gpu, const char *name, VkFormat format, uint32_t width,
                       uint32_t height, VkImageUsageFlags usage, struct gpu_image *out,
                       struct err *err);
@@ -61,22 +62,22 @@ struct gpu_screen {
     VkDescriptorSet set;
     struct gpu_buffer vertices, indices; // mapped, grown as need be
     struct gpu_commands commands;
-    double draw_ms; // of the last gpu_screen_draw on the device; 0 without timestamps
+    double draw_ms; // time of the last gpu_screen_draw on the device; 0 without timestamps
 };
 
-// Without an image until gpu_screen_resize.
+// There is no image until gpu_screen_resize.
 bool gpu_screen_create(struct gpu *gpu, const struct gpu_atlas *atlas, struct gpu_screen *out,
                        struct err *err);
 void gpu_screen_finish(struct gpu *gpu, struct gpu_screen *screen); // accepts NULL and {0}
-// Nothing where the size is the same. Sides of 1 to what images and framebuffers of the
-// device may have.
+// Does nothing if the size is the same. Width and height may be from 1 to the device's limits of
+// images and framebuffers.
 bool gpu_screen_resize(struct gpu *gpu, struct gpu_screen *screen, uint32_t width, uint32_t height,
                        struct err *err);
 // Copies `pixels`, RGBA8 in rows from the top, width * height words at least, draws over it, and
 // waits until it is done. drawing: NULL for none.
 bool gpu_screen_draw(struct gpu *gpu, struct gpu_screen *screen, const struct gpu_buffer *pixels,
                      const struct gpu_drawing *drawing, struct err *err);
-// What was drawn last: RGBA8, rows from the top, in `arena`.
+// Reads the last drawing: RGBA8, rows from the top, in `arena`.
 bool gpu_screen_read(struct gpu *gpu, struct gpu_screen *screen, struct arena *arena,
                      uint8_t (**out)[4], struct err *err);
 

@@ -1,11 +1,11 @@
-// What the screen's triangles are drawn with: render pass, layouts, pipeline.
+// The pipeline that draws the screen's triangles: render pass, layouts, pipeline.
 #include "gpu/gpu_internal.h"
 
 #include "panel_frag.spv.h"
 #include "panel_vert.spv.h"
 #include <stddef.h>
 
-// Keeps the picture that a transfer has put there, and leaves it to be read by transfers.
+// Keeps the image that a transfer has written, and leaves it readable by transfers.
 static bool render_pass_create(struct gpu *gpu, struct gpu_screen *screen, struct err *err)
 {
     const VkAttachmentDescription color = {
@@ -55,7 +55,7 @@ static bool render_pass_create(struct gpu *gpu, struct gpu_screen *screen, struc
     return VK(gpu, err, vkCreateRenderPass(gpu->device, &info, NULL, &screen->render_pass));
 }
 
-// Linear: the atlas has lines and discs whose edges are smooth only so.
+// Filtering is linear: lines and discs in the atlas need it for smooth edges.
 static bool sampler_create(struct gpu *gpu, struct gpu_screen *screen, struct err *err)
 {
     const VkSamplerCreateInfo info = {

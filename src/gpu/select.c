@@ -1,4 +1,4 @@
-// Which devices there are, whether they suffice, and which one is used.
+// Lists the devices, tests whether they are sufficient, and selects one.
 #include "base/memory.h"
 #include "gpu/gpu_internal.h"
 #include <ctype.h>
@@ -34,8 +34,8 @@ bool device_has_extension(VkPhysicalDevice device, const char *name, VkResult *f
     return found;
 }
 
-// Devices below 1.1 have only the core part filled in. With the override api-1.1 a device is one of
-// that version, and has no extension that only tells more.
+// For devices below 1.1 only the core part is filled in. With the override api-1.1 a device has
+// that version, and no extension that only provides information.
 static void properties_read(const struct gpu *gpu, VkPhysicalDevice device,
                             struct device_properties *out)
 {
@@ -76,8 +76,8 @@ static bool family_suffices(const struct gpu *gpu, VkPhysicalDevice device, uint
             params->can_present(params->present_context, gpu->instance, device, family));
 }
 
-// Of the families that do all that gpu->params ask for: the first that draws, too (on GPUs the
-// widest one), else the first.
+// Among the families with all required capabilities, selects the first that also draws (on GPUs the
+// most capable one), else the first.
 static uint32_t queue_family_find(const struct gpu *gpu, VkPhysicalDevice device,
                                   uint32_t *timestamp_bits)
 {
@@ -96,7 +96,7 @@ static uint32_t queue_family_find(const struct gpu *gpu, VkPhysicalDevice device
     return found;
 }
 
-// The largest device-local heap, or UINT32_MAX.
+// Returns the largest device-local heap, or UINT32_MAX.
 static uint32_t largest_heap(const VkPhysicalDeviceMemoryProperties *memory)
 {
     uint32_t found = UINT32_MAX;
@@ -142,7 +142,7 @@ static uint64_t heap_free(const struct gpu *gpu)
                : left_of(memory.memoryProperties.memoryHeaps[heap].size, gpu->allocated_bytes);
 }
 
-// Drivers on the processor give their heap any size: there the host's memory alone counts.
+// CPU drivers report a heap of arbitrary size: for these only the host's memory counts.
 uint64_t gpu_memory_free(const struct gpu *gpu)
 {
     uint64_t told = gpu->params.limits.memory_budget;
@@ -157,7 +157,7 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
                        size_t size)
 {
     const VkPhysicalDeviceLimits *l = &device->limits;
-    // How many buffers are bound at once is checked for each kernel: see layout.c.
+    // The number of simultaneously bound buffers is checked for each kernel: see layout.c.
     const struct {
         const char *name;
         uint32_t value, need;
@@ -184,7 +184,7 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
                                  used ? "; " : "", limits[i].name, limits[i].value, limits[i].need);
 }
 
-// What a program with a window needs beyond device_find_lacks.
+// Tests the requirements of a program with a window in addition to device_find_lacks.
 static void find_window_lacks(const struct gpu *gpu, VkPhysicalDevice device, uint32_t queue_family,
                               char *out, size_t size)
 {
@@ -232,7 +232,7 @@ static void info_read(const struct gpu *gpu, VkPhysicalDevice device, uint32_t i
         .memory_bytes = device_memory_bytes(device),
     };
     snprintf(out->name, sizeof out->name, "%s", p.core.deviceName);
-    // The encoding of driverVersion differs by vendor; driverInfo has it in words.
+    // The encoding of driverVersion depends on the vendor; driverInfo is a text.
     if (p.driver.driverInfo[0])
         snprintf(out->driver, sizeof out->driver, "%s %s", p.driver.driverName,
                  p.driver.driverInfo);
@@ -254,7 +254,7 @@ static bool list_read(struct gpu *gpu, struct device_list *out, struct err *err)
 {
     out->count = GPU_MAX_DEVICES;
     VkResult result = vkEnumeratePhysicalDevices(gpu->instance, &out->count, out->handles);
-    // Loaders report drivers of which none has found its device as a failed initialization.
+    // If no driver has found its device, loaders report a failed initialization.
     if (result == VK_ERROR_INITIALIZATION_FAILED || (result == VK_SUCCESS && out->count == 0))
         return err_set(err, ERR_NO_VULKAN, "the Vulkan drivers that are installed have no device");
     if (result != VK_SUCCESS && result != VK_INCOMPLETE)
@@ -276,7 +276,7 @@ bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *cou
     return ok;
 }
 
-// Lower is faster.
+// Returns a rank: lower is faster.
 static int kind_rank(const struct gpu_device_info *info)
 {
     static const char *const order[] = {"discrete GPU", "integrated GPU", "virtual GPU", "CPU"};
@@ -298,7 +298,7 @@ static bool contains_ignoring_case(const char *text, const char *part)
     return !*part;
 }
 
-// A number below the count is an index; "4090" may still be part of a name.
+// A number below the count is an index; "4090" may be part of a name.
 static bool wants(const char *wanted, const struct gpu_device_info *info, uint32_t count)
 {
     if (!wanted)
@@ -310,8 +310,8 @@ static bool wants(const char *wanted, const struct gpu_device_info *info, uint32
     return contains_ignoring_case(info->name, wanted);
 }
 
-// The best of those that are wanted: a usable one before an unusable one, then by kind, then the
-// loader's order. UINT32_MAX: none is wanted.
+// Returns the best of the matching devices: usable ones first, then by kind, then in the loader's
+// order. UINT32_MAX: none matches.
 static uint32_t list_choose(const struct device_list *list, const char *wanted)
 {
     uint32_t best = UINT32_MAX;
@@ -358,13 +358,13 @@ static uint64_t lowered(uint64_t limit, uint64_t override)
     return override && override < limit ? override : limit;
 }
 
-// Of `most` bindings of a kind: as many as the one stage and the one set that we use may have.
+// Returns how many of `most` bindings of a kind can be used with one stage and one set.
 static uint32_t binding_count(uint32_t most, uint32_t a_stage, uint32_t a_set, uint64_t override)
 {
     return (uint32_t)lowered(lowered(lowered(most, a_stage), a_set), override);
 }
 
-// Whether kernels may ask for the mode of 32 bits alone.
+// Returns whether kernels may set the mode for 32 bits independently.
 static bool can_round_to_nearest(const VkPhysicalDeviceFloatControlsProperties *p)
 {
     return p->shaderRoundingModeRTEFloat32 &&
@@ -375,7 +375,7 @@ bool device_read_limits(struct gpu *gpu, struct err *err)
 {
     struct device_properties p;
     properties_read(gpu, gpu->physical, &p);
-    // How it rounds decides bits of pictures.
+    // The rounding mode affects the bits of images.
     if (p.failure < VK_SUCCESS)
         return gpu_fail(gpu, "vkEnumerateDeviceExtensionProperties", p.failure, err);
     const VkPhysicalDeviceLimits *limits = &p.core.limits;

@@ -1,4 +1,4 @@
-// Descriptor sets: what kernels of one layout see of a struct gpu_bindings.
+// Descriptor sets: the buffers of a struct gpu_bindings for the kernels of one layout.
 #include "gpu/gpu_internal.h"
 #include <stdlib.h>
 
@@ -10,7 +10,7 @@ struct gpu_sets {
     struct {
         const struct gpu_layout *layout;
         VkDescriptorSet handle;
-        bool is_written; // what is bound now
+        bool is_written; // it has the current buffers
     } list[POOL_SETS];
     uint32_t count;
     struct gpu_sets *next;

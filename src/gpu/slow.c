@@ -40,7 +40,7 @@ void slow_timestamp(struct gpu_slow *slow, uint32_t index)
         slow->before[index] = slow->count;
 }
 
-// Of the first `count` dispatches.
+// Returns the simulated time of the first `count` dispatches.
 static double total_ns(const struct gpu *gpu, const struct gpu_slow *slow, const void *log_data,
                        uint32_t count)
 {

@@ -1,4 +1,4 @@
-// SPIR-V modules as words: what those who read and rewrite them share.
+// SPIR-V modules as words: definitions for reading and rewriting them.
 #ifndef LAMPYRIS_GPU_SPIRV_H
 #define LAMPYRIS_GPU_SPIRV_H
 
@@ -104,7 +104,7 @@ static inline uint32_t spirv_head(uint32_t opcode, uint32_t length)
     return length << 16 | opcode;
 }
 
-// Whether it begins as a module does, and instructions fill it.
+// Returns whether it begins like a module and consists of whole instructions.
 static inline bool spirv_is_module(const uint32_t *code, size_t bytes)
 {
     size_t words = bytes / sizeof *code, i = SPIRV_HEADER_WORDS;

@@ -1,11 +1,11 @@
-// Asks for sums and products that are rounded to the nearest float.
+// Requests sums and products that are rounded to the nearest float.
 #ifndef LAMPYRIS_GPU_SPIRV_ROUNDING_H
 #define LAMPYRIS_GPU_SPIRV_ROUNDING_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-// What spirv_round_to_nearest() adds to a module at most.
+// The greatest number of bytes that spirv_round_to_nearest() adds to a module.
 #define SPIRV_ROUNDING_BYTES 52u
 
 // Writes `code` (`bytes` long, whole words) to `out`, which has room for SPIRV_ROUNDING_BYTES more,

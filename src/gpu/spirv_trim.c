@@ -4,14 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Of an id.
+// Properties of an id.
 struct id {
-    uint32_t value; // where it is known: 32 bits, or 0 and 1
-    uint32_t start; // of a function: its first word; 0: no function
+    uint32_t value; // if it is known: 32 bits, or 0 and 1
+    uint32_t start; // first word of a function; 0: no function
     bool known;
-    bool live;    // of a label or function: reached
-    bool visited; // of a label
-    bool dropped; // its instruction is left out
+    bool live;    // the label or function is reachable
+    bool visited; // the label has been visited
+    bool dropped; // its instruction is removed
     bool needed;  // something that stays names it
     bool is_bool; // a type
     bool is_int;
@@ -28,7 +28,7 @@ struct module {
     uint32_t constant_count;
 };
 
-// Of instructions in a function's body.
+// Returns whether an instruction in a function's body has a result.
 static bool has_result(uint32_t op)
 {
     switch (op) {
@@ -89,7 +89,7 @@ static bool evaluate_2(uint32_t op, uint32_t a, uint32_t b, uint32_t *out)
     // clang-format on
 }
 
-// `operands`: ids, `count` of them.
+// `operands`: `count` ids.
 static bool evaluate(const struct module *m, uint32_t op, const uint32_t *operands, uint32_t count,
                      uint32_t *out)
 {
@@ -123,7 +123,7 @@ static void know(struct module *m, uint32_t id, uint32_t value)
     m->ids[id].value = value;
 }
 
-// Constants that the caller sets come before their instructions: as decorations.
+// Constants set by the caller are known before their instructions, from decorations.
 static void read_global(struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at), words = spirv_length(at), value;
@@ -153,7 +153,8 @@ static void read_global(struct module *m, const uint32_t *at)
 
 static bool reach(struct module *m, uint32_t label)
 {
-    // Blocks stand in the order of dominance: only loops lead back, to where control has been.
+    // Blocks are in an order consistent with dominance: only loops branch back, to blocks that were
+    // visited.
     if (m->ids[label].visited && !m->ids[label].live)
         return false;
     m->ids[label].live = true;
@@ -180,7 +181,7 @@ static bool reach_targets(struct module *m, const uint32_t *at)
     }
 }
 
-// A value that all blocks before agree on, so far as they are reached.
+// A phi is known if all reachable predecessors agree on its value.
 static void merge_values(struct module *m, const uint32_t *at)
 {
     bool any = false;
@@ -205,8 +206,8 @@ static void call(struct module *m, uint32_t function)
     m->ids[function].live = true;
 }
 
-// Variables are named by calls, which pass them on, by instructions of memory and by atomic ones. A
-// number among their operands may happen to be a variable's: it stays then, which does no harm.
+// Variables are used by calls, which pass them on, by memory instructions and by atomics. A literal
+// among the operands may equal a variable's id: then the variable is kept, which is harmless.
 static void keep_variables(struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at);
@@ -218,7 +219,7 @@ static void keep_variables(struct module *m, const uint32_t *at)
             m->ids[at[i]].dropped = false;
 }
 
-// What an instruction in a block that is reached does to what is known.
+// Updates the known values with an instruction in a reachable block.
 static bool follow(struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at), value;
@@ -233,7 +234,7 @@ static bool follow(struct module *m, const uint32_t *at)
     return reach_targets(m, at);
 }
 
-// The ids that an instruction names which stays, though what it names may not.
+// Marks the ids that a kept instruction uses, because their definitions may otherwise be removed.
 static void need(struct module *m, const uint32_t *at, bool live)
 {
     uint32_t op = spirv_opcode(at);
@@ -298,7 +299,7 @@ static void drop_function(struct module *m, const uint32_t *at)
     }
 }
 
-// Names and decorations stand before what they are about.
+// Returns whether a name or decoration refers to a removed id; these precede their target.
 static bool is_about_dropped(const struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at);
@@ -307,8 +308,8 @@ static bool is_about_dropped(const struct module *m, const uint32_t *at)
            (m->ids[at[1]].dropped || (is_spec_id && m->ids[at[1]].known));
 }
 
-// Specialization constants, and what follows from them, become constants with their values: some
-// drivers give an array the length that its default has (MoltenVK before mid-2025).
+// Specialization constants, and values derived from them, become constants: some drivers give an
+// array the length of its default (MoltenVK before mid-2025).
 static uint32_t write_global(const struct module *m, const uint32_t *at, uint32_t *out)
 {
     uint32_t op = spirv_opcode(at), words = spirv_length(at);
@@ -331,7 +332,7 @@ static uint32_t write_global(const struct module *m, const uint32_t *at, uint32_
     return words;
 }
 
-// What is left of an instruction of a function that stays: words written.
+// Writes the remaining part of an instruction in a kept function; returns the number of words.
 static uint32_t write_instruction(const struct module *m, const uint32_t *at, bool live,
                                   uint32_t *out)
 {

@@ -1,4 +1,4 @@
-// Leaves out of a SPIR-V module what its specialization constants rule out.
+// Removes code from a SPIR-V module that its specialization constants make unreachable.
 #ifndef LAMPYRIS_GPU_SPIRV_TRIM_H
 #define LAMPYRIS_GPU_SPIRV_TRIM_H
 
@@ -17,8 +17,8 @@
 size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants, uint32_t count,
                   uint32_t *out);
 
-// The instructions in a module's functions, without labels and lines of source; 0 for what is no
-// module.
+// Returns the number of instructions in a module's functions, without labels and source lines; 0 if
+// it is no module.
 uint32_t spirv_instructions(const uint32_t *code, size_t bytes);
 
 #endif

@@ -1,5 +1,4 @@
-// What a driver's compiler tells of the kernels that it has compiled
-// (VK_KHR_pipeline_executable_properties).
+// The driver's statistics of compiled kernels (VK_KHR_pipeline_executable_properties).
 #include "gpu/gpu_internal.h"
 #include <stdio.h>
 

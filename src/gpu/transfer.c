@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Large enough for full speed over a bus, small enough to be had on any device.
+// Large enough for the full speed of a bus, small enough to be available on any device.
 #define STAGING_BYTES (UINT64_C(64) << 20)
 
 static bool range_check(const struct gpu_buffer *buffer, uint64_t offset, uint64_t bytes,
@@ -22,7 +22,7 @@ static uint64_t piece_bytes(uint64_t bytes)
     return bytes < STAGING_BYTES ? bytes : STAGING_BYTES;
 }
 
-// The commands of all copies, which follow each other: a command pool and a fence are made once.
+// The commands of all copies, which are sequential: a command pool and a fence are created once.
 static struct gpu_commands *begin_copying(struct gpu *gpu, struct err *err)
 {
     if (!gpu->copying) {
@@ -93,7 +93,7 @@ static bool copy_piece(struct gpu *gpu, const struct gpu_buffer *staging,
     return true;
 }
 
-// Through staging memory, piece by piece.
+// Copies through staging memory, piece by piece.
 static bool transfer_staged(struct gpu *gpu, const struct transfer *transfer, struct err *err)
 {
     const char *name = transfer->from ? "upload staging" : "download staging";
