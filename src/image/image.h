@@ -1,5 +1,5 @@
-// Pictures in memory and on disk: EXR, PNG, Radiance HDR, JPEG. No Vulkan. All functions may be
-// called from any thread, on different arguments at the same time.
+// Images in memory and in files: EXR, PNG, Radiance HDR, JPEG. No Vulkan. All functions may be
+// called by any thread, on different arguments at the same time.
 #ifndef LAMPYRIS_IMAGE_IMAGE_H
 #define LAMPYRIS_IMAGE_IMAGE_H
 
@@ -22,12 +22,12 @@ struct image_attribute { // metadata: EXR string attributes, PNG tEXt chunks
 };
 
 enum image_layer_type {
-    IMAGE_LAYER_FLOAT, // as the picture: halves with half_float
+    IMAGE_LAYER_FLOAT, // like the image: halves with half_float
     IMAGE_LAYER_FULL,  // 32-bit floats always: what halves cannot tell apart
     IMAGE_LAYER_UINT,  // 32-bit integers
 };
 
-// A further EXR layer: channels "NAME.R", "NAME.G", "NAME.B", or of other names.
+// An additional EXR layer: channels "NAME.R", "NAME.G", "NAME.B", or other names.
 struct image_layer {
     const char *name;
     const void *values;          // interleaved: floats, or uint32_t
@@ -54,7 +54,7 @@ bool image_check_format(const char *path, struct err *err);
 // is put together in memory first, decoded again and compared, bit for bit, with what was to be
 // written: pixels (of a PNG, its codes), layers and metadata.
 bool image_write(const struct image_write_params *params, struct err *err);
-// The bytes of that file, in `arena`; the path only names its format.
+// Encodes the image in `arena`; only the path's extension is used.
 bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
                   size_t *size, struct err *err);
 // The bytes of a PNG file of these 8-bit RGB codes as they are, in `arena`; verified in the same
@@ -62,26 +62,25 @@ bool image_encode(const struct image_write_params *params, struct arena *arena, 
 bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, struct arena *arena,
                         uint8_t **data, size_t *size, struct err *err);
 
-// For tests: one bit of the n-th byte of each picture changes between encoding it and verifying it,
-// in all of the program. 0 turns it off.
+// For tests: changes one bit of the n-th byte of each image between encoding and verification, in
+// the whole program. 0 turns it off.
 void image_corrupt_at(uint64_t n);
 
 struct image_read_params {
     const char *path; // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)
-    // EXR: the layer to read, of channels R, G, B, or X, Y, Z, or Y, or one channel by its whole
-    // name ("depth.Z"); NULL: the plain ones.
+    // EXR: the layer to read, with channels R, G, B, or X, Y, Z, or Y, or a single channel by its
+    // full name ("depth.Z"); NULL: the channels without a layer.
     const char *layer;
     uint32_t side_max; // longest side that is accepted; 0: any
     bool is_linear;    // colours of PNG and JPEG are taken as they are, not as sRGB-encoded
     const struct progress *progress; // asked now and then whether to stop; any thread may do so
 };
 
-// Pixels live in `arena`; the budget of memory is asked for them, and for what the decoder needs,
-// as soon as the header is read. The format is told by the file's first bytes, not by its name.
-// EXR: single-part, scanline or tiled (the finest level); deep and multi-part files are ERR_INPUT.
-// The picture is the data window, wherever the display window lies. Non-finite and negative values
-// are kept as they are: the caller judges. Alpha is dropped, PNG colour profiles other than sRGB
-// too.
+// Reads an image into `arena`; the memory budget is checked for the pixels, and for what the
+// decoder needs, as soon as the header is read. The file's first bytes determine the format, not
+// its name. EXR: single-part, scanline or tiled (the finest level); deep and multi-part files are
+// ERR_INPUT. The image is the data window, wherever the display window is. Non-finite and negative
+// values are kept. Alpha is dropped, and so are PNG colour profiles other than sRGB.
 bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
                 struct err *err);
 // Reads a picture from memory, for those inside other files; params->path names the place in
@@ -96,10 +95,10 @@ struct image_texels {
     void *texels;
 };
 
-// A picture with its alpha. What has at most 8 bits a component (PNG, JPEG) comes in halves, whose
-// step is at most 2^-11 in [0, 1], an eighth of the codes'; all else in floats. Alpha is 1 where a
-// file has none, and never sRGB-encoded. EXR stores colours multiplied by alpha (OpenEXR technical
-// introduction, "Alpha"): they are divided by it again, but for alpha 0.
+// Decodes an image with its alpha. Formats with at most 8 bits per component (PNG, JPEG) are
+// decoded to halves, whose step is at most 2^-11 in [0, 1], an eighth of the codes'; all others to
+// floats. Alpha is 1 if a file has none, and is never sRGB-encoded. EXR stores colours multiplied
+// by alpha (OpenEXR technical introduction, "Alpha"): they are divided by it, unless alpha is 0.
 bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
                          struct arena *arena, struct image_texels *out, struct err *err);
 // Returns whether image_read_params.is_linear is of account for such a file: PNG and JPEG.
@@ -112,27 +111,28 @@ bool image_read_attributes(const char *path, struct arena *arena, struct image_a
 
 #define HALF_MAX 65504.0f // (2 - 2^-10) 2^15, the greatest finite half
 
-// IEEE 754 binary16, rounded to nearest, ties to even. Finite values past HALF_MAX saturate;
-// infinities and NaN stay what they are.
+// Converts to IEEE 754 binary16, rounded to nearest, ties to even. Finite values above HALF_MAX
+// saturate; infinities and NaN are kept.
 uint16_t half_from_float(float value);
 float float_from_half(uint16_t half); // exact
 
-// One pixel from linear radiance to display values in [0, 1] before 8-bit rounding, sRGB-encoded.
+// Converts a pixel from linear radiance to display values in [0, 1], sRGB-encoded, before rounding
+// to 8 bits.
 void image_tone_map(enum tone_curve tone, float exposure_stops, const float rgb[3], float out[3]);
 
-// The exposure, in stops, that suits a picture by its luminances: metering for the highlights. With
-// L the luminance (ITU-R BT.709) that all but a twentieth of the pixels with light stay below,
+// Returns the exposure, in stops, for an image, metered for the highlights. With L the luminance
+// (ITU-R BT.709) that all but a twentieth of the pixels with light stay below,
 //   stops = log2(0.5 / L)
-// so that the lightest large area is shown one stop below 1, which leaves that for glints; lamps
-// that are seen and fireflies do not count. (dcraw's automatic brightness does the same with one
-// hundredth and the white of the file.) A mean of any kind would make a white thing grey and a
-// black one, too. L is rounded up to 1/64 stop. 0 for a picture without light.
+// so that the brightest large region is displayed one stop below 1, which leaves room for glints;
+// visible lamps and fireflies do not count. (dcraw's automatic brightness does the same with one
+// hundredth and the white of the file.) A mean of any kind would make both a white and a black
+// object grey. L is rounded up to 1/64 stop. Returns 0 for an image without light.
 float image_measure_exposure(const struct image *image);
 
-// The transfer function of sRGB and its inverse (IEC 61966-2-1), of values in [0, 1].
+// The transfer function of sRGB and its inverse (IEC 61966-2-1), for values in [0, 1].
 float image_srgb_from_linear(float linear);
 float image_srgb_to_linear(float encoded);
-// To 8 bits, to the nearest code, halves up; of values in [0, 1].
+// Converts a value in [0, 1] to 8 bits, to the nearest code, halves up.
 uint8_t image_quantize(float display);
 
 #endif

@@ -5,8 +5,8 @@
 #include "image/image_internal.h"
 #include <openexr.h>
 
-// The user data of a context. Of the messages that come with errors of reading the first is kept:
-// later ones are consequences.
+// The user data of a context. If reading fails, the first of the library's messages is kept: later
+// ones are consequences.
 struct exr_stream {
     const uint8_t *data; // reading
     size_t size;
@@ -23,9 +23,9 @@ exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream);
 bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_code code,
               struct err *err);
 
-// Decodes a chunk as far as its decompressed bytes, decoder->unpacked_buffer: the library's own
-// unpacking (3.1.5) writes through the null pointers that are meant to leave out a channel when
-// there are three. *is_ready tells whether the decoder has been initialised, by an earlier call.
+// Decodes a chunk to its decompressed bytes, decoder->unpacked_buffer. The library's own unpacking
+// (3.1.5) writes through null pointers, which should skip a channel, when there are three.
+// *is_ready: an earlier call has initialised the decoder.
 exr_result_t exr_decode_bytes(exr_const_context_t context, const exr_chunk_info_t *chunk,
                               exr_decode_pipeline_t *decoder, bool *is_ready);
 

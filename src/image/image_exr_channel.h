@@ -1,5 +1,4 @@
-// The channels of an EXR file that a picture with its layers becomes, for those who write and
-// verify it.
+// The channels of the EXR file for an image with its layers, for writing and verifying.
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 
@@ -7,7 +6,8 @@
 #include <openexr.h>
 #include <string.h>
 
-#define EXR_NAME_MAX_BYTES 255 // of a channel or attribute ("OpenEXR File Layout", long names)
+// length of a channel's or attribute's name ("OpenEXR File Layout", long names)
+#define EXR_NAME_MAX_BYTES 255
 
 struct exr_channel {
     char name[EXR_NAME_MAX_BYTES + 1]; // cut off where it would be longer
@@ -17,7 +17,8 @@ struct exr_channel {
     size_t stride;      // from pixel to pixel, bytes
 };
 
-// The channel of that number, those of the plain picture first; false when there are fewer.
+// Returns the channel with this number, those of the image itself first; false when there are
+// fewer.
 bool exr_channel_at(const struct image_write_params *params, uint32_t index,
                     struct exr_channel *out);
 bool exr_channel_find(const struct image_write_params *params, const char *name,
@@ -28,7 +29,7 @@ static inline exr_compression_t exr_compression_of(const struct image_write_para
     return params->uncompressed ? EXR_COMPRESSION_NONE : EXR_COMPRESSION_ZIP;
 }
 
-// A pixel's bits as the file has them: of a half, the lower 16.
+// Returns a pixel's bits as stored in the file: for a half, in the lower 16 bits.
 static inline uint32_t exr_channel_bits(const struct exr_channel *channel, size_t pixel)
 {
     uint32_t bits;

@@ -1,6 +1,6 @@
-// Declarations that the files of this module share. One reader and one writer a format, all of them
-// from and to memory: so a decoder never touches a file, and a file is only replaced by a finished
-// picture that has been decoded again and compared with what was to be written.
+// Declarations that the files of this module share. Each format has one reader and one writer,
+// which work in memory: so a decoder never touches a file, and a file is only replaced by an image
+// that has been decoded again and compared with the original.
 #ifndef LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 #define LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 
@@ -33,7 +33,7 @@ struct image_source {
     const struct progress *progress;
 };
 
-// Pixels as a decoder leaves them: RGB or RGBA.
+// Pixels as decoded: RGB or RGBA.
 struct pixels {
     uint32_t width, height;
     unsigned components;
@@ -44,27 +44,27 @@ struct pixels {
 struct pixels_size {
     uint64_t width, height;
     unsigned bits;        // a component in the file: up to 8 fit into halves
-    uint64_t extra_bytes; // that the decoder is going to take beside the pixels
+    uint64_t extra_bytes; // bytes that the decoder needs in addition to the pixels
 };
 
 // Checks the sides and, with the decoder's own bytes, the budget, then allocates in the arena.
 bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
                      struct arena *arena, struct pixels *out, struct err *err);
 
-// To be asked once a row: ERR_STOPPED where the work is to end. Looks only now and then.
+// Called once per row: fails with ERR_STOPPED when the work is to stop. Polls only now and then.
 bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err);
 
-// The values that codes of 8 bits stand for: [0] in colours, [1] in alpha.
+// The values of 8-bit codes: [0] for colours, [1] for alpha.
 struct code_table {
     float values[2][256];
     uint16_t halves[2][256];
 };
 void code_table_fill(const struct image_source *source, struct code_table *table);
-// One row of codes, `components` a pixel; alpha, where there is none, is 1.
+// Stores a row of codes, `components` per pixel; alpha is 1 if it is missing.
 void pixels_put_codes(const struct pixels *out, uint64_t row, const uint8_t *codes,
                       unsigned components, const struct code_table *table);
 
-// The components of pixel number `index` of float pixels.
+// Returns the components of pixel number `index` of float pixels.
 static inline float *pixels_at(const struct pixels *pixels, uint64_t index)
 {
     return (float *)pixels->values + index * pixels->components;
@@ -92,8 +92,8 @@ bool image_png_read(const struct image_source *source, struct arena *arena, stru
                     struct err *err);
 bool image_png_read_attributes(const struct image_source *source, struct arena *arena,
                                struct image_attribute **out, uint32_t *count, struct err *err);
-// The 8-bit codes of the pixels, RGB, row 0 at the top: what is written and verified. Freed by the
-// caller.
+// Computes the 8-bit codes of the pixels, RGB, row 0 at the top, for writing and verifying. The
+// caller frees them.
 bool image_png_codes(const struct image_write_params *params, uint8_t **codes, struct err *err);
 bool image_png_write(const struct image_write_params *params, const uint8_t *codes,
                      struct byte_buffer *out, struct err *err);

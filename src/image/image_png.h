@@ -1,4 +1,4 @@
-// Errors that come by longjmp, for reading and writing PNG by libpng.
+// Error handling by longjmp, for reading and writing PNG with libpng.
 #ifndef LAMPYRIS_IMAGE_IMAGE_PNG_H
 #define LAMPYRIS_IMAGE_IMAGE_PNG_H
 
@@ -11,11 +11,11 @@ struct png_failure {
     bool out_of_memory;
 };
 
-// Callbacks for png_create_*_struct: the error is kept and jumps, warnings are dropped (libpng
-// would print both).
+// Callbacks for png_create_*_struct: errors are stored and jump, warnings are dropped (libpng would
+// print both).
 void png_keep_error(png_structp png, png_const_charp message) __attribute__((noreturn));
 void png_drop_warning(png_structp png, png_const_charp message);
-// Memory from the budget of the process.
+// Allocates memory from the budget of the process.
 void *png_take_memory(png_structp png, png_alloc_size_t bytes);
 void png_give_memory(png_structp png, void *data);
 
