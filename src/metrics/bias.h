@@ -1,5 +1,5 @@
-// The error that stays however many samples there are: bias, told from noise. Plain arrays in,
-// numbers out; any thread may call.
+// Estimates bias, the error that remains for any number of samples, as distinct from noise. Plain
+// arrays in, numbers out; any thread may call.
 #ifndef LAMPYRIS_METRICS_BIAS_H
 #define LAMPYRIS_METRICS_BIAS_H
 
@@ -9,19 +9,19 @@
 // in each picture.
 struct bias_params {
     const float *const *pictures;
-    size_t count; // of pictures; at least 3 for bias_find, else 2
+    size_t count; // number of images; at least 3 for bias_find, else 2
     size_t length;
     const float *reference;
-    // Two independent halves of the reference, whose mean it is; NULL where its noise is not known:
-    // that then counts as bias.
+    // Two independent halves of the reference, whose mean it is; NULL if its noise is not known: it
+    // then counts as bias.
     const float *reference_halves[2];
 };
 
-// The part of relMSE that is bias: the squared distance of the pictures' mean from the reference r
-// over r^2 + 1e-2, less what the noise of the pictures and of the reference adds to it. Unbiased
-// for given denominators, so that it may be negative. The interval is by jackknife over pictures
-// and by the reference's halves; where there is no bias it is wider than need be. It allows for
-// unseen samples as below. False only when out of memory.
+// Estimates the bias part of relMSE: the squared distance of the images' mean from the reference r
+// over r^2 + 1e-2, minus the contribution of the noise of the images and of the reference. It is
+// unbiased for given denominators, so it may be negative. The interval is by jackknife over the
+// images and by the reference's halves; without bias it is wider than necessary. It allows for
+// unseen samples as below. Returns false only when out of memory.
 bool bias_find(const struct bias_params *params, struct interval *out);
 
 // Lowers an interval of the bias to 0 where the difference could be light that no picture has found

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Weights of the offsets -radius … radius.
+// Weights for the offsets -radius … radius.
 struct kernel_1d {
     int radius;
     double weight[257]; // radius at most 128
@@ -14,9 +14,10 @@ struct kernel_1d {
 
 #define KERNEL_RADIUS_MAX 128
 
-// out = the plane filtered by `x` along rows and by `y` along columns; beyond the border the
-// outermost values go on. `scratch` and `out`: width * height, neither may be `plane`. False where
-// `progress`, which may be NULL, asked to stop; `out` is then incomplete.
+// Computes out = the plane filtered by `x` along rows and by `y` along columns; the outermost
+// values are extended beyond the border. `scratch` and `out` have width * height elements, and
+// neither may be `plane`. Returns false if `progress`, which may be NULL, requests a stop; `out` is
+// then incomplete.
 bool convolve(const float *plane, uint32_t width, uint32_t height, const struct kernel_1d *x,
               const struct kernel_1d *y, const struct progress *progress, float *scratch,
               float *out);

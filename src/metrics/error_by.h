@@ -1,5 +1,5 @@
-// Where the error of a picture comes from: the local relMSE that its half-buffers tell, split by
-// classes of light whose half-buffers are known as well. Any thread may call.
+// Splits the error of an image, the local relMSE that its half-buffers estimate, by classes of
+// light whose half-buffers are known as well. Any thread may call.
 //
 // With D = (A - B) / 2 of the picture and D_k of class k, D is the sum of D_k, and
 //
@@ -18,7 +18,7 @@
 #define ERROR_BY_CLASSES_MAX 8
 
 struct error_by_params {
-    const struct half_error_params *halves; // of the picture
+    const struct half_error_params *halves; // of the image
     const double (*weights)[3];             // of metrics_half_error_weights()
     // The half-buffers of the classes: those of class k at pixel p have the index p * stride + k.
     // k < count, which is at most ERROR_BY_CLASSES_MAX.
@@ -26,11 +26,11 @@ struct error_by_params {
     uint32_t count, stride;
 };
 
-// The part of the error that one class has.
+// The contribution of one class to the error.
 struct error_share {
-    double error; // of the local relMSE
-    // The share of the whole error, with the 95 % interval in which other seeds would find it. NAN
-    // where there is no error; above 1 where other classes cancel a part of it.
+    double error; // part of the local relMSE
+    // The fraction of the total error, with the 95 % interval of its value for other seeds. NAN if
+    // there is no error; above 1 if other classes cancel a part of it.
     struct interval share;
 };
 
@@ -44,13 +44,15 @@ struct error_by {
 
 // Return a pixel's weighted D^2, and the sum over all pixels. The classes of the params are not
 // used.
+// used.
 double metrics_error_of_pixel(const struct error_by_params *params, uint64_t pixel);
 double metrics_error_sum(const struct error_by_params *params);
 
 void metrics_error_by(const struct error_by_params *params, struct error_by *out);
 
-// What `count` independent pictures of the same classes say together: means of errors and of light,
-// and shares of the mean error, with intervals as the pictures differ; NAN of one picture alone.
+// Combines `count` independent images with the same classes: means of errors and of light, and
+// shares of the mean error, with intervals from the differences between images; NAN for a single
+// image.
 void metrics_error_by_pool(const struct error_by *pictures, uint32_t count, struct error_by *out);
 
 #endif

@@ -1,5 +1,5 @@
-// The mean of a picture around a pixel, to which the local relMSE relates errors. Internal to the
-// module.
+// The mean of an image around a pixel, relative to which the local relMSE measures errors. Internal
+// to the module.
 //
 // The window is the one of SSIM (Wang, Bovik, Sheikh and Simoncelli 2004, "Image Quality
 // Assessment: From Error Visibility to Structural Similarity", section III.C): a Gaussian with a
@@ -19,7 +19,7 @@ struct local_pixel {
     double part;     // 1, or 0: not finite, and left out; the others are 0 then
 };
 
-// The neighbours of a pixel, the pixel itself left out.
+// The neighbours of a pixel, without the pixel itself.
 struct local_mean {
     double mean[3];
     double mean_noise[3]; // the variance of `mean`
@@ -29,7 +29,7 @@ struct local_mean {
 
 typedef void (*local_load_fn)(const void *context, uint64_t pixel, struct local_pixel *out);
 
-// Goes over rows from top to bottom. The pixels come from `load`, each of them once.
+// Advances over rows from top to bottom. `load` provides the pixels, each of them once.
 struct local_window {
     local_load_fn load;
     const void *context;
@@ -37,25 +37,24 @@ struct local_window {
     uint32_t loaded;              // the rows before this one have been loaded
     struct local_pixel *pixels;   // the last LOCAL_ROWS rows, row y at y % LOCAL_ROWS
     struct local_column *columns; // sums over the rows around the present one
-    struct local_column *others;  // the same without the present one
+    struct local_column *others;  // the same without the current one
 };
 
-// False when out of memory; local_window_finish() is to be called all the same.
+// Returns false when out of memory; call local_window_finish() in any case.
 bool local_window_init(struct local_window *window, uint32_t width, uint32_t height,
                        local_load_fn load, const void *context);
 void local_window_finish(struct local_window *window);
-// Begins anew, at a row; the rows above it are loaded for their sake alone.
+// Restarts at a row; the rows above it are only loaded for its neighbourhood.
 void local_window_start(struct local_window *window, uint32_t y);
 // Makes row y, the first or the one after the last, ready for local_mean_at().
 void local_window_enter(struct local_window *window, uint32_t y);
 void local_mean_at(const struct local_window *window, uint32_t x, struct local_mean *out);
-// The window's weight of a neighbour, at most LOCAL_REACH pixels away on each axis; the pixel's own
-// is 1.
+// Returns the window's weight of a neighbour, at most LOCAL_REACH pixels away on each axis; that of
+// the pixel itself is 1.
 double local_window_weight(int dx, int dy);
 
-// The weight of a squared error where the pixel's own value is known, a third of 1 / (L^2 +
-// epsilon), and how it falls with the neighbours' mean. That this is noisy is allowed for:
-// half_error.c says how.
+// The weight of a squared error for a known value of the pixel, a third of 1 / (L^2 + epsilon), and
+// its derivative by the neighbours' mean. half_error.c accounts for the noise of that mean.
 struct local_weight {
     double value, slope;
 };

@@ -14,7 +14,7 @@
 #define METRICS_SMAPE_EPSILON 1e-6
 
 struct metrics {
-    // The first five are NaN when no pixel is finite.
+    // The first five are NaN if no pixel is finite.
     double mse;    // mean over pixels and channels of (x - r)^2
     double rmse;   // its square root
     double relmse; // mean (x - r)^2 / (r^2 + 1e-2), per channel
@@ -26,13 +26,14 @@ struct metrics {
     uint64_t differing; // pixels that are not bit-equal
 };
 
-// progress: NULL, or who is asked whether to stop. False then, and *out is incomplete.
+// progress: NULL, or the listener that may request a stop. Returns false then, and *out is
+// incomplete.
 bool metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
                      const struct progress *progress, struct metrics *out);
 
-// Peak signal-to-noise ratio, dB, of what a display shows: values times 2^stops, clamped to [0, 1]
-// and sRGB-encoded, so that the peak is 1. +inf where that is equal, NaN without finite pixels and
-// where `progress`, which may be NULL, asked to stop.
+// Returns the peak signal-to-noise ratio, dB, of displayed values: multiplied by 2^stops, clamped
+// to [0, 1] and sRGB-encoded, so that the peak is 1. +inf if these are equal, NaN without finite
+// pixels and if `progress`, which may be NULL, requests a stop.
 double metrics_psnr(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
                     double exposure_stops, const struct progress *progress);
 
@@ -44,11 +45,11 @@ struct error_intervals {
     struct interval mse, relmse, local_relmse;
 };
 
-// 95 % intervals by Student's t over tiles of 16 x 16 pixels (smaller ones where there would be
-// fewer than 16), whose errors are taken for independent: they say how far the noise of other seeds
-// would move the error. Differences between parts of the picture widen them. NaN where fewer than
-// two tiles have finite pixels. `means`: of metrics_local_means(). False where `progress`, which
-// may be NULL, asked to stop; nothing is known then.
+// Computes 95 % intervals by Student's t over tiles of 16 x 16 pixels (smaller ones if there would
+// be fewer than 16), whose errors are assumed to be independent: they show how much the error would
+// change with the noise of other seeds. Differences between parts of the image widen them. NaN if
+// fewer than two tiles have finite pixels. `means`: of metrics_local_means(). Returns false if
+// `progress`, which may be NULL, requests a stop; nothing is known then.
 bool metrics_intervals(const float (*image)[3], const float (*reference)[3],
                        const float (*means)[3], uint32_t width, uint32_t height,
                        const struct progress *progress, struct error_intervals *out);
@@ -59,51 +60,52 @@ bool metrics_intervals(const float (*image)[3], const float (*reference)[3],
 // Where r is even it is relMSE. Unlike relMSE it can be told without a reference: of a pixel's own
 // value a render knows little until it is done, of its surroundings it soon knows enough.
 
-// L of each pixel, for metrics_local_relmse(). False when out of memory, or where `progress`, which
-// may be NULL, asked to stop.
+// Computes L of each pixel, for metrics_local_relmse(). Returns false when out of memory, or if
+// `progress`, which may be NULL, requests a stop.
 bool metrics_local_means(const float (*reference)[3], uint32_t width, uint32_t height,
                          const struct progress *progress, float (*out)[3]);
 // `means`: of metrics_local_means(). NaN when no pixel is finite.
 double metrics_local_relmse(const float (*image)[3], const float (*reference)[3],
                             const float (*means)[3], uint64_t pixel_count);
 
-// The local relMSE of (A + B) / 2, of this very picture and not of others that other seeds would
-// give, told by the means of two independent half-buffers. It is blind to bias.
+// The local relMSE of (A + B) / 2, estimated from two independent half-buffers: the error of this
+// image itself, not the expected one over other seeds. It is blind to bias.
 struct half_error {
-    // Whether the error has an interval: from two samples on, unless few pixels carry nearly all of
-    // it, light is still to be found, or all is black. The estimate is given with the bound, too.
+    // Whether the error has an interval: with two samples or more, unless few pixels have nearly
+    // all of it, light may still be missing, or the image is black. With only a bound the estimate
+    // is given, too.
     bool known;
     bool bounded;       // whether at_most and relmse_at_most are finite
     const char *reason; // why not known; NULL when known
     double local_relmse;
-    double ci_low, ci_high; // with the confidence asked for; half_error.c derives it
+    double ci_low, ci_high; // with the requested confidence; derived in half_error.c
     double at_most;         // the upper end of a one-sided interval of the same confidence
     double relmse_at_most;  // the same of relMSE
     double mse;
-    // What the errors of pictures by other seeds would deviate by, relatively, and as how many
-    // pixels of equal noise this tells it, at least one: see forecast.c. 0 where there is no error.
+    // The relative deviation of the errors of images with other seeds, and the number of pixels of
+    // equal noise in this estimate, at least one: see forecast.c. 0 if there is no error.
     double spread, spread_terms;
 };
 
-// An emitter, or several in a pixel, that covers less than some pixels of the picture: samples meet
-// it by chance. Until one does, the halves know nothing of it.
+// One or several emitters in a pixel that cover little of it: samples hit them by chance. Until one
+// does, the halves do not know of it.
 struct small_light {
-    uint32_t x, y; // the pixel of its middle
-    float radius;  // pixels from there in which samples may meet it: its own size, filter, lens
-    float part;    // of a pixel, that it covers all in all: which part of a pixel's samples would
-                   // meet it if all of it were in this one
-    float radiance[3]; // of a sample that meets it
+    uint32_t x, y;     // the pixel of its middle
+    float radius;      // pixels from there in which samples may meet it: its own size, filter, lens
+    float part;        // the total fraction of a pixel that it covers, which is the fraction of a
+                       // pixel's samples that would hit it if it were all in this one
+    float radiance[3]; // of a sample that hits it
 };
 
-// Knowledge of light that may still be missing in a picture; all 0: nothing is known.
+// Light that may still be missing in an image; all 0: nothing is known.
 struct unseen_light {
-    // The greatest radiance of a channel that a path may meet by chance alone; 0: none, shadow rays
-    // find all light. The bounds hold it as long as no sample has found such light.
+    // The greatest radiance of a channel that a path may find by chance alone; 0: none, shadow rays
+    // find all light. The bounds include it until a sample has found such light.
     double by_chance;
-    // A pixel: whether an emitter may be seen directly there, so that brightness is no sign of
-    // light that a path has found by chance. NULL: nowhere.
+    // For each pixel, whether an emitter may be directly visible there, so that brightness does not
+    // indicate light that a path has found by chance. NULL: nowhere.
     const uint8_t *emitter_in_view;
-    // In ascending order of rows and columns, one a pixel at most.
+    // In ascending order of rows and columns, at most one per pixel.
     const struct small_light *small;
     size_t small_count;
 };
