@@ -27,7 +27,7 @@ static struct job_bias *next_bias(struct biases *biases, const char *kind)
     return bias;
 }
 
-// Nothing but a shadow ray finds a light without extent.
+// Delta lights are only found by shadow rays.
 static uint32_t lights_without_extent(const struct scene *scene)
 {
     uint32_t count = 0;
@@ -115,7 +115,7 @@ static void find_unphysical(const struct job *job, struct biases *biases)
     }
 }
 
-// Only what refracts scales radiance.
+// Only refraction scales radiance.
 static void find_unscaled(const struct job *job, struct biases *biases)
 {
     const struct specialization *s = &job->renderer.specialization;
@@ -128,7 +128,7 @@ static void find_unscaled(const struct job *job, struct biases *biases)
              "what it should be, and lamps in there are n^2 times as bright from outside");
 }
 
-// A centre and the points of a grid are the same for all samples, and for both half-buffers.
+// A centre and the points of a grid are the same for all samples and for both half-buffers.
 static void find_fixed_places(const struct job *job, struct biases *biases)
 {
     const struct settings *settings = &job->scene->settings;

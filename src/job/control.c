@@ -1,4 +1,4 @@
-// Changes that the caller may make to a render while it goes on.
+// Changes of a running render by the caller.
 #include "job/job_internal.h"
 
 #include "base/clock.h"

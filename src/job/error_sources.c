@@ -95,7 +95,7 @@ static struct bright_path path_of(const struct film_image *film, uint64_t pixel,
     return path;
 }
 
-// Puts a path into its place among those that stand out most, unless that is behind the last one.
+// Inserts a path into the sorted list of outliers, unless it follows the last one of a full list.
 static void insert(struct error_sources *out, const struct bright_path *path)
 {
     uint32_t place = out->brightest_count;

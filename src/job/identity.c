@@ -29,8 +29,8 @@ static void add(struct text *text, const char *format, ...)
         text->so_far = arena_printf(text->arena, "%s%s\n", text->so_far, line);
 }
 
-// All settings that change bits of the film; for the number of samples, see make_identity().
-// Texts tell any two values apart.
+// Adds all settings that change bits of the film; for the number of samples, see make_identity().
+// The texts of different values differ.
 static void add_settings(struct text *text, const struct settings *settings)
 {
     add(text, "--size=%ux%u", settings->width, settings->height);

@@ -5,12 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-// The most samples of a render with an error as its goal, or with a clock, and no number of
-// samples. A clock alone ends it.
+// The greatest number of samples of a render with an error or a time limit but without a number of
+// samples. Without an error, only the time ends it.
 #define ERROR_SAMPLES 65536u
 #define TIMED_SAMPLES UINT32_MAX
 #define TIMED_SAMPLES_BY_TILE (1u << 20)
-// Samples a pixel of a round of the tiles' plan, on average.
+// Samples per pixel of a round of the tiles' plan, on average.
 #define ROUND_SAMPLES 16u
 
 // --- the goal ------------------------------------------------------------------------------------
@@ -27,7 +27,7 @@ static uint64_t most_samples(const struct job *job)
     return job->scene->settings.spp;
 }
 
-// A number that is no multiple of a round is one round.
+// A number that is no multiple of a round is rendered as a single round.
 static void choose_rounds(struct job *job)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -38,14 +38,15 @@ static void choose_rounds(struct job *job)
         job->samples_most % ROUND_SAMPLES == 0 ? ROUND_SAMPLES : (uint32_t)job->samples_most;
 }
 
-// Refuses methods that need a number of samples together with goals that find it on the way.
+// Rejects methods that need a planned number of samples with goals that determine it during the
+// render.
 static bool check_method(const struct job *job, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
     const struct settings *settings = &job->scene->settings;
     const char *method;
     enum sample_planning planning = sample_planning(settings, &method);
-    // A repeated run, which knows the number, would share another sequence out between the pixels.
+    // A repeated run, which knows the number, would distribute another sequence over the pixels.
     bool is_fixed =
         planning == PLANNING_NEEDED || (planning == PLANNING_OPTIONAL && !job_is_open_ended(job));
     if (is_fixed && (goal->adaptive || goal->error > 0.0))

@@ -7,7 +7,7 @@
 // --- job.c ---
 // Returns whether a clock, or each tile for itself, decides how many samples there are.
 bool job_is_open_ended(const struct job *job);
-// Samples of a pixel that a step of renderer_render() is: one, or those of a round.
+// Returns the samples per pixel of a step of renderer_render(): one, or those of a round.
 uint64_t job_step_samples(const struct job *job);
 // Returns whether there are no samples but the pilot's, which are not part of the image.
 bool job_is_pilot(const struct job *job);
@@ -27,7 +27,7 @@ bool job_render_to(struct job *job, const struct job_step *step, uint64_t steps,
 // As film_error(), of the film as it was read last. confidence: 0 for the usual.
 bool job_estimate_error(struct job *job, double confidence, struct half_error *out,
                         struct err *err);
-// Has the renderer find what estimates need, while the device is well.
+// Makes the renderer prepare what estimates need, while the device works.
 bool job_prepare_estimates(struct job *job, struct err *err);
 
 // --- pilot.c ---
@@ -37,8 +37,8 @@ bool job_run_pilot(struct job *job, struct err *err);
 
 // --- trace.c ---
 bool job_open_trace(struct job *job, struct err *err); // makes room, and names what it is of
-// At how many samples (or rounds, or frames) the next row is due: 1, 2, 4, ...; UINT64_MAX without
-// a trace.
+// Returns at how many samples (or rounds, or frames) the next row is due: 1, 2, 4, ...; UINT64_MAX
+// without a trace.
 uint64_t job_next_row(const struct job *job, uint64_t done);
 // Reads and judges the film, and adds a row.
 bool job_look_for_trace(struct job *job, struct err *err);
@@ -51,11 +51,12 @@ bool job_checkpoint_when_due(struct job *job, struct err *err);
 // --- rescue.c ---
 // Copies the film when that costs less than a hundredth of the time of rendering.
 bool job_rescue_copy_when_due(struct job *job, struct err *err);
-// Where rendering begins, goes on from a checkpoint, or empties the film: from here it goes on.
+// Called when rendering begins, resumes from a checkpoint, or empties the film: a rescue starts
+// from here.
 bool job_rescue_begin(struct job *job, struct err *err);
-// After a failure of the device: opens it again, with the film as it was copied last. False, and
-// *err as it was, where it was opened too often, or there is nothing to go on from; with another
-// reason where that failed.
+// After a failure of the device: reopens it, with the last copy of the film. Returns false, with
+// *err unchanged, if it was reopened too often, or if there is nothing to resume; with another
+// reason if reopening failed.
 bool job_recover(struct job *job, struct err *err);
 
 #endif

@@ -89,7 +89,7 @@ bool job_estimate_end(struct job_estimate *estimate, struct err *err)
                               &estimate->sources, err);
 }
 
-// The true error, and what of it is bias: told by the halves, where they are independent.
+// Computes the true error, and its bias if the halves are independent.
 static bool compare(struct job *job, struct err *err)
 {
     const struct film_image *film = &job->film;
@@ -148,7 +148,7 @@ bool job_judge_film(struct job *job, struct err *err)
 
 // --- forecast ------------------------------------------------------------------------------------
 
-// Those that went with a doubling of the samples (or rounds, or frames).
+// Lists the estimates at doublings of the samples (or rounds, or frames).
 static size_t list_looks(const struct job *job, struct forecast_look *out, size_t most)
 {
     size_t count = 0;
@@ -178,7 +178,8 @@ static bool goes_by_bound(const struct job *job)
     return job->error.bounded && halves_are_contiguous(&job->renderer);
 }
 
-// Noise as the reference tells it, with an interval as wide as that of the half-buffers.
+// Returns the noise measured with the reference, with an interval as wide as that of the
+// half-buffers.
 static struct interval noise(const struct job *job)
 {
     const struct half_error *e = &job->error;
@@ -188,7 +189,7 @@ static struct interval noise(const struct job *job)
     double stays = job->bias.stays.value;
     if (!job->params.reference || !isfinite(stays))
         return error;
-    // The error that was reached, and the one that the halves expect on average, by the reference's
+    // The measured error, and the one that the halves predict on average, with the reference's
     // values.
     double expected = job->against.local_relmse - stays;
     double reached = job->bias.is_certain ? expected : job->against.local_relmse;
@@ -209,7 +210,7 @@ const char *job_forecast(const struct job *job, struct forecast *out)
 {
     struct forecast_look looks[128];
     const struct settings *settings = &job->scene->settings;
-    // Where samples are planned, an image of fewer samples is not the beginning of a larger one.
+    // With planned samplers, an image of fewer samples is not the beginning of a larger one.
     bool grows_evenly = sample_planning(settings, NULL) == PLANNING_NONE;
     const char *reason = why_no_forecast(job);
     struct forecast_params params = {

@@ -1,4 +1,4 @@
-// Which part of its way a job is on.
+// The phase of a job.
 #include "job/job_internal.h"
 
 bool job_is_open_ended(const struct job *job)

@@ -1,4 +1,5 @@
-// A few samples that are not part of the image say where it is noisy, or how long samples take.
+// A pilot renders a few samples, which are not part of the image, to measure the noise by tile, or
+// the time of samples.
 #include "job/job_internal.h"
 
 #include "metrics/metrics.h"
@@ -6,7 +7,8 @@
 #define PILOT_SAMPLES 16u
 #define SPEED_SAMPLES (1u << 16)
 
-// No small difference between seeds leads to it (Knuth 1998, section 6.4: 2^32 / golden ratio).
+// Small differences between seeds do not give the same value (Knuth 1998, section 6.4: 2^32 /
+// golden ratio).
 static uint32_t pilot_seed(uint32_t seed)
 {
     return (seed ^ 0x85ebca6bu) * 2654435769u + 0x7f4a7c15u;
@@ -51,7 +53,7 @@ static bool set_even_plan(struct job *job, struct arena *arena, struct err *err)
            renderer_set_plan(&job->renderer, &plan, err);
 }
 
-// By the error of each tile of the film as it was read.
+// Makes the plan from the error of each tile of the film as read.
 static bool make_plan(struct job *job, struct err *err)
 {
     const struct film_image *film = &job->film;
@@ -83,12 +85,12 @@ bool job_run_pilot(struct job *job, struct err *err)
     struct arena scratch = {0};
     bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, pilot_seed(seed), err) &&
               renderer_render(r, &call, err);
-    // Without a plan the pilot is all there is.
+    // Without a plan the pilot's image is the only one.
     if (ok && !job->stopped)
         ok = job_fetch_film(job, err) && make_plan(job, err) && renderer_restart(r, seed, err) &&
              renderer_set_plan(r, &job->plan, err);
     if (!ok)
-        job->plan = (struct tile_plan){0}; // so that a pilot on a device opened again makes it anew
+        job->plan = (struct tile_plan){0}; // a pilot on a reopened device must make the plan again
     arena_finish(&scratch);
     return ok;
 }

@@ -118,8 +118,8 @@ static const char *attribute(const char *path, struct arena *arena, const char *
     return NULL;
 }
 
-// Why the layers, though there, do not tell the noise; NULL where they do. Contiguous halves of one
-// sequence tell up to six times of it.
+// Returns why the noise cannot be estimated from the layers, though they exist; NULL if it can.
+// Contiguous halves of one sequence overestimate it up to six times.
 static const char *distrust(const char *path, struct arena *arena)
 {
     const char *spp = attribute(path, arena, "lampyris:spp");

@@ -1,4 +1,4 @@
-// A reference picture, and how much of a difference from it is its own noise.
+// A reference image, and the contribution of its own noise to errors.
 #ifndef LAMPYRIS_JOB_REFERENCE_H
 #define LAMPYRIS_JOB_REFERENCE_H
 
@@ -8,12 +8,12 @@
 struct reference {
     struct image image;
     const float (*means)[3]; // around each pixel, for the local relMSE
-    // Its own noise, in the measures of metrics.h: what is to be subtracted from a picture's errors
-    // against it. 0 where not known.
+    // Its own noise, in the measures of metrics.h, which is subtracted from an image's errors. 0 if
+    // not known.
     double mse, relmse, local_relmse;
     bool noise_known;
-    // The halves that its noise is told from, with the same pixels as `image`; NULL where there are
-    // none.
+    // The halves from which its noise is estimated, with the same pixels as `image`; NULL if there
+    // are none.
     const float (*halves[2])[3];
     const char *reason; // why not; NULL where known
 };
@@ -48,12 +48,12 @@ void reference_set_even_variance(struct reference *out, double variance);
 struct reference_errors {
     double local_relmse, relmse, mse, smape, psnr;
 };
-// The image has as many pixels. False where `progress`, which may be NULL, asks to stop: *out is
-// not set then.
+// The image must have as many pixels. Returns false if `progress`, which may be NULL, requests a
+// stop: *out is not set then.
 bool reference_compare(const struct reference *reference, const float (*image)[3],
                        const struct progress *progress, struct reference_errors *out);
 
-// ERR_INPUT, unless it has as many pixels as `what` has.
+// Fails with ERR_INPUT unless its size is that of `what`.
 bool reference_check_size(const struct reference *reference, const char *path, const char *what,
                           uint32_t width, uint32_t height, struct err *err);
 

@@ -1,5 +1,5 @@
-// The film is copied out of the device at times, so that a device that is lost, or memory that runs
-// out, does not take the whole render with it.
+// Copies the film from the device now and then, so that the loss of a device, or lack of memory,
+// does not lose the whole render.
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
@@ -7,18 +7,18 @@
 #include <inttypes.h>
 #include <math.h>
 
-// Copying may cost this part of the time of rendering. Until a first copy was measured it is taken
-// for so much a pixel: on lavapipe resolving and reading one takes .1 to .2 us.
+// The greatest share of rendering time for copies. Before the first measurement the cost is
+// estimated per pixel: on lavapipe resolving and reading one takes .1 to .2 us.
 #define COST_MAX 0.01
 #define PIXEL_SECONDS 2e-7
-// Of a first copy that takes less nobody asks what part it is.
+// A first copy that is faster than this is always made.
 #define SHORT_SECONDS 2e-3
-// No more often: on a busy machine any copy may take long by chance.
+// The least time between copies: on a busy machine a copy may take long by chance.
 #define PAUSE_SECONDS 1.0
-// So long a copy is put off for the end of a pass, when all pixels have the same samples; the first
-// is not.
+// The longest delay of a copy until the end of a pass, when all pixels have the same samples; the
+// first copy is not delayed.
 #define PATIENCE_SECONDS 10.0
-// The part of the memory budget that copies may have. They are two at a time while one is made.
+// The part of the memory budget for copies. There are two at a time while one is made.
 #define MEMORY_PART 8
 
 static uint64_t film_pixels(const struct job *job)
@@ -26,10 +26,10 @@ static uint64_t film_pixels(const struct job *job)
     return (uint64_t)job->renderer.frame.width * job->renderer.frame.height;
 }
 
-// Says once where it does not, since a lost device then loses the picture.
+// Reports once if it does not fit, since a lost device then loses the image.
 static bool fits_memory(struct job *job)
 {
-    // Mean, halves and count, what --aov asks for besides, and the records that these are made of.
+    // Mean, halves and count, the layers of --aov, and the records from which they are computed.
     uint64_t bytes = 2 * film_pixels(job) * (3 * 12 + 4 + film_aovs_bytes(job->renderer.aovs));
     if (job->params.reopens > 0)
         bytes += 2 * film_copy_bytes(&job->renderer);
@@ -45,8 +45,8 @@ static bool fits_memory(struct job *job)
     return false;
 }
 
-// The first copy is made as soon as its cost allows, since all is lost before; one from the middle
-// of a pass is replaced at the next end of one.
+// The first copy is made as soon as its cost permits, since everything is lost before; one from the
+// middle of a pass is replaced at the end of the next.
 static bool is_due(struct job *job)
 {
     const struct job_rescue *rescue = &job->rescue;
@@ -104,7 +104,7 @@ bool job_rescue_begin(struct job *job, struct err *err)
            film_copy_take(&job->renderer, is_empty, &rescue->arena, &rescue->records, err);
 }
 
-// A device without memory for the wave gets smaller ones.
+// A device without enough memory for the wave gets smaller waves.
 bool job_recover(struct job *job, struct err *err)
 {
     struct job_rescue *rescue = &job->rescue;
@@ -127,7 +127,7 @@ bool job_recover(struct job *job, struct err *err)
 
 // --- the film of a device that stays lost -------------------------------------------------------
 
-// The device is well where memory ran out on the host: the film may be had as it is now.
+// If the host's memory ran out, the device still works: the current film may be read.
 static void read_again(struct job *job)
 {
     if (job->is_rendering && !job_is_pilot(job) && renderer_has_all_pixels(&job->renderer))

@@ -1,4 +1,4 @@
-// Checkpoints: what a render goes on from, and when it is saved.
+// Checkpoints: when to save them, and how to resume.
 #include "job/job_internal.h"
 
 #include "base/clock.h"
@@ -36,7 +36,7 @@ bool job_checkpoint_open(struct job *job, struct err *err)
            checkpoint_check(&job->resumed, job->identity, err);
 }
 
-// Samples of each pixel that there are already, or have been begun.
+// Returns the samples of each pixel that are finished or begun.
 static uint64_t samples_begun(const struct job *job)
 {
     const struct renderer *r = &job->renderer;
@@ -79,7 +79,7 @@ bool job_checkpoint_restore(struct job *job, struct err *err)
 bool job_checkpoint_save(struct job *job, struct err *err)
 {
     const char *path = job->params.checkpoint.path;
-    // Before there is a plan, there is nothing to go on from.
+    // Before there is a plan, there is nothing to resume.
     if (!path || job_is_pilot(job))
         return true;
     uint64_t start = clock_ns(), note[CHECKPOINT_NOTE_WORDS] = {0, job->next_look};
@@ -91,7 +91,7 @@ bool job_checkpoint_save(struct job *job, struct err *err)
     return ok;
 }
 
-// A disk that is full now may have room later, and the picture itself may go elsewhere.
+// A full disk may have room later, and the image itself may be written elsewhere.
 bool job_checkpoint_when_due(struct job *job, struct err *err)
 {
     const struct job_checkpoint_params *params = &job->params.checkpoint;

@@ -1,5 +1,5 @@
-// The way to the goal: samples in steps that end where somebody wants to look, until the number,
-// the clock, the error or a signal ends them.
+// Renders to the goal: in steps that end where a caller or a test needs the film, until the number
+// of samples, the time, the error or a signal ends them.
 #include "job/job_internal.h"
 
 #include "metrics/metrics.h"
@@ -28,8 +28,8 @@ static uint64_t steps_done(const struct job *job)
 
 // --- one image -----------------------------------------------------------------------------------
 
-// From what is done to `steps`; the progress shows the part of `expected` ones, INFINITY where that
-// is not known. The time of the runs before, of which a checkpoint tells, counts.
+// Advances to `steps`; the progress shows the fraction of `expected` steps, INFINITY if not known.
+// The time of earlier runs, from a checkpoint, counts.
 static bool advance(struct job *job, uint64_t steps, double expected, struct err *err)
 {
     const struct job_step step = {
@@ -41,7 +41,7 @@ static bool advance(struct job *job, uint64_t steps, double expected, struct err
     return job_is_stopped(job) || job_advance(job, &step, err);
 }
 
-// Advances, with the rows of the trace that lie between, but not the one of the end.
+// Advances and adds the rows of the trace in between, without the row at the end.
 static bool advance_with_rows(struct job *job, uint64_t steps, double expected, struct err *err)
 {
     uint64_t next;
@@ -74,14 +74,14 @@ static bool add_look(struct job *job, uint64_t samples, struct err *err)
     return true;
 }
 
-// By how much the newest look's bound is above the error that is asked for.
+// Returns the ratio of the newest bound to the error limit.
 static double excess(const struct job *job)
 {
     return job->looks[job->look_count - 1].error.at_most / job->params.goal.error;
 }
 
-// The error falls with the number of samples, so that the samples that it takes are known as soon
-// as the error is. A bound that nobody asked for says nothing about it.
+// The error decreases with the number of samples, so the needed number follows from the error. A
+// bound alone says nothing about it.
 static double expected_samples(const struct job *job, uint64_t most)
 {
     if (job->look_count > 0 && isfinite(excess(job)))
@@ -89,7 +89,7 @@ static double expected_samples(const struct job *job, uint64_t most)
     return job->params.goal.samples > 0 ? (double)most : INFINITY;
 }
 
-// A checkpoint tells where the next look is, if it was made on the way to the same error.
+// A checkpoint stores the next interim test, if it was made on the way to the same error.
 static void plan_looks(struct job *job, uint64_t unit)
 {
     uint64_t done = steps_done(job) * job_step_samples(job);
@@ -100,8 +100,8 @@ static void plan_looks(struct job *job, uint64_t unit)
     job->next_look = looks_first(done, unit);
 }
 
-// The look at the bound is one of those that are planned only where it happens to be: a run that
-// goes on with a higher bound has the looks that it would have had at once.
+// The limit of samples is not itself an interim test unless one is planned there: a run that is
+// resumed with a higher limit has the same tests as a single run.
 static bool render_to_error(struct job *job, struct err *err)
 {
     uint64_t most = job->samples_most, each = job_step_samples(job);
@@ -114,7 +114,7 @@ static bool render_to_error(struct job *job, struct err *err)
             return false;
         if (is_over(job))
             return true;
-        // With a trace the look is a row of it, too.
+        // With a trace, the estimate is also a row of it.
         bool ok = job->params.keeps_trace ? job_look_for_trace(job, err) : job_fetch_film(job, err);
         if (!ok || !add_look(job, next, err))
             return false;
@@ -149,7 +149,7 @@ static bool begin_anew(struct job *job, struct err *err)
     return job_rescue_begin(job, err);
 }
 
-// Empties the film first, unless the frame goes on from the one before or was begun already.
+// Empties the film first, unless the frame continues the previous one or was begun already.
 static bool render_frame(struct job *job, uint32_t frame, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -175,7 +175,7 @@ static bool tell_frame(struct job *job, uint32_t done, struct err *err)
            listener->after_frame(listener->context, done, err);
 }
 
-// Those that a run before this one has finished are not rendered again.
+// Frames that an earlier run has finished are not rendered again.
 static bool render_frames(struct job *job, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;

@@ -1,4 +1,4 @@
-// Goes on by steps: until there are so many samples, or the clock ends it.
+// Renders in steps until a number of samples or a time is reached.
 #include "job/job_internal.h"
 
 #include "base/clock.h"
@@ -65,9 +65,9 @@ bool job_render_to(struct job *job, const struct job_step *step, uint64_t steps,
     return false;
 }
 
-// How many samples, or rounds, to take next when `done` of them took `elapsed` seconds; 0 when
-// `limit` seconds are over. Steps grow to `most` while they are short against the time left, so
-// that the end is within one of the limit.
+// Returns how many samples, or rounds, to take next when `done` of them took `elapsed` seconds; 0
+// when `limit` seconds are over. Steps grow to `most` while they are short relative to the
+// remaining time, so that the end is within one step of the limit.
 static uint64_t timed_step(double limit, double elapsed, uint64_t done, uint64_t most)
 {
     if (done == 0)
@@ -75,11 +75,11 @@ static uint64_t timed_step(double limit, double elapsed, uint64_t done, uint64_t
     double fits = (limit - elapsed) * (double)done / elapsed;
     if (fits < 1.0)
         return 0;
-    // Half of what is left: the estimate is a noisy one.
+    // Half of the remaining time is planned, because the estimate is noisy.
     return fits < 2.0 * (double)most ? (uint64_t)(0.5 * fits) + 1 : most;
 }
 
-// By short steps while there is little time left.
+// Uses short steps when little time is left.
 static bool advance_by_clock(struct job *job, const struct job_step *step, struct err *err)
 {
     const struct renderer *r = &job->renderer;
@@ -114,7 +114,7 @@ bool job_advance(struct job *job, const struct job_step *step, struct err *err)
 
 // --- reading the film ----------------------------------------------------------------------------
 
-// Where the device is lost now, it is brought back to what it had before.
+// If the device is lost now, it is restored to its former state.
 static bool read_film(struct job *job, struct err *err)
 {
     struct renderer *r = &job->renderer;

@@ -1,4 +1,4 @@
-// The trace: what was seen of a render at doubling numbers of samples.
+// The trace: the state of a render at doubling numbers of samples.
 #include "job/job_internal.h"
 
 #include "base/hash.h"
@@ -40,7 +40,7 @@ uint64_t job_next_row(const struct job *job, uint64_t done)
     return next;
 }
 
-// A row takes the place of those that a run before this one saw later than its last checkpoint.
+// A new row replaces those that an earlier run added after its last checkpoint.
 static struct trace_row *new_row(struct trace *trace, double frames, double spp)
 {
     while (trace->count > 0) {

@@ -17,29 +17,29 @@ static double relative_weight(const struct bias_params *p, size_t i)
 
 // --- what unseen samples could explain -----------------------------------------------------------
 
-// Samples of a kind that none of the pictures has are fewer than ln(1 / 0.025) = 3.7 on average, or
-// else some would have been seen in 97.5 % of cases. An honest method that lacks the sum S for want
-// of them therefore has samples that each bring S / 3.7 or more. With 16 pictures and S = 300 times
-// the brightest one seen these would be 81 times as bright as that one. Of a distribution of
-// brightness whose mean just fails to exist (Pareto's with exponent 1), none of n samples is above
-// 1/81 of what the largest usually comes to in exp(-81) of cases. The largest sum of all honest
-// methods tried was 230 times the brightest, where none of 16 pictures had found a sun of half a
-// degree. In fewer pictures with as many samples together, even noise is larger by the root of
-// their number, and the factor smaller by that. It is 200 at least: of single pictures of a small
-// sun (tests/render/test_bias.c) 1.5 % are then called biased, and 8 % would be with 106.
+// A kind of samples that none of the images has numbers less than ln(1 / 0.025) = 3.7 on average,
+// or else some would have been seen in 97.5 % of cases. So an unbiased method that lacks the sum S
+// because of them has samples of at least S / 3.7 each. With 16 images and S = 300 times the
+// brightest sample seen, these would be 81 times as bright as that. For a distribution of
+// brightness whose mean just fails to exist (Pareto's with exponent 1), the probability that none
+// of n samples exceeds 1/81 of the typical maximum is exp(-81). The largest sum of all unbiased
+// methods tried was 230 times the brightest sample, when none of 16 images had found a sun of half
+// a degree. With fewer images of the same total number of samples, the noise is larger by the root
+// of their number, and the factor smaller by that. It is at least 200: of single images of a small
+// sun (tests/render/test_bias.c) 1.5 % are then reported as biased, and 8 % would be with 106.
 static double unseen_factor(size_t pictures)
 {
     return fmax(75 * sqrt((double)pictures), 200);
 }
 
 struct difference {
-    double sum[3];   // of a channel, where it has one sign
+    double sum[3];   // of a channel, while it has one sign
     double absolute; // over all values, where it has either
     double largest;  // part of one picture's or one reference half's pixel in it
 };
 
-// How noisy pixels are by those pictures with even and by those with odd numbers, and by the
-// reference, and which to leave out.
+// The noise of pixels estimated from the images with even and from those with odd numbers, and from
+// the reference, and which pixels to omit.
 struct spreads {
     float *pixel[3];
     float limit[3]; // pixels above it are left out
@@ -94,10 +94,10 @@ static struct pixel read_pixel(const struct bias_params *p, size_t index)
     return pixel;
 }
 
-// Absolute differences would not be zero on average where there is only noise. So each picture's
-// difference counts with the sign of what all others say, and by the other half of the reference,
-// both of which are independent of it. Where all others are black, nothing tells how bright a
-// sample is there: that is no part of the sums.
+// Absolute differences would not have mean zero for pure noise. So each image's difference is
+// counted with the sign of the difference of all others from the other half of the reference, both
+// of which are independent of it. If all others are black, the brightness of a sample is not known
+// there: such pixels are not included in the sums.
 static void add_picture(const struct pixel *pixel, const float rgb[3], double count,
                         bool others_lit, struct difference *d)
 {
@@ -170,9 +170,9 @@ static int compare_floats(const void *a, const void *b)
 }
 
 // A few pixels, at the edges of lamps, may be so much noisier than the others that nothing
-// outweighs what these bring. So the tenth that is noisiest by one half of the pictures is left out
-// from the other half, and the noisiest tenth by the reference from both: the choice knows nothing
-// of the rare samples of what it is made for. False only when out of memory.
+// outweighs them. So the tenth that is noisiest in one half of the images is omitted from the other
+// half, and the noisiest tenth of the reference from both: the choice is independent of rare
+// samples in the data for which it is made. Returns false only when out of memory.
 static bool quiet_pixels_outweigh(const struct bias_params *p, bool *out)
 {
     size_t pixels = p->length / 3;
@@ -204,8 +204,8 @@ bool bias_allow_for_unseen(const struct bias_params *p, struct interval *bias)
 
 // --- bias ----------------------------------------------------------------------------------------
 
-// From n differences to a reference: with their mean m and unbiased variance s^2, E m^2 is the
-// squared bias plus s^2 / n and the reference's variance.
+// For n differences to a reference with mean m and unbiased variance s^2, E m^2 is the squared bias
+// plus s^2 / n and the reference's variance.
 static double squared_bias(double sum, double squares, double n)
 {
     double mean = sum / n, variance = (squares - sum * mean) / (n - 1);
@@ -229,9 +229,9 @@ static void add_squared_bias(const struct bias_params *p, size_t i, double *all,
     }
 }
 
-// With a reference whose error is e, e^2 less its estimate s^2 = (A - B)^2 / 4 from the halves has
-// the variance 4 E(s^2)^2 where noise is Gaussian, of which E s^4 is 3 E(s^2)^2, and less than 4/3
-// E s^4 where tails are heavier. Channels are summed first: they are not independent.
+// With a reference whose error is e, e^2 minus its estimate s^2 = (A - B)^2 / 4 from the halves has
+// the variance 4 E(s^2)^2 for Gaussian noise, for which E s^4 is 3 E(s^2)^2, and less than 4/3 E
+// s^4 if tails are heavier. Channels are summed first, because they are not independent.
 static struct interval subtract_reference(const struct bias_params *p, struct interval bias)
 {
     double noise = 0, squares = 0, pixel = 0, length = (double)p->length;

@@ -2,8 +2,8 @@
 
 #include "metrics/stoppable.h"
 
-// Pixels are summed in blocks of a fixed length, which compilers turn into vector code; the order
-// of a pixel's terms is that of the weights whatever the block.
+// Pixels are summed in blocks of a fixed length, which compilers vectorise; the order of a pixel's
+// terms is that of the weights for any block length.
 enum { BLOCK = 128, ROWS_A_CHUNK = 8 };
 
 struct pass {

@@ -150,7 +150,7 @@ static struct error_share pool_share(const struct error_by *pictures, uint32_t c
         double off = share_at(&pictures[i], k)->error - share * pictures[i].error;
         squares += off * off;
     }
-    // The variance of the ratio of two means, as above.
+    // The variance of the ratio of two means, see above.
     double reach = NAN;
     if (count > 1)
         reach = sqrt(squares / ((double)count * (count - 1))) / whole *

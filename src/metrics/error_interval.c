@@ -48,7 +48,7 @@ static struct tile_sum sum_tile(const struct tiling *t, uint64_t index)
     return sum;
 }
 
-// The ratio of two sums over tiles, whose variance is that of what its terms deviate from it
+// Returns the ratio of two sums over tiles, whose variance is that of the deviations of its terms
 // (Cochran 1977, "Sampling Techniques", eq. 6.13): tiles at the border are smaller.
 static struct interval ratio_interval(double ratio, double residuals, double values, double tiles)
 {

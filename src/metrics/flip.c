@@ -1,5 +1,5 @@
-// FLIP and HDR-FLIP. Constants are those of the two papers; where a formula has a number, it is
-// that of the first one.
+// FLIP and HDR-FLIP. Constants are those of the two papers; numbers of formulas refer to the first
+// one.
 #include "metrics/perceptual.h"
 
 #include "base/memory.h"
@@ -29,7 +29,7 @@ static const struct {
 };
 #define WIDEST_B 0.04
 
-// One Gaussian, its sum brought to 1; returns the sum of the products that stand in the plane.
+// Computes one Gaussian, normalised to the sum 1; returns the sum of its products over the plane.
 static double sensitivity_kernel(double a, double b, double pixels_per_degree,
                                  struct kernel_1d *out)
 {
@@ -44,8 +44,8 @@ static double sensitivity_kernel(double a, double b, double pixels_per_degree,
     return a * sqrt(M_PI / b) * sum * sum;
 }
 
-// Detectors of edges (first derivative of a Gaussian) and points (second), whose positive weights
-// sum to 1, and negative ones to -1; `smooth` is the Gaussian across.
+// Computes detectors of edges (first derivative of a Gaussian) and points (second derivative),
+// whose positive weights sum to 1, and negative ones to -1; `smooth` is the Gaussian across.
 static void feature_kernels(double pixels_per_degree, struct kernel_1d *smooth,
                             struct kernel_1d *edge, struct kernel_1d *point)
 {
@@ -116,7 +116,7 @@ static void planes_finish(struct planes *p)
     memory_free(p->points);
 }
 
-// How strong a detector answers in the picture, in either direction.
+// Computes the magnitude of a detector's response in both directions.
 static bool detect(struct planes *p, const float *lightness, const struct kernel_1d *smooth,
                    const struct kernel_1d *detector, float *out)
 {
@@ -130,7 +130,7 @@ static bool detect(struct planes *p, const float *lightness, const struct kernel
     return true;
 }
 
-// An opponent channel as it is seen from a distance, in place.
+// Filters an opponent channel, in place, for a viewing distance.
 static bool see(struct planes *p, int channel, double pixels_per_degree)
 {
     struct kernel_1d kernel;
@@ -215,7 +215,7 @@ static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_pe
 
 // --- both ----------------------------------------------------------------------------------------
 
-// The greatest difference of colours there is: between green and blue.
+// Returns the greatest colour difference, that between green and blue.
 static double greatest_difference(void)
 {
     double green[3], blue[3];
@@ -224,7 +224,7 @@ static double greatest_difference(void)
     return pow(flip_hyab(green, blue), 0.7);
 }
 
-// Differences of colours to [0, 1]: those up to .4 of the greatest fill .95 of it (eq. 8).
+// Maps colour differences to [0, 1]: those up to .4 of the greatest take .95 of it (eq. 8).
 static double redistribute(double difference, double greatest)
 {
     const double knee = 0.4 * greatest, at_knee = 0.95;
@@ -273,8 +273,7 @@ static bool flip_map(const struct picture_pair *pair, double pixels_per_degree,
     return ok;
 }
 
-// The planes of both pictures, and of one of them a plane more: its lightness, or a channel as it
-// is seen.
+// The planes of both images, and one more plane: the lightness, or a filtered channel.
 enum { MAP_BYTES_A_PIXEL = (2 * PLANES_A_PICTURE + 1) * (int)sizeof(float) };
 
 static double mean_of(const float *map, uint64_t count)
@@ -298,7 +297,7 @@ static double tone(double x)
     return fmin(fmax(value, 0), 1);
 }
 
-// Where the curve reaches .85.
+// Returns where the curve reaches .85.
 static double knee_of_curve(void)
 {
     double a = curve[0] - 0.85 * curve[3], b = curve[1] - 0.85 * curve[4];
@@ -311,7 +310,7 @@ static bool is_finite_pair(const struct picture_pair *pair, uint64_t i)
     return pixel_is_finite(pair->image[i]) && pixel_is_finite(pair->reference[i]);
 }
 
-// Never negative, and 0 where a channel is not finite.
+// Returns a value that is never negative, and 0 if a channel is not finite.
 static float luminance_of(const float pixel[3])
 {
     double light[3];
@@ -324,9 +323,9 @@ struct luminances {
     float brightest, median;
 };
 
-// Floats that are not negative are in the order of their bits, so that the median is found from its
-// highest bits on: each pass counts what bits come next after those that are known. That takes
-// neither memory nor a sort, which could not be stopped.
+// Non-negative floats are ordered like their bits, so the median is found from its highest bits on:
+// each pass counts the next bits of values with the known prefix. This takes neither memory nor a
+// sort, which could not be stopped.
 static bool find_luminances(const struct picture_pair *pair, const struct progress *progress,
                             struct luminances *out)
 {
@@ -396,7 +395,7 @@ static void expose(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-// Raises `greatest` to the FLIP of the pair at an exposure.
+// Raises `greatest` to the FLIP of the pair at one exposure.
 static bool raise_map(const struct picture_pair *pair, double pixels_per_degree, double stops,
                       const struct progress *progress, float (*exposed[2])[3], float *map,
                       float *greatest)
@@ -414,7 +413,7 @@ static bool raise_map(const struct picture_pair *pair, double pixels_per_degree,
     return true;
 }
 
-// The exposed pictures, the map of an exposure and that of all.
+// These are the exposed images, the map of one exposure and that of all.
 uint64_t metrics_flip_hdr_bytes(uint32_t width, uint32_t height)
 {
     return (uint64_t)width * height *

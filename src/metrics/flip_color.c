@@ -1,11 +1,11 @@
-// Colours of FLIP: the opponent colours that are filtered, and those in which differences are told.
+// The colour spaces of FLIP: opponent colours for filtering, and the space of colour differences.
 #include "metrics/flip_color.h"
 
 #include "base/maths.h"
 #include <math.h>
 
-// Linear Rec. 709 to CIE XYZ divided by that of D65, which is (1, 1, 1): the rows are those of the
-// usual matrix in fractions, over their sums.
+// Linear Rec. 709 to CIE XYZ relative to that of D65, which is (1, 1, 1): the rows are those of the
+// usual matrix in fractions, divided by their sums.
 static const double to_xyz[3][3] = {
     {10135552.0 / 23359437.0, 8788810.0 / 23359437.0, 4435075.0 / 23359437.0},
     {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},

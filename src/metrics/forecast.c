@@ -6,8 +6,8 @@
 #include <math.h>
 
 enum {
-    // As in half_error.c, tiles stand for independent draws of the picture. Pixels' noise is
-    // independent, so that smaller ones than there do.
+    // As in half_error.c, tiles represent independent draws of the image. The noise of pixels is
+    // independent, so smaller tiles than there are sufficient.
     TILE_SIDE = 8,
     TILES_WANTED = 16, // smaller ones where there are fewer
     TILES_MIN = 4,
@@ -20,14 +20,15 @@ static const double usual_deviations = 1.959963984540054;
 
 // --- slope ---------------------------------------------------------------------------------------
 
-// Two-sided quantile of the normal distribution.
+// Returns the two-sided quantile of the normal distribution.
 static double deviations_of(double confidence)
 {
     return stats_t_quantile(0.5 + 0.5 * confidence, 1e9);
 }
 
-// Of the error as it is told, over seeds. The looks' intervals, for want of that, also say how sure
-// the values are that errors are divided by; but those are the same in all looks.
+// Returns the standard deviation of the logarithm of the estimated error over seeds. Without that
+// it is that of the estimates' intervals, which also include the uncertainty of the denominators;
+// but this is the same in all estimates.
 static double log_deviation(const struct forecast_look *look, double spread)
 {
     if (spread > 0)
@@ -46,11 +47,11 @@ struct line {
     double a, b, aa, ab, bb;
 };
 
-// Looks share samples: with halves of Gaussian noise the squared difference after 2^k times the
-// samples has the correlation 2^-k with the one before, which is that of a first-order
-// autoregression. Looks are freed from it one after the other, and a line is put through what is
-// left by least squares (Aitken 1935). Where the looks leave the line by more than their intervals
-// say, the line is taken to be as uncertain as they show.
+// Error estimates share samples: with Gaussian noise the squared difference after 2^k times the
+// samples has the correlation 2^-k with the previous one, which is that of a first-order
+// autoregression. The estimates are whitened one after the other, and a line is fitted to them by
+// least squares (Aitken 1935). If they deviate from the line by more than their intervals, the
+// line's uncertainty is scaled accordingly.
 static struct line fit(const struct forecast_look *looks, size_t count, double spread)
 {
     double s00 = 0, s01 = 0, s11 = 0, t0 = 0, t1 = 0, tt = 0, before[3] = {0}, x_before = 0;
@@ -84,7 +85,7 @@ static struct line fit(const struct forecast_look *looks, size_t count, double s
     return line;
 }
 
-// The last ones of which one follows the other without a gap.
+// Returns the number of the last estimates without a gap between them.
 static size_t usable_looks(const struct forecast_params *params)
 {
     size_t usable = 0;
@@ -101,9 +102,10 @@ static struct interval scaled(struct interval i, double factor)
     return (struct interval){i.value * factor, i.low * factor, i.high * factor};
 }
 
-// The picture's own error is where to go on from, by so many doublings. How sure its fall is widens
-// the interval, the more as the last look and the slope err together: with the covariance matrix C
-// of a line the values at x and the slope have the covariance C_ab + x C_bb.
+// The forecast continues from the image's own error, for this many doublings. The uncertainty of
+// the slope widens the interval, the more as the errors of the last estimate and of the slope are
+// correlated: with the covariance matrix C of a line, the value at x and the slope have the
+// covariance C_ab + x C_bb.
 static struct interval go_on(struct interval error, const struct line *line, double x,
                              double doublings)
 {
@@ -115,7 +117,7 @@ static struct interval go_on(struct interval error, const struct line *line, dou
                              value * exp(hypot(log(error.high / error.value), fall))};
 }
 
-// The sum of two numbers whose errors are independent.
+// Returns the sum of two numbers whose errors are independent.
 static struct interval sum(struct interval a, struct interval b)
 {
     double value = a.value + b.value;
@@ -124,13 +126,13 @@ static struct interval sum(struct interval a, struct interval b)
                              value + hypot(a.high - a.value, b.high - b.value)};
 }
 
-// Between the error that the half-buffers tell after N samples and the one that the picture has
-// after k N, k >= 2, lie the deviations of both. With s the root of the sum of pixels' squared
-// errors over their sum, their variances are 2/3 s^2 each where noise is Gaussian; at most s^2 and
-// s^2 / k where few samples are bright, of which the picture then has k times as many. That is no
-// more than 3/2 s^2 together. Where few pixels make up s it is itself uncertain, which Student's t
-// allows for, with as many degrees of freedom as equal errors would make a sum of squares as
-// uncertain as theirs do (Satterthwaite 1946).
+// Between the error estimated from the half-buffers after N samples and the image's error after k N
+// samples, k >= 2, are the deviations of both. With s the root of the sum of pixels' squared errors
+// over their sum, their variances are 2/3 s^2 each for Gaussian noise; at most s^2 and s^2 / k if
+// few samples are bright, of which the image then has k times as many. Together this is at most 3/2
+// s^2. If few pixels determine s it is itself uncertain, for which Student's t allows, with as many
+// degrees of freedom as equal errors for which a sum of squares has the same uncertainty
+// (Satterthwaite 1946).
 static struct interval widened(const struct forecast_params *params)
 {
     struct interval error = params->error;

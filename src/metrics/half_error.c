@@ -64,23 +64,24 @@ enum {
 
 static const double usual_confidence = 0.95;
 
-// A pixel stands out when its D^2 is this many times its neighbours': two standard deviations.
+// A pixel is an outlier when its D^2 is this many times its neighbours': two standard deviations.
 static const double outlier = 4;
 
-// Where the ratio of the interval's ends exceeds the first (a factor of ten either way), or the
-// part of that ratio which the pixels' own values leave open exceeds the second, few pixels carry
-// the error, and the bound is reported alone.
+// If the ratio of the interval's ends exceeds the first (a factor of ten either way), or the part
+// of that ratio due to the uncertainty of the pixels' own values exceeds the second, few pixels
+// have nearly all of the error, and only the bound is reported.
 static const double factor_max = 100, open_max = 10;
 
-// Paths that may be expected where none was found: the chance of none is exp(-3) = 5 %.
+// The number of paths that may be expected though none was found: the probability of none is
+// exp(-3) = 5 %.
 static const double unseen_paths = 3;
-// A sample with this part of the brightest light F counts as a path that found it: what is left of
-// the light after a path has lost three quarters of it on its way.
+// A sample with this part of the brightest light F counts as a path that found it: the light may
+// lose three quarters on the path.
 static const double seen_part = 0.25;
 // Below this part of the error, unseen light only moves the interval's upper end.
 static const double unseen_negligible = 0.1;
 
-// A sum over pixels, and that of their squares.
+// A sum over pixels, and the sum of their squares.
 struct variance {
     double sum, squares;
 };
@@ -88,12 +89,12 @@ struct variance {
 // Sums over pixels; a pixel's error is a mean over channels.
 struct tile {
     double error;
-    double least, most; // of others, by the weights that the pixels' own values leave possible
+    double least, most; // for the extremes of the weights that the pixels' own values permit
     double relmse_most;
     double squared;
     double pixels;            // finite ones
     struct variance up, down; // of `error`
-    struct variance spread;   // of what other seeds would tell: see forecast.c
+    struct variance spread;   // for the deviation over seeds, see forecast.c
     struct variance relmse;   // of `relmse_most`
     double unseen;            // the greatest error that a unit of light may add
     struct small_lights small_lights;
@@ -107,7 +108,7 @@ struct estimator {
     struct tile *tiles;
     struct local_window *windows; // one a thread
     unsigned threads;
-    double (*weights)[3]; // of pixels, where these are asked for in place of the tiles; else NULL
+    double (*weights)[3]; // of pixels, if they are requested instead of the tiles; else NULL
 };
 
 static uint32_t tiles_along(uint32_t length, uint32_t side)
@@ -163,7 +164,7 @@ static double find_near(float a, float b, const struct local_mean *around, int c
     return around->own < 1 ? around->mean[c] : ((double)a + b) / 2;
 }
 
-// The error that a unit of light that no sample has found adds at most, beside a mean S.
+// Returns the greatest error of a unit of light that no sample has found, at a mean S.
 static double error_of_unseen(double mean, double own)
 {
     double rest = fabs((1 - own) * mean);
@@ -223,7 +224,7 @@ static void add_light(struct tile *tile, const struct half_error_params *params,
     const uint8_t *emitter_in_view = params->unseen.emitter_in_view;
     double samples = half_error_samples(params, pixel);
     for (int c = 0; c < 3; c++) {
-        // Light in one half alone has been divided by that half's samples.
+        // Light in one half only has been divided by that half's samples.
         double of_sample = fabs((double)a[c] - b[c]) * samples / 2;
         tile->squared += find_noise(a[c], b[c]) / 3;
         tile->unseen += error_of_unseen(around->mean[c], around->own) / fmax(samples, 1);
@@ -283,7 +284,8 @@ static void add_row(const struct estimator *estimator, struct local_window *wind
     }
 }
 
-// Rows of tiles; each tile is one thread's, so that the sums are the same for any number of them.
+// Processes rows of tiles. Each tile belongs to one thread, so that the sums do not depend on the
+// number of threads.
 static void add_tiles(void *context, size_t begin, size_t end, unsigned thread)
 {
     const struct estimator *estimator = context;
@@ -296,7 +298,7 @@ static void add_tiles(void *context, size_t begin, size_t end, unsigned thread)
 
 static void add_pixels(struct estimator *estimator)
 {
-    // Each part begins with rows that the one before had, too.
+    // Each part begins with rows of the previous one.
     size_t parts = (size_t)estimator->threads * 4;
     parallel_for(estimator->tiles_y, (estimator->tiles_y + parts - 1) / parts, estimator->threads,
                  add_tiles, estimator);
@@ -325,13 +327,13 @@ static struct tile sum_tiles(const struct estimator *estimator)
     return total;
 }
 
-// The number of equal terms with the same relative uncertainty.
+// Returns the number of equal terms with the same relative uncertainty.
 static double terms_of(const struct variance *variance)
 {
     return fmax(variance->sum * variance->sum / variance->squares, 1);
 }
 
-// The quantile of the error's deviation, relative to the error.
+// Returns the quantile of the error's deviation, relative to the error.
 static double relative_uncertainty(double error, const struct variance *variance, double quantile)
 {
     if (!(variance->sum > 0) || !(error > 0))
@@ -339,7 +341,7 @@ static double relative_uncertainty(double error, const struct variance *variance
     return sqrt(variance->sum) / error * stats_t_quantile(quantile, terms_of(variance));
 }
 
-// The mean error, and the mean relMSE, that light which no sample has found may add.
+// The mean error and relMSE that light may add which no sample has found.
 struct unseen {
     double error, relmse;
 };
@@ -374,7 +376,7 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     double down = exp(relative_uncertainty(total.error, &total.down, two_sided));
     double bound = exp(relative_uncertainty(total.error, &total.up, confidence));
     const struct light_errors *lights = &total.small_lights.error;
-    // Few pixels carry relMSE: a factor exp(uncertainty) would soon exceed all that is possible.
+    // Few pixels dominate relMSE: a factor exp(uncertainty) would soon exceed what is possible.
     double relmse_most =
         total.relmse_most + light_errors_most(&total.small_lights.relmse, confidence);
     double relmse_bound = 1 + relative_uncertainty(relmse_most, &total.relmse, confidence);

@@ -1,6 +1,6 @@
-// The Gaussian is separable: each row has sums down the columns around it, and a pixel adds up the
-// columns around it. A pixel's neighbours are added up without it: taken away again, a very bright
-// one would leave its rounding error.
+// The Gaussian is separable: each row has sums down the columns around it, and a pixel adds the
+// columns around it. The sum over neighbours is computed without the pixel: subtracting a very
+// bright pixel would leave its rounding error.
 #include "metrics/local_mean.h"
 
 #include "metrics/metrics.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Weighted sums. The squares of the weights belong to the variance of the mean.
+// Weighted sums. The squares of the weights are for the variance of the mean.
 struct local_column {
     double mean[3], noise[3], mean_noise[3];
     double part;
@@ -52,7 +52,7 @@ void local_window_finish(struct local_window *window)
     free(window->others);
 }
 
-// The first row that counts for row y.
+// Returns the first row with an influence on row y.
 static uint32_t first_row(uint32_t y)
 {
     return y > LOCAL_REACH ? y - LOCAL_REACH : 0;

@@ -1,4 +1,4 @@
-// The local relMSE of a picture whose reference is known.
+// The local relMSE of an image with a reference.
 #include "metrics/local_mean.h"
 #include "metrics/metrics.h"
 #include "metrics/pixel.h"

@@ -1,18 +1,18 @@
-// When a render that is to reach an error looks at it.
+// Schedules the interim tests of a render with an error limit.
 //
-// The error falls at least as 1 / N with N samples, and at most as N^(-3/2): that is what
-// stratification brings where edges cross pixels (Mitchell 1996, "Consequences of Stratified
-// Sampling in Graphics"). The next look is where the faster of the two would bring the bound to the
-// limit: rather a look too early than samples that nobody asked for. Few looks are needed: each
-// leaves at most a third of the way, as the logarithm goes, and none is nearer to the one before
-// than a sixteenth of its samples, which is what a render may go on for longer than it needs.
+// The error decreases at least as 1 / N with N samples, and at most as N^(-3/2), the rate of
+// stratification where edges cross pixels (Mitchell 1996, "Consequences of Stratified Sampling in
+// Graphics"). The next test is where the faster rate would bring the bound to the limit: a test too
+// early is better than unnecessary samples. Few tests are needed: each leaves at most a third of
+// the way, in logarithms, and the distance to the next is at least a sixteenth of the samples,
+// which is the greatest fraction of unnecessary samples.
 #include "metrics/metrics.h"
 
 #include <math.h>
 
 static const uint64_t part_apart = 16;
 
-// The next multiple of `unit` that is no less.
+// Rounds up to a multiple of `unit`.
 static uint64_t round_up(uint64_t samples, uint64_t unit)
 {
     return (samples + unit - 1) / unit * unit;

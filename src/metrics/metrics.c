@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-// Of the bits: 0 and -0 differ, and a NaN is like itself.
+// Compares bits: 0 and -0 differ, and a NaN is equal to itself.
 static bool is_same(const float a[3], const float b[3])
 {
     uint32_t a_bits[3], b_bits[3];
@@ -58,7 +58,7 @@ bool metrics_compare(const float (*image)[3], const float (*reference)[3], uint6
             }
         }
     }
-    // Without a single finite pixel nothing is known, and 0 would claim equality.
+    // Without finite pixels the error is not known; 0 would mean equality.
     double values = 3 * (double)(pixel_count - out->nonfinite);
     out->mse = values > 0 ? squares / values : NAN;
     out->relmse = values > 0 ? relative_squares / values : NAN;

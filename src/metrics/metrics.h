@@ -80,7 +80,7 @@ struct half_error {
     double local_relmse;
     double ci_low, ci_high; // with the requested confidence; derived in half_error.c
     double at_most;         // the upper end of a one-sided interval of the same confidence
-    double relmse_at_most;  // the same of relMSE
+    double relmse_at_most;  // the same bound for relMSE
     double mse;
     // The relative deviation of the errors of images with other seeds, and the number of pixels of
     // equal noise in this estimate, at least one: see forecast.c. 0 if there is no error.
@@ -105,7 +105,7 @@ struct unseen_light {
     // For each pixel, whether an emitter may be directly visible there, so that brightness does not
     // indicate light that a path has found by chance. NULL: nowhere.
     const uint8_t *emitter_in_view;
-    // In ascending order of rows and columns, at most one per pixel.
+    // Sorted by rows, then by columns; at most one per pixel.
     const struct small_light *small;
     size_t small_count;
 };
@@ -114,16 +114,17 @@ struct half_error_params {
     const float (*half_a)[3];
     const float (*half_b)[3];
     uint32_t width, height;
-    // Per pixel, both halves together; the mean where pixels have different counts. Each pixel's
-    // halves are to have as many samples as each other (or one more, where there are many).
+    // Samples per pixel, both halves together; the mean if pixels have different counts. Both
+    // halves of a pixel must have the same number (or differ by one, if there are many).
     uint64_t samples;
     const uint32_t *counts; // a pixel's samples, where they differ; NULL: `samples` of each
     double confidence;      // of the interval, in [0.5, 1); 0: 0.95
     struct unseen_light unseen;
 };
 
-// mean (A-B)^2 / 4 over L^2 + 1e-2: half_error.c states how and why. Non-finite pixels are left
-// out. Uses several threads; the result does not depend on how many. False only when out of memory.
+// Estimates the error as mean (A-B)^2 / 4 over L^2 + 1e-2: half_error.c derives it. Non-finite
+// pixels are omitted. Uses several threads; the result does not depend on their number. Returns
+// false only when out of memory.
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out);
 
 // Computes what each tile adds to the local relMSE, a pixel, as above. Tiles of side x side pixels
@@ -145,18 +146,20 @@ bool metrics_half_error_weights(const struct half_error_params *params, double (
 // machine.
 #define LOOKS_FIRST 2u
 #define LOOKS_CONFIDENCE 0.95
-// Numbers of samples are multiples of `unit`: of 2, so that both halves have as many, or of rounds.
-// Where the first look is, of a render that has `done` samples.
+// Numbers of samples are multiples of `unit`: of 2, so that both halves have equal numbers, or of
+// rounds. Returns the number of samples at the first interim test, for a render that has `done`
+// samples.
 uint64_t looks_first(uint64_t done, uint64_t unit);
-// Where the one after that at `done` samples is, whose bound was `excess` times the limit; INFINITY
-// where there was none.
+// Returns the number of samples at the interim test after that at `done` samples, whose bound was
+// `excess` times the limit; INFINITY if there was no bound.
 uint64_t looks_next(uint64_t done, double excess, uint64_t unit);
 
 // --- statistics ---------------------------------------------------------------------------------
 // Quantile of Student's t, p in (0, 1), degrees of freedom >= 1; NaN outside of that. The relative
 // error is <= 1e-6 for p >= 1e-150 and up to 1e9 degrees of freedom.
 double stats_t_quantile(double p, double degrees_of_freedom);
-// Mean, unbiased variance (two-pass). NaN without values, the variance also with one alone.
+// Computes mean and unbiased variance (two-pass). NaN without values; the variance also for a
+// single value.
 void stats_mean_variance(const double *values, size_t count, double *mean, double *variance);
 
 #endif

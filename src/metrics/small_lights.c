@@ -2,16 +2,16 @@
 
 #include <math.h>
 
-// Seven samples should have met an emitter, and none has: it is hidden from where it was looked
-// for, or smaller than was thought. The chance of none is exp(-7) = .1 %.
+// If this many samples should have hit an emitter, and none has, it is occluded or smaller than
+// assumed. The probability of none is exp(-7) = .1 %.
 static const double expected_max = 7;
 
-// A blurred emitter may be seen in many pixels. Up to this radius each of them is looked at, beyond
-// it a lattice of as many: with more, judging a picture of 16,384 blurred lamps took 4 s.
+// A blurred emitter may be visible in many pixels. Up to this radius each of them is tested, beyond
+// it a lattice of as many: with more, judging an image of 16,384 blurred lamps took 4 s.
 enum { LOOK_REACH = 16 };
 
-// A sample that has met an emitter adds at least this part of its radiance: the pixel filter and
-// the emitter's edge may take the rest.
+// A sample that has hit an emitter adds at least this part of its radiance: the pixel filter and
+// the emitter's edge may reduce it.
 static const double met_part = 0.5;
 
 double half_error_samples(const struct half_error_params *params, uint64_t pixel)
@@ -39,8 +39,8 @@ static double mean_at(const struct half_error_params *params, uint64_t pixel, in
     return ((double)params->half_a[pixel][c] + (double)params->half_b[pixel][c]) / 2;
 }
 
-// The light behind an emitter: the median of the pixels around, the lesser of the two in the
-// middle. A mean would take the emitter's own blurred neighbours for the background.
+// Estimates the background of an emitter: the median of the surrounding pixels, the lesser of the
+// two central ones. A mean would include the emitter's own blurred neighbours.
 static double find_background(const struct half_error_params *params, uint32_t x, uint32_t y, int c)
 {
     double values[8];
@@ -59,8 +59,8 @@ static double find_background(const struct half_error_params *params, uint32_t x
     return count > 0 ? values[(count - 1) / 2] : 0;
 }
 
-// True where some pixel that the light may be seen in is as bright as one sample of it makes it. A
-// light that only pixels beside the lattice have met counts as if none had.
+// Returns whether some pixel in which the light may be visible is as bright as one sample of it.
+// Hits in pixels beside the lattice are not noticed.
 static bool is_met(const struct half_error_params *params, const struct small_light *light)
 {
     int c = light->radiance[0] >= light->radiance[1] ? 0 : 1;
@@ -81,7 +81,7 @@ static bool is_met(const struct half_error_params *params, const struct small_li
     return false;
 }
 
-// The number of pixels that a light may be seen in, each with an equal part of it.
+// Returns the number of pixels in which a light may be visible, each with an equal part of it.
 static double pixels_of(const struct small_light *light)
 {
     return fmax(M_PI * (double)light->radius * (double)light->radius, 1);
@@ -102,9 +102,8 @@ static void add_lights_of_row(const struct unseen_light *unseen, const struct sm
     }
 }
 
-// The mean around a pixel, with the known light of small emitters there in place of the samples
-// that happened to meet them, where that is less. A mean that is too high would make errors seem
-// small.
+// Returns the mean around a pixel, with the known light of small emitters instead of the samples
+// that happened to hit them, if that is less. A mean that is too high would make errors seem small.
 static struct local_mean find_known_mean(const struct half_error_params *params,
                                          const struct small_light *light,
                                          const struct local_mean *around)
@@ -202,13 +201,14 @@ void small_lights_join(struct small_lights *sums, const struct small_lights *oth
     join(&sums->relmse, &other->relmse);
 }
 
-// The number of equal terms whose sum would deviate as the expected errors' sum does.
+// Returns the number of equal terms whose sum has the same deviation as the sum of the expected
+// errors.
 static double find_terms(const struct light_errors *errors)
 {
     return fmax(errors->expected * errors->expected / errors->squares, 1);
 }
 
-// The quantile of a mean of squares of so many normal values, in units of what it is on average
+// Returns the quantile of a mean of squares of this many normal values, relative to its expectation
 // (Wilson and Hilferty 1931, "The distribution of chi-square").
 static double find_mean_quantile(double quantile, double terms)
 {
@@ -216,7 +216,7 @@ static double find_mean_quantile(double quantile, double terms)
     return pow(1 - part + stats_t_quantile(quantile, 1e9) * sqrt(part), 3);
 }
 
-// The quantile of the ratio of two such means (Cacoullos 1965, "A relation between t and
+// Returns the quantile of the ratio of two such means (Cacoullos 1965, "A relation between t and
 // F-distributions").
 static double find_ratio_quantile(double quantile, double terms)
 {

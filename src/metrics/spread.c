@@ -11,8 +11,8 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-// How many values may be left out at either end: the greatest k with 2 P(X < k) <= 5 % where X is
-// the number of `count` values below the median, binomial with 1/2. 0: not even none.
+// Returns how many values may be omitted at either end: the greatest k with 2 P(X < k) <= 5 %,
+// where X, the number of `count` values below the median, is binomial with 1/2. 0: not even none.
 static size_t rank_of_end(size_t count)
 {
     double n = (double)count, sum = 0.0;

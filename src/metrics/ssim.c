@@ -7,7 +7,7 @@
 
 enum { RADIUS = 5, SIDE = 2 * RADIUS + 1 };
 
-// Luma of BT.709, of what is shown.
+// BT.709 luma of display values.
 static double luma(const float pixel[3])
 {
     double shown[3];
@@ -49,14 +49,14 @@ static double similarity(const struct moments *m)
     return (2 * a * b + c1) * (2 * covariance + c2) / ((a * a + b * b + c1) * (var_a + var_b + c2));
 }
 
-// The window's weights along one axis, not brought to 1: similarity() divides.
+// Computes the window's weights along one axis, not normalised: similarity() divides.
 static void fill_window(double window[SIDE])
 {
     for (int i = -RADIUS; i <= RADIUS; i++)
         window[i + RADIUS] = exp(-i * i / (2 * 1.5 * 1.5));
 }
 
-// Sums along a row, of every pixel of it.
+// Computes sums along a row, for each of its pixels.
 static void sum_row(const struct picture_pair *p, const double (*values)[2], uint32_t y,
                     const double window[SIDE], struct moments *out)
 {
@@ -72,7 +72,7 @@ static void sum_row(const struct picture_pair *p, const double (*values)[2], uin
     }
 }
 
-// False where it was asked to stop. A row takes hundreds of operations a pixel: each one asks.
+// Returns false when stopped. A row takes hundreds of operations per pixel, so each row polls.
 static bool sum_similarities(const struct picture_pair *p, const double (*values)[2],
                              const struct progress *progress, struct moments *rows, double *out)
 {

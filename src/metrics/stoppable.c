@@ -18,6 +18,6 @@ bool stoppable_for(size_t count, size_t grain, const struct progress *progress, 
 {
     struct stoppable s = {progress, fn, context};
     parallel_for(count, grain, 0, run_chunk, &s);
-    // Whoever asks to stop goes on asking, so that a chunk left out is not missed here.
+    // A stop request persists, so a skipped chunk is noticed here.
     return !progress_should_stop(progress);
 }
