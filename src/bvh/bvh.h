@@ -21,8 +21,8 @@ enum bvh_split {
     BVH_SPLIT_SPATIAL,
     BVH_SPLIT_MIDDLE
 };
-// After the build, subtrees are moved to better places: in bounded time, not at all, or until
-// nothing is gained any more. Only SAH and spatial do so.
+// After the build, subtrees are moved to better places: in bounded time, not at all, or until no
+// improvement is found. Only for SAH and spatial.
 enum bvh_optimize { BVH_OPTIMIZE_NORMAL, BVH_OPTIMIZE_OFF, BVH_OPTIMIZE_LONG };
 // A node is a struct bvh_node or a struct bvh_node_float.
 enum bvh_format { BVH_QUANTISED, BVH_FLOAT };
@@ -37,9 +37,9 @@ struct bvh_method {
     enum bvh_format format;
     enum bvh_optimize optimize;
     uint32_t max_leaf; // triangles a leaf, 1 to BVH_LEAF_MAX; 0: BVH_LEAF_USUAL
-    // The costs of a visit to a wide node and of a test of a primitive, by which binary nodes are
-    // put together to wide ones and leaves: BVH_COST_MIN to BVH_COST_MAX; 0 stands for 1. Only SAH
-    // and spatial use them.
+    // The costs of visiting a wide node and of testing a primitive, by which binary nodes are
+    // collapsed to wide ones and leaves: BVH_COST_MIN to BVH_COST_MAX; 0 stands for 1. Only SAH and
+    // spatial use them.
     double traversal_cost, intersection_cost;
 };
 
@@ -66,21 +66,21 @@ struct bvh_node_float {
 };
 _Static_assert(sizeof(struct bvh_node_float) == 128, "two cache lines");
 
-// Child words. Inner: the node's index (below 2^31). Leaf: BVH_LEAF | flags | first index.
-// Triangle leaves hold consecutive entries of triangle_order, whose number less one stands above
-// the bits of the first one's index (bvh_leaf_index_bits); shape leaves hold one shape, by its own
+// Child words. Inner: the node's index (below 2^31). Leaf: BVH_LEAF | flags | first index. Triangle
+// leaves have consecutive entries of triangle_order; their number minus one is stored above the
+// bits of the first one's index (bvh_leaf_index_bits). Shape leaves have one shape, by its own
 // index.
 #define BVH_LEAF 0x80000000u
 #define BVH_LEAF_SHAPE 0x40000000u                       // an analytic shape instead of triangles
 #define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | 0x20000000u) // one instance, by its own index
 #define BVH_LEAF_INDEX 0x1fffffffu
 #define BVH_EMPTY 0xffffffffu
-#define BVH_INSTANCES_MAX 0x1ffffff0u // so that none is BVH_EMPTY, nor a mark on a stack
+#define BVH_INSTANCES_MAX 0x1ffffff0u // so that none equals BVH_EMPTY or a mark on a stack
 
-// Spatial splits add at most so many places, as a part of the triangles.
+// The greatest number of references that spatial splits add, as a fraction of the triangles.
 #define BVH_DUPLICATES_MAX 0.3
 
-// No tree of bvh_build has more pending entries; see bvh_stats.stack_entries.
+// No tree of bvh_build needs more stack entries; see bvh_stats.stack_entries.
 #define BVH_STACK_ENTRIES_MAX 96u
 
 struct bvh_box {
@@ -88,37 +88,37 @@ struct bvh_box {
 };
 
 struct bvh_stats {
-    // Expected cost of a random ray that hits the root's box and then nothing: 1 a wide node
-    // visited (the root included), 1 a primitive tested, whatever costs the tree was built by. Of
-    // the boxes as they are in the nodes.
+    // Expected cost of a random ray that hits the root's box and then nothing: 1 for each wide node
+    // visited (including the root) and 1 for each primitive tested, whatever costs were used for
+    // the build. Computed with the boxes as stored in the nodes.
     double sah_cost;
-    uint32_t depth; // of the wide tree; a root alone has 1
-    // The most children (inner ones and leaves) that can be pending besides the one in hand, when
-    // a traversal goes on with any of a node's children and puts off the other three: the maximum
-    // over all orders and rays.
+    uint32_t depth; // of the wide tree; a single root has 1
+    // The greatest number of children (inner ones and leaves) that can be pending besides the
+    // current one, when a traversal continues with any of a node's children and defers the other
+    // three: the maximum over all orders and rays.
     uint32_t stack_entries;
     uint32_t node_count, leaf_count; // leaves: child words, of one primitive or more
     uint64_t bytes;                  // of nodes and triangle_order
-    double build_seconds;            // of building, or of loading from a cache:
-    double cached_seconds;           // what building took then; 0: not from a cache
+    double build_seconds;            // of building, or of loading from a cache
+    double cached_seconds;           // build time of a cached hierarchy; 0: not from a cache
 };
 
 struct bvh {
     // nodes[0] is the root; it exists even for an empty scene (all children empty). Every node
-    // stands after its parent, inner children of one node stand together, and so do the triangles
+    // comes after its parent; the inner children of a node are adjacent, and so are the triangles
     // of its leaves.
     struct bvh_node *nodes;             // BVH_QUANTISED, else NULL
     struct bvh_node_float *nodes_float; // BVH_FLOAT, else NULL
     enum bvh_format format;
-    uint32_t max_leaf; // as in the method: says how words of leaves are read
+    uint32_t max_leaf; // as in the method: needed to decode the words of leaves
     uint32_t node_count;
-    // Leaf order -> triangle as given: reference_count places for triangle_count triangles, which
-    // differ after spatial splits alone. Such a triangle has a place in each leaf that has a part
-    // of it, of which that leaf's box is the box.
+    // Maps leaf order to the input's triangle indices: reference_count entries for triangle_count
+    // triangles, which differ only after spatial splits. A triangle that was split has an entry in
+    // each leaf with a part of it, and that leaf's box is the box of the part.
     uint32_t *triangle_order;
     uint32_t triangle_count, reference_count;
-    // The nodes at which the world's tree (node 0) and each of the others begin, after bvh_join();
-    // else NULL.
+    // The root nodes of the world's tree (node 0) and of each other tree, after bvh_join(); else
+    // NULL.
     uint32_t *roots;
     struct bvh_stats stats;
 };
@@ -161,9 +161,9 @@ bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh 
 
 struct bvh_join_params {
     const struct bvh *world; // built with instance_boxes
-    const struct bvh *trees; // of the same format and max_leaf
+    const struct bvh *trees; // with the same format and max_leaf
     uint32_t tree_count;
-    const uint32_t *instance_tree; // of each instance: the tree that its leaf leads to
+    const uint32_t *instance_tree; // for each instance: the tree to which its leaf leads
 };
 
 // One array of nodes: the world's, then the trees', with children and places counted through. Its
@@ -174,12 +174,12 @@ struct bvh_join_params {
 bool bvh_join(const struct bvh_join_params *params, struct arena *arena, struct bvh *out,
               struct err *err);
 
-// Boxes, at most BVH_CUT_MAX, that together contain all primitives of a tree: what is below its
-// top. Transformed one by one they give a closer box of the whole than the root's box does.
+// Computes boxes, at most BVH_CUT_MAX, that together contain all primitives of a tree: those of the
+// nodes below its top. Transformed one by one they give a tighter box than the root's box does.
 enum { BVH_CUT_MAX = 16 };
 uint32_t bvh_cut(const struct bvh *tree, struct bvh_box out[BVH_CUT_MAX]);
 
-// One of a method's costs.
+// Returns one of a method's costs, with its default.
 static inline double bvh_cost(double cost)
 {
     return cost > 0 ? cost : 1;
@@ -190,8 +190,8 @@ static inline uint32_t bvh_max_leaf(const struct bvh_method *method)
     return method->max_leaf > 0 ? method->max_leaf : BVH_LEAF_USUAL;
 }
 
-// Bits of the index in the word of a leaf of triangles, in a tree whose leaves have at most so
-// many.
+// Returns the bits of the index in a triangle leaf's word, for trees with this greatest number of
+// triangles per leaf.
 static inline uint32_t bvh_leaf_index_bits(uint32_t max_leaf)
 {
     return max_leaf > BVH_LEAF_USUAL ? 27 : 29;
@@ -207,7 +207,7 @@ static inline uint64_t bvh_node_bytes(enum bvh_format format)
     return format == BVH_FLOAT ? sizeof(struct bvh_node_float) : sizeof(struct bvh_node);
 }
 
-// All nodes of a BVH, one after the other.
+// Returns all nodes of a BVH, one after the other.
 static inline const void *bvh_nodes_data(const struct bvh *bvh)
 {
     return bvh->format == BVH_FLOAT ? (const void *)bvh->nodes_float : bvh->nodes;
@@ -223,9 +223,9 @@ static inline uint64_t bvh_nodes_bytes(const struct bvh *bvh)
 // ERR_INPUT says what is wrong.
 bool bvh_validate(const struct bvh *bvh, const struct bvh_params *params, struct err *err);
 
-// All that a ray may hit from its origin on, in no order: triangles, by their index as given, and
-// instances, BVH_LEAF_INSTANCE | index, as far as the ray goes through the boxes that lead to them.
-// A triangle with several places may come several times. Shapes are left out.
+// Visits everything that a ray may hit, in no order: triangles, by their input index, and
+// instances, BVH_LEAF_INSTANCE | index, for all boxes that the ray crosses. A triangle with several
+// references may be visited several times. Shapes are omitted.
 typedef void (*bvh_visit_fn)(void *context, uint32_t primitive);
 void bvh_visit_ray(const struct bvh *bvh, uint32_t root, const double origin[3],
                    const double direction[3], bvh_visit_fn visit, void *context);

@@ -1,21 +1,21 @@
-// The binary tree from which the wide one is made. Private to this folder.
+// The binary tree from which the wide tree is made. Private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_BINARY_H
 #define LAMPYRIS_BVH_BVH_BINARY_H
 
 #include "bvh/bvh.h"
 #include "bvh/bvh_box.h"
 
-// The tree sorts these: a triangle (its index as given), a shape (BVH_LEAF_SHAPE | index) or an
-// instance (BVH_LEAF_INSTANCE | index), by its box alone. The box has no negative zero, so that
-// minima do not depend on the order.
+// A primitive for the build: a triangle (its input index), a shape (BVH_LEAF_SHAPE | index) or an
+// instance (BVH_LEAF_INSTANCE | index), with its box. The box has no negative zeros, so that minima
+// do not depend on the order.
 struct bvh_primitive {
     struct bvh_box box;
     uint32_t id;
 };
 
-// As built, nodes stand in depth-first order: the left child follows its parent, and a subtree with
-// room for n leaves takes 2n - 1 nodes. So every subtree knows its place beforehand, whichever
-// thread builds it. Optimizing moves subtrees without keeping that order; the root stays first.
+// Nodes are built in depth-first order: the left child follows its parent, and a subtree with room
+// for n leaves takes 2n - 1 nodes. So every subtree knows its position beforehand, whichever thread
+// builds it. Optimizing moves subtrees without keeping that order; the root stays first.
 struct bvh_binary_node {
     struct bvh_box box;
     uint32_t left;  // leaf: the id of its one primitive
@@ -28,9 +28,9 @@ struct bvh_range {
     struct bvh_box centroids; // bounds of bvh_centroid()
     uint32_t first, count;
     uint32_t capacity; // places from `first`: count, and more where triangles may be cut in two
-    uint32_t node;     // where its root stands
+    uint32_t node;     // position of its root
     uint32_t depth;    // of that root; the tree's root has 0
-    uint32_t side;     // which of the two buffers holds the primitives
+    uint32_t side;     // the buffer that holds the primitives
 };
 
 // Sets the two boxes from range->count primitives, of which `primitives` is the first.
@@ -56,12 +56,12 @@ enum { BVH_CHUNKS_MAX = 256, BVH_CHUNK_MIN = 1 << 14 };
 
 size_t bvh_chunk_bytes(void);
 
-// Gives the children of a range, whose boxes and counts are known, their places: each as many as it
-// has primitives, and its share of those that are left.
+// Computes the positions of a range's children, whose boxes and counts are known: each gets as many
+// as it has primitives, and its share of the remaining ones.
 void bvh_place_children(const struct bvh_range *range, struct bvh_range children[2]);
 
 // Splits a range of at least two primitives; the children are in depth-first order and not empty.
-// With threads > 1 only one call at a time, for it uses splitter->chunks and spatial_chunks.
+// With threads > 1 only one call at a time, because it uses splitter->chunks and spatial_chunks.
 void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *range, unsigned threads,
                struct bvh_range children[2]);
 
@@ -73,8 +73,8 @@ static inline bool bvh_split_stopped(const struct bvh_splitter *splitter,
     return range->count > 65536 && progress_should_stop(splitter->progress);
 }
 
-// A quarter of min + max: half the centre. The half keeps the difference of two centres finite for
-// every pair of floats.
+// Returns a quarter of min + max, which is half of the centre. The factor keeps the difference of
+// two centres finite for every pair of floats.
 static inline float bvh_centroid(const struct bvh_box *box, int axis)
 {
     return 0.25f * box->min[axis] + 0.25f * box->max[axis];
@@ -83,7 +83,7 @@ static inline float bvh_centroid(const struct bvh_box *box, int axis)
 struct bvh_binary_params {
     struct bvh_primitive *primitives; // count of them, and room for capacity; reordered
     uint32_t count;                   // at least 1
-    uint32_t capacity;                // of leaves; more than count with BVH_SPLIT_SPATIAL alone
+    uint32_t capacity;                // of leaves; more than count only with BVH_SPLIT_SPATIAL
     const struct bvh_params *geometry;
     uint32_t depth_limit; // at least the binary logarithm of count, rounded up
     unsigned threads;     // at least 1
@@ -91,14 +91,14 @@ struct bvh_binary_params {
     const struct progress *progress;
 };
 
-// The fractions reported when each stage ends.
+// The progress at the end of each stage.
 #define BVH_PROGRESS_BINARY 0.5
 #define BVH_PROGRESS_OPTIMIZED 0.9
 
-// Reports a fraction and asks whether to go on; false with an error when not.
+// Reports a fraction and returns whether to continue; false with an error if not.
 bool bvh_checkpoint(const struct progress *progress, double fraction, struct err *err);
 
-// NULL on failure; 2 * *leaf_count - 1 nodes in the arena otherwise.
+// Returns NULL on failure; otherwise 2 * *leaf_count - 1 nodes in the arena.
 struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
                                          struct arena *arena, uint32_t *leaf_count,
                                          struct err *err);
@@ -112,7 +112,7 @@ struct bvh_optimize_params {
 };
 
 // Lowers the tree's cost, in place. *usable is false when that made it deeper than the later stages
-// allow, which takes an odd input: then the tree has to be built anew and left as it is.
+// permit, which only unusual input causes: then the tree must be built again and not optimized.
 bool bvh_optimize(const struct bvh_optimize_params *params, bool *usable, struct err *err);
 
 struct bvh_wide_params {
@@ -124,8 +124,8 @@ struct bvh_wide_params {
     const struct progress *progress;
 };
 
-// Collapses the binary tree into nodes of out->format, node_count and triangle_order, of
-// which the caller has set reference_count, and fills in the statistics but build_seconds.
+// Collapses the binary tree into nodes of out->format, node_count and triangle_order, for which the
+// caller has set reference_count, and fills in the statistics except build_seconds.
 bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, struct bvh *out,
                     struct err *err);
 

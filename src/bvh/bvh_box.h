@@ -1,4 +1,4 @@
-// Axis-aligned boxes in single precision: what the builder, the collapse and the checks share.
+// Axis-aligned boxes in single precision, shared by the builder, the collapse and the checks.
 #ifndef LAMPYRIS_BVH_BVH_BOX_H
 #define LAMPYRIS_BVH_BVH_BOX_H
 
@@ -10,7 +10,7 @@ static inline struct bvh_box box_empty(void)
     return (struct bvh_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 
-// Written as comparisons, because these (unlike fminf) are one instruction each.
+// Comparisons are used because these (unlike fminf) are one instruction each.
 static inline void box_add_box(struct bvh_box *box, const struct bvh_box *other)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -27,8 +27,8 @@ static inline void box_add_point(struct bvh_box *box, const float point[3])
     }
 }
 
-// Half the surface area of a box that is not empty. In double precision, because the square of a
-// float above 1.8e19 is not a float.
+// Returns half of the surface area of a box that is not empty. In double precision, because the
+// square of a float above 1.8e19 overflows.
 static inline double box_half_area(const struct bvh_box *box)
 {
     double x = (double)box->max[0] - box->min[0];

@@ -1,4 +1,4 @@
-// Reading and writing nodes of both formats. Private to this folder.
+// Access to nodes of both formats. Private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_NODE_H
 #define LAMPYRIS_BVH_BVH_NODE_H
 
@@ -19,7 +19,7 @@ static inline bool bvh_child_is_instance(uint32_t child)
     return child != BVH_EMPTY && (child & bits) == bits;
 }
 
-// The primitives of a leaf child.
+// Returns the number of primitives of a leaf child.
 static inline uint32_t bvh_leaf_count(const struct bvh *bvh, uint32_t child)
 {
     if (child & BVH_LEAF_SHAPE)
@@ -27,7 +27,7 @@ static inline uint32_t bvh_leaf_count(const struct bvh *bvh, uint32_t child)
     return ((child & ~BVH_LEAF) >> bvh_leaf_index_bits(bvh->max_leaf)) + 1;
 }
 
-// The first of them: a place in triangle_order, or the index of a shape or an instance.
+// Returns the first of them: an index in triangle_order, or the index of a shape or an instance.
 static inline uint32_t bvh_leaf_first(const struct bvh *bvh, uint32_t child)
 {
     return child & (child & BVH_LEAF_SHAPE ? BVH_LEAF_INDEX : bvh_leaf_index_max(bvh->max_leaf));
@@ -48,7 +48,7 @@ static inline uint32_t bvh_child_count(const uint32_t child[4])
 void bvh_quantised_set_boxes(struct bvh_node *node, const struct bvh_box *boxes, uint32_t count);
 void bvh_float_set_boxes(struct bvh_node_float *node, const struct bvh_box *boxes, uint32_t count);
 
-// The box of a child as the node describes it, in double precision; rounded outwards where even
+// Computes the box of a child as the node stores it, in double precision; rounded outwards if even
 // that is not exact.
 void bvh_quantised_child_box(const struct bvh_node *node, uint32_t child, double min[3],
                              double max[3]);
@@ -62,17 +62,17 @@ bool bvh_quantised_child_fits(const struct bvh_node *node, uint32_t child,
 bool bvh_float_child_fits(const struct bvh_node_float *node, uint32_t child,
                           const struct bvh_box *box);
 
-// Half the area of the union of children [first, end), as they are in the node. 0 of none.
+// Return half of the area of the union of children [first, end), as stored in the node; 0 for none.
 double bvh_quantised_half_area(const struct bvh_node *node, uint32_t first, uint32_t end);
 double bvh_float_half_area(const struct bvh_node_float *node, uint32_t first, uint32_t end);
 
-// Check what must hold for a node by itself. `index` is for the message.
+// Check the conditions on a node by itself. `index` is for the message.
 bool bvh_quantised_check(const struct bvh_node *node, uint32_t index, struct err *err);
 bool bvh_float_check(const struct bvh_node_float *node, uint32_t index, struct err *err);
 
 // --- Whichever -----------------------------------------------------------------------------------
 
-// Memory for out->node_count nodes of out->format.
+// Allocates out->node_count nodes of out->format.
 bool bvh_nodes_allocate(struct arena *arena, struct bvh *out, struct err *err);
 
 static inline uint32_t *bvh_children(const struct bvh *bvh, uint32_t node)
@@ -118,10 +118,10 @@ static inline bool bvh_node_check(const struct bvh *bvh, uint32_t node, struct e
                                     : bvh_quantised_check(&bvh->nodes[node], node, err);
 }
 
-// The part of bvh_validate() for triangles with several places, after all else has been checked.
+// The part of bvh_validate() for triangles with several references, after all other checks.
 bool bvh_validate_parts(const struct bvh *bvh, const struct bvh_params *params, struct err *err);
 
-// All statistics but build_seconds. Nodes must stand after their parents.
+// Computes all statistics except build_seconds. Nodes must come after their parents.
 bool bvh_compute_stats(const struct bvh *bvh, struct bvh_stats *stats, struct err *err);
 
 #endif

@@ -1,4 +1,4 @@
-// Flattens what the corners of triangles carry. Part of flatten.c.
+// Flattens the attributes of triangles' corners. Part of flatten.c.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_ATTRIBUTES_H
 #define LAMPYRIS_FLATTEN_FLATTEN_ATTRIBUTES_H
 
@@ -16,19 +16,19 @@ void attributes_census(const struct scene *scene, const struct instance *instanc
 uint64_t attributes_bytes(const struct attribute_needs *needs);
 bool attributes_reserve(const struct attribute_needs *needs, size_t triangle_count,
                         struct arena *arena, struct flat_scene *flat, struct err *err);
-// The attributes of the flat triangle that comes next, whose corners are these vertices of the
-// mesh. `geometric`: its unit normal.
+// Stores the attributes of the next flat triangle, whose corners are these vertices of the mesh.
+// `geometric`: its unit normal.
 void attributes_place(struct flat_scene *flat, const struct scene *scene,
                       const struct placement *placement, const uint32_t vertices[3],
                       const double geometric[3]);
 
-// The set of texture coordinates that a material's tangents follow where a mesh has none.
+// Returns the set of texture coordinates for a material's tangents if a mesh has none.
 uint32_t attributes_tangent_set(const struct scene *scene, uint32_t material);
 
-// All that a material says about what corners carry, in one number.
+// Returns a number that identifies the material's requirements on corner attributes.
 uint32_t attributes_of_material(const struct scene *scene, uint32_t material);
 
-// The material of a triangle of the instance's mesh.
+// Returns the material of a triangle of the instance's mesh.
 uint32_t instance_material(const struct mesh *mesh, const struct instance *instance,
                            uint32_t triangle);
 

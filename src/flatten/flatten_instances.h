@@ -1,4 +1,4 @@
-// Instances of shared meshes: scene_flatten()'s part of them. Private to this folder.
+// The part of scene_flatten() for instances of shared meshes. Private to this folder.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_INSTANCES_H
 #define LAMPYRIS_FLATTEN_FLATTEN_INSTANCES_H
 

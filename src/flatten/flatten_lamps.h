@@ -1,23 +1,23 @@
-// Lamps of triangles that are small for where they are. Part of flatten.c.
+// Lamps of triangles that are small relative to their coordinates. Part of flatten.c.
 //
-// Rounded corners in the scene's coordinates say little of the form of such a lamp: areas, normals,
-// and what hides what are lost. So the lamp gets coordinates of its own: its triangles keep their
-// edges, which is what they send light by, and their corners about the lamp's middle, by which it
-// is found what of the lamp hides a point of it from what is lit.
+// Corners rounded in the scene's coordinates lose the form of such a lamp: areas, normals and
+// occlusion. So the lamp gets coordinates of its own: its triangles keep their exact edges, which
+// determine their light, and their corners about the lamp's centre, which determine how the lamp
+// occludes its own points from a lit surface.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_LAMPS_H
 #define LAMPYRIS_FLATTEN_FLATTEN_LAMPS_H
 
 #include "flatten/flatten_census.h"
 #include "flatten/flatten_placement.h"
 
-// One lamp: emissive triangles, of whatever instances, that are nearer to each other than rounding
-// can tell.
+// A lamp: emissive triangles, of any instances, that are nearer to each other than rounding
+// resolves.
 struct lamp {
-    struct bounds bounds; // in the arrays' space
+    struct bounds bounds; // in the arrays' coordinates
     uint32_t triangle_count;
 };
 
-// A triangle of one, as it stands in the scene.
+// A triangle of a lamp, by its place in the scene.
 struct lamp_triangle {
     uint32_t instance, triangle, lamp;
 };
@@ -35,14 +35,13 @@ bool flatten_find_lamps(const struct flatten_params *params, const struct census
                         const struct flat_scene *flat, struct arena *scratch, struct lamps *out,
                         struct err *err);
 
-// Takes a triangle of a lamp into flat->small, which has room, under the number that it will have
-// among flat->triangles, and gives it corners there that contain it: edges rounded away from the
-// first one. `normal` becomes that of the exact corners, not normalised. What has no area stays
-// out.
+// Adds a triangle of a lamp to flat->small, which has room, with its index in flat->triangles, and
+// gives it corners there that contain it: edges are rounded away from the first corner. `normal`
+// becomes that of the exact corners, not normalised. A triangle without area is not added.
 void lamp_add_triangle(const struct lamps *lamps, uint32_t number, const double corners[3][3],
                        double normal[3], struct flat_scene *flat);
 
-// Gives the triangles of each lamp their places beside each other.
+// Sorts the triangles of each lamp into adjacent places.
 bool lamps_finish(const struct lamps *lamps, struct flat_scene *flat, struct arena *scratch,
                   struct err *err);
 

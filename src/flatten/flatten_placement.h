@@ -1,15 +1,15 @@
-// An instance's triangles in the arrays' space, before they are rounded. Part of flatten.c.
+// An instance's triangles in the arrays' coordinates, before rounding. Part of flatten.c.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_PLACEMENT_H
 #define LAMPYRIS_FLATTEN_FLATTEN_PLACEMENT_H
 
 #include "flatten/flatten.h"
 
-// An instance's transform, prepared.
+// The prepared transform of an instance.
 struct placement {
     const struct mesh *mesh;
     const struct instance *instance;
     double origin[3];     // of the flat scene
-    double scale;         // the same
+    double scale;         // likewise
     double normals[3][3]; // inverse transpose up to a positive factor
     bool is_mirrored;
 };

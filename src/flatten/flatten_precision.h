@@ -1,19 +1,19 @@
-// How well single precision holds each object of a scene where it is. Part of flatten.c.
+// Tests how well single precision represents each object at its coordinates. Part of flatten.c.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_PRECISION_H
 #define LAMPYRIS_FLATTEN_FLATTEN_PRECISION_H
 
 #include "flatten/flatten_census.h"
 
-// Moves out->origin to what the camera sees best, where coordinates about the given one are too
-// coarse for that; else leaves it as it is.
+// Moves out->origin to the object that the camera sees best if coordinates about the given origin
+// are too coarse for that; otherwise leaves it unchanged.
 void flatten_follow_camera(const struct flatten_params *params, const struct census *census,
                            struct flat_scene *out);
 
-// Objects that are coarse where they are; told together.
+// Objects that single precision represents coarsely; reported together.
 struct coarse_objects {
     uint32_t count;
     char first[128];                   // names the first one
-    double extent, farthest, place[3]; // its, in metres
+    double extent, farthest, place[3]; // of the first, in metres
 };
 
 // Adds an object to them if single precision does not resolve it about the flat scene's origin.

@@ -1,4 +1,4 @@
-// Analytic shapes: scene_flatten()'s part of them. Private to this folder, but for the boxes.
+// The part of scene_flatten() for analytic shapes. Private to this folder, except for the boxes.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_SHAPES_H
 #define LAMPYRIS_FLATTEN_FLATTEN_SHAPES_H
 
@@ -10,13 +10,13 @@ struct coarse_objects;
 bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out,
                     struct coarse_objects *coarse, struct err *err);
 
-// A box that contains all that the kernels may hit of the shape.
+// Computes a box that contains all points of the shape that the kernels may hit.
 void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3]);
 
-// A shape of the scene in the arrays' space and unit, before it is rounded.
+// Returns a shape of the scene in the arrays' coordinates and unit, before rounding.
 struct shape flatten_place_shape(const struct flat_scene *flat, const struct shape *shape);
 
-// How far kernels' coordinates go in any unit: their squares stay finite in single precision.
+// The limit of the kernels' coordinates in any unit: their squares are finite in single precision.
 #define FLAT_COORDINATE_MAX 1e18
 
 // Adds the box to the scene's bounds.

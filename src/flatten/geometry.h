@@ -1,4 +1,4 @@
-// From a scene to what kernels trace rays through: flattened, with hierarchies built.
+// Prepares a scene for tracing rays: flattens it and builds the hierarchies.
 #ifndef LAMPYRIS_FLATTEN_GEOMETRY_H
 #define LAMPYRIS_FLATTEN_GEOMETRY_H
 
@@ -19,23 +19,24 @@ struct geometry {
     struct arena flat_arena, bvh_arena;
     struct flat_scene flat;
     struct bvh bvh;
-    struct bvh_method method; // by which it was built
+    struct bvh_method method; // the method with which it was built
     uint64_t key;             // flatten_key() of what was flattened
     double flatten_seconds;   // the last time; the hierarchy's are in its statistics
 };
 bool geometry_create(const struct geometry_params *params, struct geometry *out, struct err *err);
 void geometry_finish(struct geometry *geometry); // accepts NULL and {0}
-// After anything in the scene changed but its meshes' own arrays: does nothing where flattening
-// would make the same (flatten_key), else flattens anew, and keeps the hierarchy where all that it
-// is made of has the same bits as before. So it is when materials or lights changed, but for one
-// that makes a shared mesh emit; not when something was moved or hidden. No renderer may use the
-// geometry meanwhile, and those that did are to be created anew. A failure leaves the geometry
-// finished.
+// Call it after any change of the scene except to its meshes' own arrays. It does nothing if
+// flattening would give the same result (flatten_key); otherwise it flattens again, and keeps the
+// hierarchy if all of its input has the same bits as before. That is so if materials or lights
+// changed, unless a shared mesh now emits, but not if objects were moved or hidden. No renderer may
+// use the geometry meanwhile, and renderers that did must be created again. On failure the geometry
+// is finished.
 bool geometry_refresh(const struct geometry_params *params, struct geometry *geometry,
                       struct err *err);
 
-// Results live in `arena`. *bvh is of the world, whose leaves lead to instances too, and of every
-// shared mesh: one array of nodes, and one order of all flat triangles.
+// Prepares the geometry in `arena`. *bvh contains the tree of the world, whose leaves lead to
+// instances too, and that of every shared mesh: one array of nodes, and one order of all flat
+// triangles.
 bool geometry_prepare(const struct geometry_params *params, struct arena *arena,
                       struct flat_scene *flat, struct bvh *bvh, struct err *err);
 
