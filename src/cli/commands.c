@@ -119,7 +119,7 @@ const struct command commands[COMMAND_TOTAL] = {
     [COMMAND_INFO] =
         {
             .name = "info",
-            .summary = "say what is in a scene and what it needs",
+            .summary = "describe a scene and what its render needs",
             .arguments = "SCENE",
             .description =
                 "Loads a scene and prints what is in it, which features a render of it would use, "

@@ -113,7 +113,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "focus-distance", .argument = "METRES", .type = VALUE_REAL,
         .min = SCENE_LENGTH_MIN, .max = SCENE_COORDINATE_MAX, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the camera's",
-        .help = "How far away what is in focus lies, along the line of sight.",
+        .help = "Distance of the plane in focus along the line of sight.",
         FIELD(scene.focus_distance),
     },
     [OPTION_SCENE] = {

@@ -45,12 +45,11 @@ static void find_unconnected(const struct job *job, struct biases *biases)
         return;
     struct job_bias *bias = next_bias(biases, settings->nee ? "nee-depth" : "nee");
     if (depth == 0)
-        snprintf(bias->text, sizeof bias->text,
-                 "without shadow rays all lights without extent are dark: %u", count);
+        snprintf(bias->text, sizeof bias->text, "without shadow rays all delta lights are dark: %u",
+                 count);
     else
         snprintf(bias->text, sizeof bias->text,
-                 "lights without extent (%u) reach the first surfaces of a path only: %u", count,
-                 depth);
+                 "delta lights (%u) reach the first surfaces of a path only: %u", count, depth);
 }
 
 static double mean_luminance(const struct film_image *film)
@@ -101,7 +100,7 @@ static void find_capped(const struct job *job, struct biases *biases)
         return;
     struct job_bias *bias = next_bias(biases, "roulette-max-bounces");
     snprintf(bias->text, sizeof bias->text,
-             "no path has more than %u scattering events, where %u were asked for",
+             "no path has more than %u scattering events, where %u were requested",
              settings->roulette_max_bounces, depth_asked_for(settings));
 }
 
@@ -124,7 +123,7 @@ static void find_unscaled(const struct job *job, struct biases *biases)
         return;
     struct job_bias *bias = next_bias(biases, "radiance-scaling");
     snprintf(bias->text, sizeof bias->text,
-             "refraction leaves radiance as it is: inside of a medium of index n it is 1 / n^2 of "
+             "refraction does not scale radiance: inside of a medium of index n it is 1 / n^2 of "
              "what it should be, and lamps in there are n^2 times as bright from outside");
 }
 

@@ -109,7 +109,7 @@ static void print_ending(const struct render_run *run)
     const struct job_look *look = run->job.looks + run->job.look_count - 1;
     if (run->job.look_count > 0 && look->error.bounded)
         printf("looks     %u; at the last, after %" PRIu64 " spp, the error is below %.3g with "
-               "%.4g %% confidence, where %.3g was asked for%s\n",
+               "%.4g %% confidence, where %.3g was requested%s\n",
                run->job.look_count, (uint64_t)look->samples, look->error.at_most,
                100.0 * look->confidence, run->options->render.error,
                look->error.known ? "" : " (a bound alone is known)");
@@ -321,7 +321,7 @@ void render_print_summary(struct render_run *run)
     if (run->job.renderer.stats.media_lost)
         printf("media     %" PRIu64
                " crossings of surfaces that are open, or nest deeper than four: "
-               "what is inside is not certain there\n",
+               "which medium is inside is not certain there\n",
                run->job.renderer.stats.media_lost);
     print_memory(run);
     explain_print_line(&run->job.renderer);

@@ -31,7 +31,7 @@ SETTING_OF_IMAGE(EXPOSURE, float, exposure, "exposure", "exposure", "Picture",
     "Stops: PNG images, or what psnr, ssim and flip see, are multiplied by 2 to this power before "
     "the tone curve. With auto they are found from the image's luminances (docs/output.md; not for "
     "compare); so they are for models without light or camera and under a sky from the command "
-    "line, unless given. EXR stays as it is.",
+    "line, unless given. EXR files are not changed.",
     (REAL(-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX), .word = "auto",
      .flag = offsetof(struct settings, exposure_is_auto)), .brief = "Multiply PNG images by 2 to this power.",
     .fallback = 0, .argument = "STOPS")
@@ -96,7 +96,7 @@ SETTING(NEE, bool, nee, "nee", "nee", "Method",
     "Next-event estimation: shadow rays to emitters.",
     (SWITCH), .fallback = true, .label = "Aim at lights")
 SETTING(NEE_DEPTH, uint32_t, nee_depth, "nee_depth", "nee-depth", "Method",
-    "Only the first N vertices of a path send shadow rays. Lights without extent are lost beyond: "
+    "Only the first N vertices of a path send shadow rays. Delta lights are lost beyond: "
     "the picture is then biased.",
     (DEPTH), .fallback = UINT32_MAX, .special = "all vertices", .argument = "N", .label = "  first",
     NEEDS(NEE, 1u << true))

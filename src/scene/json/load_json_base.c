@@ -204,8 +204,9 @@ static bool check_keys(const struct json_node *document, struct err *err)
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         const struct json_node node = node_member(document, others[i]);
         if (node.value)
-            return node_fail(&node, err,
-                             "goes without \"base\"; what the base has, \"edits\" changes");
+            return node_fail(
+                &node, err,
+                "cannot be combined with \"base\"; \"edits\" changes what the base has");
     }
     return true;
 }

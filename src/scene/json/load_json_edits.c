@@ -102,7 +102,8 @@ static bool read_is_new(const struct json_node *node, bool *out, struct err *err
         return node_unexpected(node, "an object", err);
     return node_read_boolean(node, "added", out, err) &&
            (!*out || !index.value ||
-            node_fail(&index, err, "goes without \"added\": what is added comes after all others"));
+            node_fail(&index, err,
+                      "cannot be combined with \"added\": additions follow all others"));
 }
 
 static bool read_new_name(struct scene *scene, const struct json_node *node, const char **out,

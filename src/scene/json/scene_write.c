@@ -423,9 +423,10 @@ static bool check_path(const struct writer *w, struct err *err)
         return err_set(err, ERR_USAGE, "%s: expected a name that ends in .json", path);
     for (const struct scene_base *base = &w->base; base; base = base->base)
         if (is_same_file(path, base->load.path))
-            return err_set(err, ERR_USAGE,
-                           "%s: is what the edited scene is made from; expected another name",
-                           path);
+            return err_set(
+                err, ERR_USAGE,
+                "%s: is the file that the edited scene was loaded from; expected another name",
+                path);
     return true;
 }
 

@@ -37,7 +37,7 @@ static void files(struct panel *panel, const struct document *document, const st
     gui_switch(gui, "files.with_panel", "With panel",
                "Screenshots show the panel, too; off: the picture alone.", &panel->saves_panel);
     if (gui_button(gui, "files.screenshot", "Screenshot (F12)",
-                   "Writes what is shown as a PNG into the working directory."))
+                   "Writes the displayed image as a PNG into the working directory."))
         save_png(panel->viewer, NULL, panel->saves_panel);
     gui_enabled(gui, stage->shown.denoise);
     gui_switch(gui, "files.denoised", "Denoised",
@@ -53,7 +53,7 @@ static void files(struct panel *panel, const struct document *document, const st
              sizeof panel->save_path);
     gui_enabled(gui, document->has_scene && panel->save_path[0]);
     if (gui_button(gui, "files.save_scene", "Save scene",
-                   "Writes what was edited as a scene file that names the original as its base."))
+                   "Writes the edits as a scene file that names the original as its base."))
         save_scene(panel->viewer, panel->save_path);
     gui_group_end(gui);
 }
@@ -89,7 +89,8 @@ static void history(struct panel *panel)
         edit_undo(panel->viewer);
     gui_same_line(gui);
     gui_enabled(gui, edit_redo_count(panel->viewer) > 0);
-    if (gui_button(gui, "history.redo", "Redo (Ctrl+Y)", "Makes what was taken back again."))
+    if (gui_button(gui, "history.redo", "Redo (Ctrl+Y)",
+                   "Repeats the change that was undone last."))
         edit_redo(panel->viewer);
     if (gui_is_drawn(gui)) {
         const char *name = edit_undo_name(panel->viewer);

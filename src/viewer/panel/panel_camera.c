@@ -29,7 +29,7 @@ static void moving(struct panel *panel, struct viewpoint *view)
     struct gui *gui = panel->gui;
     struct camera_rig *rig = &view->rig;
     gui_choice(gui, "camera.mode", "Moves",
-               "Fly freely, or turn about what was double-clicked (C changes it).",
+               "Fly freely, or orbit the point that was double-clicked (C changes it).",
                camera_rig_mode_names, &rig->mode);
     gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second.", &speed, &rig->speed);
     if (gui_switch(gui, "camera.revolves", "Revolve", "Turns about the target by itself.",
@@ -85,7 +85,7 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
     if (to->lens_radius > 0 && !(to->focus_distance > 0))
         to->focus_distance = target_distance(view);
     gui_enabled(gui, is_perspective && to->lens_radius > 0);
-    gui_number(gui, "camera.focus", "Focus", "How far away what is in focus lies, metres.", &metres,
+    gui_number(gui, "camera.focus", "Focus", "Distance of the plane in focus, metres.", &metres,
                &to->focus_distance);
     uint32_t corners = to->lens_blades;
     if (gui_count(gui, "camera.blades", "Blades",
@@ -174,7 +174,7 @@ static void saved_views(struct panel *panel, struct viewpoint *view)
               "The one that the buttons mean; keys 1 to 9 restore, with Ctrl save.", &slot,
               &panel->slot);
     struct saved_view *saved = &view->saved[panel->slot - 1];
-    if (gui_button(gui, "camera.save", "Save", "Keeps the camera as it is."))
+    if (gui_button(gui, "camera.save", "Save", "Saves the current camera."))
         *saved = (struct saved_view){.is_used = true, .camera = view->camera};
     gui_enabled(gui, saved->is_used);
     gui_same_line(gui);

@@ -154,8 +154,7 @@ void panel_lights(struct panel *panel, struct document *document)
     struct gui *gui = panel->gui;
     const struct scene *scene = &document->scene;
     gui_group_begin(gui, "lights", "Lights",
-                    "Those without extent; what shines by its emission is among the materials.",
-                    false);
+                    "Delta lights and suns; emissive surfaces are among the materials.", false);
     const struct panel_list list = {
         .id = "lights",
         .help = "Chooses the light whose parameters are below.",
@@ -170,7 +169,7 @@ void panel_lights(struct panel *panel, struct document *document)
         if (document->chosen_light < scene->light_count)
             parameters(panel, document, document->chosen_light);
     } else {
-        gui_line(gui, "None: this scene is lit by what emits, or by its surroundings.");
+        gui_line(gui, "None: emissive surfaces or the environment light this scene.");
     }
     additions(panel);
     gui_group_end(gui);

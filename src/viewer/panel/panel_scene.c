@@ -155,7 +155,8 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     static const struct gui_range turn = {-SCENE_TURN_MAX, SCENE_TURN_MAX, .unit = "°",
                                           .drag = 180};
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "surroundings", "Surroundings", "What light arrives from outside.", false);
+    gui_group_begin(gui, "surroundings", "Surroundings",
+                    "The light that arrives from infinitely far.", false);
     struct surroundings to = document->surroundings;
     gui->used = NULL;
     // Before an image is set, its path must be entered.
@@ -181,8 +182,8 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     gui_number(gui, "surroundings.rotation", "Rotation",
                "About +Y, degrees, in addition to the file's.", &turn, &to.rotation_degrees);
     gui_enabled(gui, to.kind == SURROUNDINGS_CONSTANT);
-    gui_color(gui, "surroundings.color", "Radiance", "Of one colour from everywhere, W/(sr m^2).",
-              &panel_radiance, to.radiance);
+    gui_color(gui, "surroundings.color", "Radiance",
+              "Constant radiance from all directions, W/(sr m^2).", &panel_radiance, to.radiance);
     sky(gui, &to);
     gui_enabled(gui, true);
     if (gui_text(gui, "surroundings.image", "Image",
@@ -275,7 +276,7 @@ static void animation(struct panel *panel, struct document *document)
     gui_enabled(gui, pose_has_animation(panel->viewer));
     gui_switch(gui, "animation.plays", "Play", "Time goes on, and begins anew at the end.",
                &pose->plays);
-    if (gui_number(gui, "animation.time", "Time", "Of what is shown, seconds, as of --at.",
+    if (gui_number(gui, "animation.time", "Time", "Time of the displayed pose, seconds, like --at.",
                    &seconds, &to.seconds)) {
         to.is_posed = 1;
         edit_pose(panel->viewer, &to, "animation.time");
@@ -318,14 +319,15 @@ static void picked(struct panel *panel, struct document *document)
             gui_pair(gui, "Distance", "%.6g m", picked->distance);
     }
     gui_enabled(gui, has_material);
-    if (gui_button(gui, "picked.edit_material", "Edit material",
-                   "Chooses the material of what was clicked, and shows its parameters.")) {
+    if (gui_button(
+            gui, "picked.edit_material", "Edit material",
+            "Selects the material of the surface that was clicked, and shows its parameters.")) {
         document->chosen_material = picked->material;
         gui_reveal(gui, "material.model");
     }
     gui_same_line(gui);
     gui_enabled(gui, has_object);
-    if (gui_button(gui, "picked.hide", "Hide", "Takes what was clicked out of the scene."))
+    if (gui_button(gui, "picked.hide", "Hide", "Hides the object that was clicked."))
         edit_visible(panel->viewer, picked->object, false, "picked.hide");
     gui_group_end(gui);
 }
