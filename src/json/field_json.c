@@ -156,7 +156,7 @@ static void write_value(const struct field *field, const void *object, struct js
         write_real(field, value, text);
 }
 
-// The number whose product with the unit is the member, or else the exact one.
+// Writes the number whose product with the unit is the member; if there is none, the exact value.
 static void write_product(const struct field *field, double value, struct json_text *text)
 {
     double factor;

@@ -1,4 +1,4 @@
-// Fields in scene files.
+// Reads and writes fields in scene files.
 #ifndef LAMPYRIS_JSON_FIELD_JSON_H
 #define LAMPYRIS_JSON_FIELD_JSON_H
 
@@ -11,11 +11,11 @@ bool field_read(const struct field *field, const struct json_node *node, void *o
                 struct err *err);
 bool fields_read(const struct field *fields, size_t count, const struct json_node *node,
                  void *object, struct err *err);
-// Puts the key and the value that reads back to the same bits.
+// Writes the key and a value that reads back to the same bits.
 void field_write(const struct field *field, const void *object, struct json_text *text);
 void fields_write(const struct field *fields, size_t count, const void *object,
                   struct json_text *text);
-// Those that differ from what they were.
+// Writes the fields that differ from their former values.
 void fields_write_changed(const struct field *fields, size_t count, const void *object,
                           const void *former, struct json_text *text);
 

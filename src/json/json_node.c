@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Here the functions themselves are meant.
+// This file defines the functions themselves.
 #undef node_fail
 #undef node_prepend
 #undef node_unexpected
@@ -52,7 +52,7 @@ static void append(char *text, size_t capacity, const char *format, ...)
     va_end(arguments);
 }
 
-// "shapes[3].transform[0].scale"; empty for the document itself.
+// Writes a path such as "shapes[3].transform[0].scale"; empty for the document itself.
 static void write_path(const struct json_node *node, char *text, size_t capacity)
 {
     if (!node->parent)
@@ -108,10 +108,10 @@ bool node_unexpected(const struct json_node *node, const char *what, struct err 
 
 // --- suggestions ---------------------------------------------------------------------------------
 
-// The name at an index; NULL beyond the last.
+// Returns the name at an index; NULL after the last.
 typedef const char *(*name_at_fn)(const void *names, size_t index);
 
-// The name that was meant, or else all that there are.
+// Suggests the most similar name, or lists all names.
 static struct node_hint suggest(const char *word, name_at_fn name_at, const void *names)
 {
     struct node_hint hint = {""};

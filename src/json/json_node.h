@@ -1,9 +1,10 @@
-// Typed, checked reading of a JSON document whose every complaint names file, path in the document,
-// value and expectation: "cornell.json: materials.white.base_color[1]: 1.7 is outside [0, 1]".
+// Typed, checked reading of a JSON document. Every error names the file, the path in the document,
+// the value and what was expected: "cornell.json: materials.white.base_color[1]: 1.7 is outside [0,
+// 1]".
 //
-// A node is a value together with the way to it; nodes live on the stack and point at their
-// parents. Readers take the object and a key. A key that is absent leaves the output as it is: set
-// defaults before, and name what is required in node_check_object.
+// A node is a value together with its path; nodes live on the stack and point at their parents.
+// Readers take the object and a key. An absent key leaves the output unchanged: set defaults
+// before, and name required keys in node_check_object.
 #ifndef LAMPYRIS_JSON_JSON_NODE_H
 #define LAMPYRIS_JSON_JSON_NODE_H
 
@@ -24,32 +25,33 @@ struct json_node node_root(const char *file, json_t *value);
 struct json_node node_member(const struct json_node *object, const char *key);
 struct json_node node_element(const struct json_node *array, size_t index);
 
-// ERR_INPUT, "FILE: PATH: MESSAGE"; returns false. node_prepend puts FILE and PATH before a message
-// that is there already.
+// Sets ERR_INPUT, "FILE: PATH: MESSAGE", and returns false. node_prepend puts FILE and PATH before
+// an existing message.
 bool node_fail(const struct json_node *node, struct err *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 bool node_prepend(const struct json_node *node, struct err *err);
-// "expected WHAT, not VALUE"
+// Fails with "expected WHAT, not VALUE".
 bool node_unexpected(const struct json_node *node, const char *what, struct err *err);
 
-// As in err.h: the value is seen to be false.
+// As in err.h: analysers see that the value is false.
 #define node_fail(...) (node_fail(__VA_ARGS__), err_false())
 #define node_prepend(...) (node_prepend(__VA_ARGS__), err_false())
 #define node_unexpected(...) (node_unexpected(__VA_ARGS__), err_false())
 
-// A short rendering of the value for messages.
+// A short representation of the value for messages.
 struct node_text {
     char text[64];
 };
 struct node_text node_describe(const json_t *value);
 
-// That the node is an object with all of `required` and nothing but these, `optional` and
-// "comment". Both lists end with NULL. An unknown key is answered with the nearest known one.
+// Checks that the node is an object with all of `required` and no keys other than these, `optional`
+// and "comment". Both lists end with NULL. For an unknown key the error suggests the most similar
+// known one.
 bool node_check_object(const struct json_node *node, const char *const *required,
                        const char *const *optional, struct err *err);
 bool node_check_array(const struct json_node *node, size_t min_count, size_t max_count,
                       struct err *err);
-// Exactly one of the two keys is there.
+// Checks that exactly one of the two keys is present.
 bool node_check_either(const struct json_node *object, const char *a, const char *b,
                        struct err *err);
 
@@ -65,31 +67,33 @@ bool node_read_number(const struct json_node *object, const char *key, struct ra
 bool node_read_integer(const struct json_node *object, const char *key, uint64_t min, uint64_t max,
                        uint64_t *out, struct err *err);
 bool node_read_boolean(const struct json_node *object, const char *key, bool *out, struct err *err);
-// The string stays the document's.
+// The document owns the string.
 bool node_read_string(const struct json_node *object, const char *key, const char **out,
                       struct err *err);
 bool node_read_vector(const struct json_node *object, const char *key, struct range range,
                       double out[3], struct err *err);
 bool node_read_color(const struct json_node *object, const char *key, struct range range,
                      float out[3], struct err *err);
-// The index of a string in `names`, which ends with NULL. node_choice: the node itself is it.
+// Reads the index of a string in `names`, which ends with NULL. node_choice: the node itself is the
+// string.
 bool node_choice(const struct json_node *node, const char *const *names, uint32_t *out,
                  struct err *err);
 bool node_read_choice(const struct json_node *object, const char *key, const char *const *names,
                       uint32_t *out, struct err *err);
 
-// The numbers of an array of exactly `count`.
+// Reads an array of exactly `count` numbers.
 bool node_numbers(const struct json_node *array, size_t count, struct range range, double *out,
                   struct err *err);
 
-// Two numbers, the first not above the second.
+// Reads two numbers, of which the first must not exceed the second.
 bool node_read_pair(const struct json_node *object, const char *key, struct range range,
                     double out[2], struct err *err);
 
-// A name that error messages and overrides can address: letters, digits, "_" and "-".
+// Checks a name that error messages and overrides can address: letters, digits, "_" and "-".
 bool node_check_name(const struct json_node *node, const char *name, struct err *err);
 
-// "; did you mean KEY?" where a key of the object is near the word, else "; known: A, B, C".
+// Makes "; did you mean KEY?" if a key of the object is similar to the word, else "; known: A, B,
+// C".
 struct node_hint {
     char text[160];
 };

@@ -5,10 +5,10 @@
 #include <setjmp.h>
 #include <stdatomic.h>
 
-// jansson 2.14 must not meet a failed allocation while it parses: where its buffer for a string
-// cannot grow, it goes on without the rest of the string and then writes past the end of what it
-// has allocated. So a failed allocation leaves the parser at once, by longjmp, and whatever it has
-// allocated so far is released here: every block is in a list of its parse until that has ended.
+// jansson 2.14 must not see a failed allocation while it parses: if its buffer for a string cannot
+// grow, it continues without the rest of the string and then writes past the end of the allocated
+// memory. So a failed allocation leaves the parser at once, by longjmp, and its allocations so far
+// are freed here: every block is in a list until the parse has ended.
 struct block {
     struct block *previous, *next; // NULL: of no parse
 };
@@ -52,7 +52,7 @@ static void release(void *data)
     memory_free(block);
 }
 
-// Takes all blocks out of the list; frees them where the parse has failed.
+// Removes all blocks from the list; frees them if the parse has failed.
 static void parse_end(struct parse *parse, bool is_failed)
 {
     for (struct block *block = parse->blocks.next; block != &parse->blocks;) {

@@ -1,6 +1,6 @@
-// JSON documents from text, and the memory that jansson takes. By itself jansson reports a failed
-// allocation as a fault of the text, leaves out what it had no memory for, or writes where it must
-// not.
+// Parses JSON documents, and controls the memory of jansson. By itself jansson reports a failed
+// allocation as an error of the text, omits data for which it had no memory, or writes out of
+// bounds.
 #ifndef LAMPYRIS_JSON_JSON_PARSE_H
 #define LAMPYRIS_JSON_JSON_PARSE_H
 
@@ -9,17 +9,18 @@
 #include <jansson.h>
 
 // From now on jansson's memory counts against the budget of the process (memory.h), and its failed
-// allocations do no harm to json_parse(). To be called before jansson makes anything.
+// allocations do no harm to json_parse(). Call it before jansson allocates anything.
 void json_use_budget(void);
 
 // Returns whether an allocation of jansson's has failed since the previous call, but for those of
 // parsers: if so, something may be missing from what was built since.
 bool json_lost_memory(void);
 
-// The document, or NULL with *err set: ERR_INPUT with file, line and column, or lack of memory.
+// Returns the document, or NULL with *err set: ERR_INPUT with file, line and column, or lack of
+// memory.
 json_t *json_parse(const char *path, const struct file_bytes *text, size_t flags, struct err *err);
 
-// Releases what json_dumps has returned; accepts NULL.
+// Frees the result of json_dumps; accepts NULL.
 void json_release(char *dumped);
 
 #endif

@@ -91,8 +91,8 @@ static bool is_finite(struct json_text *t, double value)
     return false;
 }
 
-// So many significant digits, without an exponent where it would only save zeros; with a point
-// where it would read as a whole number, which has no sign.
+// Writes this many significant digits, without an exponent unless it saves zeros; with a point if
+// it would otherwise read as an integer, which has no signed zero.
 static void put_digits(struct json_text *t, double value, int count)
 {
     char digits[40];
@@ -103,7 +103,7 @@ static void put_digits(struct json_text *t, double value, int count)
     put(t, strcmp(digits, "-0") == 0 ? "-0.0" : digits);
 }
 
-// The number that is written with so many digits.
+// Returns the number that is written with this many digits.
 static double with_digits(double value, int count)
 {
     char digits[40];
@@ -121,7 +121,7 @@ void json_text_double(struct json_text *t, double value)
     put_digits(t, value, count);
 }
 
-// Read as a double, and rounded then.
+// The text is read as a double and then rounded.
 void json_text_float(struct json_text *t, float value)
 {
     int count = 1;
@@ -175,8 +175,7 @@ static bool is_factor(double factor, double unit, bool is_float, double value)
     return is_float ? (float)(factor * unit) == (float)value : factor * unit == value;
 }
 
-// A quotient is within two roundings of what is sought; digits that a person would have typed are
-// tried first.
+// The quotient is within two roundings of a solution; short decimal numbers are tried first.
 bool json_text_factor(double value, double unit, bool is_float, double *out)
 {
     double quotient = value / unit, near[4];

@@ -11,7 +11,7 @@
 
 #define JSON_TEXT_DEPTH_MAX 8
 
-// Functions go on after a failure, and do nothing then; `failed` and *err tell of the first.
+// After a failure, all functions do nothing; `failed` and *err have the first failure.
 struct json_text {
     struct memory_stream stream;
     struct {
@@ -25,26 +25,26 @@ struct json_text {
 };
 
 bool json_text_begin(struct json_text *out, uint32_t indent, struct err *err);
-// The finished text, to be freed; NULL on failure.
+// Returns the finished text, to be freed; NULL on failure.
 char *json_text_end(struct json_text *t);
 
-// '{' or '['; in_line: all of it in the line where it begins.
+// Opens '{' or '['; in_line: everything is on the line where it begins.
 void json_text_open(struct json_text *t, char bracket, bool in_line);
 void json_text_close(struct json_text *t);
 void json_text_key(struct json_text *t, const char *key); // the value is to follow
-void json_text_next(struct json_text *t);                 // likewise of a list's element
+void json_text_next(struct json_text *t);                 // likewise for an element of a list
 
 void json_text_double(struct json_text *t, double value);
 void json_text_float(struct json_text *t, float value);
 void json_text_uint(struct json_text *t, uint64_t value);
 void json_text_bool(struct json_text *t, bool value);
-// Fails for what is no UTF-8, and for a "${", which would stand for a definition.
+// Fails for text that is not UTF-8, or that contains "${", which would be a reference.
 void json_text_string(struct json_text *t, const char *text);
 bool json_text_can_hold(const char *text);
-void json_text_raw(struct json_text *t, const char *json); // as it is
+void json_text_raw(struct json_text *t, const char *json); // verbatim
 
-// A number whose product with the unit, rounded to single precision if is_float, is the value, in
-// as few digits as there is one; false where there is none.
+// Finds a number whose product with the unit, rounded to single precision if is_float, is the
+// value, with as few digits as possible; returns false if there is none.
 bool json_text_factor(double value, double unit, bool is_float, double *out);
 
 #endif

@@ -1,4 +1,4 @@
-// The images besides the radiance as layers of an EXR file.
+// The images besides the radiance, as layers of an EXR file.
 #ifndef LAMPYRIS_OUTPUT_LAYERS_H
 #define LAMPYRIS_OUTPUT_LAYERS_H
 
@@ -13,9 +13,9 @@ struct layers {
 
 struct film_image;
 
-// Those of the film that are wanted (AOV_*); their values are the film's.
+// Lists the requested layers of the film (AOV_*); their values belong to the film.
 void layers_list(const struct film_image *film, uint32_t wanted, struct layers *out);
-// The most bytes that the layers take in a file for a pixel, uncompressed.
+// Returns the greatest number of bytes per pixel of the layers in a file, uncompressed.
 uint64_t layers_bytes(uint32_t wanted, bool half_float);
 
 #endif

@@ -41,7 +41,7 @@ static void add(struct attributes *a, const char *key, const char *format, ...)
     a->failed |= !metadata_set(a->out, key, arena_strdup(a->arena, text), NULL);
 }
 
-// Takes a value that lives as long as the arena, or NULL when there was no memory for it.
+// Adds a value that lives as long as the arena; NULL means that memory for it ran out.
 static void add_text(struct attributes *a, const char *key, const char *value)
 {
     a->failed |= !metadata_set(a->out, key, value, NULL);
@@ -84,7 +84,7 @@ static void add_settings(struct attributes *a, const struct metadata_params *par
     const struct job_params *asked = &params->job->params;
     const struct renderer *r = &params->job->renderer;
     struct settings made = *params->settings;
-    // The samples and the exposure that the picture has, not those that were asked for.
+    // The samples and the exposure are those of the image, not those that were requested.
     made.spp = params->samples;
     made.exposure = params->exposure;
     made.exposure_is_auto = false;
@@ -115,7 +115,7 @@ static void add_layers(struct attributes *a, const struct metadata_params *param
         add_text(a, "lampyris:layers", names);
 }
 
-// Where the estimate has no interval, it does not stand here.
+// An estimate without an interval is omitted.
 static void add_error(struct attributes *a, const struct half_error *error)
 {
     if (error->known) {
@@ -162,7 +162,7 @@ bool metadata_make(const struct metadata_params *params, struct arena *arena, st
     add_text(&a, "lampyris:command", params->command);
     if (params->repeat)
         add_text(&a, "lampyris:repeat", params->repeat);
-    // The viewer may have another scene before the picture is written.
+    // The viewer may open another scene before the image is written.
     add_text(&a, "lampyris:scene", arena_strdup(arena, job->scene->path));
     add(&a, "lampyris:scene_hash", "%016" PRIx64, job->scene->hash);
     add(&a, "lampyris:device", "%s", job->gpu->info.name);

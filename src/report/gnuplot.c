@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Runs it between two files; its messages go where ours go.
+// Runs gnuplot between two files; its error messages go to ours.
 static bool run(FILE *in, FILE *out, struct err *err)
 {
     const char *const arguments[] = {"gnuplot", NULL};

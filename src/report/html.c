@@ -116,7 +116,7 @@ void html_base64(struct html_page *page, const uint8_t *bytes, size_t count)
     }
 }
 
-// Formats are the callers' literals, of one double.
+// Formats are literals of the callers, with one double.
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
 
 void html_value(struct html_page *page, struct interval i, const char *format)
@@ -154,7 +154,7 @@ void html_number(struct html_page *page, double value, const char *format)
 
 // --- plots ---------------------------------------------------------------------------------------
 
-// gnuplot knows escapes in double quotes only; single ones are doubled.
+// gnuplot supports escapes only in double quotes; single quotes are doubled.
 void html_plot_words(FILE *script, const char *text)
 {
     fputc('\'', script);
@@ -176,7 +176,7 @@ static bool keep_part(struct html_page *page, const char *name, const char *exte
                 : err_memory(err, "file names", strlen(name));
 }
 
-// The SVG goes in without its XML declaration.
+// The SVG is embedded without its XML declaration.
 bool html_plot(struct html_page *page, const char *name, const char *script, struct err *err)
 {
     struct err failure = {0};

@@ -11,26 +11,26 @@
 
 struct html_page {
     struct arena *arena;
-    const char *folder;   // of the page
-    const char *path;     // of the page; NULL: FOLDER/report.html
+    const char *folder;   // folder of the page
+    const char *path;     // file of the page; NULL: FOLDER/report.html
     bool keeps_parts;     // plots, their scripts and pictures also stand beside the page, as files
-    float exposure_stops; // of the pictures that follow, but not of false colours
+    float exposure_stops; // for the following images, except false colours
     enum tone_curve tone;
     bool has_no_plots; // gnuplot is not there, which the page says
     bool has_plots;
     uint32_t viewers; // html_viewer.h
     struct memory_stream stream;
-    FILE *out; // its
+    FILE *out; // stream of the page
 };
 
-// Before the work: that neither FOLDER/report.html nor the results.json and results.csv beside it
-// are files that this run reads. ERR_USAGE.
+// Before the work: checks that neither FOLDER/report.html nor the results.json and results.csv
+// beside it are files that this run reads. ERR_USAGE.
 bool html_check_files(const char *folder, struct arena *arena, struct err *err);
 // Checks the same of a page of another name (NULL: none), which ends in .html or .htm, and that it
 // can be written.
 bool html_check_file(const char *path, struct err *err);
 
-// Begins FOLDER/report.html in memory, with its title as a headline, and keeps no parts.
+// Begins FOLDER/report.html in memory, with its title as a headline, without keeping parts.
 bool html_begin(struct html_page *page, struct arena *arena, const char *folder, const char *title,
                 struct err *err);
 // Writes it, or, after a failure, only releases it.
@@ -41,16 +41,16 @@ void html_base64(struct html_page *page, const uint8_t *bytes, size_t count);
 // A table's cell, by a format of one double. Of an interval that is not known, its value alone.
 void html_interval(struct html_page *page, struct interval interval, const char *format);
 void html_number(struct html_page *page, double value, const char *format);
-// A value that is known with its interval, without a cell.
+// Adds a value with its known interval, without a cell.
 void html_value(struct html_page *page, struct interval interval, const char *format);
 
-// Runs a gnuplot script, and takes the plot into the page. Without gnuplot a note stands there
-// instead, once a page. `name`: of the files where parts are kept, NAME.gp and NAME.svg.
+// Runs a gnuplot script and embeds the plot. Without gnuplot the page has one note instead. `name`:
+// of the files if parts are kept, NAME.gp and NAME.svg.
 bool html_plot(struct html_page *page, const char *name, const char *script, struct err *err);
-// Words for such a script, in quotes.
+// Writes words for such a script, in quotes.
 void html_plot_words(FILE *script, const char *text);
-// Takes a picture into the page. attributes: of the element, such as a class. `name`: of the file
-// where parts are kept, NAME.png.
+// Embeds an image. attributes: of the element, such as a class. `name`: of the file if parts are
+// kept, NAME.png.
 bool html_picture(struct html_page *page, const char *name, const struct image *image,
                   const char *attributes, struct err *err);
 // Where parts are kept, writes a picture beside the page, NAME.png; and false colours of relative

@@ -4,7 +4,7 @@
 #include "metrics/metrics.h"
 #include <math.h>
 
-// False colours are display values; pictures hold linear ones.
+// False colours are display values; images hold linear values.
 static void linearize(struct image *image)
 {
     const float steps = 16; // between one colour of the scale and the next

@@ -45,7 +45,7 @@ char *json_to_text(json_t *object, size_t flags, struct err *err)
 
 bool json_put(json_t *object, struct err *err)
 {
-    // Nine digits are enough for floats, and times are not known better.
+    // Nine digits are enough for floats, and times are not more accurate.
     char *text = json_to_text(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9), err);
     if (text)
         puts(text); // main notices when stdout cannot be written

@@ -1,4 +1,4 @@
-// What a measurement was made on.
+// Describes the machine of a measurement.
 #ifndef LAMPYRIS_REPORT_MACHINE_H
 #define LAMPYRIS_REPORT_MACHINE_H
 
@@ -11,7 +11,7 @@ struct machine {
     double memory_bytes;
 };
 
-// What cannot be found out is "unknown" or 0.
+// Unknown values are "unknown" or 0.
 struct machine machine_describe(void);
 // {processor, threads, memory_bytes, system, device, driver, version}
 json_t *machine_json(const struct gpu *gpu);

@@ -1,4 +1,4 @@
-// Text results on stdout.
+// Writes text results to stdout.
 #ifndef LAMPYRIS_REPORT_TEXT_OUT_H
 #define LAMPYRIS_REPORT_TEXT_OUT_H
 
@@ -26,7 +26,7 @@ static inline void print_line(const char *label, const char *text)
     putchar('\n');
 }
 
-// Says where --report has written; folder NULL: nowhere.
+// Prints where --report has written; folder NULL: nowhere.
 static inline void print_report(const char *folder)
 {
     if (!folder)
