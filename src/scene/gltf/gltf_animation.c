@@ -144,7 +144,7 @@ static bool read_sampler(struct player *player, const struct json_node *sampler,
     return read_times(player, channel, input, err) && read_values(load, channel, output, err);
 }
 
-// Finds the number of components of the channel's value; 0 if the target does not exist.
+// Finds the number of components of the channel's value. Fails if the node has no such property.
 static bool find_width(struct gltf_load *load, const struct json_node *target,
                        struct channel *channel, struct err *err)
 {

@@ -3,8 +3,8 @@
 // The weight of the newest measurement in the running means: a change takes effect within a few
 // frames, and one slow frame does not change the image's size.
 #define NEWEST 0.25
-// A larger image must fit into this fraction of the time to be chosen, which exceeds the variation
-// between frames.
+// A larger image is only chosen if it fits into this fraction of the time. The rest exceeds the
+// variation between frames.
 #define MARGIN 0.8
 // Without input, rendering may take this many times all other work, within a limit that keeps the
 // response to new input fast.

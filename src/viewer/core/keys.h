@@ -43,7 +43,7 @@ void viewer_event(struct viewer *viewer, const struct event *event);
 void viewer_move_camera(struct viewer *viewer, double seconds);
 // Evaluates the last click. Returns false if the device failed.
 bool viewer_answer_click(struct viewer *viewer, struct err *err);
-// Releases all held keys and buttons.
+// Returns whether nothing is held, and nothing moves, that could change the scene.
 bool viewer_holds_nothing(const struct viewer *viewer);
 
 struct key_help {
