@@ -21,7 +21,7 @@
 #include <sanitizer/asan_interface.h>
 enum { GAP_BYTES = 64 };
 
-// A size past all memory is an error to be reported, as it is without the sanitizer.
+// A size beyond all memory must be a reported error, as without the sanitizer.
 const char *__asan_default_options(void)
 {
     return "allocator_may_return_null=1";
@@ -78,15 +78,16 @@ static struct arena_block *block_create(size_t size)
     return block;
 }
 
-// The position of an allocation in a block, or SIZE_MAX where it does not fit.
+// Returns the position of an allocation in a block, or SIZE_MAX if it does not fit.
 static size_t block_fit(const struct arena_block *block, size_t bytes, size_t alignment)
 {
     size_t at = (block->used + alignment - 1) & ~(alignment - 1);
     return at <= block->size && bytes <= block->size - at ? at : SIZE_MAX;
 }
 
-// The block that receives the allocation: the current one, a new current one, or, for what is too
-// large to share, a block of its own that is put behind the current one, which stays in use.
+// Returns the block for the allocation: the current one, a new current one, or, for an allocation
+// that is too large to share, a block of its own that is linked after the current one, which stays
+// in use.
 static struct arena_block *block_for(struct arena *arena, size_t bytes, size_t alignment)
 {
     struct arena_block *current = arena->blocks;

@@ -6,12 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 
-// Here the functions themselves are meant.
+// This file defines the functions themselves.
 #undef err_set
 #undef err_prepend
 #undef err_memory
 
-// What does not fit is cut off; a format that fails leaves "".
+// Text that does not fit is cut off; a format that fails gives "".
 static void print(char *text, size_t size, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
 

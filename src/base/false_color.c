@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-// Linear Rec. 709 of a colour of Oklab (Ottosson 2020, "A perceptual color space for image
-// processing").
+// Converts a colour of Oklab (Ottosson 2020, "A perceptual color space for image processing") to
+// linear Rec. 709.
 static void rgb_of_oklab(double lightness, double a, double b, double out[3])
 {
     double l = lightness + 0.3963377774 * a + 0.2158037573 * b;
@@ -26,8 +26,8 @@ static bool is_shown(const double rgb[3])
     return ok;
 }
 
-// Lightness rises evenly while the hue goes from violet by red to yellow, half of the circle; the
-// chroma, greatest in the middle, is lowered to what displays can show.
+// Lightness increases evenly while the hue goes from violet through red to yellow, half of the
+// circle; the chroma, greatest in the middle, is reduced to the gamut of displays.
 void false_color(double level, double out[3])
 {
     double lightness = 0.97 * level, hue = (285 + 180 * level) * M_PI / 180;

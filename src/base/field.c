@@ -19,7 +19,7 @@ static int shift(const struct field *field)
     return __builtin_ctz(mask(field));
 }
 
-// The four bytes at an offset: a count, a choice, a flag.
+// Returns the four bytes at an offset: a count, a choice, a flag.
 static uint32_t get_word(const void *object, size_t offset)
 {
     uint32_t word;
@@ -127,7 +127,7 @@ void field_text(const struct field *field, const void *object, char out[FIELD_TE
         number_text(field, value, out);
 }
 
-// memcmp, not ==: two zeros differ, and a NaN is itself.
+// Uses memcmp, not ==: two zeros differ, and a NaN equals itself.
 bool field_same(const struct field *field, const void *a, const void *b)
 {
     if (field->mask)

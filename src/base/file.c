@@ -116,7 +116,7 @@ static bool has_parent_component(const char *path)
     }
 }
 
-// What is wrong with a decoded path from inside a file, or NULL.
+// Returns what is wrong with a decoded path from inside a file, or NULL.
 static const char *path_objection(const char *path)
 {
     if (!*path)
@@ -138,7 +138,7 @@ static bool is_under(const char *path, const char *folder)
     return strncmp(path, folder, length) == 0 && path[length] == '/';
 }
 
-// The path with symbolic links resolved, in the arena; NULL with *err set.
+// Returns the path with symbolic links resolved, in the arena; NULL with *err set.
 static char *real_path(struct arena *arena, const char *path, struct err *err)
 {
     char *resolved = file_real_path(path);
@@ -157,8 +157,8 @@ static char *real_path(struct arena *arena, const char *path, struct err *err)
     return copy;
 }
 
-// The regular file under `folder` that `joined`, its decoded path with the folder in front, leads
-// to; NULL with *err set. `written` is the path for messages.
+// Returns the regular file under `folder` to which `joined`, the decoded path with the folder
+// prepended, leads; NULL with *err set. `written` is the path for messages.
 static char *resolve_inside(struct arena *arena, const char *folder, const char *joined,
                             const char *written, struct err *err)
 {

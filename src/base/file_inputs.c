@@ -8,8 +8,8 @@
 
 struct file_input {
     char *path;
-    uint64_t hash; // of the path, to find it again quickly
-    bool is_own;   // which the run may replace by this path
+    uint64_t hash; // of the path, for a fast search
+    bool is_own;   // the run may replace it under this path
 };
 
 static struct file_inputs *current; // NULL: there is no run
@@ -63,7 +63,7 @@ static bool append(struct file_inputs *inputs, const char *path, uint64_t hash, 
     return true;
 }
 
-// A file that is read for another reason, too, is not the run's own.
+// A file that is also read for another reason is not the run's own.
 static bool add(const char *path, bool is_own, struct err *err)
 {
     if (!current || !file_is_regular(path))
@@ -102,8 +102,8 @@ void file_inputs_forget(const char *path)
     mutex_unlock(&current->mutex);
 }
 
-// Looks at the inputs as they are now: one that was replaced since it was read, by an editor that
-// renames a new file into its place, is an input still, and its old inode may be another file's.
+// Compares the inputs as they are now: a file that was replaced since it was read, by an editor
+// that renames a new file, is still an input, and its old inode may belong to another file.
 bool file_inputs_check(const char *output, struct err *err)
 {
     struct file_status status, input;
@@ -127,7 +127,7 @@ bool file_inputs_check(const char *output, struct err *err)
     return ok;
 }
 
-// Both lead to no file so far: they are the same where name and folder are.
+// Neither file exists yet: they are the same if name and folder are.
 static bool same_place(const char *a, const char *b)
 {
     struct arena arena = {0};

@@ -16,7 +16,7 @@ static bool fail(struct err *err, const char *path, const char *action)
     return err_set(err, ERR_OUTPUT, "%s: cannot %s: %s", path, action, strerror(errno));
 }
 
-// What stands at the path now.
+// The kind of file that is at the path now.
 enum target { TARGET_NONE, TARGET_REGULAR, TARGET_STREAM };
 
 static bool target_examine(const char *path, enum target *target, unsigned *permissions,
@@ -41,13 +41,13 @@ static bool target_examine(const char *path, enum target *target, unsigned *perm
     return true;
 }
 
-// The folder's part of a path, with its slash, has this length; 0 where the path is a bare name.
+// Returns the length of the folder part of a path, with its slash; 0 for a bare name.
 static int folder_length(const char *path)
 {
     return (int)(path_name(path) - path);
 }
 
-// From malloc; NULL when out of memory.
+// Allocated with malloc; NULL when out of memory.
 static char *folder_of(const char *path)
 {
     const size_t length = (size_t)folder_length(path);
@@ -59,8 +59,8 @@ static char *folder_of(const char *path)
 
 enum { NAME_ATTEMPTS = 1000, NAME_BYTES = 64, BLOCK_BYTES = 1 << 16 };
 
-// A short name of its own, so that a long name of the picture does not become too long, and so that
-// two processes, or two writers of one, do not meet.
+// A short name, so that it is not too long even if the output's is, and unique, so that processes
+// and writers do not collide.
 static bool temporary_path_allocate(struct file_writer *writer, struct err *err)
 {
     size_t size = (size_t)folder_length(writer->path) + NAME_BYTES;
@@ -103,7 +103,7 @@ static bool named_create(struct file_writer *writer, unsigned permissions, struc
     if (writer->handle >= 0)
         return true;
     fail(err, writer->path, "create a file in its folder");
-    temporary_path_forget(writer); // not ours to remove
+    temporary_path_forget(writer); // it belongs to another writer
     return false;
 }
 
@@ -112,7 +112,7 @@ static bool temporary_create(struct file_writer *writer, unsigned permissions, s
     const unsigned wanted = permissions ? permissions : 0666;
     if (!unnamed_create(writer, wanted) && !named_create(writer, wanted, err))
         return false;
-    // What is created obeys the umask; an older file's permissions are kept as they are.
+    // New files obey the umask; an existing file's permissions are kept.
     if (permissions && !file_handle_set_permissions(writer->handle, permissions))
         return fail(err, writer->path, "keep its permissions");
     return true;
@@ -168,7 +168,7 @@ static void corrupt_if_due(uint8_t *block, size_t size)
         atomic_store(&corrupt_countdown, n <= size ? 0 : n - size);
 }
 
-// Blocks are of the same size in writing and in reading back, but for the last.
+// Blocks have the same size in writing and in reading back, except the last.
 static struct hash128 add_block(struct hash128 sum, const uint8_t *block, size_t size)
 {
     const struct hash128 pair[2] = {sum, hash128_bytes(block, size)};
@@ -237,8 +237,8 @@ static void sync_folder(const char *path)
     free(folder);
 }
 
-// What replaces an older file at one stroke is a name in place of another: the file has one of its
-// own for the moment between.
+// Replacing a file atomically means renaming another file over it, so the new file needs a
+// temporary name for a moment.
 static bool temporary_name(struct file_writer *writer, struct err *err)
 {
     if (writer->temporary_path)
@@ -272,7 +272,7 @@ bool file_writer_commit(struct file_writer *writer, struct err *err)
     if (ok && !writer->direct)
         ok = (file_handle_sync(writer->handle) || fail(err, writer->path, "sync")) &&
              verify(writer, err) && temporary_name(writer, err);
-    // Closed before the rename: not every system renames open files over others.
+    // It is closed before the rename, because not every system can rename open files over others.
     const bool is_closed = file_handle_close(writer->handle);
     writer->handle = -1;
     if (ok && !is_closed)
@@ -323,7 +323,7 @@ bool file_check_writable(const char *path, struct err *err)
     unsigned permissions;
     if (!target_examine(path, &target, &permissions, err))
         return false;
-    // Opening a pipe and closing it again would tell its reader that all is over.
+    // Opening a pipe and closing it again would signal the end to its reader.
     if (target == TARGET_STREAM)
         return true;
     struct file_writer writer;

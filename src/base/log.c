@@ -44,7 +44,7 @@ void log_message(enum log_level level, const char *format, ...)
     va_end(arguments);
     if (length < 0)
         return;
-    // Names and values from files must not steer a terminal.
+    // Names and values from files must not send control codes to a terminal.
     printable_mask(message);
     mutex_lock(&log_state.mutex);
     log_state.sink(log_state.context, level, message);

@@ -100,7 +100,7 @@ void *memory_alloc(size_t bytes)
         memory_fail(bytes);
         return NULL;
     }
-    // What memory_free will find.
+    // Count the size that memory_free will find.
     atomic_fetch_add(&memory.used, memory_block_bytes(data) - bytes);
     return data;
 }

@@ -23,8 +23,8 @@ struct worker {
     struct thread handle;
 };
 
-// Chunks are handed out one by one, so that a slow one does not hold up the others. The counter
-// passes `chunks` by at most one a thread.
+// Chunks are distributed one by one, so that a slow one does not delay the others. The counter
+// exceeds `chunks` by at most one per thread.
 static void loop_run(struct loop *loop, unsigned thread)
 {
     for (;;) {

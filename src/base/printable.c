@@ -23,9 +23,9 @@ static bool is_masked(uint32_t code)
     return false;
 }
 
-// The length of the character that begins here; 0 for what is not UTF-8 (RFC 3629, section 4):
-// continuation bytes without a beginning, too few of them, longer forms than needed, surrogates and
-// numbers above U+10FFFF.
+// Returns the length of the character that begins here; 0 for invalid UTF-8 (RFC 3629, section 4):
+// continuation bytes without a beginning, too few of them, overlong forms, surrogates and numbers
+// above U+10FFFF.
 static size_t decode(const unsigned char *text, uint32_t *code)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};

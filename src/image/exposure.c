@@ -1,18 +1,18 @@
-// How much a picture is to be brightened, from its luminances.
+// Computes an exposure for an image from its luminances.
 #include "image/image.h"
 
 #include "base/maths.h"
 #include <math.h>
 
-// A histogram of log2 of the luminance: it does not depend on the order of the pixels, and its
-// steps of 1/64 stop are nobody's to see. It spans all floats.
+// A histogram of log2 of the luminance does not depend on the order of the pixels, and steps of
+// 1/64 stop are not visible. It covers the range of floats.
 #define STEPS 64
 #define STOPS_MIN (-150)
 #define STOPS_MAX 131 // the sum of three weighted floats is below 2^128
 #define BINS ((STOPS_MAX - STOPS_MIN) * STEPS)
 
 #define LEAVES_OUT 20 // one in so many pixels may be brighter
-#define WHITE 0.5     // of what is shown as 1: a stop is left for glints
+#define WHITE 0.5     // of the display maximum: a stop is left for glints
 
 static uint64_t count_luminances(const struct image *image, uint64_t *bins)
 {

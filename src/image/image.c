@@ -20,7 +20,7 @@ static enum format format_of_output(const char *path)
                                            : FORMAT_UNKNOWN;
 }
 
-// A file is what its first bytes say, whatever it is called.
+// The first bytes of a file determine its format, not its name.
 static enum format format_of_bytes(const uint8_t *data, size_t size)
 {
     static const struct {
@@ -39,9 +39,9 @@ static enum format format_of_bytes(const uint8_t *data, size_t size)
     return FORMAT_UNKNOWN;
 }
 
-// The libraries do not always say that it is memory what they lack: libpng leaves out texts, with a
-// warning, and blames the file for others. `failures`: before the library was called; ok: what it
-// has returned.
+// The libraries do not always report a lack of memory: libpng omits texts, with a warning, and
+// blames the file for other failures. `failures`: the count before the library was called; ok: what
+// it returned.
 static bool had_memory(uint64_t failures, bool ok, const char *what, struct err *err)
 {
     bool is_told = !ok && err && err->code != ERR_INPUT && err->code != ERR_OUTPUT;
@@ -70,8 +70,7 @@ static void corrupt_if_due(struct byte_buffer *file)
         file->data[n - 1] ^= 0x10;
 }
 
-// A file that does not decode to what was encoded is no picture: by a library's fault, or the
-// memory's.
+// A file that does not decode to what was encoded is an error of a library or of the memory.
 static bool fail_verification(struct err *err)
 {
     return err->code == ERR_OUTPUT

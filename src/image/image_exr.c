@@ -16,8 +16,8 @@ static void keep_message(exr_const_context_t context, exr_result_t code, const c
         snprintf(stream->message, sizeof stream->message, "%s", message);
 }
 
-// A context for writing is locked while it reports an error (OpenEXRCore 3.1.5), and asking it for
-// its user data would wait for ever.
+// A context for writing is locked while it reports an error (OpenEXRCore 3.1.5), and requesting its
+// user data would deadlock.
 static void drop_message(exr_const_context_t context, exr_result_t code, const char *message)
 {
     (void)context, (void)code, (void)message;
@@ -56,8 +56,8 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
     return (int64_t)size;
 }
 
-// Of damaged blocks some decompressors fill only a part and report success: what is left is to be
-// black, not whatever the memory held.
+// For damaged blocks some decompressors fill only a part and report success: the rest must be
+// black, not arbitrary memory.
 static void *allocate_zeroed(size_t size)
 {
     return memory_alloc(size);
@@ -82,7 +82,7 @@ exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
 bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_code code,
               struct err *err)
 {
-    // Some decompressors say so of damaged data as well; malloc, when it does fail, sets errno.
+    // Some decompressors report this for damaged data as well; a failing malloc sets errno.
     bool exhausted = result == EXR_ERR_OUT_OF_MEMORY && errno == ENOMEM;
     if (stream->out_of_memory || exhausted)
         return err_memory(err, "the EXR library", 0);

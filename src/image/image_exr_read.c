@@ -1,4 +1,4 @@
-// Single-part EXR, scanlines or tiles, of any compression that OpenEXRCore decodes.
+// Reads single-part EXR, scanlines or tiles, with any compression that OpenEXRCore decodes.
 #include "image/image_exr.h"
 
 #include <stdio.h>
@@ -13,8 +13,8 @@ struct exr_reader {
     bool tiled;
     exr_attr_box2i_t window;
     uint64_t width, height;
-    // Indices into the channel list of the channels that make R, G, B, all the same for luminance,
-    // and A; that one -1 where there is none or it is not wanted.
+    // Indices in the channel list of the channels for R, G, B, all the same for luminance, and for
+    // A; that is -1 if it does not exist or is not needed.
     int channels[COMPONENTS];
     exr_decode_pipeline_t decoder;
     bool decoder_ready;
@@ -81,7 +81,7 @@ static void list_channels(const exr_attr_chlist_t *list, char *text, size_t size
     }
 }
 
-// The three channels of these names; false where one is missing.
+// Finds the three channels with these names; returns false if one is missing.
 static bool find_three(const exr_attr_chlist_t *list, const char *layer,
                        const char *const names[COLORS], int channels[COLORS])
 {
@@ -93,7 +93,7 @@ static bool find_three(const exr_attr_chlist_t *list, const char *layer,
     return found;
 }
 
-// R, G and B, or X, Y and Z, or else in all three Y or the channel whose whole name it is.
+// Finds R, G and B, or X, Y and Z, or else for all three Y or the channel with this full name.
 static bool find_colors(const exr_attr_chlist_t *list, const char *layer, int channels[COLORS])
 {
     static const char *const colors[] = {"R", "G", "B"}, *const axes[] = {"X", "Y", "Z"};
@@ -108,7 +108,7 @@ static bool find_colors(const exr_attr_chlist_t *list, const char *layer, int ch
     return single >= 0;
 }
 
-// Chooses the channels of the colours, and A where there is one.
+// Chooses the channels of the colours, and A if it exists.
 static bool choose_channels(struct exr_reader *reader, struct err *err)
 {
     const exr_attr_chlist_t *list;
@@ -178,7 +178,7 @@ static float sample_value(const uint8_t *bytes, exr_pixel_type_t type)
     return value;
 }
 
-// One line of one channel into the components of the pixels from `first` on that it makes.
+// Unpacks one line of one channel into components of the pixels, beginning with pixel `first`.
 static void unpack_line(const struct exr_reader *reader, int index, const uint8_t *bytes,
                         const exr_coding_channel_info_t *channel, uint64_t first)
 {
@@ -189,8 +189,8 @@ static void unpack_line(const struct exr_reader *reader, int index, const uint8_
                              (exr_pixel_type_t)channel->data_type);
 }
 
-// Spreads a decompressed chunk, whose first pixel is (x, y) of the picture: line by line, of each
-// line channel after channel (OpenEXR file layout, "scan line blocks").
+// Unpacks a decompressed chunk, whose first pixel is (x, y) of the image: line by line, and in each
+// line channel by channel (OpenEXR file layout, "scan line blocks").
 static bool unpack_chunk(struct exr_reader *reader, uint64_t x, uint64_t y, struct err *err)
 {
     const exr_decode_pipeline_t *decoder = &reader->decoder;
@@ -265,8 +265,7 @@ static bool read_tiles(struct exr_reader *reader, struct err *err)
     return true;
 }
 
-// Alpha of 1 where the file has none; else the colours without the factor that they are stored
-// with.
+// Sets alpha to 1 if the file has none; otherwise divides the colours by it.
 static void finish_alpha(const struct exr_reader *reader)
 {
     bool has_alpha = reader->channels[COLORS] >= 0;
@@ -310,7 +309,7 @@ static bool copy_attributes(struct exr_reader *reader, struct arena *arena,
                                               &attribute),
                    err))
             return false;
-        // "type" is part of the format: it tells scanlines from tiles.
+        // "type" is part of the format: it distinguishes scanlines and tiles.
         if (attribute->type != EXR_ATTR_STRING || strcmp(attribute->name, "type") == 0)
             continue;
         char *key = arena_strdup(arena, attribute->name);

@@ -1,4 +1,4 @@
-// Decodes an EXR file that was just encoded and compares all of its bits with what was to be in it.
+// Decodes an EXR file that was just encoded and compares all of its bits with the original.
 #include "image/image_exr.h"
 
 #include "image/image_exr_channel.h"
@@ -104,7 +104,7 @@ static uint32_t first_difference(const struct exr_channel *channel, const uint8_
     return width;
 }
 
-// All lines of one channel of the block, whose place in each line is `offset`.
+// Compares all lines of one channel of the block, whose position in each line is `offset`.
 static bool compare_channel(const struct exr_verifier *verifier, const struct exr_channel *channel,
                             size_t offset, size_t line_bytes, struct err *err)
 {
@@ -174,7 +174,8 @@ bool image_exr_verify(const struct image_write_params *params, const struct byte
     struct exr_verifier verifier = {.params = params,
                                     .stream = {.data = file->data, .size = file->size}};
     exr_context_initializer_t initializer = exr_stream_initializer(&verifier.stream);
-    initializer.flags |= EXR_CONTEXT_FLAG_STRICT_HEADER; // what is missing is not filled in
+    initializer.flags |= EXR_CONTEXT_FLAG_STRICT_HEADER; // missing attributes are not replaced by
+                                                         // defaults
     bool ok =
         check(&verifier, exr_start_read(&verifier.context, params->path, &initializer), err) &&
         check_header(&verifier, err) && check_channels(&verifier, err) &&

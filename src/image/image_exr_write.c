@@ -11,7 +11,7 @@
 
 enum {
     SHORT_NAME_MAX_BYTES = 31, // longer ones need a flag in the file's version field
-    BLOCK_LINES = 16,          // of ZIP compression
+    BLOCK_LINES = 16,          // lines of a block for ZIP compression
     COMPONENTS = 3,
 };
 
@@ -38,7 +38,7 @@ static bool add_channels(struct exr_writer *writer, struct err *err)
         if (channel.is_name_too_long)
             return err_set(err, ERR_OUTPUT, "channel name \"%.40s…\" is longer than %d bytes",
                            channel.name, EXR_NAME_MAX_BYTES);
-        // The library keeps the list sorted by name, as the format demands.
+        // The library keeps the list sorted by name, as the format requires.
         if (!check(writer,
                    exr_add_channel(writer->context, 0, channel.name, channel.type,
                                    EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1),
@@ -105,7 +105,7 @@ static void convert_to_half(struct exr_writer *writer, const struct exr_channel 
     }
 }
 
-// Points the encoder's channels to the lines from y on.
+// Points the encoder's channels to the lines beginning with y.
 static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, struct err *err)
 {
     const uint32_t width = writer->params->image->width;
@@ -131,9 +131,9 @@ static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, 
     return true;
 }
 
-// A block whose stored size is that of its pixels is taken as uncompressed by every reader.
-// OpenEXRCore 3.1.5 stores its pixels only where compressing made them longer, and not where the
-// lengths are equal (OpenEXR issue 2306).
+// Readers assume that a block whose stored size is that of its pixels is uncompressed. OpenEXRCore
+// 3.1.5 stores the pixels only if compression made them longer, and not if the lengths are equal
+// (OpenEXR issue 2306).
 static exr_result_t compress_or_copy(exr_encode_pipeline_t *encoder)
 {
     const struct exr_writer *writer = encoder->encoding_user_data;
@@ -150,7 +150,7 @@ static exr_result_t choose_routines(struct exr_writer *writer)
     exr_encode_pipeline_t *encoder = &writer->encoder;
     exr_result_t result = exr_encoding_choose_default_routines(writer->context, 0, encoder);
     writer->compress = encoder->compress_fn;
-    if (writer->compress) // not where nothing is compressed
+    if (writer->compress) // not if nothing is compressed
         encoder->compress_fn = compress_or_copy;
     encoder->encoding_user_data = writer;
     return result;

@@ -10,7 +10,7 @@
 struct hdr_reader {
     const uint8_t *data;
     size_t size, at;
-    double exposure; // what the pixels were multiplied by
+    double exposure; // the factor by which the pixels were multiplied
     bool rgbe;
     uint64_t width, height;
     bool flip_x, flip_y;
@@ -101,8 +101,8 @@ static bool read_components(struct hdr_reader *reader, uint8_t (*row)[4], struct
     return true;
 }
 
-// Flat pixels with the old runs: (1, 1, 1, n) repeats the pixel before n times; of runs one after
-// another the n are the bytes of a longer count, the low one first.
+// Flat pixels with the old runs: (1, 1, 1, n) repeats the previous pixel n times; in consecutive
+// runs the n are the bytes of a longer count, the low one first.
 static bool read_pixels_flat(struct hdr_reader *reader, uint8_t (*row)[4], struct err *err)
 {
     unsigned shift = 0;
@@ -142,8 +142,9 @@ static bool read_row(struct hdr_reader *reader, uint8_t (*row)[4], struct err *e
     return read_components(reader, row, err);
 }
 
-// m 2^(e - 136), a mantissa in 1/256 and an exponent biased by 128. Ward's own reader adds half a
-// step to each mantissa, which makes 0 positive; like most other readers this one does not.
+// The value is m 2^(e - 136), a mantissa in 1/256 and an exponent biased by 128. Ward's own reader
+// adds half a step to each mantissa, which makes 0 positive; like most other readers this one does
+// not.
 static void decode_row(const struct hdr_reader *reader, uint8_t (*row)[4], uint64_t y,
                        const struct pixels *out)
 {
@@ -165,8 +166,8 @@ bool image_hdr_read(const struct image_source *source, struct arena *arena, stru
     struct hdr_reader reader = {.data = source->data, .size = source->size};
     if (!read_header(&reader, err) || !read_resolution(&reader, err))
         return false;
-    // The old runs can repeat a pixel without end, the new ones 127 times a byte: there is no lower
-    // bound on the file's length to check, only the budget.
+    // The old runs can repeat a pixel without limit, the new ones 127 times per byte: the file's
+    // length gives no lower bound to check, so only the budget limits the size.
     uint64_t row_bytes = reader.width * 4;
     const struct pixels_size size = {reader.width, reader.height, 32, row_bytes};
     if (!pixels_allocate(source, &size, arena, out, err))

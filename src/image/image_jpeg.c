@@ -10,8 +10,9 @@
 #include <jerror.h>
 #include <jpeglib.h>
 
-// A progressive file may repeat scans over the whole picture without end, each a few bytes long.
-// The standard's progression for three components needs ten; ten times that is nobody's picture.
+// A progressive file may repeat scans over the whole image without limit, each a few bytes long.
+// The standard's progression for three components needs ten; ten times that is more than real
+// images have.
 enum { SCANS_MAX = 100 };
 
 // Everything that must survive a longjmp lives here, outside of the function that calls setjmp.
@@ -39,8 +40,8 @@ static void leave(j_common_ptr common)
     longjmp(reader->on_error, 1);
 }
 
-// Level -1 is a warning: the library goes on with pixels of its own making. What only concerns
-// bytes between the segments or a marker's version does no harm to the picture.
+// Level -1 is a warning: the library continues with made-up pixels. Warnings about bytes between
+// segments or a marker's version do not affect the image.
 static void judge_message(j_common_ptr common, int level)
 {
     int code = common->err->msg_code;
@@ -75,8 +76,8 @@ static bool allocate(struct jpeg_reader *reader)
 {
     const struct jpeg_decompress_struct *decompress = &reader->decompress;
     uint64_t width = decompress->image_width, height = decompress->image_height;
-    // A progressive picture's coefficients are held as a whole, two bytes each, padded to blocks of
-    // 16 pixels; components that are sampled less take less.
+    // A progressive image's coefficients are stored completely, two bytes each, padded to blocks of
+    // 16 pixels; subsampled components take less.
     uint64_t padded = (width + 15) / 16 * 16 * ((height + 15) / 16 * 16);
     uint64_t extra = padded * 2 * (uint64_t)decompress->num_components + width * 3;
     const struct pixels_size size = {width, height, BITS_IN_JSAMPLE, extra};
@@ -96,7 +97,7 @@ static void decode_row(struct jpeg_reader *reader, const struct code_table *tabl
     pixels_put_codes(reader->out, row, reader->row, 3, table);
 }
 
-// Runs the library; false after an error that came by longjmp or is in reader->err.
+// Runs the library; returns false after an error that came by longjmp or is in reader->err.
 static bool run(struct jpeg_reader *reader, const struct code_table *table)
 {
     struct jpeg_decompress_struct *decompress = &reader->decompress;
@@ -104,7 +105,7 @@ static bool run(struct jpeg_reader *reader, const struct code_table *table)
         return false;
     jpeg_create_decompress(decompress);
     decompress->progress = &reader->progress;
-    // Where the library's type is shorter than a size, a longer file counts as cut short.
+    // If the library's type is shorter than size_t, a longer file counts as truncated.
     jpeg_mem_src(decompress, reader->source->data, (unsigned long)reader->source->size);
     jpeg_read_header(decompress, TRUE);
     decompress->out_color_space = JCS_RGB; // also from grey; from CMYK it is an error

@@ -32,8 +32,8 @@ static void read_bytes(png_structp png, png_bytep data, size_t size)
     reader->at += size;
 }
 
-// Every chunk (length, type, data, checksum) must lie inside the file: libpng allocates some by
-// their length alone.
+// Checks that every chunk (length, type, data, checksum) lies inside the file: libpng allocates
+// some by their length alone.
 static void check_chunks(struct png_reader *reader)
 {
     const uint8_t *data = reader->source->data;
@@ -48,7 +48,7 @@ static void check_chunks(struct png_reader *reader)
     }
 }
 
-// For what libpng allocates by itself: chunks, the decompressor, a line.
+// Limits what libpng allocates itself: chunks, the decompressor, a line.
 static void set_limits(struct png_reader *reader)
 {
     // Text and colour profiles; the bound keeps compressed ones from growing without end.
@@ -57,7 +57,7 @@ static void set_limits(struct png_reader *reader)
     png_set_chunk_malloc_max(reader->png, chunk_bytes_max);
 }
 
-// Before the transformations are set up, for then libpng allocates lines by itself.
+// Called before the transformations are set up, because libpng then allocates lines itself.
 static bool allocate(struct png_reader *reader)
 {
     uint64_t width = png_get_image_width(reader->png, reader->info);
@@ -65,8 +65,8 @@ static bool allocate(struct png_reader *reader)
     reader->components = reader->source->with_alpha ? 4 : 3;
     reader->bits = png_get_bit_depth(reader->png, reader->info) == 16 ? 16 : 8;
     uint64_t row_bytes = reader->components * width * (reader->bits / 8);
-    // Interlaced pictures come in seven passes over all lines, so all are held. libpng holds two
-    // lines, at most four components of 16 bits.
+    // Interlaced images come in seven passes over all lines, so all are stored. libpng stores two
+    // lines, with at most four components of 16 bits.
     const uint64_t library_bytes = 2 * 4 * 2 * width;
     uint64_t extra;
     if (__builtin_mul_overflow(row_bytes + sizeof *reader->rows, height, &extra) ||
@@ -85,7 +85,7 @@ static bool allocate(struct png_reader *reader)
     return true;
 }
 
-// Whatever comes in, three or four components of 8 or 16 bits come out.
+// For any input, the output has three or four components of 8 or 16 bits.
 static void set_transformations(struct png_reader *reader)
 {
     bool has_alpha = (png_get_color_type(reader->png, reader->info) & PNG_COLOR_MASK_ALPHA) ||

@@ -1,4 +1,4 @@
-// Decodes a PNG that was just encoded and compares it with what was to be in it.
+// Decodes a PNG that was just encoded and compares it with the original.
 #include "image/image_png.h"
 
 #include <stdio.h>
@@ -68,7 +68,7 @@ static void check_row(struct png_verifier *verifier, uint32_t y)
     }
 }
 
-// Runs libpng; false after an error that came by longjmp.
+// Runs libpng; returns false after an error that came by longjmp.
 static bool run(struct png_verifier *verifier)
 {
     if (setjmp(png_jmpbuf(verifier->png)))

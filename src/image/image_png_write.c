@@ -38,7 +38,7 @@ static bool is_ascii(const char *text)
     return true;
 }
 
-// tEXt is Latin-1, so whatever is not ASCII goes to iTXt, which is UTF-8.
+// tEXt is Latin-1, so text that is not ASCII goes to iTXt, which is UTF-8.
 static void set_texts(struct png_writer *writer)
 {
     const struct image_write_params *params = writer->params;
@@ -55,14 +55,14 @@ static void set_texts(struct png_writer *writer)
     png_set_text(writer->png, writer->info, writer->texts, (int)params->attribute_count);
 }
 
-// Runs libpng; false after an error that came by longjmp.
+// Runs libpng; returns false after an error that came by longjmp.
 static bool run(struct png_writer *writer)
 {
     if (setjmp(png_jmpbuf(writer->png)))
         return false;
     const struct image *image = writer->params->image;
     png_set_write_fn(writer->png, writer, write_bytes, flush_nothing);
-    // The bound of libpng's own is 10^6 a side; memory is the only one here.
+    // libpng's own limit is 10^6 per side; here only memory limits the size.
     png_set_user_limits(writer->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_IHDR(writer->png, writer->info, image->width, image->height, 8, PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
@@ -88,8 +88,9 @@ static bool prepare(struct png_writer *writer, struct err *err)
     return err_memory(err, "the PNG writer", 3ull * params->image->width);
 }
 
-// PNG specification 11.3.4.2: 1 to 79 printable Latin-1 characters, of which we write ASCII. libpng
-// drops other keys with a warning, and the picture could not be repeated from its metadata.
+// PNG specification 11.3.4.2: 1 to 79 printable Latin-1 characters, of which only ASCII is written.
+// libpng drops other keys with a warning, and the image could then not be reproduced from its
+// metadata.
 static bool check_keys(const struct image_write_params *params, struct err *err)
 {
     for (uint32_t i = 0; i < params->attribute_count; i++) {
