@@ -1,9 +1,9 @@
-// Answers questions about a flattened scene.
+// Queries of a flattened scene.
 #include "flatten/flatten.h"
 
 #include <stdlib.h>
 
-// The first of `count` ascending values that is above `value`, or `count`.
+// Returns the index of the first of `count` ascending values that is above `value`, or `count`.
 static uint32_t first_above(const uint32_t *values, uint32_t count, uint32_t value)
 {
     uint32_t low = 0;
@@ -17,7 +17,7 @@ static uint32_t first_above(const uint32_t *values, uint32_t count, uint32_t val
     return low;
 }
 
-// By its number among all triangles, dropped ones included.
+// Finds the source by the index among all triangles, including dropped ones.
 static void find_source(const struct flat_scene *flat, uint32_t number, uint32_t *instance,
                         uint32_t *triangle)
 {
@@ -40,8 +40,8 @@ void flat_dropped_source(const struct flat_scene *flat, uint32_t k, uint32_t *in
     find_source(flat, flat->dropped_before[k] + k, instance, triangle);
 }
 
-// The first flat triangle that is none of the first `source` ones, dropped ones included: of those
-// dropped, number i was in place dropped_before[i] + i.
+// Returns the first flat triangle that is not among the first `source` ones, including dropped
+// ones: the dropped triangle number i was at position dropped_before[i] + i.
 static uint32_t first_from(const struct flat_scene *flat, uint32_t source)
 {
     uint32_t dropped = 0, end = flat->dropped_degenerate;

@@ -1,5 +1,5 @@
-// Single precision, in the world or in the space of a shared mesh: what the BVH and the kernels
-// take.
+// Converts to single precision, in world space or in the space of a shared mesh, for the BVH and
+// the kernels.
 #include "base/log.h"
 #include "flatten/flatten_census.h"
 #include "flatten/flatten_instances.h"
@@ -13,11 +13,11 @@
 
 // --- triangles -----------------------------------------------------------------------------------
 
-// Emissive triangles that have no area and are dropped; told together.
+// Emissive triangles without area that are dropped; reported together.
 struct lost_emitters {
     uint32_t count;
-    const struct mesh *mesh; // of the first one
-    double corner[3];        // its, in metres in the world
+    const struct mesh *mesh; // mesh of the first one
+    double corner[3];        // its corner in the world, metres
     double longest;          // edge of all of them, in metres
 };
 
@@ -25,15 +25,15 @@ struct flattening {
     const struct flatten_params *params;
     struct flat_scene *flat;
     struct arena *arena;
-    uint64_t triangle_count; // that there will be, dropped ones included
+    uint64_t triangle_count; // the total, including dropped ones
     struct lost_emitters lost;
     struct lamps lamps;
-    uint32_t next_lamp; // of lamps.triangles
+    uint32_t next_lamp; // index in lamps.triangles
 };
 
-// The normal of a triangle from its rounded corners, not normalised. Exactly zero for a triangle
-// without area: differences of floats, and products of two such, are exact in double precision
-// unless their exponents are far apart.
+// Computes the normal of a triangle from its rounded corners, not normalised. Exactly zero for a
+// triangle without area: differences of floats, and products of two such differences, are exact in
+// double precision unless their exponents are far apart.
 static void triangle_normal(const struct flat_triangle *triangle, double out[3])
 {
     double edges[2][3];
@@ -43,8 +43,8 @@ static void triangle_normal(const struct flat_triangle *triangle, double out[3])
     vec3_cross(edges[0], edges[1], out);
 }
 
-// The number of the lamp that a triangle of an instance is of, or SCENE_NONE. Asked in ascending
-// order.
+// Returns the index of the lamp to which a triangle of an instance belongs, or SCENE_NONE. Must be
+// called in ascending order.
 static uint32_t take_lamp(struct flattening *f, const struct instance *instance, uint32_t triangle)
 {
     const struct lamps *lamps = &f->lamps;
@@ -57,14 +57,14 @@ static uint32_t take_lamp(struct flattening *f, const struct instance *instance,
     return next->lamp;
 }
 
-// False for one without area, which is not added.
+// Returns false for a triangle without area, which is not added.
 static bool add_triangle(struct flattening *f, const struct placement *placement, uint32_t index)
 {
     const struct scene *scene = f->params->scene;
     struct flat_scene *flat = f->flat;
     const struct mesh *mesh = placement->mesh;
     const uint32_t *corners = mesh->indices[index];
-    // A reflection turns the winding round; exchanging two corners keeps the outside outside.
+    // A reflection reverses the orientation; exchanging two corners keeps the front side outside.
     const uint32_t vertices[3] = {
         corners[0],
         corners[placement->is_mirrored ? 2 : 1],
@@ -89,7 +89,7 @@ static bool add_triangle(struct flattening *f, const struct placement *placement
     return true;
 }
 
-// The list of dropped triangles doubles when it is full, which is when their number is a power
+// The list of dropped triangles is doubled when it is full, which is when their number is a power
 // of 2.
 static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
 {
@@ -106,7 +106,7 @@ static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
     return true;
 }
 
-// Notes a triangle that is dropped, if it should have sent light.
+// Records a dropped triangle that should have emitted light.
 static void note_lost(struct flattening *f, const struct placement *placement, uint32_t triangle)
 {
     struct lost_emitters *lost = &f->lost;
@@ -136,8 +136,8 @@ static void warn_of_lost(const struct lost_emitters *lost)
                  lost->mesh->name);
 }
 
-// All triangles of an instance, or of a shared mesh as an instance of itself. `run`: where its
-// first triangle is noted.
+// Adds all triangles of an instance, or of a shared mesh as an instance of itself. `run`: where to
+// record its first triangle.
 static bool add_triangles(struct flattening *f, const struct placement *placement, uint32_t run,
                           struct err *err)
 {

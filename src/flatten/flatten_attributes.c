@@ -16,8 +16,7 @@ static uint32_t uv_set(const struct texture *texture)
     return texture->flags & TEXTURE_UV1 ? 1 : 0;
 }
 
-// The attributes that a material reads, and the UV set that its tangents follow where a mesh has
-// none.
+// The attributes that a material uses, and the UV set for its tangents if a mesh has none.
 struct material_needs {
     bool uvs[2], tangents;
     uint32_t tangent_set;
@@ -140,15 +139,15 @@ static void place_color(const struct mesh *mesh, uint32_t vertex, float out[4])
         out[i] = mesh->colors ? mesh->colors[vertex][i] : 1;
 }
 
-// How the surface lies under its texture.
+// The orientation of the texture on the surface.
 struct uv_frame {
     double tangent[3]; // unit, towards growing u
     double down[3];    // towards growing v, of some length
 };
 
-// The derivatives of position by u and v, as far as their direction goes: p(u, v) is linear with
-// e1 = u1 p_u + v1 p_v and e2 likewise, so that p_u = (v2 e1 - v1 e2) / (u1 v2 - u2 v1) and
-// p_v = (u1 e2 - u2 e1) / (u1 v2 - u2 v1). Where the coordinates span nothing, along an edge.
+// Computes the directions of the derivatives of position by u and v: p(u, v) is linear with e1 = u1
+// p_u + v1 p_v and e2 likewise, so that p_u = (v2 e1 - v1 e2) / (u1 v2 - u2 v1) and p_v = (u1 e2 -
+// u2 e1) / (u1 v2 - u2 v1). If the coordinates are degenerate, the direction is along an edge.
 static struct uv_frame uv_frame(const struct flat_triangle *triangle, const float uv[3][2])
 {
     double e[2][3], d[2][2];
@@ -169,12 +168,12 @@ static struct uv_frame uv_frame(const struct flat_triangle *triangle, const floa
             frame.tangent[i] = e[0][i];
             frame.down[i] = -e[1][i];
         }
-    vec3_normalize(frame.tangent); // not zero: the triangle has an area
+    vec3_normalize(frame.tangent); // it is not zero, because the triangle has an area
     return frame;
 }
 
-// Tangents go along with the surface, so the matrix itself turns them. A reflection takes
-// cross(normal, tangent) to its opposite, so the sign changes with it.
+// Tangents lie in the surface, so the matrix itself transforms them. A reflection reverses
+// cross(normal, tangent), so the sign changes.
 static bool place_tangent(const struct placement *placement, uint32_t vertex, float out[4])
 {
     if (!placement->mesh->tangents)
@@ -191,7 +190,7 @@ static bool place_tangent(const struct placement *placement, uint32_t vertex, fl
     return true;
 }
 
-// The bitangent points up in the texture (glTF 2.0, section 3.9.3: +Y is up), where v is less.
+// The bitangent points up in the texture (glTF 2.0, section 3.9.3: +Y is up), where v is smaller.
 static void derive_tangent(const struct uv_frame *frame, const double normal[3], float out[4])
 {
     double bitangent[3];

@@ -1,5 +1,5 @@
-// Counting before flattening: how many triangles in how large a world, what they carry, and which
-// meshes stand once for all their instances.
+// Counts before flattening: the number of triangles, the size of the world, the attributes, and
+// which meshes are stored once for all their instances.
 #include "flatten/flatten_census.h"
 
 #include "base/log.h"
@@ -10,9 +10,9 @@
 
 // --- meshes --------------------------------------------------------------------------------------
 
-// Coordinates of a file in single precision that are far from its own origin have lost their digits
-// before anything here can save them: beyond this ratio of position to size a mesh is resolved in
-// fewer than 2^24 / 2^18 = 64 steps (docs/verification.md, C2).
+// Single-precision coordinates in a file that are far from its own origin have lost their digits
+// already: beyond this ratio of position to size a mesh is resolved in fewer than 2^24 / 2^18 = 64
+// steps (docs/verification.md, C2).
 #define COARSE_RATIO 262144
 
 // The largest extent along an axis, and the largest coordinate.
@@ -59,9 +59,9 @@ void flatten_choose_origin(const struct bounds *bounds, double origin[3])
             origin[i] = bounds->min[i] + (bounds->max[i] - bounds->min[i]) / 2;
 }
 
-// Extents that are left as they are. Within single precision a scene of 2^20 may have details of
-// 2^-30, whose areas' squares are the first to underflow; one of 2^-10 likewise. Large scenes are
-// scaled to the upper end, small ones to 1, so that their details are far from that.
+// Extents that are not scaled. In single precision a scene of 2^20 may have details of 2^-30, whose
+// areas' squares are the first to underflow; one of 2^-10 likewise. Large scenes are scaled to the
+// upper end, small ones to 1, so that their details are far from that.
 #define SCALED_EXTENT_MIN_EXPONENT (-10)
 #define SCALED_EXTENT_MAX_EXPONENT 20
 
@@ -101,7 +101,7 @@ bool flatten_in_range(const double point[3])
     return true;
 }
 
-// Each triangle of an emitter is one of its own, in the world.
+// Each triangle of an emitter is an emitter of its own, in world space.
 bool flatten_emits(const struct scene *scene, uint32_t material)
 {
     const struct material *m = &scene->materials[material];
@@ -159,8 +159,9 @@ static bool survey_mesh(const struct flatten_params *params, const struct mesh *
 
 // --- instances -----------------------------------------------------------------------------------
 
-// Rays go into a shared mesh by the inverse of its transform, in single precision. With a transform
-// that squashes or shears by more than about 1 : 4096 they would lose 12 of 24 bits on the way.
+// Rays are transformed into a shared mesh's space by the inverse of its transform, in single
+// precision. A transform that squashes or shears by more than about 1 : 4096 would lose 12 of 24
+// bits.
 #define SHARED_CONDITION_MAX (3.0 * 4096.0)
 #define SHARED_SCALE_MIN 1e-15
 #define SHARED_SCALE_MAX 1e15
@@ -187,7 +188,7 @@ static bool can_share(const struct scene *scene, const struct instance *instance
         return false;
     if (instance->material == SCENE_NONE)
         return true;
-    // Tangents that are made from texture coordinates are made once for all instances.
+    // Tangents from texture coordinates are generated once for all instances.
     bool tangents_agree = scene->meshes[instance->mesh].tangents ||
                           attributes_tangent_set(scene, instance->material) == use->tangent_set;
     return tangents_agree && !flatten_emits(scene, instance->material);
@@ -252,11 +253,11 @@ static void warn_of_skipped(const struct scene *scene, const struct census *cens
 
 // --- sharing -------------------------------------------------------------------------------------
 
-// A mesh of fewer triangles is smaller than the records that lead to it.
+// A mesh of fewer triangles is smaller than the records of its instances.
 #define SHARED_TRIANGLES_MIN 12
-// Triangles that have to be saved. Two levels take 1.3 times as long to trace as one
-// (docs/performance.md); so many more triangles in one take some 80 MiB on the device, and seconds
-// to put there.
+// The least number of triangles that sharing must save. Two levels take 1.3 times as long to trace
+// as one (docs/performance.md); this many more triangles in one level take some 80 MiB on the
+// device, and seconds to upload.
 #define SAVED_TRIANGLES_MIN (1u << 20)
 
 static bool would_save(const struct mesh *mesh, const struct mesh_use *use)
@@ -341,7 +342,7 @@ static bool measure_vertices(const struct flatten_params *params, const struct i
     return true;
 }
 
-// Measures one of very many: by its mesh's box, unless that leaves the range.
+// Measures one of very many instances by its mesh's box, unless that leaves the range.
 static bool measure_box(const struct flatten_params *params, const struct instance *instance,
                         const struct bounds *box, struct bounds *bounds, struct err *err)
 {
@@ -365,7 +366,7 @@ static bool measure_world(const struct flatten_params *params, struct census *ce
             continue;
         if (i % FLATTEN_POLL == 0 && !flatten_goes_on(params, FLATTEN_CENSUS_PART / 2, err))
             return false;
-        // Its own materials' needs are the same for every instance.
+        // The requirements of its own materials are the same for every instance.
         if (instance->material != SCENE_NONE || use->own_material++ == 0)
             attributes_census(scene, instance, &census->needs);
         if (census->instances[i] == INSTANCE_SHARES) {
@@ -399,7 +400,8 @@ bool flatten_take_census(const struct flatten_params *params, struct arena *scra
         return false;
     warn_of_skipped(scene, out);
     choose_shared(scene, params->instancing, out);
-    // Before all vertices are looked at; once more when it is known what corners carry.
+    // The memory is checked before all vertices are visited, and again when the attributes are
+    // known.
     return flatten_check_memory(scene, out, err) && measure_world(params, out, err) &&
            flatten_check_memory(scene, out, err);
 }

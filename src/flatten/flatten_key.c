@@ -1,4 +1,4 @@
-// Hashes all that decides what flattening makes.
+// Hashes everything that determines the result of flattening.
 #include "base/hash.h"
 #include "flatten/flatten_census.h"
 

@@ -6,22 +6,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-// How much farther than it is large something is where rounding may change its triangles' areas by
+// The ratio of distance to size above which rounding may change an object's triangles' areas by
 // SMALL_TOLERANCE.
 #define SMALL_RATIO 4096
-// Rounding may change an emitter's area and normal by this part.
+// The greatest relative change of an emitter's area and normal by rounding.
 #define SMALL_TOLERANCE 0x1p-11
-// Parts of a lamp are within so much of their coordinates: 16 roundings, by which rays may pass
-// between them on the wrong side.
+// Parts of a lamp are connected if they are within this fraction of their coordinates: 16
+// roundings, by which rays may pass between them on the wrong side.
 #define NEAR_TOLERANCE 0x1p-20
-// A light's sample asks all triangles of its lamp whether they hide it; so many are less than what
-// a driver allows in iterations (shaders/shared/methods.h).
+// A light sample tests all triangles of its lamp for occlusion; this many are fewer than the
+// iterations that a driver permits (shaders/shared/methods.h).
 #define LAMP_TRIANGLES_MAX 4096
-// The most tests for all samples of a vertex that is connected to every emitter.
+// The greatest number of tests for all samples of a vertex that is connected to every emitter.
 #define LAMP_TESTS_MAX 32768
 
-// Connected triangles that may be of a lamp: a node of a union-find forest, whose roots stand for
-// all below them.
+// Connected triangles that may belong to a lamp: a node of a union-find forest, whose roots
+// represent all nodes below them.
 struct part {
     struct bounds bounds;
     uint32_t triangle_count;
@@ -68,8 +68,8 @@ static void edges_of(const double corners[3][3], double edges[2][3])
     vec3_subtract(corners[2], corners[0], edges[1]);
 }
 
-// Not inlined: GCC 12.2 takes the way to single precision and back, of two numbers side by side in
-// a loop, for none.
+// Not inlined, because GCC 12.2 optimises away the conversion to single precision and back of two
+// adjacent numbers in a loop.
 __attribute__((noinline)) static void round_corners(const double corners[3][3], float out[3][3])
 {
     for (int corner = 0; corner < 3; corner++)
@@ -183,7 +183,7 @@ static bool has_small_triangles(const struct search *s, const struct placement *
     return false;
 }
 
-// The first vertex of each run of emissive triangles that share vertices, at each of them.
+// Finds the first vertex of each run of emissive triangles that share vertices, for each of them.
 static uint32_t *connect_vertices(const struct search *s, const struct placement *placement,
                                   struct arena *arena)
 {
@@ -299,7 +299,7 @@ static bool are_near(const struct part *a, const struct part *b, double margin)
     return true;
 }
 
-// Joins small parts that are near each other: by a sweep along x over those that reach so far.
+// Joins small parts that are near each other, by a sweep along x over overlapping ranges.
 static bool join_near_parts(struct search *s, struct err *err)
 {
     uint32_t count = 0, open = 0;
@@ -380,7 +380,7 @@ bool flatten_find_lamps(const struct flatten_params *params, const struct census
 
 // --- their triangles -----------------------------------------------------------------------------
 
-// The end of an edge from `from`, rounded away from there.
+// Returns the end of an edge that starts at `from`, rounded away from it.
 static float round_away(float from, float edge)
 {
     double end = (double)from + (double)edge;
@@ -396,7 +396,7 @@ void lamp_add_triangle(const struct lamps *lamps, uint32_t number, const double 
     const struct lamp *lamp = &lamps->items[number];
     struct flat_triangle *triangle = &flat->triangles[flat->triangle_count];
     double edges[2][3], exact[3];
-    // In the lamp's own unit, a power of two, so that products of its coordinates do not underflow.
+    // The lamp's own unit is a power of two that prevents underflow of products of its coordinates.
     double unit = ldexp(1, -ilogb(box_extent(&lamp->bounds)));
     edges_of(corners, edges);
     vec3_cross(edges[0], edges[1], exact);

@@ -13,7 +13,7 @@ struct placement placement_create(const struct scene *scene, const struct instan
         .scale = scale,
         .is_mirrored = affine_determinant(instance->transform) < 0,
     };
-    // Cofactors are the inverse transpose times the determinant, whose sign is taken back here.
+    // Cofactors are the inverse transpose times the determinant, whose sign is undone here.
     affine_cofactors(instance->transform, placement.normals);
     for (int i = 0; i < 9 && placement.is_mirrored; i++)
         placement.normals[i / 3][i % 3] *= -1;

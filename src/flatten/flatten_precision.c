@@ -1,10 +1,10 @@
-// Where the arrays' origin goes when objects of a scene are too far apart for single precision, and
-// what is told of those that are far from it.
+// Chooses the arrays' origin if the objects of a scene are too far apart for single precision, and
+// reports objects that are far from it.
 //
-// What lies at a distance d from the origin is off by up to 2^-24 d. Seen from a camera at the
-// origin that is an angle of 2^-24, whatever d is: far less than a pixel. So the origin follows the
-// camera where objects differ so much in size and place that the middle of all will not do; what
-// is small and far is then wrong in its own form alone, of which the camera sees nothing.
+// A position at distance d from the origin has an error of up to 2^-24 d. Seen from a camera at the
+// origin this is an angle of 2^-24 for any d: far less than a pixel. So the origin follows the
+// camera if objects differ so much in size and position that the centre of the scene is unsuitable;
+// the form of small, far objects is then wrong, but the camera cannot resolve it.
 #include "flatten/flatten_precision.h"
 
 #include "base/log.h"
@@ -16,13 +16,13 @@
 
 // --- the origin ----------------------------------------------------------------------------------
 
-// Beyond this ratio of coordinates to the size and distance of what is seen, rounding moves it by
-// more than 2^-24 * 2^12 of these: a tenth of a pixel where it fills a picture of 800, as in
+// Above this ratio of coordinates to the size and distance of visible objects, rounding moves these
+// by more than 2^-24 * 2^12 of that: a tenth of a pixel if they fill an image of 800 pixels, as in
 // render/far_camera.c.
 #define FOLLOW_RATIO 4096.0
 
-// The point of an object's box that is nearest to the camera; of all objects the one for which the
-// larger of size and distance, `scale`, is the least.
+// The point of an object's box that is nearest to the camera, for the object with the least
+// `scale`, the larger of its size and distance.
 struct nearest {
     double scale;
     double point[3];
@@ -91,7 +91,7 @@ void flatten_follow_camera(const struct flatten_params *params, const struct cen
 
 // --- what is told --------------------------------------------------------------------------------
 
-// A box in the world, of what `name` is.
+// Adds a box in the world, of the object `name`.
 static bool add_box(const struct flat_scene *flat, const double low[3], const double high[3],
                     struct coarse_objects *coarse)
 {

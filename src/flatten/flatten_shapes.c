@@ -17,7 +17,7 @@ void flatten_bound(struct flat_scene *flat, const float low[3], const float high
     }
 }
 
-// The shape that the rounded numbers describe; without its material.
+// Returns the shape that the rounded numbers describe, without its material.
 static struct shape exact_shape(const struct flat_shape *flat)
 {
     struct shape shape = {.kind = flat->kind, .radius = (double)flat->radius, .sdf = flat->sdf};
@@ -30,7 +30,8 @@ static struct shape exact_shape(const struct flat_shape *flat)
     return shape;
 }
 
-// A plane's point may be far away, which costs its place digits; but where a picture depends on it.
+// A plane's point may be far away, which costs accuracy: it is moved near, unless a texture depends
+// on it.
 static void move_near(const struct scene *scene, const double origin[3], struct shape *plane)
 {
     if (plane->kind != SHAPE_PLANE || scene->materials[plane->material].texture_count > 0)
@@ -49,7 +50,7 @@ static bool is_in_range(const struct shape *shape)
            flatten_in_range(shape->axes[2]);
 }
 
-// Axes that are lengths; those of planes, and across round shapes, are unit vectors.
+// Counts axes that are lengths; those of planes, and across round shapes, are unit vectors.
 static int count_edges(enum shape_kind kind)
 {
     switch (kind) {
@@ -102,7 +103,7 @@ static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32
         for (int axis = 0; axis < 3; axis++)
             added->axes[axis][i] = (float)shape.axes[axis][i];
     }
-    // The bounds of the shape as it was rounded, rounded outwards.
+    // The bounds are those of the rounded shape, rounded outwards.
     const struct shape rounded = exact_shape(added);
     double reach[3];
     float low[3], high[3];
@@ -132,8 +133,8 @@ bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out,
     return true;
 }
 
-// Planes reach as far as kernels' coordinates may. Not as far to all sides: so their middle is far
-// from that of everything else, and the first split of a BVH is between the two.
+// Planes extend to the limit of the kernels' coordinates, but not equally in all directions, so
+// that their centre is far from everything else, and the first split of a BVH separates them.
 static void plane_box(const struct flat_shape *shape, float min[3], float max[3])
 {
     const float *n = shape->normal;
@@ -157,8 +158,8 @@ void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3])
     for (int c = 0; c < 3; c++)
         size = fmaxf(size, (float)reach[c]);
     for (int c = 0; c < 3; c++) {
-        // The reach has one rounding here and a handful where a kernel finds it, and a sum one: of
-        // the largest term.
+        // The extent has one rounding error here and a few in a kernel, and a sum has one of its
+        // largest term.
         float margin = 4.0f * FLT_EPSILON * (fabsf(shape->center[c]) + size);
         min[c] = shape->center[c] - (float)reach[c] - margin;
         max[c] = shape->center[c] + (float)reach[c] + margin;

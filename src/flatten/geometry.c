@@ -10,16 +10,16 @@
 
 // --- trees ---------------------------------------------------------------------------------------
 
-// The trees that are built in one go: the world's and those of the shared meshes.
+// The trees that are built together: the world's and those of the shared meshes.
 struct build {
     const struct geometry_params *p;
     const struct flat_scene *flat;
-    struct bvh *meshes;   // of each shared one
-    struct bvh_cut *cuts; // of each
-    struct arena *arenas; // of each thread
-    double done, part;    // of all triangles: finished, and in the tree at hand
+    struct bvh *meshes;   // one for each shared mesh
+    struct bvh_cut *cuts; // one for each
+    struct arena *arenas; // one for each thread
+    double done, part;    // fractions of all triangles: finished, and in the current tree
     struct bvh_cache cache;
-    double spared_seconds; // by trees that came from it
+    double spared_seconds; // build time of the trees that were loaded from the cache
 };
 
 struct bvh_cut {
@@ -27,7 +27,7 @@ struct bvh_cut {
     uint32_t count;
 };
 
-// A tree's progress as a part of the whole's.
+// Reports a tree's progress as a part of the total.
 static void report(void *context, const char *phase, double fraction)
 {
     const struct build *build = context;
@@ -40,7 +40,7 @@ static bool should_stop(void *context)
     return progress_should_stop(build->p->progress);
 }
 
-// The triangles of [first, first + count) alone.
+// Makes the parameters for the triangles of [first, first + count) only.
 static struct bvh_params triangle_params(const struct build *build, uint32_t first, uint32_t count)
 {
     const void *vertices = &build->flat->triangles[first];
@@ -71,7 +71,7 @@ static bool build_tree(struct build *build, struct bvh_params *params, struct ar
 
 // --- shared meshes -------------------------------------------------------------------------------
 
-// Small meshes are built side by side, a thread each; of larger ones each is built by all threads.
+// Small meshes are built in parallel, one thread each; larger ones one by one with all threads.
 #define SMALL_MESH 16384
 #define MESHES_AT_ONCE 256 // between looks at whether to stop
 
@@ -120,15 +120,15 @@ static bool build_meshes(struct build *build, struct arena *arena, struct err *e
 
 // --- instances' boxes ----------------------------------------------------------------------------
 
-// Rays are transformed in single precision: what they hit seems to lie elsewhere by a few roundings
-// of coordinates in the world and of those that the transform takes there. Each is a sum of four
-// products, along which an error in one axis comes from those in the others.
+// Rays are transformed in single precision, so their hits have errors of a few roundings of the
+// coordinates in world space and in mesh space. Each coordinate is a sum of four products, which
+// carries errors from one axis to the others.
 #define BOX_ROUNDINGS (32.0 * 0x1p-24)
 
 struct box_job {
     const struct build *build;
     struct bvh_box *boxes;
-    uint32_t *trees; // of each instance
+    uint32_t *trees; // for each instance
 };
 
 static struct bvh_box instance_box(const struct flat_instance *instance, const struct bvh_cut *cut)
@@ -329,7 +329,7 @@ bool geometry_refresh(const struct geometry_params *p, struct geometry *geometry
 {
     const struct flatten_params params = flatten_params(p);
     struct geometry next = {.method = p->bvh, .key = flatten_key(&params)};
-    // An empty scene's hierarchy has a root, too.
+    // The hierarchy of an empty scene has a root, too.
     bool is_built = geometry->bvh.node_count > 0 && same_method(next.method, geometry->method);
     if (is_built && next.key == geometry->key)
         return true;

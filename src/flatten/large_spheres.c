@@ -4,7 +4,7 @@
 #include "flatten/flatten_shapes.h"
 #include <math.h>
 
-// A thousandth over 14 times 2^-24, and that as a power of two.
+// A thousandth divided by 14 times 2^-24, rounded to a power of two.
 #define LARGE_RATIO 1024.0
 
 static double half_diagonal(const float min[3], const float max[3])
@@ -72,7 +72,7 @@ bool has_large_spheres_anyway(const struct flat_scene *flat)
         if (shape->kind == SHAPE_SPHERE)
             largest = fmax(largest, (double)shape->radius);
     }
-    // Triangles may be many.
+    // The triangles are tested last, because there may be many.
     return largest > 0 &&
            (largest > LARGE_RATIO * detail || largest > LARGE_RATIO * triangles_size(flat));
 }
