@@ -1,5 +1,5 @@
-// Building the binary tree: ranges near the root one after the other, each on all threads; then
-// the subtrees below side by side.
+// Builds the binary tree: ranges near the root are split one after the other, each on all threads;
+// then the subtrees below in parallel.
 #include "bvh/bvh_binary.h"
 #include "base/parallel.h"
 #include "bvh/bvh_spatial.h"
@@ -8,8 +8,8 @@
 #include <stdlib.h>
 
 enum {
-    // Subtrees of at most so many primitives are one thread's task, unless the tree is so small
-    // that the threads would get too few of them.
+    // Subtrees of at most this many primitives are one thread's task, unless the tree is so small
+    // that the threads would get too few tasks.
     TASK_MAX = 1 << 15,
     TASK_MIN = 1 << 10,
     TASKS_PER_THREAD = 8,
@@ -23,7 +23,7 @@ struct binary_builder {
     struct bvh_range *tasks;
     uint32_t task_count, task_size;
     double task_start;           // the fraction of all work that was done when the tasks began
-    _Atomic uint32_t tasks_done; // in primitives
+    _Atomic uint32_t tasks_done; // number of their primitives
     _Atomic bool stopped;
     struct err *err; // why it was stopped
 };
@@ -35,7 +35,7 @@ static void write_leaf(const struct binary_builder *builder, const struct bvh_ra
         (struct bvh_binary_node){.box = range->box, .left = primitives[range->first].id};
 }
 
-// Splits a range of two primitives or more and writes the node above both parts.
+// Splits a range of at least two primitives and writes the node above both parts.
 static void split_range(const struct binary_builder *builder, const struct bvh_range *range,
                         unsigned threads, struct bvh_range children[2])
 {
@@ -88,7 +88,7 @@ static void run_task(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-// Large tasks first, so that no thread starts one when the others are done.
+// Large tasks come first, so that no thread starts one when the others are done.
 static int compare_tasks(const void *a, const void *b)
 {
     const struct bvh_range *x = a, *y = b;
@@ -97,8 +97,8 @@ static int compare_tasks(const void *a, const void *b)
     return x->first < y->first ? -1 : 1;
 }
 
-// Splits the ranges above the task size and leaves the others in builder->tasks. The array serves
-// as the stack, too: tasks grow from its start, ranges yet to be split from its end.
+// Splits the ranges above the task size and leaves the others in builder->tasks. The array is also
+// the stack: tasks grow from its start, ranges to be split from its end.
 static void split_top(struct binary_builder *builder, const struct bvh_range *root,
                       uint32_t capacity)
 {
@@ -134,8 +134,8 @@ static struct bvh_range root_range(const struct bvh_binary_params *params)
     return root;
 }
 
-// Moves the nodes of a subtree together that has room between them, keeping their order; returns
-// the place behind the last one. No deeper than the tree.
+// Compacts the nodes of a subtree with gaps between them, keeping their order; returns the end. The
+// recursion is at most as deep as the tree.
 static uint32_t compact(struct bvh_binary_node *nodes, uint32_t from, uint32_t to)
 {
     struct bvh_binary_node node = nodes[from];
@@ -185,7 +185,7 @@ struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
     struct arena scratch = {0};
     struct binary_builder builder = {.params = params, .err = err};
     builder.task_size = task_size_for(params->count, params->threads);
-    // Tasks are disjoint and not tiny; the stack has at most one entry a level, and one more.
+    // Tasks are disjoint and not tiny; the stack has at most one entry per level, plus one.
     uint32_t task_capacity = params->capacity / TASK_WORTH + params->depth_limit + 1;
     if (!allocate(&builder, arena, &scratch, task_capacity, err))
         goto done;

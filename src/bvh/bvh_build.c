@@ -1,5 +1,5 @@
-// Building from the caller's point of view: checking the input, boxes of the primitives, the binary
-// tree, the wide tree.
+// The steps of a build: checking the input, boxes of the primitives, the binary tree, the wide
+// tree.
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -9,9 +9,10 @@
 
 #include <stdatomic.h>
 
-// How to build. The second way serves where the first needs too large a stack: the wide tree is at
-// most as deep as the binary one, and each level leaves at most 3 children pending, so 32 binary
-// levels keep within BVH_STACK_ENTRIES_MAX for every input; and they suffice for 2^32 primitives.
+// How to build. The second attempt is for inputs for which the first needs too large a stack: the
+// wide tree is at most as deep as the binary one, and each level leaves at most 3 children pending,
+// so 32 binary levels stay within BVH_STACK_ENTRIES_MAX for every input; and they suffice for 2^32
+// primitives.
 static const struct attempt {
     uint32_t depth_limit;
     bool optimize;
@@ -62,7 +63,7 @@ static void gather_primitives(void *context, size_t begin, size_t end, unsigned 
     struct gather_job *job = context;
     uint32_t triangles = job->params->triangle_count;
     if (progress_should_stop(job->params->progress))
-        return; // what is made of them will be asked, too
+        return; // the loops that use the result poll, too
     for (size_t i = begin; i < end; i++) {
         struct bvh_primitive *primitive = &job->primitives[i];
         bool valid;
@@ -103,7 +104,7 @@ static bool check_method(const struct bvh_method *method, struct err *err)
            check_cost("intersection", method->intersection_cost, err);
 }
 
-// Longer leaves leave fewer bits to the index.
+// Larger leaves leave fewer bits for the index.
 static bool check_triangle_count(const struct bvh_params *params, struct err *err)
 {
     uint32_t most = bvh_leaf_index_max(params->method.max_leaf);
@@ -166,7 +167,7 @@ static bool build_empty(struct arena *arena, struct bvh *out, struct err *err)
     return bvh_compute_stats(out, &out->stats, err);
 }
 
-// Room for leaves: with spatial splits, triangles may be in several.
+// Returns the capacity for leaves: with spatial splits, triangles may be in several.
 static uint32_t capacity_for(const struct bvh_params *params, uint32_t count)
 {
     if (params->method.split != BVH_SPLIT_SPATIAL)
@@ -176,8 +177,7 @@ static uint32_t capacity_for(const struct bvh_params *params, uint32_t count)
     return count + (uint32_t)(more < most ? more : most);
 }
 
-// *fits tells whether the tree keeps within the limits; one that does not stays in the arena
-// unused.
+// *fits: the tree stays within the limits; otherwise it remains unused in the arena.
 static bool build_once(const struct bvh_params *params, const struct attempt *attempt,
                        struct arena *arena, struct bvh *out, bool *fits, struct err *err)
 {
@@ -186,8 +186,8 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
     unsigned threads = params->threads > 0 ? params->threads : cpu_count();
     uint32_t count = bvh_primitive_count(params);
     uint32_t capacity = capacity_for(params, count), leaf_count = 0;
-    // While the binary tree is built, primitives exist twice, beside the nodes; later steps take no
-    // more. This is checked now, before minutes have been spent.
+    // While the binary tree is built, primitives exist twice, in addition to the nodes; later steps
+    // need no more. The budget is checked now, before minutes are spent.
     uint64_t bytes =
         capacity * 2ull * (sizeof(struct bvh_primitive) + sizeof(struct bvh_binary_node));
     if (!memory_check(bytes, "building the BVH", err))

@@ -1,4 +1,4 @@
-// Keeping hierarchies in files.
+// Stores hierarchies in files.
 #include "bvh/bvh_cache.h"
 
 #include "base/clock.h"
@@ -13,19 +13,19 @@
 #include <inttypes.h>
 #include <limits.h>
 
-// To be raised when the file, or what the builder makes of the same input, changes.
+// Increase it when the file format, or the result of the builder for the same input, changes.
 #define FORMAT_VERSION 1
 #define MAGIC "LampBVH"
 #define BYTE_ORDER_MARK 0x01020304u
 #define LONGEST_BUILD 1e9 // seconds: more is not believed
 
-// The file: this, the nodes, triangle_order.
+// The file consists of this header, the nodes, and triangle_order.
 struct header {
     char magic[8];
     uint32_t version;
     uint32_t byte_order; // BYTE_ORDER_MARK as the writer has it
-    struct hash128 key;  // of what it was built from
-    struct hash128 sum;  // of the nodes, triangle_order and what follows here
+    struct hash128 key;  // of the input of the build
+    struct hash128 sum;  // of the nodes, triangle_order and the members below
     uint32_t format;     // enum bvh_format
     uint32_t node_count, triangle_count, reference_count;
     struct bvh_stats stats;
@@ -33,11 +33,11 @@ struct header {
 
 // --- hashes --------------------------------------------------------------------------------------
 
-// Each thread hashes pieces of so many elements; then the pieces' hashes are hashed.
+// Each thread hashes pieces of this many elements; then the pieces' hashes are hashed.
 #define PIECE 4096u
 
 struct hash_job {
-    const struct bvh_params *params; // whose triangles are hashed, else NULL: these bytes
+    const struct bvh_params *params; // its triangles are hashed; NULL: `bytes` are
     const uint8_t *bytes;
     size_t count; // triangles or bytes
     struct hash128 *pieces;
@@ -48,7 +48,7 @@ static void hash_piece(void *context, size_t begin, size_t end, unsigned thread)
     (void)thread;
     const struct hash_job *job = context;
     for (size_t i = begin; i < end; i++) {
-        // Pieces of bytes are larger, about as many bytes as of triangles.
+        // Pieces of bytes are larger, about as many bytes as those of triangles.
         size_t length = job->params ? PIECE : PIECE * sizeof(float[3][3]);
         size_t first = i * length, left = job->count - first;
         size_t count = left < length ? left : length;
@@ -84,7 +84,7 @@ static bool hash_memory(const void *data, size_t size, struct hash128 *out)
     return run_hash(&job, out);
 }
 
-// All that a hierarchy depends on. Without holes: it is hashed as it is.
+// Everything that a hierarchy depends on, without padding, because its bytes are hashed.
 struct source {
     uint32_t version, node_bytes;
     uint32_t split, format, optimize, max_leaf;
@@ -124,7 +124,7 @@ static bool same(struct hash128 a, struct hash128 b)
     return a.word[0] == b.word[0] && a.word[1] == b.word[1];
 }
 
-// Hashes a file's content behind header.sum.
+// Hashes a file's content after header.sum.
 static bool find_sum(const struct header *header, const struct bvh *bvh, struct hash128 *out)
 {
     struct {

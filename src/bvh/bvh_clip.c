@@ -1,12 +1,12 @@
-// Cutting triangles at planes. All is computed in double precision from single-precision corners,
-// so that its rounding errors vanish beside the padding.
+// Clips triangles at planes. Everything is computed in double precision from single-precision
+// corners, so that its rounding errors are negligible relative to the padding.
 #include "bvh/bvh_clip.h"
 
 #include "bvh/bvh_box.h"
 #include <string.h>
 
-// The padding as a part of the triangle's size and of its coordinates: four units in the last place
-// of these, at least, also of the smallest.
+// The padding relative to the triangle's size and to its coordinates: at least four units in the
+// last place of these.
 #define PAD_OF_SIZE 0x1p-16
 #define PAD_OF_COORDINATE 0x1p-21
 #define PAD_MIN 0x1p-147
@@ -49,8 +49,8 @@ static void extent_add(struct extent *extent, const double point[3])
     }
 }
 
-// The padded extent within `box`. Rounding to the nearest float takes at most an eighth of the
-// padding, and nothing at the box's own planes. Adding 0 turns -0 into +0.
+// Returns the padded extent within `box`. Rounding to the nearest float takes at most an eighth of
+// the padding, and nothing at the box's own planes. Adding 0 turns -0 into +0.
 static struct bvh_box padded(const struct extent *extent, double pad, const struct bvh_box *box)
 {
     struct bvh_box part;
@@ -65,7 +65,7 @@ static struct bvh_box padded(const struct extent *extent, double pad, const stru
     return part;
 }
 
-// Where the edge from a to b meets the plane; in it exactly.
+// Computes the intersection of the edge from a to b with the plane; it is exactly in the plane.
 static void meet(const double a[3], const double b[3], int axis, double plane, double point[3])
 {
     double t = (plane - a[axis]) / (b[axis] - a[axis]);
@@ -133,7 +133,7 @@ void bvh_clip_exactly(const struct bvh_clip *clip, const struct bvh_box *box, in
         halve(&part, axis, plane, side == 0);
         for (int i = 0; i < part.count; i++)
             extent_add(&extent, part.corners[i]);
-        if (part.count > 0) // else it touches the box in less than rounding tells
+        if (part.count > 0) // otherwise it touches the box within rounding errors
             parts[side] = padded(&extent, clip->pad, &parts[side]);
     }
 }

@@ -1,4 +1,4 @@
-// The top of a tree as a handful of boxes.
+// Represents the top of a tree by a few boxes.
 #include "bvh/bvh_node.h"
 
 struct cut {
@@ -26,7 +26,7 @@ static void add_children(struct cut *cut, uint32_t node, uint32_t at)
     }
 }
 
-// The entry with the largest box that can be opened, or `count`.
+// Returns the inner entry with the largest box, or `count`.
 static uint32_t largest(const struct cut *cut)
 {
     uint32_t best = cut->count;

@@ -1,5 +1,5 @@
-// Two levels: a world's tree whose leaves lead to instances, and the trees that these share, in one
-// array.
+// Joins two levels into one array: the world's tree, whose leaves lead to instances, and the trees
+// that these share.
 #include "bvh/bvh_node.h"
 
 struct join {
@@ -68,8 +68,8 @@ static bool allocate(struct join *join, struct arena *arena, struct err *err)
     return bvh_nodes_allocate(arena, join->out, err);
 }
 
-// The cost that the trees below the instances' leaves add to the world's. A ray that comes to such
-// a leaf also hits the box of the root below, as far as both boxes agree.
+// Returns the cost that the trees below the instances' leaves add to the world's. A ray that
+// reaches such a leaf also hits the root's box below, as far as both boxes agree.
 static double cost_of_instances(const struct bvh_join_params *p)
 {
     const struct bvh *world = p->world;

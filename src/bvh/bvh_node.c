@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-// 2^(exponent - 127) of an axis; exact, for the biased exponent is in [1, 254].
+// Returns 2^(exponent - 127) for an axis; exact, because the biased exponent is in [1, 254].
 static double node_scale(const struct bvh_node *node, int axis)
 {
     uint32_t bits = (node->exponents >> (8 * axis) & 255u) << 23;
@@ -25,12 +25,12 @@ static int compare_sum(double a, double b, double c)
     return (error > 0) - (error < 0);
 }
 
-// The smallest biased exponent in [1, 254] whose grid of 255 steps reaches from min to max. Some
-// always does: floats differ by less than 2^129, and 255 * 2^127 is more.
+// Returns the smallest biased exponent in [1, 254] whose grid of 255 steps extends from min to max.
+// There always is one: floats differ by less than 2^129, and 255 * 2^127 is more.
 static uint32_t grid_exponent(float min, float max)
 {
     int exponent;
-    // extent / 255 < 2^exponent, rounding aside; one less often suffices, as 255 is not 256.
+    // extent / 255 < 2^exponent up to rounding; one less often suffices, because 255 is not 256.
     frexp(((double)max - min) / 255, &exponent);
     uint32_t biased = exponent + 126 > 1 ? (uint32_t)(exponent + 126) : 1;
     while (compare_sum(min, ldexp(255, (int)biased - 127), max) < 0)
@@ -38,7 +38,7 @@ static uint32_t grid_exponent(float min, float max)
     return biased;
 }
 
-// The last grid plane at or below a value, and the first at or above.
+// Return the last grid plane at or below a value, and the first at or above.
 static uint32_t round_down(float origin, double scale, float value)
 {
     double steps = floor(((double)value - origin) / scale);

@@ -4,8 +4,9 @@
 // bounding volume hierarchy optimization", which starts at the old place. Top-down building cannot
 // do that: a large triangle among small ones goes down with them and makes all their boxes large.
 //
-// Places are searched for a batch of subtrees at once, on all threads; then they move one after the
-// other, those for which the moves before have left something to gain. So threads do not matter.
+// Positions are searched for a batch of subtrees at once, on all threads; then the moves that still
+// lower the cost are made one after the other. So the result does not depend on the number of
+// threads.
 #include "base/parallel.h"
 #include "bvh/bvh_binary.h"
 
@@ -15,18 +16,18 @@
 enum {
     SEARCH_MAX = 1000, // nodes that any search may look at
     BATCH = 4096,      // searches that see the same tree
-    SEARCH_GRAIN = 64, // of them a thread takes at once
-    DEPTH_MAX = 128,   // of the improved tree: a deeper one is not used
+    SEARCH_GRAIN = 64, // subtrees that a thread takes at once
+    DEPTH_MAX = 128,   // limit of the improved tree: a deeper one is not used
     WASTE_SHIFT = 47,  // leaves five bits of the mantissa
     WASTE_BINS = 1 << (63 - WASTE_SHIFT),
 };
 
-// How long to go on.
+// The limits of the optimization.
 struct effort {
     uint32_t candidates_of; // one in so many nodes is a candidate, each round
     uint32_t rounds_max;
-    // Bounds on the time that the worst input takes: nodes that one search may look at, and those
-    // that all may look at or refit, as a multiple of the leaves.
+    // Bounds on the time for the worst input: the nodes that one search may visit, and those that
+    // all searches and refits may visit, as a multiple of the leaves.
     uint32_t search_max, work_of_leaves;
     double gain_min; // a round that does not lower the cost by this part of it is the last one
 };
@@ -41,17 +42,17 @@ struct candidate {
 
 struct place {
     uint32_t node; // next to which to insert
-    double gain;   // by how much the sum of areas becomes less
+    double gain;   // decrease of the sum of areas
 };
 
-// A search's findings, and how many nodes it has looked at.
+// The result of a search, and the number of nodes that it has visited.
 struct search {
     struct place place;
     uint32_t looked_at;
 };
 
-// A subtree to be searched, and the gain of inserting in it so far: what taking the moving subtree
-// out saves, less what the nodes above grow.
+// A subtree to be searched, and the gain of an insertion in it so far: the savings from removing
+// the moving subtree minus the growth of the nodes above.
 struct search_entry {
     double gain;
     uint32_t node;
@@ -67,7 +68,7 @@ struct optimizer {
     struct search *searches;          // BATCH of them
     const struct candidate *searched; // the first candidate of the batch
     uint32_t node_count;
-    int64_t work; // that may still be done
+    int64_t work; // remaining
 };
 
 static double merged_half_area(const struct bvh_box *a, const struct bvh_box *b)
@@ -115,7 +116,7 @@ static void search_subtree(const struct optimizer *optimizer, const struct bvh_b
     }
 }
 
-// The best place for a subtree whose parent is not the root; gain 0 when none is better.
+// Finds the best position for a subtree whose parent is not the root; gain 0 if none is better.
 static struct search find_place(const struct optimizer *optimizer, uint32_t index)
 {
     const struct bvh_binary_node *nodes = optimizer->nodes;
@@ -143,7 +144,7 @@ static void run_searches(void *context, size_t begin, size_t end, unsigned threa
     for (size_t i = begin; i < end; i++) {
         uint32_t node = optimizer->searched[i].node;
         optimizer->searches[i] = (struct search){{0, 0}, 0};
-        if (optimizer->parents[node] != 0) // else earlier moves have lifted it
+        if (optimizer->parents[node] != 0) // otherwise earlier moves have moved it up
             optimizer->searches[i] = find_place(optimizer, node);
     }
 }
@@ -156,7 +157,7 @@ static uint32_t depth_of(const struct optimizer *optimizer, uint32_t node)
     return depth;
 }
 
-// The deepest node that is above both, or one of them that is above the other.
+// Returns the lowest common ancestor; it may be one of the two nodes.
 static uint32_t common_ancestor(const struct optimizer *optimizer, uint32_t a, uint32_t b)
 {
     uint32_t depth_a = depth_of(optimizer, a), depth_b = depth_of(optimizer, b);
@@ -171,8 +172,8 @@ static uint32_t common_ancestor(const struct optimizer *optimizer, uint32_t a, u
     return a;
 }
 
-// The gain of a move in the tree as it is now; none where the move no longer makes sense. What is
-// above both places keeps its box.
+// Returns the gain of a move in the current tree; none if the move is no longer valid. Nodes above
+// both positions keep their boxes.
 static double gain_of_move(const struct optimizer *optimizer, uint32_t index, uint32_t target)
 {
     const struct bvh_binary_node *nodes = optimizer->nodes;
@@ -219,8 +220,8 @@ static void refit_upwards(struct optimizer *optimizer, uint32_t index)
     }
 }
 
-// The parent moves along: its old place goes to the sibling, and it becomes the parent of the
-// subtree and the node at the new place.
+// The parent moves along: the sibling takes its old position, and it becomes the parent of the
+// subtree and of the node at the new position.
 static void move(struct optimizer *optimizer, uint32_t index, uint32_t target)
 {
     uint32_t parent = optimizer->parents[index], grandparent = optimizer->parents[parent];
@@ -245,7 +246,7 @@ static int compare_candidates(const void *a, const void *b)
     return comes_first(a, b) ? -1 : 1;
 }
 
-// Waste in steps of a thirty-second: doubles that are not negative sort like their bits.
+// The bins are thirty-seconds of an octave: non-negative doubles are ordered like their bits.
 static uint32_t waste_bin(double waste)
 {
     uint64_t bits;
@@ -253,7 +254,8 @@ static uint32_t waste_bin(double waste)
     return (uint32_t)(bits >> WASTE_SHIFT);
 }
 
-// By how much a subtree's parent is larger than itself, or 0 where it cannot move.
+// Returns the difference between the areas of a subtree's parent and the subtree, or 0 if it cannot
+// move.
 static double waste_of(const struct optimizer *optimizer, uint32_t node)
 {
     uint32_t parent = optimizer->parents[node];
@@ -267,9 +269,9 @@ static uint32_t candidates_max(const struct effort *effort, uint32_t node_count)
     return node_count / effort->candidates_of + 1;
 }
 
-// Candidates are the subtrees with the largest difference between their parent's area and their
-// own, which is what taking them out and putting them in elsewhere gains at most, ancestors aside.
-// Of those that waste as much as the last one within a step, the first in the tree.
+// Chooses the subtrees with the largest difference between their parent's area and their own, which
+// is the upper bound of the gain of a move, except for ancestors. Among those in the same bin as
+// the last one, the first in the tree are chosen.
 static uint32_t choose_candidates(struct optimizer *optimizer)
 {
     uint32_t wanted = candidates_max(&optimizer->effort, optimizer->node_count), count = 0;
@@ -298,7 +300,7 @@ static uint32_t choose_candidates(struct optimizer *optimizer)
     return count;
 }
 
-// Moves what gains in the batch; returns what that took from the sum of areas.
+// Makes the moves of the batch that gain; returns the decrease of the sum of areas.
 static double run_batch(struct optimizer *optimizer, const struct candidate *batch, uint32_t count)
 {
     double sum = 0;
@@ -318,7 +320,7 @@ static double run_batch(struct optimizer *optimizer, const struct candidate *bat
     return sum;
 }
 
-// The number of rounds is not known before: each takes a part of what is left.
+// The number of rounds is not known in advance: each reports a part of the remaining fraction.
 static bool report(const struct optimizer *optimizer, double rounds, struct err *err)
 {
     double part = optimizer->params->effort == BVH_OPTIMIZE_LONG
@@ -329,7 +331,7 @@ static bool report(const struct optimizer *optimizer, double rounds, struct err 
         BVH_PROGRESS_BINARY + (BVH_PROGRESS_OPTIMIZED - BVH_PROGRESS_BINARY) * part, err);
 }
 
-// *gain is what all moves together took from the sum of areas.
+// *gain: the decrease of the sum of areas by all moves.
 static bool run_round(struct optimizer *optimizer, uint32_t round, double *gain, struct err *err)
 {
     *gain = 0;
@@ -354,7 +356,7 @@ static double sum_of_areas(const struct optimizer *optimizer)
 
 // --- Whole ---------------------------------------------------------------------------------------
 
-// Later stages recurse on the tree, so its depth is checked without recursion.
+// Later stages recurse on the tree, so this checks its depth without recursion.
 static bool is_shallow(const struct bvh_binary_node *nodes)
 {
     struct {

@@ -1,9 +1,9 @@
 // Spatial splits (Stich, Friedrich, Dietrich 2009, "Spatial splits in bounding volume
-// hierarchies"): a range is cut by a plane, and triangles that the plane cuts go to both sides,
-// each time with the box of the part there. Deviations: whether a triangle is rather kept whole
-// ("reference unsplitting", section 4.3) is decided for each by itself, from the boxes and counts
-// of the plane chosen, so that no order and no thread matters; parts in the children have the
-// smallest box that there is, while planes are compared by boxes that are quicker to find.
+// hierarchies"): a range is cut by a plane, and triangles that cross the plane go to both sides,
+// each time with the box of the part there. Deviations: whether a triangle stays whole ("reference
+// unsplitting", section 4.3) is decided for each triangle independently, from the boxes and counts
+// of the chosen plane, so that the result does not depend on order or threads; parts in the
+// children have tight boxes, while planes are compared with boxes that are faster to compute.
 #include "bvh/bvh_spatial.h"
 
 #include "base/parallel.h"
@@ -12,7 +12,8 @@
 
 enum {
     BINS_MAX = 32,
-    BINS_FEW = 8, // of ranges of at most so many references, since large ones are cut at each plane
+    BINS_FEW = 8, // for ranges of at most this many references, because large ones are clipped at
+                  // each plane
     FEW_MAX = 16,
     LEFT = 1,
     RIGHT = 2,
@@ -30,7 +31,7 @@ struct bvh_spatial_chunk {
     struct bvh_box boxes[2], centroids[2];
 };
 
-// Planes between equal bins over the range's box; [bin_count] is its end.
+// Planes between equal bins of the range's box; [bin_count] is its end.
 struct grid {
     int bin_count;
     double planes[3][BINS_MAX + 1];
@@ -64,8 +65,8 @@ static struct grid grid_for(const struct bvh_box *box, uint32_t count)
     return grid;
 }
 
-// The bins of an interval, so that no plane is its start or its end: one that ends at a plane ends
-// below it.
+// Computes the bins of an interval so that no plane is its start or its end: one that ends at a
+// plane is in the bin below.
 static void bins_of(const struct grid *grid, int axis, float min, float max, int bins[2])
 {
     const double *planes = grid->planes[axis];
@@ -86,7 +87,7 @@ static void bins_of(const struct grid *grid, int axis, float min, float max, int
     bins[1] = last > first ? last : first;
 }
 
-// Primitives that are not triangles are never cut: they are where their middle is.
+// Primitives that are not triangles are never cut: they belong to the bin of their centre.
 static void bins_of_primitive(const struct grid *grid, int axis,
                               const struct bvh_primitive *primitive, int bins[2])
 {
@@ -198,7 +199,7 @@ static void best_plane(const struct bin bins[BINS_MAX], uint32_t bin_count, uint
     }
 }
 
-// Merges bins of chunks, which are many enough to have all bins.
+// Merges the bins of chunks, which are large enough to use all bins.
 static void bins_merge(struct bin into[3][BINS_MAX], const struct bin from[3][BINS_MAX])
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -237,7 +238,7 @@ static double grown_half_area(const struct bvh_box *a, const struct bvh_box *b)
     return box_half_area(&grown);
 }
 
-// LEFT, RIGHT or both: both where that costs less than the whole reference on one side.
+// Returns LEFT, RIGHT or both: both if that costs less than the whole reference on one side.
 static int sides_of(const struct spatial_job *job, const struct bvh_primitive *primitive)
 {
     const struct bvh_spatial_split *split = job->split;
@@ -336,7 +337,7 @@ bool bvh_spatial_apply(const struct bvh_splitter *splitter, const struct bvh_ran
         return false;
     children[0].count = totals[0];
     children[1].count = totals[1];
-    children[0].box = split->boxes[0]; // for the shares of the room that is left
+    children[0].box = split->boxes[0]; // needed for the distribution of the remaining capacity
     children[1].box = split->boxes[1];
     bvh_place_children(range, children);
     for (int side = 0; side < 2; side++) {

@@ -27,11 +27,11 @@ struct bin {
     uint32_t count;
 };
 
-// One thread's share of a range.
+// A thread's part of a range.
 struct bvh_chunk {
     struct bin bins[3][BIN_COUNT];
     uint32_t begin, end;            // offsets in the range
-    uint32_t next_left, next_right; // where its first left and right primitives go
+    uint32_t next_left, next_right; // positions of its first left and right primitives
     struct bvh_box centroids[2];
 };
 
@@ -47,7 +47,7 @@ struct bin_split {
     struct bvh_box left, right;
 };
 
-// All that the chunk functions share.
+// State that all chunk functions share.
 struct split_job {
     const struct progress *progress;
     const struct bvh_primitive *source; // the range's primitives
@@ -134,8 +134,8 @@ static void bins_merge(struct bin into[3][BIN_COUNT], const struct bin from[3][B
     }
 }
 
-// Where costs are equal (a flat scene may have nothing but zeros) the most even split wins, so that
-// the depth stays small.
+// If costs are equal (a flat scene may have only zeros) the most even split wins, so that the depth
+// stays small.
 static bool split_is_better(double cost, uint32_t left, uint32_t right,
                             const struct bin_split *best, uint32_t count)
 {
@@ -158,7 +158,7 @@ static void axis_best_split(const struct bin bins[BIN_COUNT], uint32_t axis, uin
     }
     struct bin left = bins[0];
     for (uint32_t i = 1; i < BIN_COUNT; i++) {
-        if (left.count > 0 && bins[i].count > 0) { // else the same as another position
+        if (left.count > 0 && bins[i].count > 0) { // otherwise it equals another position
             double cost = box_half_area(&left.box) * left.count +
                           box_half_area(&right[i].box) * right[i].count;
             if (split_is_better(cost, left.count, right[i].count, best, count))
@@ -200,7 +200,8 @@ static void run_chunks(struct split_job *job, uint32_t chunk_count, unsigned thr
         parallel_for(chunk_count, 1, threads, fn, job);
 }
 
-// Gives each chunk its places in the partitioned range: chunks in order, left before right.
+// Computes the positions of each chunk in the partitioned range: chunks in order, left before
+// right.
 static void chunks_place(struct split_job *job, uint32_t chunk_count)
 {
     uint32_t left = 0, right = 0;
@@ -216,7 +217,7 @@ static void chunks_place(struct split_job *job, uint32_t chunk_count)
     }
 }
 
-// False when no axis separates the centroids.
+// Returns false if no axis separates the centroids.
 static bool find_binned_split(struct split_job *job, uint32_t count, uint32_t chunk_count,
                               unsigned threads)
 {
@@ -234,11 +235,12 @@ static bool find_binned_split(struct split_job *job, uint32_t count, uint32_t ch
 // A plane is tried where the children's boxes overlap by more than this part of the root's area
 // (Stich, Friedrich, Dietrich 2009, section 4.2).
 #define OVERLAP_MIN 1e-5
-// And of the range's own: a plane gains no more than the overlap, and trying takes long.
+// The overlap must also exceed this part of the range's own area: a plane gains no more than the
+// overlap, and the search is slow.
 #define OVERLAP_OF_RANGE_MIN 0.2
 
-// The rest of a split by primitives whose children are known but for their places: by a plane
-// instead, where that costs less. False where it does not.
+// Tries a plane in place of a split by primitives, whose children are known except for their
+// positions. Returns false if it does not cost less.
 static bool split_spatially(const struct bvh_splitter *splitter, const struct bvh_range *range,
                             unsigned threads, const struct bin_split *object,
                             struct bvh_range children[2])
@@ -338,7 +340,7 @@ static void sweep_axis(const struct bvh_primitive *primitives, uint32_t count, u
     }
 }
 
-// Puts a short range, whose first `left` primitives are the left child's, in its children's places.
+// Partitions a short range, whose first `left` primitives belong to the left child.
 static void split_in_place(const struct bvh_splitter *splitter, const struct bvh_range *range,
                            uint32_t left, struct bvh_range children[2])
 {
@@ -393,8 +395,8 @@ static void swap(struct bvh_primitive *a, struct bvh_primitive *b)
     *b = copy;
 }
 
-// Quickselect (Hoare 1961): puts the `middle` least centroids first. Ids differ, so there are no
-// equal keys.
+// Quickselect (Hoare 1961): puts the `middle` smallest centroids first. Ids differ, so no keys are
+// equal.
 static void select_smallest(struct bvh_primitive *primitives, uint32_t count, uint32_t middle,
                             int axis)
 {
@@ -428,7 +430,7 @@ static int widest_axis(const struct bvh_range *range)
     return widest;
 }
 
-// Halves by the centroid on the widest axis; by the present order where all centroids coincide.
+// Halves by the centroid on the widest axis; by the current order if all centroids coincide.
 static uint32_t split_median(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
     int axis = widest_axis(range);
@@ -437,7 +439,7 @@ static uint32_t split_median(struct bvh_primitive *primitives, const struct bvh_
     return range->count / 2;
 }
 
-// Puts the centroids below their mean on the widest axis first; the median where that are none or
+// Puts the centroids below their mean on the widest axis first; uses the median if that is none or
 // all. The order of summation is that of the range, which does not depend on threads.
 static uint32_t split_mean(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
@@ -463,8 +465,8 @@ static int longest_axis(const struct bvh_box *box)
     return longest;
 }
 
-// Puts the centroids below the middle of the box, along its longest axis, first; the median where
-// that are none or all.
+// Puts the centroids below the centre of the box, along its longest axis, first; uses the median if
+// that is none or all.
 static uint32_t split_middle(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
     int axis = longest_axis(&range->box);
@@ -476,7 +478,7 @@ static uint32_t split_middle(struct bvh_primitive *primitives, const struct bvh_
     return left > 0 && left < range->count ? left : split_median(primitives, range);
 }
 
-// True when a range can stay within the limit only if it is halved from here on.
+// Returns whether a range can stay within the limit only if it is halved from here on.
 static bool depth_runs_out(const struct bvh_splitter *splitter, const struct bvh_range *range)
 {
     uint32_t halvings = 32 - (uint32_t)__builtin_clz(range->count - 1); // log2, rounded up
@@ -485,7 +487,7 @@ static bool depth_runs_out(const struct bvh_splitter *splitter, const struct bvh
 
 // --- All ----------------------------------------------------------------------------------------
 
-// Room that is left goes to the children in the ratio of what they cost.
+// The remaining capacity is distributed to the children in the ratio of their costs.
 void bvh_place_children(const struct bvh_range *range, struct bvh_range children[2])
 {
     uint32_t rest = range->capacity - children[0].count - children[1].count, left = 0;

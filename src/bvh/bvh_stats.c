@@ -1,8 +1,8 @@
 // Computes the expected cost of a tree, and how deep it is.
 #include "bvh/bvh_node.h"
 
-// A ray that hits the root's box hits a box inside with the probability of the ratio of areas; in a
-// root without area no box counts.
+// A ray that hits the root's box hits a box inside with a probability of the ratio of areas; if the
+// root has no area, no box counts.
 static double sah_cost(const struct bvh *bvh)
 {
     double root_area = bvh_half_area(bvh, 0, 0, bvh_child_count(bvh_children(bvh, 0)));
@@ -17,7 +17,7 @@ static double sah_cost(const struct bvh *bvh)
     return root_area > 0 ? 1 + sum / root_area : 1;
 }
 
-// Levels from the root, which has 1, downwards.
+// Computes the levels downwards from the root, which has level 1.
 static uint32_t tree_depth(const struct bvh *bvh, uint32_t *level)
 {
     uint32_t depth = 1;
@@ -32,8 +32,8 @@ static uint32_t tree_depth(const struct bvh *bvh, uint32_t *level)
     return depth;
 }
 
-// A traversal goes on with one child of a node and leaves all its siblings pending; so the worst
-// order descends first, with every sibling pending, into the child that needs most itself.
+// A traversal continues with one child of a node and leaves all its siblings pending; so the worst
+// order first descends, with all siblings pending, into the child with the greatest requirement.
 static uint32_t tree_stack_entries(const struct bvh *bvh, uint32_t *entries)
 {
     for (uint32_t n = bvh->node_count; n-- > 0;) {

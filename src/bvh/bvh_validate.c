@@ -1,4 +1,4 @@
-// Checking a tree against its primitives: for tests, and for trees that come from a file.
+// Validates a tree against its primitives: for tests, and for trees that were read from a file.
 #include "bvh/bvh_node.h"
 #include "bvh/bvh_triangle.h"
 
@@ -75,8 +75,8 @@ static bool visit_box(struct validator *validator, const char *kind, const struc
     return true;
 }
 
-// Marks a place and adds the box of its triangle, unless that has several: what of it belongs here
-// is not known, and is looked at together with the other places.
+// Marks an entry and adds the box of its triangle, unless that has several entries: its part here
+// is not known, and is checked together with the other entries.
 static bool visit_place(struct validator *validator, uint32_t place, struct bvh_box *bounds)
 {
     uint32_t index = validator->bvh->triangle_order[place];
@@ -134,7 +134,7 @@ static bool fits(const struct validator *validator, uint32_t node, uint32_t chil
     return contains;
 }
 
-// Nodes are visited backwards, children before parents.
+// Nodes are visited in reverse order, children before parents.
 static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
 {
     uint32_t child = bvh_children(validator->bvh, index)[i];
@@ -143,7 +143,7 @@ static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
         if (!visit_leaf(validator, child, &bounds))
             return err_prepend(validator->err, "nodes[%u].child[%u]", index, i);
     } else {
-        // That children stand after their parents excludes cycles.
+        // As children come after their parents, there are no cycles.
         if (child <= index || child >= validator->bvh->node_count || validator->node_seen[child])
             return err_set(validator->err, ERR_INPUT,
                            "BVH: nodes[%u].child[%u]: %u is not a later node without parent", index,

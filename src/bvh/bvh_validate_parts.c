@@ -1,5 +1,5 @@
-// Checking that triangles with several places are whole: what a ray can meet of them is where the
-// boxes on the way to one of the places let it through.
+// Validates triangles with several entries: every point of such a triangle must be inside of all
+// boxes on the way to one of its entries.
 #include "bvh/bvh_node.h"
 #include "bvh/bvh_triangle.h"
 
@@ -12,9 +12,9 @@ struct bounds {
 struct parts {
     const struct bvh *bvh;
     const struct bvh_params *params;
-    struct bounds *nodes;  // what the boxes above a node let through
+    struct bounds *nodes;  // intersection of the boxes above a node
     struct bounds *places; // above a place
-    uint32_t *first;       // of triangle i among `sorted`; one more at the end
+    uint32_t *first;       // index of triangle i in `sorted`; one more at the end
     uint32_t *sorted;      // places by their triangles
     struct err *err;
 };
@@ -32,7 +32,7 @@ static bool allocate(struct parts *parts, struct arena *scratch)
     return true;
 }
 
-// Nodes stand after their parents.
+// Nodes come after their parents.
 static void descend(struct parts *parts)
 {
     const struct bvh *bvh = parts->bvh;

@@ -1,4 +1,4 @@
-// Visits all that a ray may hit: what lies in leaves whose boxes it goes through.
+// Visits everything that a ray may hit: the primitives in leaves whose boxes it crosses.
 #include "bvh/bvh_node.h"
 #include "bvh/bvh_slab.h"
 

@@ -1,7 +1,7 @@
-// Collapsing the binary tree into the wide one: optimally for the surface area heuristic by dynamic
+// Collapses the binary tree into the wide one: optimally for the surface area heuristic by dynamic
 // programming (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through
-// compressed wide BVHs", section 3.1), or each two levels into one; then laying it out and writing
-// the nodes.
+// compressed wide BVHs", section 3.1), or each two levels into one; then lays it out and writes the
+// nodes.
 #include "base/parallel.h"
 #include "bvh/bvh_binary.h"
 #include "bvh/bvh_node.h"
@@ -11,13 +11,13 @@ enum {
     TOP_MAX = 1024, // binary nodes whose subtrees are shared among threads
 };
 
-// The best ways to represent a binary subtree by at most 1, 2, 3 children of one wide node.
+// The best representations of a binary subtree by at most 1, 2, 3 children of one wide node.
 struct choice {
     float cost[WIDTH - 1];   // [i - 1]: by at most i children
     uint8_t left[WIDTH - 1]; // [i - 2]: of i children, so many go to the left subtree; 0: use
                              // fewer. i = WIDTH is for a wide node at this subtree's root
     uint8_t is_leaf : 1;     // as one child, it is a leaf and not a wide node
-    uint8_t triangles : 7;   // in the subtree, where a leaf has room for all that it has; else 0
+    uint8_t triangles : 7;   // number in the subtree, if a leaf has room for all; else 0
 };
 
 _Static_assert(sizeof(struct choice) == 16, "there are twice as many as triangles");
@@ -36,7 +36,7 @@ struct collapse {
     struct draft *drafts;   // for each wide node
     uint32_t draft_count;
     double root_area;
-    double node_cost, primitive_cost; // of a visit on average
+    double node_cost, primitive_cost; // expected cost of a visit
     uint32_t max_leaf;
     struct bvh *out;
     uint32_t order_count; // triangles laid out so far
@@ -60,9 +60,9 @@ static double extent(const struct bvh_box *box, int axis)
     return (double)box->max[axis] - (double)box->min[axis];
 }
 
-// On a node's grid a box grows by about a step, 1/128 of the node, along each axis. Whether that is
-// all that is left of it: as beside a plane without end, where the children of such a box, taken
-// into the node, could not be told from each other.
+// On a node's grid a box grows by about a step, 1/128 of the node, along each axis. This tests
+// whether the box is not larger than that, as next to an infinite plane: the children of such a box
+// could not be distinguished if they were children of the node.
 #define GRID_STEP (1.0 / 128)
 #define LOST_RATIO 256
 
@@ -74,7 +74,8 @@ static bool is_lost(const struct bvh_box *node, const struct bvh_box *box)
     return box_half_area(&grown) > LOST_RATIO * box_half_area(box);
 }
 
-// The least cost of `children` children shared by both subtrees, and the left one's number.
+// Returns the least cost of `children` children distributed over both subtrees, and the left one's
+// number.
 static double distribute(const struct collapse *collapse, const struct bvh_binary_node *node,
                          uint32_t children, uint8_t *left)
 {
@@ -133,7 +134,8 @@ static void choose(const struct collapse *collapse, uint32_t index)
     }
 }
 
-// Grandchildren become children, and triangles a leaf that has room, whatever that costs.
+// Grandchildren become children, and triangles become a leaf if it has room, regardless of the
+// cost.
 static void choose_plainly(const struct collapse *collapse, uint32_t index)
 {
     const struct bvh_binary_node *node = &collapse->params->nodes[index];
@@ -152,7 +154,7 @@ static void choose_node(const struct collapse *collapse, uint32_t index)
         choose(collapse, index);
 }
 
-// Bottom-up. The recursion is as deep as the binary tree, which has a limit.
+// Works bottom-up. The recursion is as deep as the binary tree, which has a limit.
 static void choose_below(const struct collapse *collapse, uint32_t index)
 {
     const struct bvh_binary_node *node = &collapse->params->nodes[index];
@@ -178,7 +180,7 @@ static void choose_subtrees(void *context, size_t begin, size_t end, unsigned th
         choose_below(top->collapse, top->nodes[top->opened + i]);
 }
 
-// Subtrees below the top side by side, then the top.
+// Processes subtrees below the top in parallel, then the top.
 static void choose_all(const struct collapse *collapse)
 {
     const struct bvh_binary_node *nodes = collapse->params->nodes;
@@ -212,7 +214,7 @@ static void gather(const struct collapse *collapse, struct draft *draft, uint32_
     gather(collapse, draft, node->right, children - choice->left[children - 2]);
 }
 
-// Those of a leaf, which has few.
+// Appends the triangles of a leaf, which are few.
 static void append_triangles(struct collapse *collapse, const struct bvh_binary_node *node)
 {
     const struct bvh_binary_node *nodes = collapse->params->nodes;
@@ -224,8 +226,8 @@ static void append_triangles(struct collapse *collapse, const struct bvh_binary_
     }
 }
 
-// Drafts the wide node for a binary subtree and all below it. The inner children of a node stand
-// together, as do the triangles of its leaves, and subtrees follow one another depth first. The
+// Drafts the wide node for a binary subtree and all below it. The inner children of a node are
+// adjacent, as are the triangles of its leaves, and subtrees follow one another depth first. The
 // recursion is at most as deep as the binary tree.
 static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
 {
@@ -255,7 +257,7 @@ static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
 
 // --- Writing ------------------------------------------------------------------------------------
 
-// The child word of a leaf; moves *triangle past it.
+// Returns the child word of a leaf; moves *triangle past it.
 static uint32_t leaf_word(const struct collapse *collapse, uint32_t binary, uint32_t *triangle)
 {
     const struct bvh_binary_node *node = &collapse->params->nodes[binary];
@@ -288,7 +290,7 @@ static void write_nodes(void *context, size_t begin, size_t end, unsigned thread
     }
 }
 
-// The wide nodes of a binary subtree that is one.
+// Returns the number of wide nodes in a binary subtree that becomes one.
 static uint32_t count_nodes(const struct collapse *collapse, uint32_t binary)
 {
     struct draft draft = {0};
