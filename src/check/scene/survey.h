@@ -250,7 +250,8 @@ bool find_unscaled(struct survey *survey, struct err *err);        // radiance, 
 bool find_memory(struct survey *survey, struct err *err);          // too little for the picture
 bool find_idle_lights(struct survey *survey, struct err *err);     // that take others' shadow rays
 // Those that measure: each renders into the job's film.
-bool measure_noise(struct survey *survey, struct err *err); // its tail, and the outlook
+bool measure_noise(struct survey *survey,
+                   struct err *err); // the tail of the samples, and the outlook
 bool measure_depth(struct survey *survey, struct err *err);
 
 #endif
