@@ -166,68 +166,68 @@ struct coincidences {
     uint8_t *through;        // flags of lines: one of the two surfaces transmits light, so that
                              // rounding decides whether the line enters or leaves there
     uint8_t *touched;        // flags of lines: the two surfaces look different from one
-    uint32_t count;          // of lines that are touched
+    uint32_t count;          // number of touched lines
     struct sighting pair[2]; // the first two surfaces
-    double apart;            // along the line, where its length hides that they are; or 0
+    double apart;            // distance along the line if the line's length hides it; or 0
 };
 
 bool coincidences_find(struct survey *survey, const struct sightline *lines, uint32_t count,
                        struct coincidences *out, struct err *err);
-// Adds the finding, unless there are too few or they are named already. `pixels` are flags of the
+// Adds the finding, unless there are too few lines or it exists already. `pixels` are flags of the
 // camera's lines.
 bool coincidences_add(struct survey *survey, const struct coincidences *coincidences,
                       const uint8_t *pixels, struct err *err);
-// Moves a point to the nearest part of a shape's surface; not of a distance field's.
+// Moves a point to the nearest point of a shape's surface; not for distance fields.
 void shape_put_on(const struct survey *survey, const struct flat_shape *shape, double point[3]);
 
 // --- lamp_places.c, light_reach.c ----------------------------------------------------------------
 
-// Takes up to `most` places on the surfaces of a material that emit, or of all (SCENE_NONE): in
-// proportion to what they send. lines[].steps[0] are the places. Returns how many they are.
+// Chooses up to `most` points on the emissive surfaces of a material, or of all materials
+// (SCENE_NONE), in proportion to their power. lines[].steps[0] are the points. Returns their
+// number.
 uint32_t lamp_places_take(const struct survey *survey, uint32_t material, uint32_t most,
                           struct sightline *lines);
-// Flags the pixels that light from some of these places, points with the normals of their surfaces,
-// reaches, reflected three times at most: as far as a few lines from each pixel tell.
+// Flags the pixels that light from some of these points, which have the normals of their surfaces,
+// reaches after at most three reflections, as far as a few lines from each pixel show.
 bool survey_lit_from(struct survey *survey, const struct sighting *places, uint32_t count,
                      uint8_t **flags, struct err *err);
 
 // --- measure_outlook.c ---------------------------------------------------------------------------
 
-#define OUTLOOK_SAMPLES 64u // of a pixel
-// Renders so many with a job of the small picture that has started, and estimates their error.
-// Finish out->arena in any case. *seconds: of rendering.
+#define OUTLOOK_SAMPLES 64u // per pixel
+// Renders OUTLOOK_SAMPLES samples with a started job of the small image, and estimates their error.
+// Finish out->arena in any case. *seconds: rendering time.
 bool outlook_render(struct survey *survey, struct job *job, struct job_estimate *out,
                     double *seconds, struct err *err);
-// Returns how many samples of a pixel the error asked for takes by that of OUTLOOK_SAMPLES, or at
-// most takes; NAN where that is not known.
+// Returns how many samples per pixel the desired error takes, or takes at most, extrapolated from
+// OUTLOOK_SAMPLES; NAN if not known.
 double outlook_samples(const struct survey *survey, const struct half_error *error);
-// Says what a render to the error asked for takes. *in_view: a flag a pixel, whether an emitter may
-// be seen there; NULL: nowhere.
+// Reports the cost of a render to the desired error. *in_view: for each pixel, whether an emitter
+// may be visible there; NULL: nowhere.
 bool measure_outlook(struct survey *survey, const uint8_t **in_view, struct err *err);
 
 // --- render_again.c ------------------------------------------------------------------------------
 
-// Samples of a pixel of each of these renders, of the same random numbers in each.
+// Samples per pixel of each of these renders, which all use the same random numbers.
 #define AGAIN_SAMPLES 16u
-// Renders the small picture with the settings that survey->scene has, when survey->job has ended.
+// Renders the small image with the current settings of survey->scene, when survey->job has ended.
 // *luminances: of the pixels' means, in survey->scratch.
 bool survey_render_again(struct survey *survey, double **luminances, struct err *err);
-// Does the same without the objects that are marked, one flag for each.
+// Does the same without the objects that are marked; one flag for each object.
 bool survey_render_without(struct survey *survey, const bool *marked, double **luminances,
                            struct err *err);
-// Returns the sum of the differences between pixels, relative to the brighter ones' light.
+// Returns the sum of the differences between pixels, relative to the light of the brighter ones.
 // *touched: flags of the pixels that differ by more than 1 %.
 double survey_difference(struct survey *survey, const double *a, const double *b,
                          const uint8_t **touched);
-// Where it is less, the pictures are the same: rounding turns a few paths another way.
+// Below this difference the images count as equal: rounding changes a few paths.
 #define DIFFERENCE_MIN 1e-3
 
 // --- light_sent.c --------------------------------------------------------------------------------
 
-// Returns the luminance of what one of the scene's lights sends to a place of the world, in W/m^2
-// on a surface that faces it, as if nothing were in between: by its distance, range, cone and
-// profile. Where that is not 0, `towards` is the unit direction in which the light's middle is
-// seen.
+// Returns the luminance of a light at a place of the world, in W/m^2 on a surface that faces it,
+// without occlusion: it depends on distance, range, cone and profile. If it is not 0, `towards` is
+// the unit direction to the light's centre.
 double light_sent(const struct light *light, const double place[3], double towards[3]);
 
 // --- searches: each adds what it finds -----------------------------------------------------------
