@@ -116,9 +116,11 @@ void completion_bash(const struct completion *c)
             "    fi\n"
             "    # Of words with commas between them, the last is completed.\n"
             "    [[ $current != *,* || -n $files ]] || before=${current%%,*},\n"
-            "    mapfile -t COMPREPLY < <(\n"
+            "    local found=$(\n"
             "        compgen -P \"$before\" -W \"$words\" -- \"${current#\"$before\"}\"\n"
             "        [[ -z $files ]] || compgen $files -- \"$current\")\n"
+            "    COMPREPLY=()\n"
+            "    [[ -z $found ]] || mapfile -t COMPREPLY <<<\"$found\"\n"
             "    [[ -z $files ]] || compopt -o filenames 2>/dev/null\n"
             "}\n"
             "complete -F %s %s\n",
