@@ -26,7 +26,7 @@ vec3 found_environment(vec3 direction, float bsdf_pdf)
     vec4 found = load_environment_at(direction);
     vec3 radiance = frame.environment * found.rgb;
     if (HAS_EMITTER(EMITTER_ENVIRONMENT))
-        radiance *= weight_found(bsdf_pdf, frame.environment_pick * found.a);
+        radiance *= weight_found(bsdf_pdf, pick_of_far(frame.environment_pick) * found.a);
     return radiance;
 }
 
@@ -38,7 +38,7 @@ vec3 found_suns(vec3 direction, float bsdf_pdf)
         vec4 towards = load_materials_float(suns.x + i * SUN_WORDS);
         vec4 sun = load_materials_float(suns.x + i * SUN_WORDS + 1u);
         if (sees_sun(towards.xyz, towards.w, direction))
-            radiance += sun.rgb * weight_found(bsdf_pdf, sun.a * pdf_sun(towards.w));
+            radiance += sun.rgb * weight_found(bsdf_pdf, pick_of_far(sun.a) * pdf_sun(towards.w));
     }
     return radiance;
 }

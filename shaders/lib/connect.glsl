@@ -70,13 +70,13 @@ bool connect_sample(vertex v, vec3 origin, uint ray, light_sample l)
     return true;
 }
 
-// One shadow ray to each emitter; those that have nothing to carry carry nothing.
-bool connect_all_lights(vertex v, vec3 origin)
+// One shadow ray to each lamp; those that have nothing to carry carry nothing.
+bool connect_all_lamps(vertex v, receiver r)
 {
     bool any_ray = false;
     for (uint i = 0u; i < LIGHT_RAYS; i++) {
         vec4 u = uniforms(v.slot, light_dimension(push.bounce, i));
-        bool connected = connect_sample(v, origin, i, sample_each_light(origin, i, u.xy));
+        bool connected = connect_sample(v, r.position, i, sample_lamp(r, i, u));
         any_ray = any_ray || connected;
         if (!connected && LIGHT_RAYS > 1u)
             store_shadow_ray(v.slot, i, 2u, uvec4(0u));
@@ -90,10 +90,18 @@ bool connect_light(vertex v, vec4 u)
 {
     surface s = v.s;
     vec3 origin = offset_origin(s.position, s.error, s.normal_geometric, s.normal_geometric);
-    if (LIGHT_CHOICE == LIGHT_CHOICE_ALL)
-        return connect_all_lights(v, origin);
     receiver r = receiver(origin, s.normal_geometric, is_lit_from_both_sides(s.material));
-    return connect_sample(v, origin, 0u, sample_light(r, u));
+    bool by_lamp = false, any_ray = false;
+    if (LIGHT_CHOICE == LIGHT_CHOICE_ALL) {
+        by_lamp = connects_to_each(push.bounce);
+        if (by_lamp)
+            any_ray = connect_all_lamps(v, r);
+    }
+    if (!CONNECTS_ALWAYS_TO_EACH) {
+        if (!by_lamp)
+            any_ray = connect_sample(v, origin, 0u, sample_light(r, u));
+    }
+    return any_ray;
 }
 
 #endif

@@ -23,6 +23,7 @@ layout(constant_id = CONSTANT_FILTER) const uint FILTER = FILTER_BOX;
 layout(constant_id = CONSTANT_CAMERA) const uint CAMERA = CAMERA_PERSPECTIVE;
 layout(constant_id = CONSTANT_LIGHT_CHOICE) const uint LIGHT_CHOICE = LIGHT_CHOICE_POWER;
 layout(constant_id = CONSTANT_LIGHT_RAYS) const uint LIGHT_RAYS = 1u;
+layout(constant_id = CONSTANT_LIGHT_VERTICES) const uint LIGHT_VERTICES = 0u;
 layout(constant_id = CONSTANT_MIS) const uint MIS = MIS_POWER;
 layout(constant_id = CONSTANT_DIRECTIONS) const uint DIRECTIONS = DIRECTIONS_BSDF;
 layout(constant_id = CONSTANT_ROULETTE) const uint ROULETTE = ROULETTE_THROUGHPUT;

@@ -8,6 +8,7 @@
 #include "lib/environment.glsl"
 #include "lib/light_tree.glsl"
 #include "lib/material.glsl"
+#include "lib/nee.glsl"
 #include "lib/profile.glsl"
 #include "lib/random.glsl"
 #include "lib/sampling.glsl"
@@ -29,6 +30,7 @@ float light_distance(light_sample l)
 struct light_choice {
     uint primitive;
     float pick;
+    bool of_lamp; // of those of a lamp that was not chosen itself: records do not say
 };
 
 // Density per solid angle with which sample_light() would have chosen the unit `direction` from
@@ -112,7 +114,7 @@ void sample_sun_light(vec3 towards, vec3 irradiance, float versine, float reach,
     l.radiance = sun_radiance(irradiance, versine);
 }
 
-void sample_point_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
+void sample_point_light(vec3 origin, uint index, light_choice choice, vec2 u, inout light_sample l)
 {
     uint at = lights_begin() + index * LIGHT_WORDS;
     uvec4 w0 = load_materials(at);
@@ -120,7 +122,8 @@ void sample_point_light(vec3 origin, uint index, float pick, vec2 u, inout light
     vec4 w2 = load_materials_float(at + 2u);
     vec4 w3 = load_materials_float(at + 3u);
     l.delta = true;
-    l.pdf = LIGHT_CHOICE == LIGHT_CHOICE_TREE && w0.w != LIGHT_DIRECTIONAL ? pick : w1.w;
+    bool is_recorded = w0.w == LIGHT_DIRECTIONAL && !choice.of_lamp;
+    l.pdf = is_recorded || !CHOOSES_BY_PLACE ? w1.w : choice.pick;
     l.radiance = w2.rgb;
     if (w0.w == LIGHT_DIRECTIONAL) {
         l.infinite = true;
@@ -145,13 +148,13 @@ void sample_point_light(vec3 origin, uint index, float pick, vec2 u, inout light
     l.pdf = distance2 > 0.0 ? l.pdf : 0.0;
 }
 
-void sample_environment_light(vec2 u, inout light_sample l)
+void sample_environment_light(float pick, vec2 u, inout light_sample l)
 {
     // Bits beyond those of u for the environment's texels: of no consequence for stratification.
     uvec4 more = pcg4d(uvec4(floatBitsToUint(u), 0u, 0u));
     vec3 direction;
     vec2 low = vec2(more.xy >> 8u) * 5.9604644775390625e-8;
-    l.pdf = frame.environment_pick * sample_environment(u, low, direction, l.radiance);
+    l.pdf = pick * sample_environment(u, low, direction, l.radiance);
     l.to_light = frame.environment_reach * direction;
     l.infinite = true;
 }
@@ -176,15 +179,15 @@ uint choose_bin(vec2 u, out float within)
 // with the same probability, or by the tree.
 light_choice choose_light(receiver r, vec2 u)
 {
-    if (LIGHT_CHOICE == LIGHT_CHOICE_TREE) {
+    if (CHOOSES_BY_PLACE) {
         float probability;
         uint primitive = choose_from_tree(r, u, probability);
-        return light_choice(primitive, probability);
+        return light_choice(primitive, probability, false);
     }
     float within;
     uvec4 emitter = load_emitters(choose_bin(u, within));
     bool own = within < uintBitsToFloat(emitter.x);
-    return light_choice(own ? emitter.y : emitter.z, 1.0 / float(frame.emitter_count));
+    return light_choice(own ? emitter.y : emitter.z, 1.0 / float(frame.emitter_count), false);
 }
 
 // A point on an emitter. A pdf of 0 means that there is nothing to connect to.
@@ -211,9 +214,9 @@ light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
     if ((HAS(FEATURE_TEXTURES) || HAS(FEATURE_ALPHA)) && !is_point && !is_environment)
         texture_light(origin, l);
     if (is_point)
-        sample_point_light(origin, l.primitive & ~PRIMITIVE_LIGHT, choice.pick, u, l);
+        sample_point_light(origin, l.primitive & ~PRIMITIVE_LIGHT, choice, u, l);
     if (is_environment)
-        sample_environment_light(u, l);
+        sample_environment_light(choice.of_lamp ? 1.0 : frame.environment_pick, u, l);
 #ifdef PLANTED_PDF_FACTOR // tests of tests only: is an estimator that is wrong by so much found?
     l.pdf *= PLANTED_PDF_FACTOR;
 #endif
@@ -226,10 +229,12 @@ light_sample sample_light(receiver r, vec4 u)
     return sample_emitter(r.position, choose_light(r, u.xw), u.yz);
 }
 
-// Emitter number `index` of all, when each is connected to.
-light_sample sample_each_light(vec3 origin, uint index, vec2 u)
+// Of a lamp, when each is connected to. `u`: point on the emitter x, y; which of the lamp's, twice.
+light_sample sample_lamp(receiver r, uint lamp, vec4 u)
 {
-    return sample_emitter(origin, light_choice(load_emitters(index).y, 1.0), u);
+    float probability;
+    uint primitive = choose_in_lamp(lamp, r, u.zw, probability);
+    return sample_emitter(r.position, light_choice(primitive, probability, true), u.xy);
 }
 
 // Returns whether light from behind may go on to the viewer: by the material's word.
@@ -286,9 +291,20 @@ float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, u
         area = triangle_area(t);
         emitter = emitter_of(t);
     }
-    float pick = LIGHT_CHOICE == LIGHT_CHOICE_ALL ? 1.0 : 1.0 / float(frame.emitter_count);
-    if (LIGHT_CHOICE == LIGHT_CHOICE_TREE)
-        pick = probability_in_tree(receiver_of(origin, direction, from, from_instance), emitter);
+    float pick = 1.0 / float(frame.emitter_count);
+    if (CHOOSES_BY_PLACE) {
+        receiver r = receiver_of(origin, direction, from, from_instance);
+        bool by_lamp = false;
+        if (LIGHT_CHOICE == LIGHT_CHOICE_ALL) {
+            by_lamp = connected_to_each();
+            if (by_lamp)
+                pick = probability_in_lamp(r, emitter);
+        }
+        if (!CONNECTS_ALWAYS_TO_EACH) {
+            if (!by_lamp)
+                pick = probability_in_tree(r, emitter);
+        }
+    }
     return pick / area;
 }
 

@@ -112,6 +112,42 @@ uint light_pair_at(uint pair)
     return LIGHT_TREE_WORDS + pair * LIGHT_PAIR_WORDS;
 }
 
+// Goes down from a child of the tree to one emitter below it, by a number in a part of this width:
+// returns the word of its primitive. The width becomes that of the emitter's part, which is 0 where
+// none sends anything.
+uint choose_below(uint child, receiver r, uvec2 number, inout float width)
+{
+    while ((child & LIGHT_LEAF) == 0u) {
+        uint at = light_pair_at(child);
+        light_fork fork = light_fork_at(at, r);
+        if (fork.dark) {
+            width = 0.0;
+            break;
+        }
+        bool first = take_first(number, width, fork.smaller);
+        uint index = first ? fork.first : 1u - fork.first;
+        child = load_emitters(at + 2u * index + 1u).w;
+    }
+    return child & ~LIGHT_LEAF;
+}
+
+// Follows a trail from one of its levels, where it is at this child, to its end: what choose_below()
+// makes of the width.
+float width_below(uint child, uint level, uvec4 trail, receiver r, float width)
+{
+    for (; level < trail.z; level++) {
+        uint at = light_pair_at(child);
+        light_fork fork = light_fork_at(at, r);
+        uint index = (level < 32u ? trail.x >> level : trail.y >> (level - 32u)) & 1u;
+        float part = width * fork.smaller;
+        width = index == fork.first ? part : width - part;
+        if (fork.dark)
+            return 0.0;
+        child = load_emitters(at + 2u * index + 1u).w;
+    }
+    return width;
+}
+
 // Chooses an emitter by two uniforms; returns the word of its primitive and the probability, which
 // is 0 where no emitter sends anything.
 uint choose_from_tree(receiver r, vec2 u, out float probability)
@@ -128,20 +164,9 @@ uint choose_from_tree(receiver r, vec2 u, out float probability)
         probability = share;
         return fract(place) < uintBitsToFloat(bin.x) ? bin.y : bin.z;
     }
-    uint child = head.x;
-    while ((child & LIGHT_LEAF) == 0u) {
-        uint at = light_pair_at(child);
-        light_fork fork = light_fork_at(at, r);
-        if (fork.dark) {
-            width = 0.0;
-            break;
-        }
-        bool first = take_first(number, width, fork.smaller);
-        uint index = first ? fork.first : 1u - fork.first;
-        child = load_emitters(at + 2u * index + 1u).w;
-    }
+    uint primitive = choose_below(head.x, r, number, width);
     probability = width;
-    return child & ~LIGHT_LEAF;
+    return primitive;
 }
 
 // The probability with which choose_from_tree() chooses emitter number `emitter`, a surface.
@@ -149,21 +174,28 @@ float probability_in_tree(receiver r, uint emitter)
 {
     uvec4 head = load_emitters(0u);
     uvec4 trail = load_emitters(head.y + emitter);
-    float width = 1.0 - load_emitters_float(1u).x;
     if (trail.z == LIGHT_NOWHERE)
         return 0.0;
-    uint child = head.x;
-    for (uint level = 0u; level < trail.z; level++) {
-        uint at = light_pair_at(child);
-        light_fork fork = light_fork_at(at, r);
-        uint index = (level < 32u ? trail.x >> level : trail.y >> (level - 32u)) & 1u;
-        float part = width * fork.smaller;
-        width = index == fork.first ? part : width - part;
-        if (fork.dark)
-            return 0.0;
-        child = load_emitters(at + 2u * index + 1u).w;
-    }
-    return width;
+    return width_below(head.x, 0u, trail, r, 1.0 - load_emitters_float(1u).x);
+}
+
+// Chooses an emitter of a lamp by two uniforms, likewise.
+uint choose_in_lamp(uint lamp, receiver r, vec2 u, out float probability)
+{
+    uvec4 own = load_emitters(load_emitters(1u).y + lamp);
+    probability = own.y == LIGHT_NOWHERE ? 0.0 : 1.0;
+    return choose_below(own.x, r, number_of(u), probability);
+}
+
+// The probability with which choose_in_lamp() chooses emitter number `emitter`, a surface, when it
+// is asked for the lamp that this is of.
+float probability_in_lamp(receiver r, uint emitter)
+{
+    uvec4 trail = load_emitters(load_emitters(0u).y + emitter);
+    if (trail.z == LIGHT_NOWHERE)
+        return 0.0;
+    uvec4 lamp = load_emitters(load_emitters(1u).y + trail.w);
+    return width_below(lamp.x, lamp.y, trail, r, 1.0);
 }
 
 #endif

@@ -21,8 +21,8 @@ uint bounce_dimension(uint bounce, uint use)
     return DIMENSION_FIRST_BOUNCE + bounce * DIMENSIONS_A_BOUNCE + use;
 }
 
-// The dimension of the point on emitter number `light`, when each of `LIGHT_RAYS` is connected to:
-// apart from all others.
+// The dimension of lamp number `light` (point on an emitter x, y; which of the lamp's, twice) when
+// each of `LIGHT_RAYS` is connected to: apart from all others.
 uint light_dimension(uint bounce, uint light)
 {
     return DIMENSION_ALL_LIGHTS + bounce * LIGHT_RAYS + light;

@@ -199,7 +199,8 @@ light_sample whitted_light(vec3 origin, uint number)
         return l;
     if (is_point) {
         if (HAS_EMITTER(EMITTERS_LIGHTS))
-            sample_point_light(origin, primitive & ~PRIMITIVE_LIGHT, 1.0, vec2(0.5), l);
+            sample_point_light(origin, primitive & ~PRIMITIVE_LIGHT,
+                               light_choice(primitive, 1.0, false), vec2(0.5), l);
         return l;
     }
     if (HAS_EMITTER(EMITTER_TRIANGLES) && !is_shape)

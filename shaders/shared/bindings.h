@@ -69,7 +69,12 @@
 #define CONSTANT_ACCUMULATION 29
 #define CONSTANT_ROUNDING 30     // ROUNDING_*
 #define CONSTANT_STACK_SHARED 31 // entries of a thread's stack in shared memory: lib/stack.glsl
-#define CONSTANT_COUNT 32
+// With LIGHT_CHOICE_ALL: so many first ones of a path are connected to each lamp.
+#define CONSTANT_LIGHT_VERTICES 32
+#define CONSTANT_COUNT 33
+
+// CONSTANT_LIGHT_VERTICES of all.
+#define ALL_VERTICES 0xffffffffu
 
 // How the device rounds sums and products: to the nearest float where it was asked to, or else to
 // either neighbour, which is all that Vulkan promises.

@@ -55,10 +55,10 @@
 #define CAMERA_PANORAMIC 2u // all directions, in latitude and longitude
 
 // Which emitters a vertex connects to.
-#define LIGHT_CHOICE_AUTO 0u // a setting only: the tree where there are many, else by power
+#define LIGHT_CHOICE_AUTO 0u // a setting only: see render/tables/light_choice.h
 #define LIGHT_CHOICE_UNIFORM 1u
 #define LIGHT_CHOICE_POWER 2u
-#define LIGHT_CHOICE_ALL 3u
+#define LIGHT_CHOICE_ALL 3u  // of each lamp one: CONSTANT_LIGHT_VERTICES; beyond, by the tree
 #define LIGHT_CHOICE_TREE 4u // by what they may send here, through a light BVH
 
 // Weights of the two techniques that find emitters.

@@ -192,7 +192,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sun, 32);
 #define SUN_WORDS 2
 
 // An emitter to choose, by its primitive's word. By power: a bin of Vose's alias table, with
-// u < threshold the bin's own primitive, else its alias. Uniformly or all: thresholds are 1.
+// u < threshold the bin's own primitive, else its alias. Uniformly: thresholds are 1.
 struct gpu_emitter {
     float threshold;
     uint primitive;
@@ -208,7 +208,8 @@ struct gpu_light_tree {
     uint infinite; // struct gpu_emitter: bins of those infinitely far
     uint infinite_count;
     float infinite_share; // probability to choose one of these
-    uint align_tree[3];
+    uint lamps;           // struct gpu_lamp, by number; with LIGHT_CHOICE_ALL only
+    uint align_tree[2];
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light_tree, 32);
 #define LIGHT_TREE_WORDS 2 // then pairs of struct gpu_light_bounds
@@ -233,10 +234,18 @@ SHARED_STATIC_ASSERT_SIZE(gpu_light_bounds, 32);
 struct gpu_light_trail {
     uint low, high;
     uint depth; // bits; LIGHT_NOWHERE: not in the tree
-    uint align_trail;
+    uint lamp;  // that the emitter is of
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light_trail, 16);
 #define LIGHT_NOWHERE 0xffffffffu
+
+// A lamp: emitters that hang together, or one that stands alone, or is infinitely far.
+struct gpu_lamp {
+    uint child; // that all its emitters are below
+    uint depth; // of that: bits of a trail; LIGHT_NOWHERE: it sends nothing
+    uint align_lamp[2];
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_lamp, 16);
 
 // One path in flight: one cache line.
 struct gpu_path {
@@ -441,13 +450,13 @@ struct gpu_frame {
     uint sdfs;
     uint sdf_code;
     // FEATURE_FAR_CAMERA; else 0 and 1.
-    float camera_start;   // along the line of sight, how far from the camera its rays begin
-    float lens_at_start;  // how large the lens is there: 1 - camera_start / focus_distance
-    uint small_triangles; // as `instances`
-    uint pixel_strata;    // a side of a pixel, of PIXEL_SAMPLING_GRID and _STRATIFIED
-    float mis_exponent;   // of MIS_POWER_ANY
-    float min_density;    // of a direction, 1/sr, with FEATURE_MIN_DENSITY
-    uint split_lobes;     // vertices at which paths split, with FEATURE_SPLIT_LOBES
+    float camera_start;      // along the line of sight, how far from the camera its rays begin
+    float lens_at_start;     // how large the lens is there: 1 - camera_start / focus_distance
+    uint small_triangles;    // as `instances`
+    uint pixel_strata;       // a side of a pixel, of PIXEL_SAMPLING_GRID and _STRATIFIED
+    float mis_exponent;      // of MIS_POWER_ANY
+    float min_density;       // of a direction, 1/sr, with FEATURE_MIN_DENSITY
+    uint split_lobes;        // vertices at which paths split, with FEATURE_SPLIT_LOBES
     float environment_floor; // of the luminance that its image is sampled by
     uint align_frame;
     VEC3(cells_begin); // where rays are sorted by cells: the scene's lowest corner,

@@ -3,6 +3,7 @@
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"
+#include "check/made_mesh.h"
 #include <math.h>
 
 // --- the forms ----------------------------------------------------------------------------------
@@ -91,6 +92,63 @@ static double square_above(double rho, double le, double height)
     return rho * le * 4.0 * corner;
 }
 static const char square_above_is[] = "rho Le F, factor B-3";
+
+// Six lamps, none before another: the square at a height of 3, and meshes that are squares too.
+struct square_lamp {
+    double x, y, z, side; // its middle, and half of its edge
+    double emission;      // times that of the others
+};
+static const struct square_lamp square_lamps[] = {{3, 2, 0, 0.5, 2},
+                                                  {-2.4, 1.5, 0, 0.4, 5},
+                                                  {0, 1, 1.8, 0.3, 1},
+                                                  {0, 2.5, -3.5, 0.8, 3},
+                                                  {2, 1, 2.5, 0.25, 8}};
+#define SQUARE_LAMPS (sizeof square_lamps / sizeof square_lamps[0])
+
+// Factor B-3 of a rectangle a x b at a height of 1.
+static double corner_factor(double a, double b)
+{
+    double p = sqrt(1.0 + a * a), q = sqrt(1.0 + b * b);
+    return (a / p * atan(b / p) + b / q * atan(a / q)) / (2.0 * M_PI);
+}
+
+static double six_lamps(double rho, double le, double unused)
+{
+    (void)unused;
+    double factor = square_above(1.0, 1.0, 3.0);
+    for (size_t i = 0; i < SQUARE_LAMPS; i++) {
+        const struct square_lamp *lamp = &square_lamps[i];
+        double x[2], z[2];
+        for (int end = 0; end < 2; end++) {
+            x[end] = (lamp->x + (2 * end - 1) * lamp->side) / lamp->y;
+            z[end] = (lamp->z + (2 * end - 1) * lamp->side) / lamp->y;
+        }
+        factor += lamp->emission * (corner_factor(x[1], z[1]) - corner_factor(x[0], z[1]) -
+                                    corner_factor(x[1], z[0]) + corner_factor(x[0], z[0]));
+    }
+    return rho * le * factor;
+}
+static const char six_lamps_is[] = "rho Le times the sum of factors B-3";
+
+// Each of eight triangles, two for each of its quarters.
+static bool add_square_lamps(struct scene *scene, double unused, struct err *err)
+{
+    static const double corners[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+    (void)unused;
+    for (size_t i = 0; i < SQUARE_LAMPS; i++) {
+        const struct square_lamp *lamp = &square_lamps[i];
+        struct mesh *mesh = made_mesh_add(scene, 8, err);
+        if (!mesh || !made_mesh_blacken(scene, mesh, lamp->emission, err))
+            return false;
+        for (uint32_t vertex = 0; vertex < 24; vertex++) {
+            const double *corner = corners[vertex % 6];
+            uint32_t quarter = vertex / 6;
+            made_mesh_set(mesh, vertex, lamp->x + lamp->side * (corner[0] - (double)(quarter & 1)),
+                          lamp->y, lamp->z + lamp->side * (corner[1] - (double)(quarter / 2)));
+        }
+    }
+    return true;
+}
 
 // A disc of radius 1 parallel to the element and centred above it: the integral of 2 r h^2 / (r^2 +
 // h^2)^2 dr over rings of radius r.
@@ -306,6 +364,9 @@ static const struct check_case forms[] = {
     FORM("B8 square at 1", "floor_light.json", square_above, 1, BY_STATISTICS, EACH_ALONE,
      {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1, 1], "u": [2, 0, 0],
                       "v": [0, 0, -2]})}}),
+    FORM("B8 six lamps, five of them meshes", "floor_light.json", six_lamps, 0, BY_STATISTICS,
+     EACH_ALONE, {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 3, 1],
+                                  "u": [2, 0, 0], "v": [0, 0, -2]})}}, 0, add_square_lamps),
     FORM("B9 square at 0.001", "floor_light.json", square_above, 1e-3, BY_STATISTICS, BSDF_ALONE,
      {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1e-3, 1], "u": [2, 0, 0],
                       "v": [0, 0, -2]})}}),

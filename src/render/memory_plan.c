@@ -146,8 +146,8 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-// The greatest wave whose buffers keep within the limits, as a multiple of the workgroup and of a
-// sample's slots.
+// The greatest wave whose buffers keep within the limits, as a multiple of the workgroup, if it can
+// be, and of a sample's slots.
 static uint32_t fit_wave(const struct memory_plan_params *p)
 {
     const struct specialization *s = p->specialization;
@@ -167,6 +167,9 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     // Both are powers of two.
     uint64_t sample = UINT64_C(1) << s->split_lobes;
     uint64_t unit = sample > s->workgroup ? sample : s->workgroup;
+    // Where limits leave no room for a workgroup, some of its threads have nothing to do.
+    if (slots < unit)
+        unit = sample;
     slots = slots / unit * unit;
     if (slots < unit)
         slots = unit;
@@ -228,22 +231,19 @@ static void take_parts(const struct memory_plan_params *p, struct memory_plan *p
     plan->buffers[b].parts += further;
 }
 
-// Shadow rays of a vertex: one thread loops over their emitters. Some drivers silently end loops of
-// one invocation after 65,535 rounds (see specialize.c), and each emitter has loops of its own.
+// Shadow rays of a vertex: one thread loops over their lamps. Some drivers silently end loops of
+// one invocation after 65,535 rounds (see specialize.c), and each lamp has loops of its own.
 #define LIGHT_RAYS_MAX 512u
 
-static bool check_light_rays(const struct memory_plan_params *p, struct err *err)
+static bool check_light_rays(const struct specialization *s, struct err *err)
 {
-    const struct specialization *s = p->specialization;
-    uint64_t smallest = (uint64_t)s->workgroup * 16 * SHADOW_WORDS_OF(s->geometry);
-    uint64_t range = least(p->gpu->max_storage_range, p->gpu->max_allocation);
-    uint64_t fits = least(LIGHT_RAYS_MAX, range / smallest);
-    if (!(s->features & FEATURE_NEE) || s->light_rays == 1 || s->light_rays <= fits)
+    bool is_whitted = s->integrator == INTEGRATOR_WHITTED;
+    if (!(s->features & FEATURE_NEE) || s->light_rays <= LIGHT_RAYS_MAX)
         return true;
-    return err_set(err, ERR_INPUT,
-                   "a shadow ray to each of %u emitters: expected at most %" PRIu64
-                   " emitters, or another --light-choice, such as tree",
-                   s->light_rays, fits);
+    return err_set(err, ERR_INPUT, "a shadow ray to each of %u %s: expected at most %u%s",
+                   s->light_rays, is_whitted ? "emitters" : "lamps", LIGHT_RAYS_MAX,
+                   is_whitted ? ", or another --integrator"
+                              : ", or another --light-choice, such as tree");
 }
 
 // Rays that a slot of INTEGRATOR_WHITTED puts off: a record of the stack for each depth.
@@ -398,7 +398,7 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
 {
     const struct gpu *gpu = p->gpu;
     *out = (struct memory_plan){0};
-    if (!check_light_rays(p, err) || !check_pending_rays(p->specialization, err))
+    if (!check_light_rays(p->specialization, err) || !check_pending_rays(p->specialization, err))
         return false;
     out->wave_slots = fit_wave(p);
     out->wave_samples = out->wave_slots >> p->specialization->split_lobes;

@@ -11,6 +11,7 @@
 #include "render/film.h"
 #include "render/frame.h"
 #include "render/sampling_plan.h"
+#include "render/tables/light_choice.h"
 #include "render/upload.h"
 #include "render/wave.h"
 #include "shared/aov.h"
@@ -259,12 +260,21 @@ static void choose_features(const struct renderer_params *params, struct rendere
         .bvh = &r->bvh,
         .gpu = r->gpu,
         .camera = &r->camera,
+        .lamps = r->lamps.count,
         .aovs = params->aovs,
         .workgroup = params->workgroup,
         .compile_all = params->compile_all,
         .merge_classes = params->merge_classes,
         .tiles = params->tiles,
     });
+}
+
+static bool find_lamps(struct renderer *r, struct err *err)
+{
+    const struct settings *settings = &r->scene->settings;
+    return settings->integrator == INTEGRATOR_WHITTED ||
+           !light_choice_asks_lamps(settings->light_choice) ||
+           emitter_lamps_find(r->scene, &r->flat, &r->arena, &r->lamps, err);
 }
 
 static bool build_tables(struct renderer *r, struct err *err)
@@ -275,6 +285,7 @@ static bool build_tables(struct renderer *r, struct err *err)
         .bvh = &r->bvh,
         .camera = &r->camera,
         .light_choice = r->specialization.light_choice,
+        .lamps = &r->lamps,
         .progress = r->progress,
     };
     if (!shading_tables_build(&tables, &r->arena, &r->tables, err))
@@ -303,6 +314,8 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
 
     uint64_t start = clock_ns();
     far_camera_warn(&r->flat, &r->camera, settings->height);
+    if (!find_lamps(r, err))
+        goto fail;
     choose_features(params, r);
     if (!build_tables(r, err) || !plan_first_memory(r, params->wave, err))
         goto fail;

@@ -177,6 +177,7 @@ struct renderer {
     bool large_spheres_anyway;           // wherever the camera is: see large_spheres.h
     const struct kernel_set *kernel_set; // NULL: the embedded ones
     struct shading_tables tables;
+    struct emitter_lamps lamps; // where the choice of lights asks for them
     struct specialization specialization;
     float brightest_by_chance; // see chance.h
     struct in_view in_view;

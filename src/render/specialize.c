@@ -6,6 +6,7 @@
 #include "render/film_aovs.h"
 #include "render/tables/emitters.h"
 #include "render/tables/environment_table.h"
+#include "render/tables/light_choice.h"
 #include "shared/sdf.h"
 #include "shared/types.h"
 #include <string.h>
@@ -198,12 +199,22 @@ static uint32_t emitters_of(const struct emitter_counts *counts)
     return emitters;
 }
 
-static uint32_t light_rays(uint32_t choice, const struct emitter_counts *counts)
+// The integrator whitted sends a shadow ray to each emitter, listed as for LIGHT_CHOICE_UNIFORM.
+static void choose_lights(const struct specialize_params *p, const struct emitter_counts *counts,
+                          struct specialization *s)
 {
-    uint64_t total = emitters_total(counts);
-    if (choice != LIGHT_CHOICE_ALL || total == 0)
-        return 1;
-    return total < UINT32_MAX ? (uint32_t)total : UINT32_MAX;
+    const struct settings *settings = &p->scene->settings;
+    uint64_t emitters = emitters_total(counts);
+    struct light_choice choice = light_choice_of(settings->light_choice, emitters, p->lamps);
+    s->light_choice = choice.way;
+    s->light_rays = choice.rays;
+    s->light_vertices = choice.vertices;
+    if (settings->integrator != INTEGRATOR_WHITTED)
+        return;
+    s->light_choice = LIGHT_CHOICE_UNIFORM;
+    s->light_vertices = 0;
+    s->light_rays = emitters < UINT32_MAX ? (uint32_t)emitters : UINT32_MAX;
+    s->light_rays = s->light_rays > 0 ? s->light_rays : 1;
 }
 
 static bool wants_nee(const struct settings *settings)
@@ -451,9 +462,7 @@ struct specialization specialize(const struct specialize_params *p)
     s.emitters = emitters_of(&counts);
     for (uint32_t i = 0; i < scene->light_count; i++)
         s.emitters |= scene->lights[i].profile && !scene->lights[i].hidden ? EMITTER_PROFILES : 0u;
-    bool each = settings->integrator == INTEGRATOR_WHITTED;
-    s.light_choice = emitters_choice(each ? LIGHT_CHOICE_ALL : settings->light_choice, &counts);
-    s.light_rays = light_rays(s.light_choice, &counts);
+    choose_lights(p, &counts, &s);
     s.features |= light_features(scene, s.emitters, s.lobes);
     if (!(s.features & FEATURE_NEE))
         s.emitters &= ~EMITTER_ENVIRONMENT;

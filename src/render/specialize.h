@@ -35,9 +35,10 @@ struct specialization {
     uint32_t leaf_index_bits;    // bvh_leaf_index_bits()
     uint32_t normals;            // NORMALS_*
     uint32_t radiance_scaling;
-    uint32_t accumulation; // ACCUMULATION_*
-    uint32_t rounding;     // ROUNDING_*
-    uint32_t stack_shared; // entries of a thread's stack in shared memory; 0: none
+    uint32_t accumulation;   // ACCUMULATION_*
+    uint32_t rounding;       // ROUNDING_*
+    uint32_t stack_shared;   // entries of a thread's stack in shared memory; 0: none
+    uint32_t light_vertices; // with LIGHT_CHOICE_ALL: first ones of a path, or ALL_VERTICES
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];
@@ -64,6 +65,7 @@ struct specialize_params {
     const struct bvh *bvh;
     const struct gpu *gpu;
     const struct camera *camera;
+    uint32_t lamps;     // see struct light_choice
     uint32_t aovs;      // AOV_*
     uint32_t workgroup; // threads; 0: the device's default
     // Compiles in all that does not change what is computed: for measuring what leaving out is

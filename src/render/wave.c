@@ -286,13 +286,21 @@ static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, s
     return after(l, kernel, queue, err);
 }
 
+uint32_t wave_shadow_launches(const struct renderer *r, uint32_t bounce)
+{
+    const struct specialization *s = &r->specialization;
+    bool is_beyond = s->light_choice == LIGHT_CHOICE_ALL && bounce > s->light_vertices;
+    return is_beyond ? 1 : s->light_rays;
+}
+
 // One after the other, so that contributions are added in the order of lights.
 static bool trace_shadow_rays(struct loop *l, struct err *err)
 {
     struct renderer *r = l->r;
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow))
         return true;
-    for (uint32_t ray = 0; ray < r->specialization.light_rays; ray++) {
+    uint32_t rays = wave_shadow_launches(r, l->bounce);
+    for (uint32_t ray = 0; ray < rays; ray++) {
         r->push.light_ray = ray;
         if (ray > 0)
             barrier(r);
@@ -652,7 +660,7 @@ bool wave_run_step(struct renderer *r, const struct wave *wave, const struct wav
 {
     struct loop loop = make_loop(r, wave, NULL);
     bool is_shadow = step->kernel == KERNEL_intersect_shadow;
-    uint32_t launches = is_shadow ? r->specialization.light_rays : 1;
+    uint32_t launches = is_shadow ? wave_shadow_launches(r, step->bounce) : 1;
     const double *device_ms = &r->stats.kernels[step->kernel].ms, before = *device_ms;
     const double *host_ms = &r->stats.host.submitting, host_before = *host_ms;
     loop.is_timed = true;

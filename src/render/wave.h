@@ -54,6 +54,9 @@ struct wave_observer {
 // wave_render without accumulation.
 bool wave_trace_steps(struct renderer *renderer, const struct wave *wave,
                       const struct wave_observer *observer, struct err *err);
+// Returns how many shadow rays of a slot are traced, one after the other, at a bounce: those of the
+// vertex before it.
+uint32_t wave_shadow_launches(const struct renderer *renderer, uint32_t bounce);
 // Runs the kernel of a step alone, on what is in memory, as the wave's loop does: of
 // intersect_shadow for all shadow rays of a slot, and in as many submissions as a device that is
 // watched takes. *ms: on the device, or by the host's clock where that has no timestamps.

@@ -292,14 +292,16 @@ LOBES = {
     "DIFFUSE_TRANSMISSION": (PRINCIPLED + ["THIN"], ["-"]),
     "SEPARABLE": (["DIELECTRIC", "ROUGH"], ["-"]),
 }
+ALL_VERTICES = 0xffffffff # as in shared/bindings.h
 # What of lib/light.glsl and lib/light_tree.glsl each way to choose an emitter needs, in the order of
 # shared/methods.h.
+DOWN = {"choose_below", "width_below", "light_importance", "take_first", "receiver_of", "triangle_area",
+        "shape_area"}
 LIGHT_CHOICES = {
     "uniform": {"choose_bin", "triangle_area", "shape_area"},
     "power": {"choose_bin"},
-    "all": {"connect_all_lights", "sample_each_light", "triangle_area", "shape_area"},
-    "tree": {"choose_from_tree", "probability_in_tree", "light_importance", "take_first",
-             "receiver_of", "triangle_area", "shape_area"},
+    "all": {"connect_all_lamps", "sample_lamp", "choose_in_lamp", "probability_in_lamp"} | DOWN,
+    "tree": {"choose_from_tree", "probability_in_tree"} | DOWN,
 }
 
 # What of lib/sampler.glsl each sampler needs, in the order of shared/methods.h.
@@ -602,7 +604,8 @@ def check_light_choices(bits, lobes, kernels, folder):
              "EMITTER_SPHERES"]
     features = sum(bits[name] for name in names)
     for number, (name, wanted) in enumerate(LIGHT_CHOICES.items(), 1):
-        module = freeze(kernels["shade_surface"], features, lobes, folder, 0, "14:%d" % number)
+        module = freeze(kernels["shade_surface"], features, lobes, folder, 0,
+                        "14:%d 32:%d" % (number, ALL_VERTICES))
         there = {function for function in owned if module.count(function + "()")}
         if there != wanted:
             fail("light choice %s: has %s, expected %s" % (name, sorted(there), sorted(wanted)))

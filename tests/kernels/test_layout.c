@@ -29,9 +29,10 @@
 #define MATERIAL(M) M(model_flags) M(first_texture) M(texture_count) M(medium) M(parameter)
 #define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
 #define LIGHT_TREE(M)                                                                              \
-    M(root) M(trails) M(infinite) M(infinite_count) M(infinite_share) M(align_tree)
+    M(root) M(trails) M(infinite) M(infinite_count) M(infinite_share) M(lamps) M(align_tree)
 #define LIGHT_BOUNDS(M) M(center) M(radius) M(axis) M(cosines) M(power) M(child)
-#define LIGHT_TRAIL(M) M(low) M(high) M(depth) M(align_trail)
+#define LIGHT_TRAIL(M) M(low) M(high) M(depth) M(lamp)
+#define LAMP(M) M(child) M(depth) M(align_lamp)
 #define PATH(M)                                                                                    \
     M(origin)                                                                                      \
     M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(media) M(t) M(u) M(v) M(primitive)
@@ -114,6 +115,7 @@
     R(gpu_light_tree, LIGHT_TREE)                                                                  \
     R(gpu_light_bounds, LIGHT_BOUNDS)                                                              \
     R(gpu_light_trail, LIGHT_TRAIL)                                                                \
+    R(gpu_lamp, LAMP)                                                                              \
     R(gpu_path, PATH)                                                                              \
     R(gpu_shadow_ray, SHADOW_RAY)                                                                  \
     R(gpu_film_pixel, FILM_PIXEL)                                                                  \
@@ -159,6 +161,7 @@ struct record {
 #define M_gpu_light_tree(m) MEMBER_OF(struct gpu_light_tree, m)
 #define M_gpu_light_bounds(m) MEMBER_OF(struct gpu_light_bounds, m)
 #define M_gpu_light_trail(m) MEMBER_OF(struct gpu_light_trail, m)
+#define M_gpu_lamp(m) MEMBER_OF(struct gpu_lamp, m)
 #define M_gpu_path(m) MEMBER_OF(struct gpu_path, m)
 #define M_gpu_shadow_ray(m) MEMBER_OF(struct gpu_shadow_ray, m)
 #define M_gpu_film_pixel(m) MEMBER_OF(struct gpu_film_pixel, m)

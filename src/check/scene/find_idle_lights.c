@@ -4,8 +4,10 @@
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
+#include "render/tables/emitter_lamps.h"
 #include "render/tables/emitter_power.h"
 #include "render/tables/emitters.h"
+#include "render/tables/light_choice.h"
 #include <string.h>
 
 // Share of the image's light below which a light contributes nothing.
@@ -226,7 +228,11 @@ static bool add_finding(struct survey *survey, const struct rays *rays, double s
 bool find_idle_lights(struct survey *survey, struct err *err)
 {
     const struct emitter_counts counts = emitters_count(survey->scene, survey->flat);
-    uint32_t choice = emitters_choice(survey->settings.light_choice, &counts);
+    struct emitter_lamps lamps;
+    if (!emitter_lamps_find(survey->scene, survey->flat, &survey->scratch, &lamps, err))
+        return false;
+    uint32_t choice =
+        light_choice_of(survey->settings.light_choice, emitters_total(&counts), lamps.count).way;
     uint32_t count = survey_source_count(survey);
     struct rays rays = {
         .parts = ARENA_NEW(&survey->scratch, double, count),

@@ -144,9 +144,10 @@ double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
     }
 }
 
-static double bytes_of_shadow_rays(const struct renderer *r)
+// Of a slot, where a vertex writes them.
+static double bytes_of_shadow_rays(const struct renderer *r, uint32_t bounce)
 {
-    double others = (double)r->specialization.light_rays - 1.0;
+    double others = (double)wave_shadow_launches(r, bounce + 1) - 1.0;
     return 4.0 + (double)sizeof(struct gpu_shadow_ray) + 16.0 * fmax(others, 0.0);
 }
 
@@ -185,7 +186,7 @@ static bool count_step(void *context, const struct wave_step *step, struct err *
     uint64_t shadow = r->counters->queue[QUEUE_SHADOW].count;
     if (is_shading(step->kernel)) {
         *bytes += (double)(rays - c->rays_before) * (4.0 + 3.0 * 16.0);
-        *bytes += (double)(shadow - c->shadow_before) * bytes_of_shadow_rays(r);
+        *bytes += (double)(shadow - c->shadow_before) * bytes_of_shadow_rays(r, step->bounce);
     } else if (step->kernel == KERNEL_intersect_closest) {
         for (uint32_t q = QUEUE_SURFACE; q < QUEUE_MISS; q++)
             *bytes += (16.0 + 4.0) * r->counters->queue[q].count;

@@ -5,6 +5,7 @@
 #include "cli/sharing.h"
 #include "flatten/geometry.h"
 #include "render/render.h"
+#include "render/tables/light_choice.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
 #include "shared/types.h"
@@ -116,6 +117,11 @@ static void print_text(const struct info *info)
         if (info->emitters.shapes[kind])
             printf(", %u %s", info->emitters.shapes[kind], geometry_name(1u << kind));
     putchar('\n');
+    if (emitters_total(&info->emitters) > 0 && s->nee)
+        printf("aim       at %s\n",
+               light_choice_print(s->light_choice, emitters_total(&info->emitters),
+                                  info->renderer.lamps.count)
+                   .text);
     if (scene->light_count > 0)
         printf("lights    %u point, %u spot, %u directional\n", count_lights(scene, LIGHT_POINT),
                count_lights(scene, LIGHT_SPOT), count_lights(scene, LIGHT_DIRECTIONAL));

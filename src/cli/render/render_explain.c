@@ -1,6 +1,7 @@
 // Reports what a render leaves out: in a line of the summary, and in the table of --explain.
 #include "cli/render/render_report.h"
 #include "render/parts.h"
+#include "render/tables/light_choice.h"
 #include "report/text_out.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -71,6 +72,19 @@ static void print_classes(const struct renderer *r)
     putchar('\n');
 }
 
+// Which emitters vertices are connected to.
+static void print_aim(const struct renderer *r)
+{
+    const struct settings *settings = &r->scene->settings;
+    const struct emitter_counts counts = emitters_count(r->scene, &r->flat);
+    if (!(r->specialization.features & FEATURE_NEE) ||
+        r->specialization.integrator == INTEGRATOR_WHITTED)
+        return;
+    printf(
+        "aim       at %s\n",
+        light_choice_print(settings->light_choice, emitters_total(&counts), r->lamps.count).text);
+}
+
 void explain_print(struct render_run *run)
 {
     const struct renderer *r = &run->job.renderer;
@@ -82,6 +96,7 @@ void explain_print(struct render_run *run)
         printf("relMSE    at most %.3g (95 %%): divided by the pixels' own values, which are less "
                "well known than the means around them\n",
                run->job.error.relmse_at_most);
+    print_aim(r);
     print_waves(r);
     print_classes(r);
     if (r->stats.suspended)

@@ -318,7 +318,7 @@ bool kernel_recording_create(struct renderer *r, const struct kernel_recording_p
     *out = (struct kernel_recording){
         .renderer = r,
         .step = {.kernel = kernel, .bounce = params->depth + shadow},
-        .launches = shadow ? r->specialization.light_rays : 1,
+        .launches = shadow ? wave_shadow_launches(r, params->depth + 1) : 1,
     };
     if (kernel == KERNEL_generate_rays)
         out->step.bounce = 0;

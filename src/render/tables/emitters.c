@@ -48,18 +48,6 @@ uint64_t emitters_total(const struct emitter_counts *counts)
     return total + counts->environment;
 }
 
-// Measured (docs/lighting.md): from about here on the tree is worth what it costs wherever emitters
-// are not all equally far from what they light.
-#define TREE_EMITTERS 16
-
-uint32_t emitters_choice(uint32_t setting, const struct emitter_counts *counts)
-{
-    if (setting != LIGHT_CHOICE_AUTO)
-        return setting;
-    uint64_t near = emitters_total(counts) - counts->suns - counts->environment;
-    return near >= TREE_EMITTERS ? LIGHT_CHOICE_TREE : LIGHT_CHOICE_POWER;
-}
-
 // --- the list of emitters ------------------------------------------------------------------------
 
 struct emitter_list {
@@ -271,9 +259,9 @@ static bool build_power(const struct emitter_list *list, struct arena *arena, st
     return fill_bins(list->primitives, list->powers, list->count, 1.0, arena, bins, out, err);
 }
 
-// Bins without aliases, each chosen with probability `pick`.
-static bool build_list(const struct emitter_list *list, double pick, struct arena *arena,
-                       struct emitters *out, struct err *err)
+// Bins without aliases, each chosen with the same probability.
+static bool build_list(const struct emitter_list *list, struct arena *arena, struct emitters *out,
+                       struct err *err)
 {
     struct gpu_emitter *bins = ARENA_NEW(arena, struct gpu_emitter, list->count);
     if (!bins)
@@ -285,7 +273,7 @@ static bool build_list(const struct emitter_list *list, double pick, struct aren
         bins[i] = (struct gpu_emitter){.threshold = 1.0f,
                                        .primitive = list->primitives[i],
                                        .alias_primitive = list->primitives[i]};
-        add_pick(out, list->primitives[i], pick);
+        add_pick(out, list->primitives[i], 1.0 / list->count);
     }
     return true;
 }
@@ -425,11 +413,13 @@ static bool is_infinite(const struct scene *scene, uint32_t primitive)
 // The emitters by where they go.
 struct tree_parts {
     struct light_bounds *bounds; // of those in the tree
-    uint32_t *primitives, *numbers;
+    uint32_t *primitives, *numbers, *lamps;
     uint32_t count;
-    uint32_t *infinite;
+    uint32_t *infinite, *infinite_lamps;
     double *infinite_powers;
     uint32_t infinite_count;
+    uint32_t surface_count; // of all emitters
+    uint32_t lamp_count;    // whose records are in the buffer
 };
 
 static bool part_emitters(const struct shading_tables_params *p, const struct emitter_list *list,
@@ -441,11 +431,15 @@ static bool part_emitters(const struct shading_tables_params *p, const struct em
         .bounds = ARENA_NEW(scratch, struct light_bounds, list->count),
         .primitives = ARENA_NEW(scratch, uint32_t, list->count),
         .numbers = ARENA_NEW(scratch, uint32_t, list->count),
+        .lamps = ARENA_NEW(scratch, uint32_t, list->count),
         .infinite = ARENA_NEW(scratch, uint32_t, infinite),
+        .infinite_lamps = ARENA_NEW(scratch, uint32_t, infinite),
         .infinite_powers = ARENA_NEW(scratch, double, infinite),
+        .surface_count = list->surface_count,
+        .lamp_count = p->light_choice == LIGHT_CHOICE_ALL ? p->lamps->count : 0,
     };
-    if (!out->bounds || !out->primitives || !out->numbers || !out->infinite ||
-        !out->infinite_powers)
+    if (!out->bounds || !out->primitives || !out->numbers || !out->lamps || !out->infinite ||
+        !out->infinite_lamps || !out->infinite_powers)
         return err_memory(err, "light tree", (uint64_t)list->count * sizeof *out->bounds);
     for (uint32_t i = 0; i < list->count; i++) {
         uint32_t primitive = list->primitives[i];
@@ -455,11 +449,13 @@ static bool part_emitters(const struct shading_tables_params *p, const struct em
             continue;
         if (is_infinite(scene, primitive)) {
             out->infinite[out->infinite_count] = primitive;
+            out->infinite_lamps[out->infinite_count] = emitter_lamp_of(p->lamps, i);
             out->infinite_powers[out->infinite_count++] = list->powers[i];
         } else {
             out->bounds[out->count] =
                 bound_emitter(scene, p->flat, p->bvh, primitive, list->powers[i]);
             out->primitives[out->count] = primitive;
+            out->lamps[out->count] = emitter_lamp_of(p->lamps, i);
             out->numbers[out->count++] = i;
         }
     }
@@ -470,21 +466,23 @@ static bool part_emitters(const struct shading_tables_params *p, const struct em
 // is known to matter less.
 #define INFINITE_SHARE 0.5
 
-// The buffer: header, pairs, trails, bins.
-static bool lay_out_tree(const struct tree_parts *parts, uint32_t surface_count,
-                         struct arena *arena, struct emitters *out, struct err *err)
+// The buffer: header, pairs, trails, bins, lamps. Where no emitter has power, a pair of dark ones.
+static bool lay_out_tree(const struct tree_parts *parts, struct arena *arena, struct emitters *out,
+                         struct err *err)
 {
-    uint64_t pairs = parts->count > 0 ? parts->count - 1 : 0;
+    bool is_dark = parts->count + parts->infinite_count == 0;
+    uint64_t pairs = is_dark ? 1 : parts->count > 0 ? parts->count - 1 : 0;
     struct gpu_light_tree header = {
-        .root = LIGHT_LEAF,
+        .root = is_dark ? 0 : LIGHT_LEAF,
         .trails = (uint32_t)(LIGHT_TREE_WORDS + pairs * LIGHT_PAIR_WORDS),
         .infinite_count = parts->infinite_count,
-        .infinite_share = parts->count == 0            ? 1.0f
-                          : parts->infinite_count == 0 ? 0.0f
-                                                       : (float)INFINITE_SHARE,
+        .infinite_share = parts->infinite_count == 0 ? 0.0f
+                          : parts->count == 0        ? 1.0f
+                                                     : (float)INFINITE_SHARE,
     };
-    header.infinite = header.trails + surface_count;
-    out->bytes = ((uint64_t)header.infinite + parts->infinite_count) * 16;
+    header.infinite = header.trails + parts->surface_count;
+    header.lamps = header.infinite + parts->infinite_count;
+    out->bytes = ((uint64_t)header.lamps + parts->lamp_count) * 16;
     out->data = arena_alloc(arena, out->bytes / 16, 16);
     if (!out->data)
         return err_memory(err, "emitters", out->bytes);
@@ -492,33 +490,49 @@ static bool lay_out_tree(const struct tree_parts *parts, uint32_t surface_count,
     return true;
 }
 
-static bool fill_tree(const struct tree_parts *parts, uint32_t surface_count,
-                      const struct progress *progress, struct arena *scratch, struct emitters *out,
-                      struct err *err)
+static bool fill_infinite(const struct tree_parts *parts, struct arena *scratch,
+                          struct emitters *out, struct err *err)
+{
+    const struct gpu_light_tree *header = out->data;
+    struct gpu_lamp *lamps = (struct gpu_lamp *)out->data + header->lamps;
+    struct gpu_emitter *bins = (struct gpu_emitter *)out->data + header->infinite;
+    for (uint32_t i = 0; i < parts->infinite_count && parts->lamp_count > 0; i++)
+        lamps[parts->infinite_lamps[i]] =
+            (struct gpu_lamp){.child = LIGHT_LEAF | parts->infinite[i]};
+    return parts->infinite_count == 0 ||
+           fill_bins(parts->infinite, parts->infinite_powers, parts->infinite_count,
+                     (double)header->infinite_share, scratch, bins, out, err);
+}
+
+static bool fill_tree(const struct shading_tables_params *p, const struct tree_parts *parts,
+                      struct arena *scratch, struct emitters *out, struct err *err)
 {
     struct gpu_light_tree *header = out->data;
     struct gpu_light_trail *trails = (struct gpu_light_trail *)out->data + header->trails;
-    for (uint32_t i = 0; i < surface_count; i++)
+    struct gpu_lamp *lamps = (struct gpu_lamp *)out->data + header->lamps;
+    for (uint32_t i = 0; i < parts->surface_count; i++)
         trails[i].depth = LIGHT_NOWHERE;
-    if (parts->infinite_count > 0) {
-        struct gpu_emitter *bins = (struct gpu_emitter *)out->data + header->infinite;
-        if (!fill_bins(parts->infinite, parts->infinite_powers, parts->infinite_count,
-                       (double)header->infinite_share, scratch, bins, out, err))
+    for (uint32_t i = 0; i < parts->lamp_count; i++)
+        lamps[i] = (struct gpu_lamp){.child = LIGHT_LEAF, .depth = LIGHT_NOWHERE};
+    if (parts->count > 0) {
+        struct light_tree tree;
+        const struct light_tree_params params = {.bounds = parts->bounds,
+                                                 .primitives = parts->primitives,
+                                                 .lamps = parts->lamps,
+                                                 .count = parts->count,
+                                                 .lamp_count = p->lamps->count,
+                                                 .progress = p->progress};
+        if (!light_tree_build(&params, scratch, &tree, err))
             return false;
+        header->root = tree.root;
+        memcpy((char *)out->data + sizeof *header, tree.nodes,
+               ((size_t)parts->count - 1) * 2 * sizeof *tree.nodes);
+        memcpy(lamps, tree.lamps, parts->lamp_count * sizeof *lamps);
+        for (uint32_t i = 0; i < parts->count; i++)
+            if (parts->numbers[i] < parts->surface_count)
+                trails[parts->numbers[i]] = tree.trails[i];
     }
-    if (parts->count == 0)
-        return true;
-    struct light_tree tree;
-    if (!light_tree_build(parts->bounds, parts->primitives, parts->count, progress, scratch, &tree,
-                          err))
-        return false;
-    header->root = tree.root;
-    memcpy((char *)out->data + sizeof *header, tree.nodes,
-           ((size_t)parts->count - 1) * 2 * sizeof *tree.nodes);
-    for (uint32_t i = 0; i < parts->count; i++)
-        if (parts->numbers[i] < surface_count)
-            trails[parts->numbers[i]] = tree.trails[i];
-    return true;
+    return fill_infinite(parts, scratch, out, err);
 }
 
 static bool build_tree(const struct shading_tables_params *p, const struct emitter_list *list,
@@ -527,11 +541,10 @@ static bool build_tree(const struct shading_tables_params *p, const struct emitt
     struct arena scratch = {0};
     struct tree_parts parts;
     uint64_t start = clock_ns();
-    bool ok = part_emitters(p, list, &scratch, &parts, err);
+    bool ok =
+        part_emitters(p, list, &scratch, &parts, err) && lay_out_tree(&parts, arena, out, err);
     out->count = ok ? parts.count + parts.infinite_count : 0;
-    ok = ok && (out->count == 0 ||
-                (lay_out_tree(&parts, list->surface_count, arena, out, err) &&
-                 fill_tree(&parts, list->surface_count, p->progress, &scratch, out, err)));
+    ok = ok && fill_tree(p, &parts, &scratch, out, err);
     arena_finish(&scratch);
     out->build_seconds = clock_seconds_since(start);
     return ok;
@@ -581,9 +594,8 @@ bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
         return true;
     switch (p->light_choice) {
     case LIGHT_CHOICE_UNIFORM:
-        return build_list(&list, 1.0 / list.count, arena, out, err);
+        return build_list(&list, arena, out, err);
     case LIGHT_CHOICE_ALL:
-        return build_list(&list, 1.0, arena, out, err);
     case LIGHT_CHOICE_TREE:
         return build_tree(p, &list, arena, out, err);
     default:

@@ -23,8 +23,6 @@ bool shape_is_emitter(uint32_t kind);
 
 struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat);
 uint64_t emitters_total(const struct emitter_counts *counts);
-// What the setting asks for: LIGHT_CHOICE_AUTO is the tree where it pays.
-uint32_t emitters_choice(uint32_t setting, const struct emitter_counts *counts);
 
 struct emitters {
     void *data; // see struct gpu_emitter and struct gpu_light_tree

@@ -20,20 +20,35 @@
 #define TASK_PARTS 32
 #define TASKS_MAX 1024
 
-struct builder {
+// What a part of the tree is built over: lamps, or below them emitters.
+struct layer {
     const struct light_bounds *bounds;
+    uint32_t *order; // of them: subtrees are ranges of it
+    uint32_t below;  // levels that one of them needs below itself at most
+};
+
+struct builder {
+    struct layer lamps, emitters;
+    const uint32_t *lamp_first; // of each lamp and beyond the last: in the emitters' order
     const uint32_t *primitives;
-    uint32_t *order; // of the emitters: subtrees are ranges of it
     double total_power;
     struct light_tree *tree;
     const struct progress *progress; // NULL: nobody listens
 };
 
-// A subtree: its emitters, the number of its root's pair of children, and the way down to it.
+// A subtree: so many of a layer, how many emitters these are, the number of its root's pair of
+// children, and the way down to it.
 struct range {
-    uint32_t first, count, node, depth;
+    const struct layer *layer;
+    uint32_t first, count, leaves, node, depth;
     uint64_t trail;
 };
+
+// One of a range.
+static const struct light_bounds *bounds_at(const struct range *range, uint32_t i)
+{
+    return &range->layer->bounds[range->layer->order[range->first + i]];
+}
 
 // --- bounds --------------------------------------------------------------------------------------
 
@@ -225,17 +240,17 @@ static int bucket_of(float position, float low, float high, int count)
 }
 
 // The best split along one axis; `low` and `high` bound the middles, and differ.
-static void try_axis(const struct builder *b, const struct range *range, int axis, float low,
-                     float high, double regularity, struct split *best)
+static void try_axis(const struct range *range, int axis, float low, float high, double regularity,
+                     struct split *best)
 {
     struct part parts[BUCKETS], above[BUCKETS];
-    const double *reference = b->bounds[b->order[range->first]].axis;
+    const double *reference = bounds_at(range, 0)->axis;
     int count = bucket_count(range);
     for (int i = 0; i < count; i++)
         parts[i] = empty_part();
     uint32_t stride = (range->count + JUDGED - 1) / JUDGED;
     for (uint32_t i = 0; i < range->count; i += stride) {
-        const struct light_bounds *bounds = &b->bounds[b->order[range->first + i]];
+        const struct light_bounds *bounds = bounds_at(range, i);
         part_add(&parts[bucket_of(middle(bounds, axis), low, high, count)], bounds, reference);
     }
     above[count - 1] = parts[count - 1];
@@ -255,17 +270,17 @@ static void try_axis(const struct builder *b, const struct range *range, int axi
 }
 
 // Moves those of the buckets below to the front; returns how many.
-static uint32_t partition(const struct builder *b, const struct range *range,
-                          const struct split *split, float low, float high)
+static uint32_t partition(const struct range *range, const struct split *split, float low,
+                          float high)
 {
-    uint32_t *order = b->order + range->first, left = 0;
+    uint32_t *order = range->layer->order + range->first, left = 0;
     for (uint32_t i = 0; i < range->count; i++) {
-        uint32_t emitter = order[i];
-        float position = middle(&b->bounds[emitter], split->axis);
+        uint32_t moved = order[i];
+        float position = middle(bounds_at(range, i), split->axis);
         if (bucket_of(position, low, high, bucket_count(range)) >= split->position)
             continue;
         order[i] = order[left];
-        order[left++] = emitter;
+        order[left++] = moved;
     }
     return left;
 }
@@ -275,13 +290,13 @@ static uint32_t levels_needed(uint32_t count)
     return count > 1 ? 32u - (uint32_t)__builtin_clz(count - 1) : 0;
 }
 
-// Puts few emitters in ascending order of their middles.
-static void sort_few(const struct builder *b, const struct range *range, int axis)
+// Puts few in ascending order of their middles.
+static void sort_few(const struct range *range, int axis)
 {
-    uint32_t *order = b->order + range->first;
+    uint32_t *order = range->layer->order + range->first;
     for (uint32_t i = 1; i < range->count; i++)
         for (uint32_t j = i;
-             j > 0 && middle(&b->bounds[order[j]], axis) < middle(&b->bounds[order[j - 1]], axis);
+             j > 0 && middle(bounds_at(range, j), axis) < middle(bounds_at(range, j - 1), axis);
              j--) {
             uint32_t moved = order[j];
             order[j] = order[j - 1];
@@ -291,14 +306,15 @@ static void sort_few(const struct builder *b, const struct range *range, int axi
 
 // How many of a range of at least 2 go to the left. Halves where they are few, where nothing tells
 // them apart, and where the trail has no more bits than halving needs.
-static uint32_t split_range(const struct builder *b, const struct range *range)
+static uint32_t split_range(const struct range *range)
 {
     uint32_t half = range->count / 2;
-    if (range->count == 2 || levels_needed(range->count) >= DEPTH_MAX - range->depth)
+    uint32_t needed = levels_needed(range->count) + range->layer->below;
+    if (range->count == 2 || needed >= DEPTH_MAX - range->depth)
         return half;
     vec3s low = {{INFINITY, INFINITY, INFINITY}}, high = {{-INFINITY, -INFINITY, -INFINITY}};
     for (uint32_t i = 0; i < range->count; i++) {
-        vec3s position = light_bounds_middle(&b->bounds[b->order[range->first + i]]);
+        vec3s position = light_bounds_middle(bounds_at(range, i));
         low = glms_vec3_minv(low, position);
         high = glms_vec3_maxv(high, position);
     }
@@ -306,33 +322,69 @@ static uint32_t split_range(const struct builder *b, const struct range *range)
     float longest = glms_vec3_max(size);
     if (range->count < HALVED) {
         int axis = longest > size.x ? longest > size.y ? 2 : 1 : 0;
-        sort_few(b, range, axis);
+        sort_few(range, axis);
         return half;
     }
     struct split best = {.cost = INFINITY};
     for (int c = 0; c < 3; c++)
         if (size.raw[c] > 0.0f && isfinite(size.raw[c]))
-            try_axis(b, range, c, low.raw[c], high.raw[c], (double)(longest / size.raw[c]), &best);
+            try_axis(range, c, low.raw[c], high.raw[c], (double)(longest / size.raw[c]), &best);
     if (!isfinite(best.cost))
         return half;
-    return partition(b, range, &best, low.raw[best.axis], high.raw[best.axis]);
+    return partition(range, &best, low.raw[best.axis], high.raw[best.axis]);
 }
 
 // --- building ------------------------------------------------------------------------------------
+
+static uint32_t child_word(const struct builder *b, const struct range *range)
+{
+    return range->leaves == 1 ? LIGHT_LEAF | b->primitives[range->layer->order[range->first]]
+                              : range->node;
+}
+
+// A range of one lamp becomes that of its emitters.
+static struct range enter_lamp(const struct builder *b, const struct range *range)
+{
+    if (range->layer != &b->lamps || range->count > 1)
+        return *range;
+    struct range own = *range;
+    uint32_t lamp = b->lamps.order[range->first];
+    own.layer = &b->emitters;
+    own.first = b->lamp_first[lamp];
+    own.count = range->leaves;
+    b->tree->lamps[lamp] = (struct gpu_lamp){.child = child_word(b, &own), .depth = own.depth};
+    return own;
+}
+
+static uint32_t count_leaves(const struct builder *b, const struct range *range, uint32_t count)
+{
+    uint32_t leaves = 0;
+    if (range->layer == &b->emitters)
+        return count;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t lamp = b->lamps.order[range->first + i];
+        leaves += b->lamp_first[lamp + 1] - b->lamp_first[lamp];
+    }
+    return leaves;
+}
 
 // The pair of a subtree is followed by the subtree on the left, then by that on the right: n
 // emitters have n - 1 pairs.
 static void split_children(const struct builder *b, const struct range *range, struct range out[2])
 {
-    uint32_t left = split_range(b, range);
-    out[0] = (struct range){range->first, left, range->node + 1, range->depth + 1, range->trail};
-    out[1] = (struct range){range->first + left, range->count - left, range->node + left,
-                            range->depth + 1, range->trail | UINT64_C(1) << range->depth};
-}
-
-static uint32_t child_word(const struct builder *b, const struct range *range)
-{
-    return range->count == 1 ? LIGHT_LEAF | b->primitives[b->order[range->first]] : range->node;
+    uint32_t left = split_range(range), leaves = count_leaves(b, range, left);
+    struct range half = *range;
+    half.depth++;
+    half.node++;
+    half.count = left;
+    half.leaves = leaves;
+    out[0] = enter_lamp(b, &half);
+    half.node = range->node + leaves;
+    half.first += left;
+    half.count = range->count - left;
+    half.leaves = range->leaves - leaves;
+    half.trail |= UINT64_C(1) << range->depth;
+    out[1] = enter_lamp(b, &half);
 }
 
 static struct light_bounds set_pair(const struct builder *b, uint32_t node,
@@ -348,17 +400,17 @@ static struct light_bounds set_pair(const struct builder *b, uint32_t node,
 // Small ranges are done at once.
 static bool is_stopped(const struct builder *b, const struct range *range)
 {
-    return range->count > 1024 && progress_should_stop(b->progress);
+    return range->leaves > 1024 && progress_should_stop(b->progress);
 }
 
 static struct light_bounds build_range(const struct builder *b, const struct range *range)
 {
-    if (range->count == 1) {
-        uint32_t emitter = b->order[range->first];
-        b->tree->trails[emitter] = (struct gpu_light_trail){.low = (uint32_t)range->trail,
-                                                            .high = (uint32_t)(range->trail >> 32),
-                                                            .depth = range->depth};
-        return b->bounds[emitter];
+    if (range->leaves == 1) {
+        struct gpu_light_trail *trail = &b->tree->trails[range->layer->order[range->first]];
+        trail->low = (uint32_t)range->trail;
+        trail->high = (uint32_t)(range->trail >> 32);
+        trail->depth = range->depth;
+        return *bounds_at(range, 0);
     }
     struct range children[2];
     struct light_bounds bounds[2];
@@ -383,7 +435,7 @@ struct upper {
 
 static void list_tasks(struct upper *u, const struct range *range)
 {
-    if (range->count <= u->largest || u->pair_count == TASKS_MAX || is_stopped(u->b, range)) {
+    if (range->leaves <= u->largest || u->pair_count == TASKS_MAX || is_stopped(u->b, range)) {
         u->tasks[u->task_count++] = *range;
         return;
     }
@@ -406,8 +458,8 @@ static void run_tasks(void *context, size_t begin, size_t end, unsigned thread)
 static struct light_bounds join_tasks(const struct upper *u, const struct range *range,
                                       uint32_t *pair, uint32_t *task)
 {
-    bool is_pair = *pair < u->pair_count && u->roots[*pair].first == range->first &&
-                   u->roots[*pair].count == range->count;
+    bool is_pair = *pair < u->pair_count && u->roots[*pair].node == range->node &&
+                   u->roots[*pair].leaves == range->leaves;
     if (!is_pair)
         return u->task_bounds[(*task)++];
     const struct range *children = u->pairs[(*pair)++];
@@ -417,13 +469,14 @@ static struct light_bounds join_tasks(const struct upper *u, const struct range 
     return set_pair(u->b, range->node, children, bounds);
 }
 
-static bool build(const struct builder *b, uint32_t count, struct err *err)
+static bool build(const struct builder *b, uint32_t lamp_count, uint32_t count, struct err *err)
 {
     struct arena scratch = {0};
     struct upper *u = ARENA_NEW(&scratch, struct upper, 1);
     if (!u)
         return err_memory(err, "light tree", sizeof *u);
-    struct range all = {.count = count};
+    struct range all = {.layer = &b->lamps, .count = lamp_count, .leaves = count};
+    all = enter_lamp(b, &all);
     u->b = b;
     u->largest = count / TASK_PARTS > TASK_LEAVES ? count / TASK_PARTS : TASK_LEAVES;
     list_tasks(u, &all);
@@ -435,29 +488,81 @@ static bool build(const struct builder *b, uint32_t count, struct err *err)
     return true;
 }
 
-bool light_tree_build(const struct light_bounds *bounds, const uint32_t *primitives, uint32_t count,
-                      const struct progress *progress, struct arena *arena, struct light_tree *out,
-                      struct err *err)
+// Puts the emitters lamp by lamp; returns how many lamps have any, which are put in `lamp_order`.
+static uint32_t sort_by_lamps(const struct light_tree_params *p, uint32_t *first, uint32_t *order,
+                              uint32_t *lamp_order)
+{
+    uint32_t used = 0, sum = 0;
+    for (uint32_t i = 0; i < p->count; i++)
+        first[p->lamps[i] + 1]++;
+    for (uint32_t lamp = 0; lamp < p->lamp_count; lamp++) {
+        uint32_t size = first[lamp + 1];
+        if (size > 0)
+            lamp_order[used++] = lamp;
+        first[lamp + 1] = sum; // moves on to where the next one begins
+        sum += size;
+    }
+    for (uint32_t i = 0; i < p->count; i++)
+        order[first[p->lamps[i] + 1]++] = i;
+    return used;
+}
+
+static void bound_lamps(const struct light_tree_params *p, struct builder *b,
+                        struct light_bounds *bounds)
+{
+    uint32_t largest = 1;
+    for (uint32_t lamp = 0; lamp < p->lamp_count; lamp++) {
+        uint32_t first = b->lamp_first[lamp], end = b->lamp_first[lamp + 1];
+        for (uint32_t i = first; i < end; i++) {
+            const struct light_bounds *own = &p->bounds[b->emitters.order[i]];
+            bounds[lamp] = i == first ? *own : join(&bounds[lamp], own);
+        }
+        largest = end - first > largest ? end - first : largest;
+    }
+    b->lamps.bounds = bounds;
+    b->lamps.below = levels_needed(largest);
+}
+
+static bool build_over_lamps(const struct light_tree_params *p, struct light_tree *out,
+                             struct arena *scratch, struct err *err)
+{
+    uint32_t *first = ARENA_NEW(scratch, uint32_t, (size_t)p->lamp_count + 1);
+    struct light_bounds *lamp_bounds = ARENA_NEW(scratch, struct light_bounds, p->lamp_count);
+    struct builder b = {
+        .lamps = {.order = ARENA_NEW(scratch, uint32_t, p->lamp_count)},
+        .emitters = {.bounds = p->bounds, .order = ARENA_NEW(scratch, uint32_t, p->count)},
+        .lamp_first = first,
+        .primitives = p->primitives,
+        .tree = out,
+        .progress = p->progress,
+    };
+    if (!first || !lamp_bounds || !b.lamps.order || !b.emitters.order)
+        return err_memory(err, "light tree", p->lamp_count * sizeof *lamp_bounds);
+    for (uint32_t i = 0; i < p->count; i++) {
+        b.total_power += p->bounds[i].power;
+        out->trails[i].lamp = p->lamps[i];
+    }
+    for (uint32_t lamp = 0; lamp < p->lamp_count; lamp++)
+        out->lamps[lamp].depth = LIGHT_NOWHERE;
+    uint32_t used = sort_by_lamps(p, first, b.emitters.order, b.lamps.order);
+    bound_lamps(p, &b, lamp_bounds);
+    return build(&b, used, p->count, err);
+}
+
+bool light_tree_build(const struct light_tree_params *p, struct arena *arena,
+                      struct light_tree *out, struct err *err)
 {
     struct arena scratch = {0};
     *out = (struct light_tree){
-        .nodes = ARENA_NEW(arena, struct gpu_light_bounds, 2 * (size_t)count),
-        .trails = ARENA_NEW(arena, struct gpu_light_trail, count),
+        .nodes = ARENA_NEW(arena, struct gpu_light_bounds, 2 * (size_t)p->count),
+        .trails = ARENA_NEW(arena, struct gpu_light_trail, p->count),
+        .lamps = ARENA_NEW(arena, struct gpu_lamp, p->lamp_count),
     };
-    struct builder b = {.bounds = bounds,
-                        .primitives = primitives,
-                        .order = ARENA_NEW(&scratch, uint32_t, count),
-                        .tree = out,
-                        .progress = progress};
-    bool ok = out->nodes && out->trails && b.order;
+    bool ok = out->nodes && out->trails && out->lamps;
     if (!ok)
-        err_memory(err, "light tree", (uint64_t)count * 84);
-    for (uint32_t i = 0; ok && i < count; i++) {
-        b.order[i] = i;
-        b.total_power += bounds[i].power;
-    }
-    ok = ok && build(&b, count, err);
-    if (ok && progress_should_stop(progress))
+        err_memory(err, "light tree", (uint64_t)p->count * 80);
+    ok = ok && build_over_lamps(p, out, &scratch, err);
+    if (ok && progress_should_stop(p->progress))
         ok = err_set(err, ERR_STOPPED, "stopped while building the light tree");
     arena_finish(&scratch);
     return ok;

@@ -34,13 +34,21 @@ static inline vec3s light_bounds_middle(const struct light_bounds *bounds)
 struct light_tree {
     struct gpu_light_bounds *nodes; // count - 1 pairs, parents before children, the root first
     struct gpu_light_trail *trails; // count, in the order of the emitters
+    struct gpu_lamp *lamps;         // lamp_count
     uint32_t root;                  // a child's word
 };
 
-// Over count >= 1 emitters of positive power; `primitives`: their words. The result lives in
-// `arena`; on all CPU threads.
-bool light_tree_build(const struct light_bounds *bounds, const uint32_t *primitives, uint32_t count,
-                      const struct progress *progress, struct arena *arena, struct light_tree *out,
-                      struct err *err);
+// Emitters of positive power, at least one.
+struct light_tree_params {
+    const struct light_bounds *bounds;
+    const uint32_t *primitives; // their words
+    const uint32_t *lamps;      // that they are of: the emitters of a lamp are one subtree
+    uint32_t count, lamp_count;
+    const struct progress *progress;
+};
+
+// The result lives in `arena`; on all CPU threads.
+bool light_tree_build(const struct light_tree_params *params, struct arena *arena,
+                      struct light_tree *out, struct err *err);
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef LAMPYRIS_RENDER_TABLES_SHADING_TABLES_H
 #define LAMPYRIS_RENDER_TABLES_SHADING_TABLES_H
 
+#include "render/tables/emitter_lamps.h"
 #include "render/tables/emitters.h"
 #include "render/tables/texture_set.h"
 
@@ -18,9 +19,10 @@ struct shading_tables_params {
     const struct scene *scene;
     const struct flat_scene *flat;
     const struct bvh *bvh;
-    const struct camera *camera;     // whose rays may start inside of something
-    uint32_t light_choice;           // LIGHT_CHOICE_*, not AUTO
-    const struct progress *progress; // asked whether to stop; NULL: nobody listens
+    const struct camera *camera;       // whose rays may start inside of something
+    uint32_t light_choice;             // LIGHT_CHOICE_*, not AUTO
+    const struct emitter_lamps *lamps; // with a choice that asks for them
+    const struct progress *progress;   // asked whether to stop; NULL: nobody listens
 };
 
 // Everything in `arena`. ERR_INPUT for more than MEDIA_MAX different media.

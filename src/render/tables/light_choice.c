@@ -1,0 +1,56 @@
+#include "render/tables/light_choice.h"
+
+#include "shared/bindings.h"
+#include "shared/methods.h"
+#include <inttypes.h>
+#include <stdio.h>
+
+// Measured (docs/lighting.md): up to so many lamps a shadow ray to each is worth its time, at the
+// first vertices of a path.
+#define FEW_LAMPS 5
+#define FIRST_VERTICES 1
+
+bool light_choice_asks_lamps(uint32_t setting)
+{
+    return setting == LIGHT_CHOICE_AUTO || setting == LIGHT_CHOICE_ALL ||
+           setting == LIGHT_CHOICE_TREE;
+}
+
+struct light_choice light_choice_of(uint32_t setting, uint64_t emitters, uint32_t lamps)
+{
+    struct light_choice choice = {.way = setting, .rays = 1};
+    if (setting == LIGHT_CHOICE_ALL && lamps > 0) {
+        choice.vertices = ALL_VERTICES;
+        choice.rays = lamps;
+    }
+    if (setting != LIGHT_CHOICE_AUTO)
+        return choice;
+    choice.way = emitters <= 1 ? LIGHT_CHOICE_POWER : LIGHT_CHOICE_TREE;
+    if (lamps > 1 && lamps <= FEW_LAMPS)
+        choice = (struct light_choice){LIGHT_CHOICE_ALL, FIRST_VERTICES, lamps};
+    return choice;
+}
+
+struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters, uint32_t lamps)
+{
+    struct light_choice choice = light_choice_of(setting, emitters, lamps);
+    struct light_choice_text out;
+    char *text = out.text;
+    const size_t size = sizeof out.text;
+    bool is_auto = setting == LIGHT_CHOICE_AUTO;
+    if (choice.way == LIGHT_CHOICE_UNIFORM)
+        snprintf(text, size, "one of %" PRIu64 " emitters, all alike", emitters);
+    else if (choice.way == LIGHT_CHOICE_POWER)
+        snprintf(text, size, "one of %" PRIu64 " emitters, by power%s", emitters,
+                 is_auto ? ": there is no choice" : "");
+    else if (choice.way == LIGHT_CHOICE_TREE)
+        snprintf(text, size, "one of %" PRIu64 " emitters of %u lamp%s, by the tree%s", emitters,
+                 lamps, lamps == 1 ? "" : "s",
+                 !is_auto            ? ""
+                 : lamps > FEW_LAMPS ? ": these are many"
+                                     : "");
+    else
+        snprintf(text, size, "each of %u lamps, of %" PRIu64 " emitters%s", lamps, emitters,
+                 is_auto ? ", from the first vertex, then one by the tree: these are few" : "");
+    return out;
+}
