@@ -116,6 +116,14 @@ TEST(no_fading_by_distance_is_read)
     scene_finish(&scene);
 }
 
+// The same of the accumulation that sums in bins have replaced.
+TEST(compensated_sums_are_read_as_binned)
+{
+    struct scene scene = load_body("\"settings\": {\"film_accumulation\": \"compensated\"}");
+    CHECK(scene.settings.accumulation == ACCUMULATION_BINNED);
+    scene_finish(&scene);
+}
+
 TEST(materials_keep_their_order)
 {
     struct scene scene = load_body("\"materials\": {\"z\": {\"base_color\": [0.25, 0.5, 1]},"
@@ -635,6 +643,7 @@ int main(int argc, char **argv)
         TEST_CASE(camera),
         TEST_CASE(film_and_settings),
         TEST_CASE(no_fading_by_distance_is_read),
+        TEST_CASE(compensated_sums_are_read_as_binned),
         TEST_CASE(materials_keep_their_order),
         TEST_CASE(materials_of_every_model),
         TEST_CASE(materials_like_others),

@@ -1,7 +1,9 @@
 // The sections "film" and "settings" of a scene file.
 #include "json/field_json.h"
 #include "scene/json/load_json.h"
+#include "shared/methods.h"
 #include <math.h>
+#include <string.h>
 
 // Reads the settings from `first` to `last`, which are in one section.
 static bool read_section(struct settings *settings, const struct json_node *node,
@@ -49,9 +51,21 @@ static bool take_out_falloff(const struct json_node *node, struct err *err)
     return true;
 }
 
+// The default accumulation was called "compensated" in files of earlier versions.
+static bool rename_accumulation(const struct json_node *node, struct err *err)
+{
+    struct json_node name = node_member(node, "film_accumulation");
+    const char *text = json_string_value(name.value);
+    if (!text || strcmp(text, "compensated") != 0)
+        return true;
+    const char *now = accumulation_names[ACCUMULATION_BINNED];
+    return json_object_set_new(node->value, "film_accumulation", json_string(now)) == 0 ||
+           err_memory(err, "film_accumulation", strlen(now));
+}
+
 bool load_json_settings(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
-    if (!take_out_falloff(node, err))
+    if (!take_out_falloff(node, err) || !rename_accumulation(node, err))
         return false;
     return read_section(&loader->scene->settings, node, SETTINGS_FILM_LAST + 1, SETTING_TOTAL - 1,
                         err);
