@@ -87,14 +87,14 @@ class Faults(Case):
         self.assertEqual(len({h['image_hash'] for h in result.hashes()}), 1)
 
     def test_changed_shader_is_used(self):
-        """Half of the samples count twice: another picture; and back again."""
+        """Samples count twice: another picture; and back again."""
         name = os.path.join(self.shaders(), 'accumulate.comp')
         shutil.copy(name, self.path('whole.comp'))
         with open(name, encoding='utf-8') as file:
             whole = file.read()
-        self.assertIn('accumulate(halves[0], radiance.rgb,', whole)
-        self.write('other.comp', whole.replace('accumulate(halves[0], radiance.rgb,',
-                                               'accumulate(halves[0], 2.0 * radiance.rgb,'))
+        self.assertIn('add(sums, radiance.rgb);', whole)
+        self.write('other.comp', whole.replace('add(sums, radiance.rgb);',
+                                               'add(sums, 2.0 * radiance.rgb);'))
         reload = 'key F5\nwait 5 frames\nwait idle\nexpect message.kind == note\n'
         result = self.view(
             'wait 2 samples\nhash hash.jsonl\n'
