@@ -51,8 +51,9 @@ class Following(Base):
         brought = []
         for vertex in path['vertices']:
             brought.append((vertex['gained'], vertex['bounce'], 'path'))
-            if 'light' in vertex and not vertex['light']['occluded']:
-                brought.append((vertex['light']['radiance'], vertex['bounce'] + 1, 'shadow ray'))
+            for light in vertex.get('lights', []):
+                if not light['occluded']:
+                    brought.append((light['radiance'], vertex['bounce'] + 1, 'shadow ray'))
         return max(brought, key=lambda b: 0.2126 * b[0][0] + 0.7152 * b[0][1] + 0.0722 * b[0][2])
 
     def check(self, scene, *arguments):

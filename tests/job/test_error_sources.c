@@ -254,8 +254,9 @@ static void offer_path(struct film_brightest *best, const struct replay *path, u
     for (uint32_t v = 0; v < path->vertex_count; v++) {
         const struct replay_vertex *vertex = &path->vertices[v];
         offer(best, vertex->gained, vertex->bounce, SITE_EMISSION, sample);
-        if (vertex->connected && !vertex->occluded)
-            offer(best, vertex->light_radiance, vertex->bounce + 1, SITE_SHADOW, sample);
+        for (uint32_t i = 0; i < vertex->light_count; i++)
+            if (!vertex->lights[i].occluded)
+                offer(best, vertex->lights[i].radiance, vertex->bounce + 1, SITE_SHADOW, sample);
     }
 }
 

@@ -189,7 +189,9 @@ static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ra
     for (uint32_t i = 0; i < replay->vertex_count; i++) {
         const struct replay_vertex *v = &replay->vertices[i];
         double own = luminance(v->gained);
-        double sent = v->connected && !v->occluded ? luminance(v->light_radiance) : 0.0;
+        double sent = 0.0;
+        for (uint32_t k = 0; k < v->light_count; k++)
+            sent += v->lights[k].occluded ? 0.0 : luminance(v->lights[k].radiance);
         if (fmax(own, sent) <= most)
             continue;
         most = fmax(own, sent);

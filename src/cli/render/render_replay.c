@@ -12,19 +12,19 @@ static void print_vector(const char *name, const float v[3])
     printf("    %-12s %.9g %.9g %.9g\n", name, v[0], v[1], v[2]);
 }
 
-static const char *light_kind(const struct replay_vertex *v)
+static const char *light_kind(const struct replay_light *light)
 {
-    if (v->light_is_environment)
+    if (light->is_environment)
         return "environment";
-    return v->light_is_point ? "light" : v->light_is_shape ? "shape" : "triangle";
+    return light->is_point ? "light" : light->is_shape ? "shape" : "triangle";
 }
 
-static void print_connection(const struct replay_vertex *v)
+static void print_connection(const struct replay_light *light)
 {
-    printf("    %-12s %s %u, pdf %.9g per sr, %s\n", "light", light_kind(v), v->light_primitive,
-           v->light_pdf, v->occluded ? "occluded" : "visible");
-    print_vector("to light", v->light_point);
-    print_vector("would bring", v->light_radiance);
+    printf("    %-12s %s %u, pdf %.9g per sr, %s\n", "light", light_kind(light), light->primitive,
+           light->pdf, light->occluded ? "occluded" : "visible");
+    print_vector("to light", light->point);
+    print_vector("would bring", light->radiance);
 }
 
 static void print_vertex(const struct replay_vertex *v)
@@ -48,13 +48,27 @@ static void print_vertex(const struct replay_vertex *v)
         printf("\" (%s)\n", v->material->model == MATERIAL_MIRROR ? "mirror" : "diffuse");
     }
     print_vector("gained", v->gained);
-    if (v->connected)
-        print_connection(v);
+    for (uint32_t i = 0; i < v->light_count; i++)
+        print_connection(&v->lights[i]);
 }
 
 static json_t *vector_json(const float v[3])
 {
     return json_pack("[o, o, o]", json_number(v[0]), json_number(v[1]), json_number(v[2]));
+}
+
+static json_t *lights_json(const struct replay_vertex *v)
+{
+    json_t *lights = json_array();
+    for (uint32_t i = 0; i < v->light_count; i++) {
+        const struct replay_light *light = &v->lights[i];
+        json_array_append_new(
+            lights, json_pack("{s:s, s:i, s:o, s:o, s:o, s:b}", "kind", light_kind(light),
+                              "primitive", light->primitive, "pdf", json_number(light->pdf),
+                              "to_light", vector_json(light->point), "radiance",
+                              vector_json(light->radiance), "occluded", light->occluded));
+    }
+    return lights;
 }
 
 static json_t *vertex_json(const struct replay_vertex *v)
@@ -73,12 +87,8 @@ static json_t *vertex_json(const struct replay_vertex *v)
                               json_number(v->position[2])));
     if (object && v->material && v->instance != NO_INSTANCE)
         json_object_set_new(json_object_get(object, "hit"), "instance", json_integer(v->instance));
-    if (object && v->connected)
-        json_object_update_new(
-            object, json_pack("{s:{s:s, s:i, s:o, s:o, s:o, s:b}}", "light", "kind", light_kind(v),
-                              "primitive", v->light_primitive, "pdf", json_number(v->light_pdf),
-                              "to_light", vector_json(v->light_point), "radiance",
-                              vector_json(v->light_radiance), "occluded", v->occluded));
+    if (object && v->light_count > 0)
+        json_object_set_new(object, "lights", lights_json(v));
     return object;
 }
 

@@ -8,7 +8,7 @@
 // What marks a slot whose ray hit nothing: the kernels write hits only.
 #define UNTOUCHED NO_PRIMITIVE
 
-// Records of so many words of four: with instances there is one more behind the structure.
+// Records so many words of four apart: with instances there is one more behind the structure.
 struct records {
     uint32_t (*words)[4];
     uint32_t stride;
@@ -73,17 +73,19 @@ static bool upload_closest(struct renderer *r, const struct probe_ray *rays, uin
                       bytes_of(&records, count), err);
 }
 
-// Shadow rays carry a contribution of 1: what arrives in the slot's radiance was not occluded.
+// Of each slot the first shadow ray; they carry a contribution of 1: what arrives in the slot's
+// radiance was not occluded.
 static bool upload_shadow(struct renderer *r, const struct probe_ray *rays, uint32_t count,
                           struct arena *scratch, struct err *err)
 {
     struct records records;
     uint32_t *starts;
     float(*radiance)[4] = arena_alloc(scratch, count, sizeof *radiance);
+    const struct specialization *s = &r->specialization;
     if (!radiance)
         return err_memory(err, "rays", count * sizeof *radiance);
     if (!find_starts(r, rays, count, scratch, &starts, err) ||
-        !reserve(&records, SHADOW_WORDS_OF(r->specialization.geometry), count, scratch, err))
+        !reserve(&records, s->light_rays * SHADOW_WORDS_OF(s->geometry), count, scratch, err))
         return false;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t(*words)[4] = record_of(&records, i);
@@ -92,7 +94,7 @@ static bool upload_shadow(struct renderer *r, const struct probe_ray *rays, uint
         memcpy(ray.origin, rays[i].origin, sizeof rays[i].origin);
         memcpy(ray.direction, rays[i].direction, sizeof rays[i].direction);
         memcpy(words, &ray, sizeof ray);
-        if (records.stride > SHADOW_INSTANCE)
+        if (s->geometry & GEOMETRY_INSTANCES)
             words[SHADOW_INSTANCE][0] = rays[i].leaves ? rays[i].from_instance : NO_INSTANCE;
     }
     return gpu_upload(r->gpu, &r->buffers[BINDING_RADIANCE], 0, radiance, count * sizeof *radiance,

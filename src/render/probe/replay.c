@@ -106,40 +106,63 @@ static bool read_gain(struct follower *f, float gain[3], struct err *err)
     return true;
 }
 
-static bool read_connection(struct follower *f, struct replay_vertex *v, struct err *err)
+static struct replay_light light_of(const struct renderer *r, const struct gpu_shadow_ray *ray,
+                                    uint32_t number)
 {
-    struct gpu_shadow_ray ray;
-    if (!gpu_download(f->r->gpu, &f->r->buffers[BINDING_SHADOW_RAYS], 0, &ray, sizeof ray, err))
-        return false;
-    v->connected = true;
-    v->light_pdf = ray.light_pdf;
+    struct replay_light light = {.ray = number, .pdf = ray->light_pdf, .occluded = true};
     for (int c = 0; c < 3; c++)
-        v->light_point[c] = (float)((double)ray.direction[c] / f->r->flat.scale);
-    memcpy(v->light_radiance, ray.radiance, sizeof v->light_radiance);
-    v->light_is_point = !(ray.ignore_to & PRIMITIVE_SHAPE) && (ray.ignore_to & PRIMITIVE_LIGHT);
-    v->light_is_environment =
-        ray.ignore_to == PRIMITIVE_ENVIRONMENT || ray.ignore_to == NO_PRIMITIVE;
-    if (v->light_is_point)
-        v->light_primitive = ray.ignore_to & ~PRIMITIVE_LIGHT;
-    else if (!v->light_is_environment)
-        v->light_primitive = flat_primitive(f->r, ray.ignore_to, &v->light_is_shape);
+        light.point[c] = (float)((double)ray->direction[c] / r->flat.scale);
+    memcpy(light.radiance, ray->radiance, sizeof light.radiance);
+    light.is_point = !(ray->ignore_to & PRIMITIVE_SHAPE) && (ray->ignore_to & PRIMITIVE_LIGHT);
+    light.is_environment =
+        ray->ignore_to == PRIMITIVE_ENVIRONMENT || ray->ignore_to == NO_PRIMITIVE;
+    if (light.is_point)
+        light.primitive = ray->ignore_to & ~PRIMITIVE_LIGHT;
+    else if (!light.is_environment)
+        light.primitive = flat_primitive(r, ray->ignore_to, &light.is_shape);
+    return light;
+}
+
+// Of a vertex with several shadow rays, those that have nothing to carry are left out. Asked after
+// the kernel of each class, of which the last one counts.
+static bool read_connections(struct follower *f, struct replay_vertex *v, uint32_t bounce,
+                             struct err *err)
+{
+    const struct renderer *r = f->r;
+    uint32_t rays = wave_shadow_launches(r, bounce + 1);
+    uint64_t stride = 16 * SHADOW_WORDS_OF(r->specialization.geometry);
+    v->light_count = 0;
+    v->lights = ARENA_NEW(f->arena, struct replay_light, rays);
+    if (!v->lights)
+        return err_memory(err, "connections", rays * sizeof *v->lights);
+    for (uint32_t i = 0; i < rays; i++) {
+        struct gpu_shadow_ray ray;
+        if (!gpu_download(r->gpu, &r->buffers[BINDING_SHADOW_RAYS], i * stride, &ray, sizeof ray,
+                          err))
+            return false;
+        if (ray.radiance[0] != 0.0f || ray.radiance[1] != 0.0f || ray.radiance[2] != 0.0f)
+            v->lights[v->light_count++] = light_of(r, &ray, i);
+    }
     return true;
 }
 
-static bool read_shadow(struct follower *f, struct err *err)
+static bool read_shadow(struct follower *f, uint32_t ray, struct err *err)
 {
     float gain[3];
     if (!f->shadow_pending)
         return true;
-    f->shadow_pending = false;
     if (!read_gain(f, gain, err))
         return false;
     struct replay_vertex *v = &f->out->vertices[f->out->vertex_count - 1];
-    v->occluded = gain[0] == 0.0f && gain[1] == 0.0f && gain[2] == 0.0f;
+    bool arrives = gain[0] != 0.0f || gain[1] != 0.0f || gain[2] != 0.0f;
+    for (uint32_t i = 0; i < v->light_count; i++)
+        if (v->lights[i].ray == ray && arrives)
+            v->lights[i].occluded = false;
     return true;
 }
 
-static bool read_shading(struct follower *f, enum kernel_id kernel, struct err *err)
+static bool read_shading(struct follower *f, enum kernel_id kernel, uint32_t bounce,
+                         struct err *err)
 {
     struct replay_vertex *v = &f->out->vertices[f->out->vertex_count - 1];
     float gain[3];
@@ -148,7 +171,7 @@ static bool read_shading(struct follower *f, enum kernel_id kernel, struct err *
     for (int c = 0; c < 3; c++)
         v->gained[c] += gain[c];
     f->shadow_pending = kernel != KERNEL_shade_miss && in_queue(f, QUEUE_SHADOW);
-    return !f->shadow_pending || read_connection(f, v, err);
+    return !f->shadow_pending || read_connections(f, v, bounce, err);
 }
 
 static bool after(void *context, const struct wave_step *step, struct err *err)
@@ -161,11 +184,11 @@ static bool after(void *context, const struct wave_step *step, struct err *err)
     if (kernel == KERNEL_generate_rays || is_sort)
         return true;
     if (kernel == KERNEL_intersect_shadow)
-        return read_shadow(f, err);
+        return read_shadow(f, step->light_ray, err);
     if (f->r->counters->dispatch[rays * DISPATCH_PARTS].items == 0)
         return true; // the path has ended
     return kernel == KERNEL_intersect_closest ? read_hit(f, bounce, err)
-                                              : read_shading(f, kernel, err);
+                                              : read_shading(f, kernel, bounce, err);
 }
 
 bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample,

@@ -5,6 +5,19 @@
 
 #include "render/render.h"
 
+// What a shadow ray was sent to.
+struct replay_light {
+    uint32_t ray;   // which of the vertex's
+    float point[3]; // relative to the shadow ray's origin
+    float pdf;
+    bool is_shape;
+    bool is_environment; // then `primitive` is 0
+    bool is_point;       // without extent: `primitive` is its index in the scene
+    uint32_t primitive;
+    float radiance[3]; // what arrives if nothing is in between
+    bool occluded;
+};
+
 // A ray of the path, what it met and what came of it. Positions are in world space, lengths in
 // metres.
 struct replay_vertex {
@@ -24,15 +37,8 @@ struct replay_vertex {
 
     float gained[3]; // emission of the surface or radiance of the environment, weighted
 
-    bool connected;       // a shadow ray was sent
-    float light_point[3]; // relative to the shadow ray's origin
-    float light_pdf;
-    bool light_is_shape;
-    bool light_is_environment; // then light_primitive is 0
-    bool light_is_point;       // without extent: light_primitive is its index in the scene
-    uint32_t light_primitive;
-    float light_radiance[3]; // what arrives if nothing is in between
-    bool occluded;
+    struct replay_light *lights; // that shadow rays were sent to
+    uint32_t light_count;
 };
 
 struct replay {
