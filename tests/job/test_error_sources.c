@@ -411,7 +411,8 @@ TEST(memory)
         REQUIRE_OK(renderer_prepare(&params, &r, &err));
         uint64_t classes = cases[i].classes, any = classes > 0;
         CHECK(r.plan.buffers[BINDING_RADIANCE].bytes == 1024 * 16 * (1 + classes + any));
-        CHECK(r.plan.buffers[BINDING_FILM].bytes == 256 * 16 * (4 + 4 * classes + 2 * any),
+        CHECK(r.plan.buffers[BINDING_FILM].bytes ==
+                  256 * 16 * (FILM_WORDS * (1 + classes) + 2 * any),
               "%llu bytes", (unsigned long long)r.plan.buffers[BINDING_FILM].bytes);
         CHECK(film_aovs_bytes(cases[i].aovs) == 24 * classes + 20 * any);
         renderer_finish(&r);
