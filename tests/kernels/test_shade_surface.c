@@ -48,6 +48,7 @@ static void make_scene(struct scene *scene, uint32_t kind)
     add_disc(scene, (double[3]){0, 2.5, 0}, (double[3]){0.2, -1, 0.1}, 0.5, first + 4);
     if (kind & ENCLOSED)
         add_sphere(scene, (double[3]){0, 1, 0}, 6, first + 5);
+    scene->settings.light_choice = LIGHT_CHOICE_POWER; // one shadow ray, as the reference has it
     scene->settings.max_bounces = 6;
     scene->settings.roulette_min_bounces = 2;
     scene->settings.seed = 1234567;
