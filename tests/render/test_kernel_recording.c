@@ -194,7 +194,8 @@ TEST(refusals)
     bool is_cpu = s.gpu.info.is_cpu;
     s.gpu.info.is_cpu = false;
     s.gpu.params.limits.memory_budget = s.gpu.allocated_bytes + 1000;
-    CHECK(!record_closest(&s, 1, &recorded, &err) && strstr(err.msg, "1000 left"), "%s", err.msg);
+    CHECK(!record_closest(&s, 1, &recorded, &err) && strstr(err.msg, "1000 bytes left"), "%s",
+          err.msg);
     CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
     s.gpu.info.is_cpu = is_cpu;
     s.gpu.params.limits.memory_budget = 0;

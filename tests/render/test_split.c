@@ -137,7 +137,7 @@ TEST(without_bindings_it_is_refused)
     struct err err = {0};
     EXPECT(&scene, &arena, &expected);
     render_limited(&scene, &params, &arena, &seen);
-    CHECK(!seen.rendered && seen.err.code == ERR_GPU && strstr(seen.err.msg, "65536") &&
+    CHECK(!seen.rendered && seen.err.code == ERR_GPU && strstr(seen.err.msg, "64.0 KiB") &&
               strstr(seen.err.msg, "buffer nodes needs") && strstr(seen.err.msg, "expected"),
           "%s", seen.err.msg);
     scene_finish(&scene);
