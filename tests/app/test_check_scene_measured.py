@@ -207,7 +207,7 @@ class Memory(Checks):
                  'environment': {'radiance': [1, 1, 1]}, 'film': {'width': 64, 'height': 64},
                  'shapes': [{'type': 'sphere', 'material': 'plastic', 'center': [0, 0, 0], 'radius': 2}]}
         for limit in ('memory', 'memory-budget'):
-            for most in (1000000, 3000000):
+            for most in (1250000, 3000000):
                 with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=limits(f'{limit}={most}')):
                     self.assert_found(self.check(scene), {})
                 self.assertLess(self.result['outlook']['device_bytes'], most)

@@ -50,9 +50,16 @@ class IdleLights(Checks):
         return idle
 
     def test_out_of_range(self):
-        idle = self.assert_idle(
-            room(CEILING_LAMP, lights=[self.point(1e6, range=0.01, name='dead')]), 'light 0, "dead"')
-        self.assertIn('% of all shadow rays go there', idle['figure'])
+        scene = room(CEILING_LAMP, lights=[self.point(1e6, range=0.01, name='dead')])
+        place = 'light 0, "dead"'
+        # First vertices connect to both lights by default, and those after them to one by the tree.
+        self.assertIn('by which and by distance shadow rays are shared',
+                      self.assert_idle(scene, place)['figure'])
+        scene['settings'] = {'light_choice': 'power'}
+        self.assertIn('% of all shadow rays go there', self.assert_idle(scene, place)['figure'])
+        # No light takes a ray from another where each vertex connects to all of them.
+        scene['settings'] = {'light_choice': 'all'}
+        self.assert_found(self.check(scene), {})
 
     def test_enclosed(self):
         ball = {'type': 'sphere', 'material': 'wall', 'center': [0, 2.5, 0], 'radius': 0.12}

@@ -159,7 +159,7 @@ class LostDevice(unittest.TestCase):
         needed = whole['memory']['device_bytes']
         # What the device does not have, or tells beforehand that it has not.
         for taken in ('memory=%d' % (needed // 3), 'memory-budget=%d' % (needed // 3),
-                      'memory=%d' % (needed // 10)):
+                      'memory=%d' % (needed // 8)):
             result = self.render('lost.exr', *arguments, taken=taken)
             self.assertEqual(result.returncode, 0, result.stderr)
             small = json.loads(result.stdout)

@@ -52,8 +52,9 @@ class Watch(Case):
         name = os.path.join(folder, 'accumulate.comp')
         with open(name, encoding='utf-8') as file:
             text = file.read()
-        self.write('other.comp', text.replace('accumulate(halves[0], radiance.rgb,',
-                                              'accumulate(halves[0], 2.0 * radiance.rgb,'))
+        self.assertIn('add(sums, radiance.rgb);', text)
+        self.write('other.comp', text.replace('add(sums, radiance.rgb);',
+                                              'add(sums, 2.0 * radiance.rgb);'))
         result = self.view('wait 2 samples\nhash hash.jsonl\n'
                            'copy other.comp shaders/accumulate.comp\nwait 1200 ms\nwait idle\n'
                            'wait 2 samples\nhash hash.jsonl\n', '--spp', '2', '--watch',

@@ -8,6 +8,7 @@
 #include "render/tables/emitter_power.h"
 #include "render/tables/emitters.h"
 #include "render/tables/light_choice.h"
+#include "shared/bindings.h"
 #include <string.h>
 
 // Share of the image's light below which a light contributes nothing.
@@ -23,7 +24,7 @@
 struct rays {
     double *parts; // of all shadow rays; of power for a light tree, which uses the distance, too
     bool *idle;    // flags of those that contribute no light
-    bool by_tree;
+    bool by_tree;  // at all vertices, or at those after the first ones, which connect to all lamps
 };
 
 static void add_weight(struct rays *rays, uint32_t choice, uint32_t source, double power)
@@ -231,20 +232,22 @@ bool find_idle_lights(struct survey *survey, struct err *err)
     struct emitter_lamps lamps;
     if (!emitter_lamps_find(survey->scene, survey->flat, &survey->scratch, &lamps, err))
         return false;
-    uint32_t choice =
-        light_choice_of(survey->settings.light_choice, emitters_total(&counts), lamps.count).way;
+    const struct light_choice choice =
+        light_choice_of(survey->settings.light_choice, emitters_total(&counts), lamps.count);
+    // No light takes rays from another where each vertex connects to all of them.
+    bool are_shared = choice.way != LIGHT_CHOICE_ALL || choice.vertices != ALL_VERTICES;
     uint32_t count = survey_source_count(survey);
     struct rays rays = {
         .parts = ARENA_NEW(&survey->scratch, double, count),
         .idle = ARENA_NEW(&survey->scratch, bool, count),
-        .by_tree = choice == LIGHT_CHOICE_TREE,
+        .by_tree = choice.way == LIGHT_CHOICE_TREE || choice.way == LIGHT_CHOICE_ALL,
     };
     struct partly_lit lit;
-    if (!survey->is_reached || choice == LIGHT_CHOICE_ALL)
+    if (!survey->is_reached || !are_shared)
         return true;
     if (!rays.parts || !rays.idle)
         return err_memory(err, "lights", count * sizeof *rays.parts);
-    weigh_sources(survey, choice, &rays);
+    weigh_sources(survey, choice.way, &rays);
     for (uint32_t i = 0; i < count; i++)
         rays.idle[i] = rays.parts[i] > 0.0 && !survey->is_reached[i];
     if (idle_part(survey, &rays) < RAYS_MIN)
