@@ -32,7 +32,8 @@ def read(path):
 
 def pages():
     return ['README.md', *sorted(os.path.relpath(path, ROOT)
-                                 for path in glob.glob(os.path.join(ROOT, 'docs', '*.md')))]
+                                 for folder in ('docs', 'docs/measurements')
+                                 for path in glob.glob(os.path.join(ROOT, folder, '*.md')))]
 
 
 def command_lines(text):
