@@ -84,6 +84,7 @@ class Installed(unittest.TestCase):
                      'share/fish/vendor_completions.d/lampyris.fish', 'share/mime/packages/lampyris.xml',
                      'share/icons/hicolor/scalable/apps/lampyris-view.svg'):
             self.assertTrue(os.path.exists(os.path.join(inside, name)), name)
+        self.check_links(os.path.join(inside, 'share/doc/lampyris'))
         needed = subprocess.run(['objdump', '-p', os.path.join(inside, 'bin/lampyris')], check=True,
                                 stdout=subprocess.PIPE, text=True).stdout
         for library in re.findall(r'NEEDED +(\S+)', needed):
@@ -92,6 +93,23 @@ class Installed(unittest.TestCase):
                            ('appstreamcli validate --no-net', 'metainfo/org.lampyris.View.metainfo.xml')):
             if shutil.which(tool.split()[0]):
                 subprocess.run([*tool.split(), os.path.join(inside, 'share', name)], check=True)
+
+
+    def check_links(self, pages):
+        """No installed page has a link to a file that is not installed."""
+        found = 0
+        for folder, _, names in os.walk(pages, followlinks=True):
+            for name in filter(re.compile(r'\.md$').search, names):
+                with open(os.path.join(folder, name), encoding='utf-8') as file:
+                    links = re.findall(r'\]\(([^)\s]+)\)', file.read())
+                for target in links:
+                    if re.match(r'\w+:|#', target):
+                        continue
+                    found += 1
+                    # By names, as browsers go: scenes is a link to another folder.
+                    path = os.path.normpath(os.path.join(folder, target.partition('#')[0]))
+                    self.assertTrue(os.path.exists(path), f'{folder}/{name}: {target}')
+        self.assertGreater(found, 100)
 
 
 class Prefix(Installed):
