@@ -156,12 +156,20 @@ bool image_encode(const struct image_write_params *params, struct arena *arena, 
 bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, struct arena *arena,
                         uint8_t **data, size_t *size, struct err *err)
 {
-    struct byte_buffer buffer = {0};
+    struct byte_buffer buffer = {0}, other = {0};
     const struct image shape = {.width = width, .height = height};
-    const struct image_write_params params = {.path = "codes.png", .image = &shape};
+    struct image_write_params params = {.path = "codes.png", .image = &shape};
     uint64_t failures = memory_failures();
     bool ok = encode_codes(&params, codes, &buffer, err);
+    params.unfiltered = true;
+    ok = ok && encode_codes(&params, codes, &other, err);
     ok = had_memory(failures, ok, "an encoder", err);
+    if (ok && other.size < buffer.size) {
+        struct byte_buffer larger = buffer;
+        buffer = other;
+        other = larger;
+    }
+    byte_buffer_finish(&other);
     return keep_file(&buffer, ok, arena, data, size, err);
 }
 

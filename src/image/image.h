@@ -44,6 +44,7 @@ struct image_write_params {
     uint32_t attribute_count;
     bool half_float;      // EXR: 16-bit channels; finite values past 65504 saturate, with a warning
     bool uncompressed;    // EXR: so that no compressor can fail
+    bool unfiltered;      // PNG: without prediction from neighbours, which noise is larger with
     float exposure_stops; // PNG: multiplies by 2^stops before the curve
     enum tone_curve tone; // PNG
 };
@@ -58,7 +59,7 @@ bool image_write(const struct image_write_params *params, struct err *err);
 bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
                   size_t *size, struct err *err);
 // The bytes of a PNG file of these 8-bit RGB codes as they are, in `arena`; verified in the same
-// way.
+// way. Of filtered and unfiltered rows it has those that take fewer bytes.
 bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, struct arena *arena,
                         uint8_t **data, size_t *size, struct err *err);
 

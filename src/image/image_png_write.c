@@ -66,6 +66,8 @@ static bool run(struct png_writer *writer)
     png_set_user_limits(writer->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_IHDR(writer->png, writer->info, image->width, image->height, 8, PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (writer->params->unfiltered)
+        png_set_filter(writer->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
     png_set_sRGB(writer->png, writer->info, PNG_sRGB_INTENT_RELATIVE);
     set_texts(writer);
     png_write_info(writer->png, writer->info);

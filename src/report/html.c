@@ -116,6 +116,27 @@ void html_base64(struct html_page *page, const uint8_t *bytes, size_t count)
     }
 }
 
+// 13 bits are two digits of base 91, since 91 * 91 >= 2^13: 16 bytes take 20 characters, where base64 takes 22. Digits are
+// the characters from '#' on, but for '<', which '~' replaces: '<' could end a script element.
+static void put_digit(FILE *out, uint32_t digit)
+{
+    const int character = '#' + (int)digit;
+    fputc(character == '<' ? '~' : character, out);
+}
+
+void html_base91(struct html_page *page, const uint8_t *bytes, size_t count)
+{
+    uint32_t bits = 0, bit_count = 0; // the lowest are the next to be written
+    for (size_t i = 0; i < count || bit_count > 0;) {
+        for (; bit_count < 13 && i < count; bit_count += 8)
+            bits |= (uint32_t)bytes[i++] << bit_count;
+        put_digit(page->out, (bits & 8191u) % 91u);
+        put_digit(page->out, (bits & 8191u) / 91u);
+        bits >>= 13;
+        bit_count = bit_count > 13 ? bit_count - 13 : 0;
+    }
+}
+
 // Formats are literals of the callers, with one double.
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
 

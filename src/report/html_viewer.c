@@ -9,7 +9,7 @@
 #include <string.h>
 
 // Up to so many bytes of all pictures together, as floats, they stay floats. Encoded as PNG and
-// base64 a page is at most as large again as that; noise of 16 bits does not compress.
+// base 91 a page is at most as large again as that; noise of 16 bits does not compress.
 #define FLOATS_MAX (UINT64_C(8) << 20)
 // Above so many bytes as halves, these lose two bits: noise does not compress, and so a page of
 // four pictures of 1280 x 720 pixels stays near 20 MB. What is left, 9 bits of a number, is three
@@ -46,13 +46,13 @@ static uint32_t choose_digits(const struct html_viewer_params *params, uint32_t 
     return component_count(params, reduction) * sizeof(uint16_t) <= ALL_BITS_MAX ? 4 : 3;
 }
 
-// Base64 takes 4 bytes for 3, the stream that holds them up to twice their size while it grows. The
+// Base 91 takes 16 bytes for 13, the stream that holds them up to twice their size while it grows. The
 // maps of FLIP have a byte for each component.
 uint64_t html_viewer_bytes(const struct html_viewer_params *params)
 {
     uint32_t reduction = choose_reduction(params);
     uint64_t bytes = choose_bits(params, reduction) / 8 + 1;
-    return component_count(params, reduction) * bytes * 4 / 3 * 2;
+    return component_count(params, reduction) * bytes * 16 / 13 * 2;
 }
 
 // --- the description -----------------------------------------------------------------------------
@@ -161,7 +161,7 @@ static bool put_plane(struct html_viewer *v, const uint8_t *codes, const char *n
         return false;
     fprintf(v->page->out, "<script type=\"text/plain\" id=\"pixels-%u-%zu-%s\">", v->number,
             json_array_size(v->pictures), name);
-    html_base64(v->page, png, size);
+    html_base91(v->page, png, size);
     fputs("</script>\n", v->page->out);
     json_object_set_new(sums, name,
                         json_integer(hash_codes(codes, 3 * (size_t)v->width * v->height)));

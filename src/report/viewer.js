@@ -54,13 +54,30 @@ function hashCodes(rgba) {
   return hash >>> 0;
 }
 
-// The pixels of a PNG that stands in the page as base64; it is taken out of the page.
+// The bytes of html_base91(): two characters are 13 bits. Up to 12 bits at the end are no byte.
+function decodeBase91(text) {
+  const bytes = new Uint8Array(Math.floor(text.length / 2 * 13 / 8));
+  const digit = i => {
+    const code = text.charCodeAt(i);
+    return (code === 126 ? 60 : code) - 35;
+  };
+  let bits = 0, bitCount = 0, to = 0;
+  for (let i = 0; i < text.length; i += 2) {
+    bits |= digit(i) + 91 * digit(i + 1) << bitCount;
+    for (bitCount += 13; bitCount >= 8; bitCount -= 8, bits >>>= 8) bytes[to++] = bits & 255;
+  }
+  return bytes;
+}
+
+// The pixels of a PNG that stands in the page in base 91; it is taken out of the page.
 async function decodePlane(id, sum) {
   const element = document.getElementById(id);
   const image = new Image();
-  image.src = `data:image/png;base64,${element.textContent}`;
+  const url = URL.createObjectURL(new Blob([decodeBase91(element.textContent)], { type: 'image/png' }));
   element.remove();
+  image.src = url;
   await image.decode();
+  URL.revokeObjectURL(url);
   const canvas = document.createElement('canvas');
   canvas.width = image.naturalWidth;
   canvas.height = image.naturalHeight;
