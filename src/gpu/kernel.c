@@ -49,12 +49,16 @@ static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *par
 }
 
 // Prepares the code for the device: unreachable code is removed, and rounding is set. Uses two
-// buffers of the code's size plus SPIRV_ROUNDING_BYTES.
-static void code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *params,
-                         uint32_t *trimmed, uint32_t *rounded, VkShaderModuleCreateInfo *info)
+// buffers of the code's size plus SPIRV_ROUNDING_BYTES. Without memory for it code is not used as
+// it is: it may name more bindings than the device has.
+static bool code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *params,
+                         uint32_t *trimmed, uint32_t *rounded, VkShaderModuleCreateInfo *info,
+                         struct err *err)
 {
     size_t bytes = spirv_trim(params->spirv, params->spirv_bytes, params->constants,
                               params->constant_count, trimmed);
+    if (bytes == SPIRV_TRIM_NO_MEMORY)
+        return err_set(err, ERR_SYSTEM, "out of memory for %zu bytes of code", params->spirv_bytes);
     if (bytes) {
         info->codeSize = bytes;
         info->pCode = trimmed;
@@ -65,6 +69,7 @@ static void code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *
         info->codeSize = bytes;
         info->pCode = rounded;
     }
+    return true;
 }
 
 static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *params,
@@ -79,12 +84,11 @@ static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *param
     uint32_t *buffers = malloc(2 * size);
     if (!buffers)
         return err_set(err, ERR_SYSTEM, "out of memory for %zu bytes of code", 2 * size);
-    code_prepare(gpu, params, buffers, buffers + size / sizeof *buffers, &info);
     VkShaderModule module = VK_NULL_HANDLE;
-    out->layout = layout_find(gpu, spirv_bindings(info.pCode, info.codeSize), err);
-    bool ok = out->layout &&
-              VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
-              pipeline_create(gpu, params, module, out, err);
+    bool ok = code_prepare(gpu, params, buffers, buffers + size / sizeof *buffers, &info, err);
+    out->layout = ok ? layout_find(gpu, spirv_bindings(info.pCode, info.codeSize), err) : NULL;
+    ok = out->layout && VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
+         pipeline_create(gpu, params, module, out, err);
     vkDestroyShaderModule(gpu->device, module, NULL);
     free(buffers);
     return ok;

@@ -400,10 +400,11 @@ size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants,
                        .constant_count = count};
     m.ids = calloc(m.bound, sizeof *m.ids);
     m.pending = calloc(m.bound, sizeof *m.pending);
-    uint32_t written = m.ids && m.pending ? trim(&m, out) : 0;
+    bool has_memory = m.ids && m.pending;
+    size_t written = has_memory ? trim(&m, out) * sizeof *out : SPIRV_TRIM_NO_MEMORY;
     free(m.ids);
     free(m.pending);
-    return written * sizeof *out;
+    return written;
 }
 
 uint32_t spirv_instructions(const uint32_t *code, size_t bytes)

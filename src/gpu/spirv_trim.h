@@ -12,8 +12,9 @@
 // flow. Drivers find the same, but some (lavapipe) only after they have put every function into its
 // callers, which takes most of the time they need for a pipeline.
 //
-// Returns the bytes written, or 0 for a module that it does not understand or without memory for
-// it: such a module is to be used as it is.
+// Returns the bytes written; 0 for a module that it does not understand, which is to be used as it
+// is; SPIRV_TRIM_NO_MEMORY if memory is lacking.
+#define SPIRV_TRIM_NO_MEMORY SIZE_MAX
 size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants, uint32_t count,
                   uint32_t *out);
 

@@ -76,8 +76,9 @@ uint32_t wave_kernel_instructions(const struct renderer *r, const struct special
     if (trimmed) {
         size_t bytes =
             spirv_trim(p->spirv, p->spirv_bytes, p->constants, p->constant_count, trimmed);
-        count = bytes ? spirv_instructions(trimmed, bytes)
-                      : spirv_instructions(p->spirv, p->spirv_bytes);
+        bool is_trimmed = bytes && bytes != SPIRV_TRIM_NO_MEMORY;
+        count = is_trimmed ? spirv_instructions(trimmed, bytes)
+                           : spirv_instructions(p->spirv, p->spirv_bytes);
     }
     free(trimmed);
     free(source.made);

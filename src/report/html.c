@@ -116,8 +116,9 @@ void html_base64(struct html_page *page, const uint8_t *bytes, size_t count)
     }
 }
 
-// 13 bits are two digits of base 91, since 91 * 91 >= 2^13: 16 bytes take 20 characters, where base64 takes 22. Digits are
-// the characters from '#' on, but for '<', which '~' replaces: '<' could end a script element.
+// 13 bits are two digits of base 91, since 91 * 91 >= 2^13: 16 bytes take 20 characters, where
+// base64 takes 22. Digits are the characters from '#' on, but for '<', which '~' replaces: '<'
+// could end a script element.
 static void put_digit(FILE *out, uint32_t digit)
 {
     const int character = '#' + (int)digit;

@@ -41,7 +41,7 @@ static struct counts count(struct kernel_code code, uint32_t integrator, uint32_
     size_t bytes = trimmed ? spirv_trim(code.spirv, code.bytes, (const uint32_t *)&all,
                                         CONSTANT_COUNT, trimmed)
                            : 0;
-    CHECK(bytes > 0, "%s cannot be trimmed", code.name);
+    REQUIRE(bytes > 0 && bytes != SPIRV_TRIM_NO_MEMORY, "%s cannot be trimmed", code.name);
     uint64_t bindings = spirv_bindings(trimmed, bytes);
     counts.storage = count_bits(bindings, 0, GPU_FIRST_STORAGE) +
                      count_bits(bindings, GPU_UNIFORM_BINDING + 1, GPU_MAX_BINDINGS);
