@@ -41,8 +41,9 @@ static struct counts count(struct kernel_code code, uint32_t integrator, uint32_
     size_t bytes = trimmed ? spirv_trim(code.spirv, code.bytes, (const uint32_t *)&all,
                                         CONSTANT_COUNT, trimmed)
                            : 0;
-    REQUIRE(bytes > 0 && bytes != SPIRV_TRIM_NO_MEMORY, "%s cannot be trimmed", code.name);
-    uint64_t bindings = spirv_bindings(trimmed, bytes);
+    bool is_trimmed = bytes > 0 && bytes != SPIRV_TRIM_NO_MEMORY;
+    CHECK(is_trimmed, "%s cannot be trimmed", code.name);
+    uint64_t bindings = is_trimmed ? spirv_bindings(trimmed, bytes) : 0;
     counts.storage = count_bits(bindings, 0, GPU_FIRST_STORAGE) +
                      count_bits(bindings, GPU_UNIFORM_BINDING + 1, GPU_MAX_BINDINGS);
     counts.texels = count_bits(bindings, TEXEL_BINDING_FIRST, GPU_UNIFORM_BINDING);

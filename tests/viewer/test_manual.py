@@ -26,7 +26,8 @@ class Manual(Tour):
         script += 'set scene.path tour.json\nwait 3 frames\n'
         for model in MODELS:
             script += f'set material.model {model}\nwait 2 frames\nstate {model}.json\n'
-        result = self.view(script, '--spp', '1', scene=scene, validation=False)
+        # SwiftShader takes minutes for the kernels of all these materials.
+        result = self.view(script, '--spp', '1', scene=scene, validation=False, timeout=1500)
         rows = {}
         for model in reversed(MODELS):
             for item in result.state(model + '.json')['items']:
