@@ -5,6 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#define SPIRV_TRIM_NO_MEMORY SIZE_MAX
+
 // Writes `code` (`bytes` long; whole words) to `out`, which has room for as much, without functions
 // that nothing calls, without what stands in blocks that nothing reaches and without the variables
 // with bindings that nothing names then, given the specialization constants 0 .. count - 1, which
@@ -14,7 +16,6 @@
 //
 // Returns the bytes written; 0 for a module that it does not understand, which is to be used as it
 // is; SPIRV_TRIM_NO_MEMORY if memory is lacking.
-#define SPIRV_TRIM_NO_MEMORY SIZE_MAX
 size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants, uint32_t count,
                   uint32_t *out);
 

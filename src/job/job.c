@@ -139,8 +139,7 @@ static bool create_renderer(struct job *job, const struct renderer_params *param
 {
     struct err failure = {0};
     while (!renderer_create(params, &job->renderer, err)) {
-        if (!job->gpu->lost || err->code != ERR_GPU ||
-            job->rescue.reopened == job->params.reopens)
+        if (!job->gpu->lost || err->code != ERR_GPU || job->rescue.reopened == job->params.reopens)
             return false;
         job->rescue.reopened++;
         log_warn("%s: opening the device again, to begin anew", err->msg);

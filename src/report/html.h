@@ -38,7 +38,8 @@ bool html_end(struct html_page *page, bool ok, struct err *err);
 
 void html_text(struct html_page *page, const char *text); // escaped
 void html_base64(struct html_page *page, const uint8_t *bytes, size_t count);
-// For scripts of our own, which decode it (viewer.js): 1.23 characters a byte where base64 has 1.33.
+// For scripts of our own, which decode it (viewer.js): 1.23 characters a byte where base64
+// has 1.33.
 void html_base91(struct html_page *page, const uint8_t *bytes, size_t count);
 // A table's cell, by a format of one double. Of an interval that is not known, its value alone.
 void html_interval(struct html_page *page, struct interval interval, const char *format);

@@ -46,8 +46,8 @@ static uint32_t choose_digits(const struct html_viewer_params *params, uint32_t 
     return component_count(params, reduction) * sizeof(uint16_t) <= ALL_BITS_MAX ? 4 : 3;
 }
 
-// Base 91 takes 16 bytes for 13, the stream that holds them up to twice their size while it grows. The
-// maps of FLIP have a byte for each component.
+// Base 91 takes 16 bytes for 13, the stream that holds them up to twice their size while it grows.
+// The maps of FLIP have a byte for each component.
 uint64_t html_viewer_bytes(const struct html_viewer_params *params)
 {
     uint32_t reduction = choose_reduction(params);

@@ -54,7 +54,8 @@ function hashCodes(rgba) {
   return hash >>> 0;
 }
 
-// The bytes of html_base91(): two characters are 13 bits. Up to 12 bits at the end are no byte.
+// The bytes of html_base91(): two characters are 13 bits. Those that fill up the last two may make a
+// byte of zero at the end, which PNG readers do not look at.
 function decodeBase91(text) {
   const bytes = new Uint8Array(Math.floor(text.length / 2 * 13 / 8));
   const digit = i => {

@@ -94,7 +94,6 @@ class Installed(unittest.TestCase):
             if shutil.which(tool.split()[0]):
                 subprocess.run([*tool.split(), os.path.join(inside, 'share', name)], check=True)
 
-
     def check_links(self, pages):
         """No installed page has a link to a file that is not installed."""
         found = 0

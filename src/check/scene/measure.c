@@ -290,9 +290,10 @@ static bool add_black(struct survey *survey, struct err *err)
             .figure = arena_printf(survey->arena, "each of %u samples of %u pixels is black",
                                    TAIL_SAMPLES + OUTLOOK_SAMPLES, survey->line_count),
             .consequence = "No light reaches the camera, or so little by chance that none was met.",
-            .remedy = "Look for strengths and intensities of 0, for lights inside of opaque objects "
-                      "or behind them, for materials that reflect nothing, and for a camera that "
-                      "is inside of something.",
+            .remedy =
+                "Look for strengths and intensities of 0, for lights inside of opaque objects "
+                "or behind them, for materials that reflect nothing, and for a camera that "
+                "is inside of something.",
             .share = 1.0,
         },
         err);
