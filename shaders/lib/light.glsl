@@ -14,6 +14,7 @@
 #include "lib/sampling.glsl"
 #include "lib/shape_light.glsl"
 #include "lib/small_lamp.glsl"
+#include "lib/solid_angle.glsl"
 #include "lib/sun.glsl"
 #include "lib/surface.glsl"
 #include "lib/triangle.glsl"
@@ -33,15 +34,45 @@ struct light_choice {
     bool of_lamp; // of those of a lamp that was not chosen itself: records do not say
 };
 
+// The solid angle by which points on a triangle are chosen, if they are: not where its corners are
+// rounded.
+float solid_angle_of(seen_triangle seen, triangle_record t)
+{
+    return IS_SMALL(t.word) ? 0.0 : solid_angle_of(seen);
+}
+
+// The density by solid angle of points on an emitter that are chosen by it; else 0.
+float density_by_solid_angle(vec3 origin, uint primitive, float pick_density)
+{
+    float area = 0.0, solid_angle = 0.0;
+    if (HAS_EMITTER(EMITTER_TRIANGLES) && !IS_SHAPE(primitive)) {
+        triangle_record t = load_triangle(primitive);
+        solid_angle = solid_angle_of(see_triangle(origin, t.v0, t.edge1, t.edge2), t);
+        area = triangle_area(t);
+    }
+    if (HAS_EMITTER(EMITTER_QUADS) && IS_SHAPE(primitive)) {
+        shape_record shape = load_shape(primitive & ~PRIMITIVE_SHAPE);
+        float first;
+        if (shape.kind == SHAPE_KIND_QUAD)
+            solid_angle =
+                solid_angle_of_quad(shape.center - origin, shape.axis, shape.other, first);
+        area = shape_area(shape);
+    }
+    return solid_angle > 0.0 ? pick_density * area / solid_angle : 0.0;
+}
+
 // Density per solid angle with which sample_light() would have chosen the unit `direction` from
 // `origin`, given the surface that it hits at `distance`.
-float pdf_light(vec3 origin, vec3 direction, float distance, surface s, float pick_density)
+float pdf_light(vec3 origin, vec3 direction, float distance, surface s, uint primitive, float pick_density)
 {
     if (HAS_EMITTER(EMITTER_SPHERES) && s.radius > 0.0) {
         float sin2_max = sphere_sin2(origin, s.center, s.radius);
         if (sin2_max < 1.0)
             return pdf_sphere_cone(s.radius, sin2_max, pick_density);
     }
+    float by_solid_angle = density_by_solid_angle(origin, primitive, pick_density);
+    if (by_solid_angle > 0.0)
+        return by_solid_angle;
     return pdf_area_to_solid_angle(pick_density, distance,
                                    abs(dot(direction, s.normal_geometric)));
 }
@@ -49,7 +80,9 @@ float pdf_light(vec3 origin, vec3 direction, float distance, surface s, float pi
 void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
 {
     triangle_record t = load_triangle(index);
-    vec2 b = sample_triangle(u);
+    seen_triangle seen = see_triangle(origin, t.v0, t.edge1, t.edge2);
+    float solid_angle = solid_angle_of(seen, t);
+    vec2 b = solid_angle > 0.0 ? sample_seen_triangle(seen, u) : sample_triangle(u);
     vec3 point = t.v0 + b.x * t.edge1 + b.y * t.edge2;
     l.material = t.word;
     l.barycentrics = b;
@@ -58,6 +91,8 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
         density = pick / triangle_area(t);
     finish_area_sample(l, point - origin, triangle_normal(t), m, density);
+    if (solid_angle > 0.0)
+        l.pdf = density * triangle_area(t) / solid_angle;
     if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES)) {
         bool hidden = is_hidden_by_lamp(t, b, -l.to_light);
         l.pdf = hidden ? 0.0 : l.pdf;

@@ -7,6 +7,7 @@
 #include "lib/primitive.glsl"
 #include "lib/sampling.glsl"
 #include "lib/shape_record.glsl"
+#include "lib/solid_angle.glsl"
 #include "lib/surface.glsl"
 
 // 1 - cos of the half-angle under which a sphere is seen, from sin^2 of it; does not cancel.
@@ -172,9 +173,14 @@ struct shape_point {
     vec2 at;
 };
 
-shape_point sample_quad(shape_record shape, vec2 u)
+// Of a quad uniformly by solid angle, unless that is 0.
+shape_point sample_quad(shape_record shape, vec3 origin, vec2 u, out float solid_angle)
 {
-    vec2 at = 2.0 * u - 1.0;
+    float first;
+    vec3 center = shape.center - origin;
+    solid_angle = solid_angle_of_quad(center, shape.axis, shape.other, first);
+    vec2 at = solid_angle > 0.0 ? sample_seen_quad(center, shape.axis, shape.other, first, u)
+                                : 2.0 * u - 1.0;
     return shape_point(at.x * shape.axis + at.y * shape.other, quad_normal(shape), at);
 }
 
@@ -247,11 +253,12 @@ shape_point sample_cylinder(shape_record shape, vec3 origin, vec2 u)
     return shape_point(shape.radius * outwards + end * shape.axis, end * n, vec2(end, 0.0));
 }
 
-shape_point sample_shape(shape_record shape, vec3 origin, vec2 u)
+shape_point sample_shape(shape_record shape, vec3 origin, vec2 u, out float solid_angle)
 {
+    solid_angle = 0.0;
     shape_point p = shape_point(vec3(0.0), vec3(0.0, 0.0, 1.0), vec2(0.0));
     if (HAS_EMITTER(EMITTER_QUADS) && shape.kind == SHAPE_KIND_QUAD)
-        p = sample_quad(shape, u);
+        p = sample_quad(shape, origin, u, solid_angle);
     if (HAS_EMITTER(EMITTER_BOXES) && shape.kind == SHAPE_KIND_BOX)
         p = sample_box(shape, origin, u);
     if (HAS_EMITTER(EMITTER_CYLINDERS) && shape.kind == SHAPE_KIND_CYLINDER)
@@ -318,9 +325,12 @@ void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light
     }
     bool is_solid = HAS_EMITTER(EMITTERS_SOLID) && shape.kind >= SHAPE_KIND_BOX;
     if (is_solid || (HAS_EMITTER(EMITTER_QUADS) && shape.kind == SHAPE_KIND_QUAD)) {
-        shape_point p = sample_shape(shape, origin, u);
+        float solid_angle;
+        shape_point p = sample_shape(shape, origin, u, solid_angle);
         l.barycentrics = p.at;
         finish_area_sample(l, shape.center - origin + p.from_center, p.normal, m, density);
+        if (HAS_EMITTER(EMITTER_QUADS) && solid_angle > 0.0)
+            l.pdf = density * shape_area(shape) / solid_angle;
         bool is_tube = HAS_EMITTER(EMITTER_TUBES) && shape.kind == SHAPE_KIND_TUBE;
         if (is_tube && hides_itself(shape, shape.center + p.from_center, -l.to_light))
             l.pdf = 0.0;

@@ -126,6 +126,16 @@ void distance_field(uint item)
     }
 }
 
+// Words 0 to 2: a triangle's corner and edges, seen from the origin; word 3: uniforms.
+void see_triangle(uint item)
+{
+    seen_triangle seen =
+        see_triangle(vec3(0.0), load_input_float(item, 0u).xyz, load_input_float(item, 1u).xyz,
+                     load_input_float(item, 2u).xyz);
+    vec2 b = sample_seen_triangle(seen, load_input_float(item, 3u).xy);
+    store_output(item, 0u, vec4(b, seen.solid_angle, solid_angle_of(seen)));
+}
+
 void main()
 {
     uint item = push.first_item + gl_GlobalInvocationID.x;
@@ -143,6 +153,8 @@ void main()
         store_output(item, 0u, vec4(decode_normal(load_input(item, 0u).x), 0.0));
     if (ROUTINE == ROUTINE_IS_FINITE)
         store_output(item, 0u, vec4(is_finite(load_input_float(item, 0u).xyz) ? 1.0 : 0.0));
+    if (ROUTINE == ROUTINE_SEE_TRIANGLE)
+        see_triangle(item);
     tree(item);
     distance_field(item);
     if (ROUTINE == ROUTINE_PICK_LIGHT) {

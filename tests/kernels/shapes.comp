@@ -59,7 +59,7 @@ void aim(uint item)
         pick_density_at(load_material(s.material), l.primitive, origin.xyz, wi, 0u, NO_INSTANCE);
     store_output(item, 0u, vec4(l.to_light, l.pdf));
     store_output(item, 1u, vec4(s.normal_geometric, l.barycentrics.x));
-    store_output(item, 2u, vec4(pdf_light(origin.xyz, wi, length(l.to_light), s, density),
+    store_output(item, 2u, vec4(pdf_light(origin.xyz, wi, length(l.to_light), s, l.primitive, density),
                                 s.uv0, s.radius));
 }
 

@@ -1,5 +1,7 @@
 #include "surface_reference.h"
 
+#include "solid_angle_reference.h"
+
 static void load_triangle(const struct renderer *r, const struct gpu_path *path,
                           struct surface_point *out)
 {
@@ -26,6 +28,7 @@ static void load_triangle(const struct renderer *r, const struct gpu_path *path,
         }
         vec3_normalize(out->shading);
     }
+    out->triangle = triangle;
     out->material = &r->scene->materials[triangle->material];
 }
 
@@ -103,6 +106,18 @@ double light_density(const struct renderer *r, const double origin[3], const dou
         // From outside: uniform in the cone that the sphere fills.
         if (sine < 1)
             return density * 4 * M_PI * radius * radius / (2 * M_PI * (1 - sqrt(1 - sine * sine)));
+    }
+    if (light->triangle) {
+        double corners[3][3], edge[2][3], normal[3];
+        for (int i = 0; i < 3; i++)
+            for (int c = 0; c < 3; c++)
+                corners[i][c] = (double)light->triangle->v[i][c] - origin[c];
+        vec3_subtract(corners[1], corners[0], edge[0]);
+        vec3_subtract(corners[2], corners[0], edge[1]);
+        vec3_cross(edge[0], edge[1], normal);
+        double solid_angle = exact_solid_angle(corners);
+        if (is_chosen_by_solid_angle(solid_angle))
+            return density * vec3_norm(normal) / 2 / solid_angle;
     }
     return density * light->distance * light->distance /
            fabs(vec3_dot(direction, light->geometric));

@@ -10,6 +10,7 @@ struct surface_point {
     double geometric[3], shading[3]; // unit normals, towards where the ray came from
     double plane_point[3];           // a point that the plane of a triangle or disc passes through
     const struct flat_shape *shape;  // NULL: a triangle
+    const struct flat_triangle *triangle;
     const struct material *material;
     double distance; // from the ray's origin
 };

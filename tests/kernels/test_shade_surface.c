@@ -3,6 +3,7 @@
 // which depend on the choice of a basis, are taken as they come out: test_sampling checks them.
 #include "check/estimators.h"
 #include "render/probe/ray_probe.h"
+#include "solid_angle_reference.h"
 #include "surface_reference.h"
 
 enum { SLOTS = 4096 };
@@ -261,9 +262,20 @@ static void check_emission(const struct hit *h)
 
 // --- the light sample ----------------------------------------------------------------------------
 
-// Where on a triangle the numbers lead to.
-static void triangle_sample(const struct flat_triangle *triangle, const double u[2], double out[3])
+// Where on a triangle the numbers lead to from `origin`.
+static void triangle_sample(const struct flat_triangle *triangle, const double origin[3],
+                            const double u[2], double out[3])
 {
+    double corners[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int c = 0; c < 3; c++)
+            corners[i][c] = (double)triangle->v[i][c] - origin[c];
+    if (is_chosen_by_solid_angle(exact_solid_angle(corners))) {
+        exact_seen_point(corners, u, out);
+        for (int c = 0; c < 3; c++)
+            out[c] += origin[c];
+        return;
+    }
     double root = sqrt(u[0]), b1 = root * (1 - u[1]), b2 = root * u[1];
     for (int c = 0; c < 3; c++)
         out[c] = (1 - b1 - b2) * (double)triangle->v[0][c] + b1 * (double)triangle->v[1][c] +
@@ -277,8 +289,8 @@ static void check_light_point(const struct hit *h, uint32_t primitive, const dou
     const struct flat_scene *flat = &h->r->flat;
     if (!(primitive & PRIMITIVE_SHAPE)) {
         double expected[3], off = 0;
-        triangle_sample(&flat->triangles[h->r->bvh.triangle_order[primitive]], &h->u_light[1],
-                        expected);
+        triangle_sample(&flat->triangles[h->r->bvh.triangle_order[primitive]], origin,
+                        &h->u_light[1], expected);
         for (int c = 0; c < 3; c++)
             off = fmax(off, fabs(point[c] - expected[c]));
         CHECK(off <= 2e-6, "slot %u: %g off the point of the triangle", h->slot, off);
@@ -386,7 +398,8 @@ static int wants_shadow_ray(const struct hit *h, uint32_t emitter)
         for (int c = 0; c < 3; c++)
             point[c] = (double)shape->center[c];
     } else {
-        triangle_sample(&flat->triangles[h->r->bvh.triangle_order[emitter]], &h->u_light[1], point);
+        triangle_sample(&flat->triangles[h->r->bvh.triangle_order[emitter]], h->s.position,
+                        &h->u_light[1], point);
     }
     for (int c = 0; c < 3; c++)
         wi[c] = point[c] - h->s.position[c];

@@ -1,9 +1,11 @@
-// Points that next-event estimation chooses on quads, boxes, cylinders and tubes: uniform by area
-// on what is seen of boxes and cylinders, and on all of the others; with the density that is said,
-// which hits know as well, and only where the shape does not hide them itself.
+// Points that next-event estimation chooses on quads, boxes, cylinders and tubes: uniform by solid
+// angle on quads that fill enough of it, by area on what is seen of boxes and cylinders, and on all
+// of the others; with the density that is said, which hits know as well, and only where the shape
+// does not hide them itself.
 #include "library_fixture.h"
 #include "shape_reference.h"
 #include "shape_routines.h"
+#include "solid_angle_reference.h"
 
 #include "shapes_test.spv.h"
 
@@ -48,7 +50,26 @@ struct aim {
     double axis[3];     // a cylinder's: two directions across it, the first one from which its side
     double across[2][3]; // is seen
     double arc;          // half of the angle round the axis
+    double solid_angle;  // of a quad whose points are chosen by it; else 0
 };
+
+// The solid angle of part of a quad, from x[0] to x[1] and y[0] to y[1] of -1 ... 1 along its edges,
+// from the place `f` from its centre.
+static double part_solid_angle(const struct exact_shape *s, const double f[3], const double x[2],
+                               const double y[2])
+{
+    double corners[4][3], half[2][3][3];
+    for (int i = 0; i < 4; i++) {
+        double along[2] = {x[i == 1 || i == 2] * s->half[0], y[i >= 2] * s->half[1]};
+        for (int c = 0; c < 3; c++)
+            corners[i][c] = along[0] * s->axis[0][c] + along[1] * s->axis[1][c] - f[c];
+    }
+    for (int i = 0; i < 3; i++) {
+        memcpy(half[0][i], corners[i], sizeof corners[i]);
+        memcpy(half[1][i], corners[(i + 2) % 4], sizeof corners[i]);
+    }
+    return exact_solid_angle(half[0]) + exact_solid_angle(half[1]);
+}
 
 // Directions across a cylinder's axis, the first one to the place `f` from its centre.
 static double directions_across(const struct exact_shape *s, const double f[3], double across[2][3])
@@ -76,6 +97,11 @@ static struct aim aim_from(const struct exact_shape *s, const double f[3])
         sees[1] = s->kind == SHAPE_CYLINDER && along > s->half[0];
         sees[2] = s->kind == SHAPE_CYLINDER && along < -s->half[0];
         aim.arc = sees[0] ? acos(s->radius / away) : M_PI;
+    }
+    if (s->kind == SHAPE_QUAD) {
+        const double all[2] = {-1, 1};
+        aim.solid_angle = part_solid_angle(s, f, all, all);
+        aim.solid_angle *= is_chosen_by_solid_angle(aim.solid_angle);
     }
     for (int face = 0; face < FACES; face++)
         sees_any = sees_any || sees[face];
@@ -151,6 +177,8 @@ static void check_sample(const struct exact_shape *s, const struct aim *aim, dou
     double distance = vec3_norm(to_light), slope = fabs(vec3_dot(to_light, normal)) / distance;
     double pdf = (double)out->f[0][3], pdf_of_hit = (double)out->f[2][0];
     double expected = pick * distance * distance / (slope * aim->whole);
+    if (aim->solid_angle > 0)
+        expected = pick / aim->solid_angle;
     bool may_hide = s->kind == SHAPE_TUBE;
     int crossings = exact_crossings(s, origin, to_light, t);
     bool in_between = false;
@@ -170,13 +198,27 @@ static void check_sample(const struct exact_shape *s, const struct aim *aim, dou
     tally->disagree += pdf > 0 && fabs(pdf_of_hit / pdf - 1) > tolerance;
 }
 
+// The probability of a cell of a face.
+static double cell_probability(const struct exact_shape *s, const struct aim *aim,
+                               const double f[3], int face, int cell)
+{
+    if (!(aim->solid_angle > 0))
+        return aim->area[face] / aim->whole / (GRID * GRID);
+    if (face > 0)
+        return 0;
+    double x = 2.0 * (cell / GRID) / GRID - 1, y = 2.0 * (cell % GRID) / GRID - 1;
+    return part_solid_angle(s, f, (double[2]){x, x + 2.0 / GRID}, (double[2]){y, y + 2.0 / GRID}) /
+           aim->solid_angle;
+}
+
 // Pearson's statistic as a standard normal deviate (Wilson and Hilferty 1931).
-static double deviate(const struct aim *aim, const struct tally *tally)
+static double deviate(const struct exact_shape *s, const struct aim *aim, const double f[3],
+                      const struct tally *tally)
 {
     double statistic = 0, cells = 0;
     for (int face = 0; face < FACES; face++) {
-        double expected = SAMPLES * aim->area[face] / aim->whole / (GRID * GRID);
         for (int i = 0; i < GRID * GRID; i++) {
+            double expected = SAMPLES * cell_probability(s, aim, f, face, i);
             double difference = tally->count[face][i / GRID][i % GRID] - expected;
             if (expected > 0)
                 statistic += difference * difference / expected;
@@ -212,7 +254,7 @@ static void check_place(struct setup *setup, const char *name, const double from
     REQUIRE(routine_run(setup, &aim_at_shape, results, SAMPLES), "not run");
     for (uint32_t i = 0; i < SAMPLES; i++)
         check_sample(&shape, &aim, pick, &results[i], origin, &tally);
-    double d = deviate(&aim, &tally);
+    double d = deviate(&shape, &aim, f, &tally);
     printf("  %-10s %3.0f %% aimed at, %4.1f %% hidden, %.2f deviations\n", name,
            100 * aim.whole / whole_area(&shape), 100.0 * tally.hidden / SAMPLES, d);
     // A level of 1e-5 for all places of all kinds together.
@@ -254,6 +296,10 @@ static void check_kind(const char *name, uint32_t kind, uint32_t choice)
                                     {-0.5, 1.8, -2.5}, {2, -0.3, -1.7},    {-1.2, 1.3, 1.4},
                                     {30, -50, 40},     {0.6, 1.001, 0.01}, {1.01, 1.02, -0.1},
                                     {0, 1e3, 0.5},     {0.9, -0.65, 0.7},  {-0.99, 0.69, -0.7}};
+    // Before a quad, by its half edges and its normal: close by, close to its diagonal, to an edge, a
+    // corner, far away.
+    static const double before[][3] = {{0.3, -0.2, 0.05}, {0.5, 0.5, 0.1}, {-0.4, 0.99, 0.05},
+                                       {1, 1, 0.05},      {3, -2, 0.3},    {20, 10, 60}};
     struct setup setup;
     struct random random = {51 + kind + 16 * choice};
     scene_start(&setup.scene, 8, 8);
@@ -270,6 +316,15 @@ static void check_kind(const char *name, uint32_t kind, uint32_t choice)
         pick = area / (area + 4 * M_PI * 0.1 * 0.1);
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++)
         check_place(&setup, name, places[i], pick, &random);
+    if (kind == SHAPE_QUAD)
+        for (size_t i = 0; i < sizeof before / sizeof before[0]; i++) {
+            double place[3];
+            for (int c = 0; c < 3; c++)
+                place[c] = before[i][0] * shape.half[0] * shape.axis[0][c] +
+                           before[i][1] * shape.half[1] * shape.axis[1][c] +
+                           before[i][2] * shape.half[0] * shape.axis[2][c];
+            check_place(&setup, name, place, pick, &random);
+        }
     for (size_t i = 0; i < sizeof own / sizeof own[0] && is_convex; i++) {
         double place[3];
         place_by_shape(&shape, own[i], place);
