@@ -237,6 +237,11 @@ light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
     l.infinite = false;
     l.material = 0u;
     l.barycentrics = vec2(0.0);
+    // Where no emitter sends anything, the word names none: there is no record to read.
+    if (CHOOSES_BY_PLACE) {
+        if (!(choice.pick > 0.0))
+            return l;
+    }
     bool is_point = HAS_EMITTER(EMITTERS_LIGHTS) && (l.primitive & PRIMITIVE_LIGHT) != 0u;
     bool is_environment = HAS_EMITTER(EMITTER_ENVIRONMENT) && l.primitive == PRIMITIVE_ENVIRONMENT;
     bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) && !is_point && !is_environment &&

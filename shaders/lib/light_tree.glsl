@@ -113,8 +113,8 @@ uint light_pair_at(uint pair)
 }
 
 // Goes down from a child of the tree to one emitter below it, by a number in a part of this width:
-// returns the word of its primitive. The width becomes that of the emitter's part, which is 0 where
-// none sends anything.
+// returns the word of its primitive. The width becomes that of the emitter's part. Where none sends
+// anything it is 0, and the word is the number of a pair, which names no emitter.
 uint choose_below(uint child, receiver r, uvec2 number, inout float width)
 {
     while ((child & LIGHT_LEAF) == 0u) {

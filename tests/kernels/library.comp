@@ -79,6 +79,10 @@ void tree(uint item)
         uint primitive = choose_from_tree(r, uintBitsToFloat(last.xy), probability);
         paths_words[item * PATH_WORDS + 3u] = uvec4(primitive, floatBitsToUint(probability), 0u, 0u);
     }
+    if (ROUTINE == ROUTINE_TREE_SAMPLE) {
+        light_sample l = sample_light(r, uintBitsToFloat(last));
+        store_output(item, 3u, vec4(l.pdf, l.barycentrics, length(l.to_light)));
+    }
     if (ROUTINE == ROUTINE_TREE_PROBABILITY)
         store_output(item, 3u, vec4(probability_in_tree(r, last.x), vec3(0.0)));
 }

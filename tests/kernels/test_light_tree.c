@@ -307,6 +307,38 @@ TEST(choices_follow_the_probabilities)
     setup_close(&setup);
 }
 
+// Where no emitter sends anything, no emitter's record is read: the word that is chosen is none's, and
+// a record at that place may lie beyond the buffer's end.
+TEST(without_light_nothing_is_sampled)
+{
+    enum { SAMPLES = 256 };
+    struct setup setup;
+    struct random random = {11};
+    scene_start(&setup.scene, 8, 8);
+    setup.scene.settings.light_choice = LIGHT_CHOICE_TREE;
+    add_random_triangles(&setup.scene, 12, 0.3, &random);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
+    for (int faces = 0; faces < 2; faces++) {
+        const struct place p = {.position = {0, 0, -10}, .normal = {0, 0, faces ? 1 : -1}};
+        uint32_t sampled = 0, positive = 0;
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            set_item(&items[i], &p);
+            for (int c = 0; c < 4; c++)
+                items[i].f[2][c] = uniform(&random);
+        }
+        REQUIRE(library_run(&setup, ROUTINE_TREE_SAMPLE, items, SAMPLES), "not run");
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            const float *found = items[i].f[3];
+            positive += found[0] > 0;
+            sampled += !(found[1] == 0 && found[2] == 0 && found[3] == 0);
+        }
+        uint32_t expected = faces ? SAMPLES : 0;
+        CHECK(sampled == expected && positive == expected,
+              "%u of %d points are on an emitter, %u with a density", sampled, SAMPLES, positive);
+    }
+    setup_close(&setup);
+}
+
 // A point of an emitter, and the direction in which it counts: normal (0, 0, 0) for any.
 static void point_of(const struct renderer *r, uint32_t primitive, struct random *random,
                      double point[3], double normal[3])
@@ -470,5 +502,6 @@ TEST(structure)
 }
 
 TEST_MAIN(TEST_CASE(probabilities_are_those_of_the_bounds),
-          TEST_CASE(choices_follow_the_probabilities), TEST_CASE(none_is_left_out),
+          TEST_CASE(choices_follow_the_probabilities),
+          TEST_CASE(without_light_nothing_is_sampled), TEST_CASE(none_is_left_out),
           TEST_CASE(structure))
