@@ -299,7 +299,7 @@ DOWN = {"choose_below", "width_below", "light_importance", "take_first", "receiv
         "shape_area"}
 LIGHT_CHOICES = {
     "uniform": {"choose_bin", "triangle_area", "shape_area"},
-    "power": {"choose_bin"},
+    "power": {"choose_bin", "triangle_area"},
     "all": {"connect_all_lamps", "sample_lamp", "choose_in_lamp", "probability_in_lamp"} | DOWN,
     "tree": {"choose_from_tree", "probability_in_tree"} | DOWN,
 }
