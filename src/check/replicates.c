@@ -87,6 +87,16 @@ struct estimate replicates_estimate(const struct replicates *replicates, uint32_
 // and so is that of the test: their ratio exceeds 2 in less than 0.4 % of all cases.
 #define PILOT_MARGIN 2.0
 
+// Returns how many samples bring a half-width of `ratio` times what is wanted, seen with those of the
+// pilot, below that. With more of them the variance falls at least as 1 / N; with fewer it may rise
+// as 1 / N^3, where the integrand is smooth (Owen 1997, "Scrambled net variance for integrals of
+// smooth functions").
+static double samples_needed(double ratio)
+{
+    double part = PILOT_MARGIN * ratio * ratio;
+    return PILOT_SAMPLES * (part < 1.0 ? cbrt(part) : part);
+}
+
 bool replicates_pilot(struct renderer *r, const struct measurement *measurement, double relative,
                       uint64_t most, uint64_t *samples, struct err *err)
 {
@@ -97,7 +107,7 @@ bool replicates_pilot(struct renderer *r, const struct measurement *measurement,
     for (uint32_t v = 0; v < pilot.count; v++) {
         struct estimate e = replicates_estimate(&pilot, v);
         double ratio = e.mean > 0.0 ? e.half_width / (relative * e.mean) : 0.0;
-        needed = fmax(needed, PILOT_MARGIN * PILOT_SAMPLES * ratio * ratio);
+        needed = fmax(needed, samples_needed(ratio));
     }
     // A wave takes up to 16 samples of a pixel at once.
     uint64_t step = needed <= 16.0 ? 1 : 16;
