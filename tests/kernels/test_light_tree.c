@@ -307,8 +307,8 @@ TEST(choices_follow_the_probabilities)
     setup_close(&setup);
 }
 
-// Where no emitter sends anything, no emitter's record is read: the word that is chosen is none's, and
-// a record at that place may lie beyond the buffer's end.
+// Where no emitter sends anything, no emitter's record is read: the word that is chosen names none,
+// and a record at that place may lie beyond the buffer's end.
 TEST(without_light_nothing_is_sampled)
 {
     enum { SAMPLES = 256 };
@@ -502,6 +502,5 @@ TEST(structure)
 }
 
 TEST_MAIN(TEST_CASE(probabilities_are_those_of_the_bounds),
-          TEST_CASE(choices_follow_the_probabilities),
-          TEST_CASE(without_light_nothing_is_sampled), TEST_CASE(none_is_left_out),
-          TEST_CASE(structure))
+          TEST_CASE(choices_follow_the_probabilities), TEST_CASE(without_light_nothing_is_sampled),
+          TEST_CASE(none_is_left_out), TEST_CASE(structure))
