@@ -40,7 +40,7 @@ struct tile_plan tile_plan_of(uint32_t width, uint32_t height, uint32_t *counts)
     return plan;
 }
 
-// Samples shared out.
+// An allotment of samples to tiles in the making.
 struct allotment {
     const struct tile_plan_params *params;
     uint32_t tiles_x, tiles_y;
@@ -63,8 +63,8 @@ static uint64_t total_at(const struct allotment *a, double scale)
     return total;
 }
 
-// The greatest scale that keeps within the budget, by bisection between powers of two: the total
-// grows with the scale, and a fixed number of steps ends the same everywhere.
+// Returns the greatest scale that keeps within the budget, by bisection between powers of two: the
+// total grows with the scale, and a fixed number of steps gives the same result everywhere.
 static double find_scale(const struct allotment *a, uint64_t budget)
 {
     double low = 0.0, high = 1.0;
@@ -82,9 +82,9 @@ static double find_scale(const struct allotment *a, uint64_t budget)
     return low;
 }
 
-// Roots of the variances, the greatest of which is made 1. A pilot's variance of a tile is itself
-// a noisy estimate, and what it missed is most often near what it found: each tile's is averaged
-// with the mean of its neighbours'.
+// Sets the weights to the roots of the variances, scaled so that the greatest is 1. A pilot's
+// variance of a tile is itself a noisy estimate, and the light that it missed is most often near
+// the light that it found: each tile's variance is averaged with the mean of its neighbours'.
 static void set_weights(const struct tile_plan_params *p, uint32_t tiles_x, uint32_t tiles_y,
                         double *weights)
 {
@@ -104,7 +104,7 @@ static void set_weights(const struct tile_plan_params *p, uint32_t tiles_x, uint
         weights[i] = sqrt(count ? 0.5 * own + 0.5 * around / count : own);
         greatest = fmax(greatest, weights[i]);
     }
-    // Where nothing varied, all are alike.
+    // Where nothing varied, all tiles are alike.
     for (uint32_t i = 0; i < tiles_x * tiles_y; i++)
         weights[i] = greatest > 0.0 ? weights[i] / greatest : 1.0;
 }
@@ -198,8 +198,8 @@ static uint64_t samples_left(const struct renderer *r, uint32_t tile)
     return r->tiles.counts[tile] * r->round_target - r->tiles.done[tile];
 }
 
-// Every tile's count is at least TILE_SAMPLES_MIN, so all have a sample once the first pass is
-// over.
+// Every tile's count is at least TILE_SAMPLES_MIN, so that all tiles have a sample once the first
+// pass is over.
 bool tiles_all_begun(const struct renderer *r)
 {
     return r->tiles.count > 0 && r->tiles.done[0] > 0;
@@ -213,8 +213,8 @@ static bool takes_part(const struct renderer *r, uint32_t tile, uint32_t shift)
     return shift < USUAL_SAMPLE_SHIFT ? left >> shift & 1u : left >> shift;
 }
 
-// One sample of every pixel; then small steps, those of all tiles together; then the large ones, in
-// which the tiles drop out as they are done.
+// Takes one sample of every pixel first; then passes of few samples over all tiles; then passes of
+// many, which tiles leave when they are done.
 static bool choose_shift(const struct renderer *r, uint32_t *shift)
 {
     if (!tiles_all_begun(r)) {
@@ -248,7 +248,7 @@ bool tile_pass_begin(struct renderer *r)
 
 void tile_pass_end(struct renderer *r)
 {
-    // The first tile last: it says whether this was the first pass.
+    // The first tile is done last: it tells whether this was the first pass.
     for (uint32_t tile = r->tiles.count; tile-- > 0;)
         if (takes_part(r, tile, r->pass.shift))
             r->tiles.done[tile] += 1u << r->pass.shift;
@@ -257,7 +257,7 @@ void tile_pass_end(struct renderer *r)
         r->next_sample = r->round_target;
 }
 
-// Where in the pass its next pixel is: a tile, and a pixel of it in rows.
+// Finds the place of the pass's next pixel: a tile, and the pixel's number in it, by rows.
 static void find_place(const struct renderer *r, uint32_t *tile, uint32_t *inside)
 {
     uint64_t left = r->pass.position;
@@ -275,7 +275,7 @@ static void find_place(const struct renderer *r, uint32_t *tile, uint32_t *insid
 
 static bool upload_lists(struct renderer *r, uint32_t count, struct err *err)
 {
-    // Behind the last queue, as lib/buffers.glsl reads them.
+    // The lists are behind the last queue, where lib/buffers.glsl reads them.
     uint64_t row = (uint64_t)r->plan.wave_slots * sizeof(uint32_t);
     uint64_t at = queue_offset(r, QUEUE_COUNT);
     struct gpu_buffer *queues = &r->buffers[BINDING_QUEUES];

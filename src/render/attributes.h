@@ -1,11 +1,11 @@
-// What triangles' corners carry on the device; see shaders/shared/types.h and lib/attributes.glsl.
+// Attributes of triangles' corners on the device; see shared/types.h and lib/attributes.glsl.
 #ifndef LAMPYRIS_RENDER_ATTRIBUTES_H
 #define LAMPYRIS_RENDER_ATTRIBUTES_H
 
 #include "shared/bindings.h"
 #include <stdint.h>
 
-// Words of four from one triangle to the next.
+// Returns the number of words of four between the attributes of one triangle and those of the next.
 static inline uint32_t attribute_words(uint32_t features)
 {
     return !!(features & FEATURE_NORMALS) + !!(features & FEATURE_TANGENTS) +

@@ -10,9 +10,9 @@
 #include <math.h>
 
 #define LOBES_DIFFUSE (LOBE_LAMBERT | LOBE_DIFFUSE_TRANSMISSION)
-#define LOBES_SCATTERING (LOBE_ROUGH - 1) // below it are lobes, from it on what they need
+#define LOBES_SCATTERING (LOBE_ROUGH - 1) // bits from LOBE_ROUGH on are what lobes need
 
-// Returns whether a path may meet any emitter by chance.
+// Returns whether a path may hit any emitter only by chance.
 static bool leaves_to_chance(const struct scene *scene, const struct specialization *s)
 {
     const struct settings *settings = &scene->settings;
@@ -22,7 +22,7 @@ static bool leaves_to_chance(const struct scene *scene, const struct specializat
            s->directions != DIRECTIONS_BSDF || (s->lobes & LOBES_SCATTERING & ~LOBES_DIFFUSE) != 0;
 }
 
-// The least by which textures scale a material's roughness.
+// Returns the least factor by which textures scale a material's roughness.
 static double least_roughness(const struct scene *scene, const struct material *material)
 {
     double least = (double)material->roughness;
@@ -44,8 +44,8 @@ static double least_roughness(const struct scene *scene, const struct material *
     return least;
 }
 
-// The greatest density, per solid angle, with which visible normals of GGX draw a reflected
-// direction, D G1 / (4 cos) at grazing angles, where G1 / cos comes to 2 / alpha (Heitz 2018,
+// Returns the greatest density, per solid angle, of a reflected direction sampled by visible
+// normals of GGX: D G1 / (4 cos) at grazing angles, where G1 / cos becomes 2 / alpha (Heitz 2018,
 // "Sampling the GGX distribution of visible normals", eq. 19; Walter et al. 2007, eqs. 33 and 34).
 static double sharpest_reflection(const struct scene *scene, const struct material *material)
 {
@@ -56,7 +56,7 @@ static double sharpest_reflection(const struct scene *scene, const struct materi
     return 1.0 / (2.0 * M_PI * alpha / aspect * narrow * narrow);
 }
 
-// Infinite for Diracs, and for refraction, coats and cosine powers, which may be nearly so.
+// Infinite for deltas, and for refraction, coats and cosine powers, which may be nearly deltas.
 static double sharpest_of_material(const struct scene *scene, const struct material *material)
 {
     bool has_layers = material->model == MATERIAL_PRINCIPLED &&
@@ -75,7 +75,7 @@ static double sharpest_of_material(const struct scene *scene, const struct mater
     }
 }
 
-// Returns whether shadow rays look for what is infinitely far and has a density to compare with.
+// Returns whether shadow rays are aimed at infinitely far emitters, with a density to compare with.
 static bool looks_far(const struct scene *scene, const struct emitters *emitters)
 {
     for (uint32_t i = 0; i < scene->light_count; i++)
@@ -84,8 +84,9 @@ static bool looks_far(const struct scene *scene, const struct emitters *emitters
     return scene->environment.width > 0 && emitters->environment_pick > 0.0f;
 }
 
-// With which a surface of the scene draws a direction; infinite where light is met by chance that
-// no shadow ray looks for, and where nothing is held against it.
+// Returns the greatest density with which a surface of the scene samples a direction; infinite
+// where light is found by chance to which no shadow ray is aimed, and where no weights compare the
+// two strategies.
 static double sharpest_lobe(const struct scene *scene, const struct flat_scene *flat,
                             const struct specialization *s, const struct emitters *emitters)
 {
@@ -101,10 +102,10 @@ static double sharpest_lobe(const struct scene *scene, const struct flat_scene *
     return sharpest;
 }
 
-// Where shadow rays look for a light more often than scattered rays meet it, both bring the same
-// contribution, f cos L / (p + q) by the balance heuristic, and shadow rays bring it more often: it
-// is not left to chance. So far this is known of what is infinitely far, whose density is the same
-// everywhere.
+// Where shadow rays sample a light more often than scattered rays hit it, both bring the same
+// contribution, f cos L / (p + q) by the balance heuristic, and shadow rays bring it more often:
+// the light is not left to chance. This is only known for infinitely far emitters, whose density is
+// the same everywhere.
 static float greatest_of_suns(const struct scene *scene, const struct emitters *emitters,
                               double sharpest)
 {
@@ -122,7 +123,7 @@ static float greatest_of_suns(const struct scene *scene, const struct emitters *
     return (float)greatest;
 }
 
-// A cell between texels has at least a fourth of the light of the brightest of them.
+// A cell between texels has at least a quarter of the light of its brightest texel.
 static float greatest_of_environment(const struct environment *environment,
                                      const struct emitters *emitters, double sharpest)
 {

@@ -1,4 +1,4 @@
-// Finds what paths meet by chance alone.
+// Bounds the light that only scattered rays find.
 #ifndef LAMPYRIS_RENDER_CHANCE_H
 #define LAMPYRIS_RENDER_CHANCE_H
 
@@ -7,11 +7,11 @@
 #include "render/tables/emitters.h"
 #include "scene/core/scene.h"
 
-// The greatest radiance, of a channel, of an emitter that a path may meet where no shadow ray is
-// aimed at it: by way of glass, metal or gloss, or of any surface where shadow rays are off or
-// directions are not drawn by the surface. A sun that shadow rays look for more often than
-// scattered rays meet it is not left to chance. 0 where there is none. A texture counts
-// with its brightest texel. What is known of the error takes it for what no sample may have found
+// Returns the greatest radiance, in any channel, of an emitter that a path may hit although no
+// shadow ray is aimed at it: through glass, metal or gloss, or from any surface if shadow rays are
+// off or directions are not sampled by the BSDF. A sun that shadow rays sample more often than
+// scattered rays hit it does not count. A texture counts with its brightest texel. 0: there is no
+// such emitter. The error estimate assumes that unsampled paths may bring this much.
 // yet.
 float brightest_by_chance(const struct scene *scene, const struct flat_scene *flat,
                           const struct specialization *specialization,

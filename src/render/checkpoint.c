@@ -24,7 +24,7 @@ struct header {
 
 // --- the renderer's state ------------------------------------------------------------------------
 
-// Walks over everything of the renderer that is saved, in one order for writing and reading.
+// Visits everything that is saved of the renderer, in the same order for writing and reading.
 struct cursor {
     uint64_t *words;
     uint32_t at;
@@ -212,7 +212,7 @@ static bool check_header(const struct checkpoint *c, const struct header *h, uin
     return true;
 }
 
-// The hash covers all but itself, at the end.
+// The hash, at the end of the file, covers everything before it.
 static bool check_hash(const struct checkpoint *c, uint64_t file_bytes, struct err *err)
 {
     char *block = malloc(BLOCK_BYTES);
@@ -336,7 +336,7 @@ bool checkpoint_check(const struct checkpoint *c, const char *identity, struct e
         return err_set(err, ERR_INPUT, "%s: was made with %.*s, but this run has %.*s", c->path,
                        line_length(was), was, line_length(value), value);
     }
-    // Which lines there are follows from the lines before them.
+    // The lines before them determine which lines follow.
     return err_set(err, ERR_INPUT,
                    "%s: was made by another build of lampyris, which tells \"%.*s\" where this one "
                    "tells \"%.*s\"; expected a checkpoint of this build",
@@ -391,7 +391,7 @@ bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *er
     if (!check_state(c, r, err))
         return false;
     if (r->pass.position == 0)
-        r->pass = (struct pass){0}; // not begun: waves of this run may hold other numbers
+        r->pass = (struct pass){0}; // not begun: this run may have other waves
     if (has_tiles) {
         struct tile_plan plan = tile_plan_of(r->frame.width, r->frame.height, c->counts);
         if (!renderer_set_plan(r, &plan, err))

@@ -1,4 +1,9 @@
-// A render's state in a file: what is needed to go on with it, bit for bit, in another process.
+// A render's state in a file: another process continues from it bit for bit.
+//
+// A file is a header, the identity (lines that must be the same when the render continues), the
+// renderer's state, the plan of the tiles, the film's records as they are in device memory, and a
+// hash over all that, in the machine's byte order. Nothing in it depends on the wave. It is
+// replaced only by a complete file: see file_writer.
 //
 // A file is a header, the identity (what must be the same when the render goes on), the renderer's
 // state, the plan of the tiles, the film's records as they are in device memory, and a hash over
@@ -14,13 +19,13 @@
 #define CHECKPOINT_NOTE_WORDS 2u
 #define CHECKPOINT_IDENTITY_MAX (1u << 20)
 
-// identity: lines of "name=value", each ending with a newline. note: the caller's own, which
-// checkpoint_open() gives back. The renderer must be between waves.
-// ERR_OUTPUT where the file cannot be written: an older one is then as it was.
+// Writes the renderer's state; the renderer must be between waves. identity: lines of "name=value",
+// each ending with a newline. note: text of the caller, which checkpoint_open() returns. ERR_OUTPUT
+// if the file cannot be written: an older file is then unchanged.
 bool checkpoint_write(struct renderer *renderer, const char *path, const char *identity,
                       const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err);
 
-// A checkpoint that was read as far as its film.
+// A checkpoint that has been read up to its film.
 struct checkpoint {
     FILE *file;
     const char *path, *identity;
@@ -31,20 +36,21 @@ struct checkpoint {
     uint32_t *counts, *done;
 };
 
-// Reads all of the file once to see whether it is whole, then what stands before the film; strings
-// and lists live in the arena. The file may be anything: ERR_INPUT. *out is to be closed.
+// Reads the whole file once to verify its hash, then everything before the film; strings and lists
+// live in the arena. Any file may be given: one that is no valid checkpoint is ERR_INPUT. The
+// caller closes *out.
 bool checkpoint_open(const char *path, struct arena *arena, struct checkpoint *out,
                      struct err *err);
-// The same of a file that is open already, which is the caller's to close when this fails.
+// Does the same for an open file, which remains the caller's to close if this fails.
 bool checkpoint_read(FILE *file, const char *path, struct arena *arena, struct checkpoint *out,
                      struct err *err);
 void checkpoint_close(struct checkpoint *checkpoint); // accepts NULL and {0}
 
-// ERR_INPUT, naming the first thing that differs, unless the identities are the same. Identities
-// are lines "name=value".
+// Fails with ERR_INPUT, naming the first difference, unless the identities are the same. Identities
+// are lines of "name=value".
 bool checkpoint_check(const struct checkpoint *checkpoint, const char *identity, struct err *err);
 
-// Puts a new renderer, of the same identity, into the state that was saved.
+// Puts a new renderer, which has the same identity, into the saved state.
 bool checkpoint_restore(struct checkpoint *checkpoint, struct renderer *renderer, struct err *err);
 
 #endif

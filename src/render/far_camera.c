@@ -6,16 +6,16 @@
 #include "shared/methods.h"
 #include <math.h>
 
-// Distances in bounding radii beyond which directions in single precision are off by more than
-// 2^-24 * 2^12 of the radius: a tenth of a pixel where the scene fills a picture of 800.
+// Distance in bounding radii beyond which the error of directions in single precision exceeds 2^-24
+// * 2^12 of the radius: a tenth of a pixel where the scene fills a picture of 800 pixels.
 #define FAR_RATIO 4096.0
 
-// A camera and the sphere around all that has bounds, in the flat scene's unit.
+// A camera and the bounding sphere of everything that has bounds, in the flat scene's unit.
 struct sight {
     double position[3];
     double radius;   // 0: nothing has bounds
     double distance; // from the camera to the sphere's centre
-    double depth;    // the same along the line of sight; negative: behind
+    double depth;    // distance along the line of sight; negative: behind the camera
 };
 
 static struct sight find_sight(const struct flat_scene *flat, const struct camera *camera)
@@ -46,8 +46,8 @@ bool camera_is_far(const struct flat_scene *flat, const struct camera *camera)
     return is_far(&sight, camera);
 }
 
-// How far along the line of sight a ray through one of the picture's corners meets a plane, or
-// `farthest` where that is nearer.
+// Returns how far along the line of sight a ray through one of the picture's corners meets a plane,
+// or `farthest` if that is nearer.
 static double depth_of_plane(const struct flat_shape *plane, const struct camera *camera,
                              const double position[3], const double corner[3], double farthest)
 {
@@ -62,8 +62,8 @@ static double depth_of_plane(const struct flat_shape *plane, const struct camera
     return depth >= 0.0 && depth < farthest ? depth : farthest;
 }
 
-// Between the corners of a picture a plane is met no nearer than at the nearest of them; filters
-// and lenses reach a little beyond.
+// Within the picture a plane is no nearer than at the nearest of its corners; filters and lenses
+// reach a little further.
 #define CORNER_MARGIN 1.125
 
 double far_camera_start(const struct flat_scene *flat, const struct camera *camera,
@@ -81,11 +81,11 @@ double far_camera_start(const struct flat_scene *flat, const struct camera *came
                     CORNER_MARGIN * ((k & 1 ? right[c] : -right[c]) + (k & 2 ? up[c] : -up[c]));
             start = depth_of_plane(&flat->shapes[i], camera, sight.position, corner, start);
         }
-    // Before a plane, by more than the rounding of where that is.
+    // Begin before a plane, by more than the rounding of its position.
     return start < all ? start * (1.0 - 0x1p-16) : start;
 }
 
-// A share of a pixel that samples find too seldom to be relied on.
+// Parts of a pixel smaller than this are hit by too few samples to be relied on.
 #define LEAST_PART 0x1p-8
 
 struct far_fault far_camera_judge(const struct flat_scene *flat, const struct camera *camera,
@@ -95,7 +95,7 @@ struct far_fault far_camera_judge(const struct flat_scene *flat, const struct ca
     bool is_panoramic = camera->kind == CAMERA_PANORAMIC;
     if (!(sight.radius > 0.0) || camera->kind == CAMERA_ORTHOGRAPHIC)
         return (struct far_fault){0};
-    double seen = is_panoramic ? M_PI : 2.0 * tan(0.5 * camera->fov_y); // a metre away
+    double seen = is_panoramic ? M_PI : 2.0 * tan(0.5 * camera->fov_y); // one metre away
     double pixel = seen / height, farthest = sight.distance + sight.radius;
     double begin = is_far(&sight, camera) ? sight.depth - sight.radius : 0.0;
     struct far_fault fault = {

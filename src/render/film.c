@@ -13,13 +13,14 @@ static uint64_t pixel_count(const struct renderer *r)
     return (uint64_t)r->frame.width * r->frame.height;
 }
 
-// Buffers that the picture reaches into: all, unless it is smaller than there is room for.
+// Returns the number of film buffers that the picture uses: all, unless the picture is smaller than
+// the film has room for.
 static uint32_t chunks_in_use(const struct renderer *r)
 {
     return (uint32_t)((pixel_count(r) + r->plan.film_chunk_pixels - 1) / r->plan.film_chunk_pixels);
 }
 
-// Returns the number of pixels in one of them.
+// Returns the number of pixels in one of the film's buffers.
 static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
 {
     uint64_t first = chunk * r->plan.film_chunk_pixels;
@@ -39,7 +40,7 @@ bool film_create(struct renderer *r, struct err *err)
         return err_memory(err, "film", r->plan.film_chunks * sizeof *r->film);
     for (uint32_t i = 0; i < r->plan.film_chunks; i++) {
         uint64_t bytes = chunk_pixels(r, i) * pixel_bytes(r);
-        // The kernels of a viewer read it as texels where they can.
+        // A viewer's kernels read the film as texels where they can.
         if (!gpu_buffer_create(r->gpu, binding_name(BINDING_FILM), bytes, GPU_DEVICE,
                                gpu_texel_fits(r->gpu, bytes), &r->film[i], err))
             return false;
@@ -128,7 +129,8 @@ static void add_pixel(const struct renderer *r, struct film_image *image, uint64
         double sum = (double)samples_a * p->mean_a[c] + (double)samples_b * p->mean_b[c];
         image->mean[at][c] = p->samples ? (float)(sum / p->samples) : 0.0f;
     }
-    // The halves' means differ by the variance of a sample times 1 / a + 1 / b on average.
+    // On average the squared difference of the halves' means is the variance of a sample times 1 /
+    // a + 1 / b.
     double share = (double)samples_a * samples_b / fmax((double)p->samples * p->samples, 1.0);
     for (int c = 0; c < 3 && image->aovs.variance; c++) {
         double difference = (double)p->mean_a[c] - (double)p->mean_b[c];
@@ -146,7 +148,7 @@ static void add_pixel(const struct renderer *r, struct film_image *image, uint64
         image->most_samples = p->samples;
 }
 
-// Record i of those that were resolved.
+// Reads record i of those that were resolved.
 static void read_pixel(const struct renderer *r, const uint32_t (*words)[4], uint64_t i,
                        struct film_image *image)
 {

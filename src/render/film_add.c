@@ -1,4 +1,4 @@
-// One film added to another, word by word: see shared/film_sums.h.
+// Adds one film to another, word by word: see shared/film_sums.h.
 #include "render/film_copy.h"
 #include "render/sampling_plan.h"
 #include "shared/aov.h"
@@ -15,7 +15,7 @@ static uint32_t top_digit(uint32_t digits, uint32_t component)
     return top;
 }
 
-// Adds the even or the odd bin of a sum to another's, which stands for the same digit.
+// Adds the even or the odd bin of a sum to the bin of another sum that stands for the same digit.
 static void add_bin(uint32_t *to, const uint32_t *from, uint32_t odd)
 {
     uint32_t *words = &to[2 * odd];
@@ -35,7 +35,7 @@ static void add_sum(uint32_t *to, uint32_t to_top, const uint32_t *from, uint32_
     uint32_t top = to_top > from_top ? to_top : from_top;
     for (uint32_t digit = to_top; digit < top && digit < to_top + 2; digit++)
         empty_bin(to, (digit + 1) & 1u);
-    // The part's higher bin stands in digit from_top, its lower one in from_top - 1.
+    // The part's higher bin holds digit from_top, its lower bin digit from_top - 1.
     if (from_top + 1 >= top)
         add_bin(to, from, from_top & 1u);
     if (from_top == top)
@@ -51,7 +51,7 @@ static void add_sums(uint32_t *to, uint32_t *to_digits, const uint32_t *from, ui
     *to_digits |= from_digits;
 }
 
-// Adds both halves of what begins as struct gpu_film_pixel does, but for its counts.
+// Adds both halves of a record that begins like struct gpu_film_pixel, except the sample counts.
 static void add_halves(uint32_t *to, const uint32_t *from)
 {
     for (uint32_t half = 0; half < 2; half++) {
@@ -69,7 +69,7 @@ static void add_layers(uint32_t aovs, uint32_t *to, const uint32_t *from)
     }
 }
 
-// The luminance by which kernels compare contributions (lib/radiance.glsl).
+// Returns the luminance by which kernels compare contributions (lib/radiance.glsl).
 static float brightness(const uint32_t words[3])
 {
     float rgb[3];
@@ -77,7 +77,7 @@ static float brightness(const uint32_t words[3])
     return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
 }
 
-// Keeps the brighter contribution; of two that are as bright that of the lower sample.
+// Keeps the brighter contribution; if both are equally bright, that of the lower sample.
 static void keep_brightest(uint32_t *to, const uint32_t *from)
 {
     float own = brightness(to), other = brightness(from);
@@ -85,7 +85,7 @@ static void keep_brightest(uint32_t *to, const uint32_t *from)
         memcpy(to, from, 2 * 4 * sizeof *to);
 }
 
-// `precedes`: the part's samples come first, so that ids are its.
+// `precedes`: the part's samples come first, so that its ids are kept.
 static void add_pixel(uint32_t aovs, uint32_t *to, const uint32_t *from, bool precedes)
 {
     const uint32_t ids = 4 * (AOV_FILM_WORDS(aovs) - 1), classes = 4 * AOV_FILM_CLASSES_AT(aovs);

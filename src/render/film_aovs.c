@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
-// Where the pictures of floats are.
+// Finds the pictures of floats in struct film_aovs.
 static const struct plane {
     uint32_t aov, components;
     size_t member;
@@ -114,7 +114,7 @@ static void read_ids(const uint32_t words[2], const struct flat_scene *flat, uin
     ids[2] = triangle + 1;
 }
 
-// `words`: where the classes of the pixel begin in its record.
+// `words`: the beginning of the pixel's classes in its record.
 static void read_classes(const struct film_aovs *aovs, uint64_t at, const uint32_t *words)
 {
     const uint32_t count = aovs->class_count;
@@ -144,7 +144,7 @@ void film_aovs_read(const struct film_aovs *aovs, uint64_t at, const uint32_t *w
         memcpy(to, &words[float_at(device, plane)], plane->components * sizeof *to);
         for (uint32_t c = 0; c < plane->components && (plane->aov & AOVS_OF_PLACES); c++)
             to[c] = share > 0.0f ? to[c] / share : plane->aov == AOV_DEPTH ? INFINITY : 0.0f;
-        // Metres from the origin of the device's coordinates.
+        // The position is in metres from the origin of the device's coordinates.
         for (uint32_t c = 0; c < 3 && plane->aov == AOV_POSITION && share > 0.0f; c++)
             to[c] = (float)((double)to[c] + flat->origin[c]);
     }

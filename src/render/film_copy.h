@@ -1,5 +1,5 @@
-// The film's records in the host's memory, and what of the renderer belongs to them: from these the
-// same renderer goes on, bit for bit, once its device was opened again.
+// A copy of the film's records and of the renderer's state about them in the host's memory: the
+// same renderer continues from it bit for bit after its device was opened again.
 #ifndef LAMPYRIS_RENDER_FILM_COPY_H
 #define LAMPYRIS_RENDER_FILM_COPY_H
 
@@ -7,27 +7,27 @@
 
 struct film_copy {
     char *records;  // of all film buffers, one after the other; NULL: the film is empty
-    uint32_t *done; // of each tile; NULL without tiles
+    uint32_t *done; // samples of each tile so far; NULL without tiles
     uint32_t seed;
     uint64_t next_sample, round_target, emptied_at;
     struct pass pass;
     struct render_stats stats;
 };
 
-// Bytes that the records take.
+// Returns the bytes that the records take.
 uint64_t film_copy_bytes(const struct renderer *renderer);
-// Between waves. The arrays live in the arena. is_empty: the film has no sample, and no records are
-// copied.
+// Takes a copy, between waves. The arrays live in the arena. is_empty: the film has no sample, and
+// no records are copied.
 bool film_copy_take(struct renderer *renderer, bool is_empty, struct arena *arena,
                     struct film_copy *out, struct err *err);
-// Into the film of a renderer that was reopened. The seconds in its statistics go on.
+// Puts the copy into the film of a renderer that was reopened. The seconds in its statistics go on.
 bool film_copy_put(const struct film_copy *copy, struct renderer *renderer, struct err *err);
-// Adds the film `part` to `to`, both of them copies of films of this renderer or of one of the same
-// scene, settings and device: in any order and grouping the bits are those of one film with all
-// samples. Both have records, and no sample is in both. The sample numbers of `to` then span both;
-// its statistics stay. Refuses films whose samples have an order (--accumulation sum or running,
-// --halves contiguous), films by tiles, other seeds, and films that begin with an odd sample, which
-// would be the other half's.
+// Adds the film `part` to `to`. Both must be copies of films of this renderer, or of another with
+// the same scene, settings and device; both must have records, and no sample may be in both. In any
+// order and grouping the result has the bits of one film with all the samples. The sample numbers
+// of `to` then span both films; its statistics are unchanged. Fails for films whose samples have an
+// order (--accumulation sum or running, --halves contiguous), for films by tiles, for different
+// seeds, and for films that begin with an odd sample, since that belongs to the other half-buffer.
 bool film_copy_add(const struct renderer *renderer, const struct film_copy *part,
                    struct film_copy *to, struct err *err);
 

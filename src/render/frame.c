@@ -8,21 +8,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-// `start`: as of far_camera_start().
+// `start`: the result of far_camera_start().
 static void set_lens(struct gpu_frame *frame, const struct camera *camera, double scale,
                      double start)
 {
     bool has_lens = camera->lens_radius > 0.0;
     double focus_distance = camera->focus_distance * scale;
     frame->lens_radius = (float)(camera->lens_radius * scale);
-    // Compiled in without a lens, the kernel divides by it all the same.
+    // A kernel that has lens code divides by the focus distance even if the camera has no lens.
     frame->focus_distance = has_lens ? (float)focus_distance : 1.0f;
     frame->lens_at_start = has_lens ? (float)(1.0 - start / focus_distance) : 1.0f;
     frame->lens_rotation = (float)camera->lens_rotation;
     frame->lens_blades = camera->lens_blades;
 }
 
-// From double precision: a narrow field of view leaves few digits to a float.
+// Computed in double precision: with a narrow field of view few digits would be left in single
+// precision.
 static void set_camera(struct gpu_frame *frame, const struct camera *camera,
                        const struct flat_scene *flat)
 {
@@ -38,7 +39,7 @@ static void set_camera(struct gpu_frame *frame, const struct camera *camera,
     }
 }
 
-// Rays begin within the scene's bounds but for those from planes without end.
+// Rays begin within the scene's bounds, except those from infinite planes.
 static void set_cells(struct gpu_frame *frame, const struct flat_scene *flat)
 {
     for (int c = 0; c < 3; c++) {
@@ -60,14 +61,14 @@ static void set_environment(struct gpu_frame *frame, const struct environment *e
     frame->environment_sin = (float)sin(environment->rotation);
 }
 
-// `asked`: metres. How far rays have to go so that nothing is beyond: from within the bounds, their
-// diagonal and as much again for what rounding adds.
+// Returns the length of rays that leaves nothing beyond them: for rays from within the bounds, the
+// diagonal of the bounds and as much again for rounding. `asked`: metres.
 static float ao_distance(const struct flat_scene *flat, float asked)
 {
     return (float)fmin((double)asked * flat->scale, 4.0 * bounding_radius(flat));
 }
 
-// Ambient occlusion is what surfaces see of a white surrounding.
+// Ambient occlusion is the radiance that surfaces receive from a white environment.
 static void set_ambient_occlusion(struct renderer *r)
 {
     r->frame.max_bounces = 1;
@@ -76,7 +77,7 @@ static void set_ambient_occlusion(struct renderer *r)
         r->frame.environment[c] = 1.0f;
 }
 
-// Roulette that draws no depth beyond its own limit is nothing else than that limit.
+// Russian roulette that cannot continue beyond its own limit is the same as that limit.
 static uint32_t max_bounces(const struct settings *settings)
 {
     uint32_t most = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;
@@ -84,7 +85,7 @@ static uint32_t max_bounces(const struct settings *settings)
     return capped ? settings->roulette_max_bounces : most;
 }
 
-// The mean over all directions of what is around the scene.
+// Sets the mean radiance of the environment over all directions.
 static void set_ambient(struct gpu_frame *frame, const struct environment *environment)
 {
     double sum[3] = {0.0, 0.0, 0.0};

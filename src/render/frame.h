@@ -6,11 +6,12 @@
 
 // Fills renderer->frame from the scene, its settings and renderer->camera; the plan must be made.
 void frame_fill(struct renderer *renderer);
-// The part of it that the camera and the size of the picture decide. What is in view is forgotten.
+// Fills the members of the frame that depend on the camera and on the size of the picture, and
+// forgets which emitters are in view.
 void frame_look(struct renderer *renderer, uint32_t width, uint32_t height);
 void in_view_finish(struct in_view *in_view);
-bool frame_create(struct renderer *renderer, struct err *err); // the buffer
-// To be called after renderer->frame was changed, while nothing runs.
+bool frame_create(struct renderer *renderer, struct err *err); // creates its buffer
+// Uploads renderer->frame after a change, while nothing runs.
 bool frame_upload(struct renderer *renderer, struct err *err);
 
 #endif

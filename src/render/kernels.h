@@ -6,9 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// File name = name here = name in every report and profile; but the kernels that shade one class of
-// surfaces are shade_surface.comp with that class's lobes (FEATURE_CLASSES), in the order of
-// CLASS_*.
+// A kernel has the same name in its file, in this list, and in every report and profile. The
+// kernels that shade one class of surfaces are an exception: they are shade_surface.comp compiled
+// with the lobes of that class (FEATURE_CLASSES), in the order of CLASS_*.
 #define KERNEL_LIST(X)                                                                             \
     X(generate_rays)                                                                               \
     X(intersect_closest)                                                                           \
@@ -41,15 +41,15 @@ struct kernel_code {
     size_t bytes;
 };
 
-// The embedded SPIR-V, with or without subgroup ballot.
+// Returns the embedded SPIR-V, with or without subgroup ballot.
 struct kernel_code kernel_code(enum kernel_id id, bool ballot);
 
-// Tells builds with other embedded kernels apart.
+// Returns a hash of the embedded kernels, which differs between builds whose kernels differ.
 uint64_t kernels_hash(void);
 
-// Other code for the same kernels, of one variant: as it was compiled while the program runs.
+// Replacement code for the kernels, in one variant: compiled while the program runs.
 struct kernel_set {
-    struct kernel_code codes[KERNEL_COUNT]; // spirv NULL: the embedded one
+    struct kernel_code codes[KERNEL_COUNT]; // spirv NULL: the embedded code is used
 };
 
 #endif

@@ -17,9 +17,10 @@
 #define CPU_WAVE 65536u
 #define GPU_WAVE (1u << 20)
 // On wide devices the last bounces of a wave, which few paths reach, run beside the first ones of
-// the next. Where memory makes waves smaller than this, larger ones are worth more than two.
+// the next wave. If memory limits waves to fewer paths than this, one larger wave is faster than
+// two.
 #define LEAST_OF_TWO_WAVES (1u << 17)
-// The items of a dispatch: 64k rays take lavapipe some 20 ms, 1M take a GPU a few.
+// The items of a dispatch: 64k rays take lavapipe about 20 ms, and 1M rays take a GPU a few.
 #define CPU_PART 65536u
 #define GPU_PART (1u << 20)
 #define RESOLVE_PIXELS (1u << 20)
@@ -52,7 +53,8 @@ static uint32_t queue_rows(const struct specialization *s)
     return (uint32_t)__builtin_popcount(s->queues);
 }
 
-// Bytes that one slot of the wave takes in a buffer; 0 for buffers that do not grow with the wave.
+// Returns the bytes that one slot of the wave takes in a buffer; 0 for buffers that do not grow
+// with the wave.
 static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
 {
     switch (binding) {
@@ -64,10 +66,11 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     case BINDING_RADIANCE:
         return 16 * AOV_SLOT_WORDS(s->aovs);
     case BINDING_QUEUES:
-        // With tiles, two lists besides: of pixels and of the samples that they begin with.
+        // Tiles need two more lists: the pixels, and the number of each pixel's first sample.
         return (uint64_t)(queue_rows(s) + (s->features & FEATURE_TILES ? 2u : 0u)) * 4;
     case BINDING_SUSPENDED:
-        // Beside the stack its sentinel, and a place that a branch-free push may overwrite.
+        // Besides its entries the stack has a sentinel, and a place that a branch-free push may
+        // overwrite.
         return ((uint64_t)s->stack_entries + 2 + SUSPENDED_WORDS_OF(s->geometry)) * 4;
     default:
         return 0;
@@ -84,7 +87,7 @@ const char *memory_plan_in_flight(const struct memory_plan *plan)
     return plan->waves > 1 ? ", two in flight" : "";
 }
 
-// Bytes of a buffer that do not depend on the wave: all of the scene's.
+// Returns the bytes of a buffer that does not depend on the wave: all of the scene's buffers.
 static uint64_t fixed_bytes(const struct memory_plan_params *p, uint32_t binding)
 {
     switch (binding) {
@@ -146,8 +149,8 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-// The greatest wave whose buffers keep within the limits, as a multiple of the workgroup, if it can
-// be, and of a sample's slots.
+// Returns the greatest number of slots whose buffers keep within the limits: a multiple of a
+// sample's slots and, if possible, of the workgroup.
 static uint32_t fit_wave(const struct memory_plan_params *p)
 {
     const struct specialization *s = p->specialization;
@@ -167,7 +170,7 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     // Both are powers of two.
     uint64_t sample = UINT64_C(1) << s->split_lobes;
     uint64_t unit = sample > s->workgroup ? sample : s->workgroup;
-    // Where limits leave no room for a workgroup, some of its threads have nothing to do.
+    // If the limits leave no room for a workgroup, some of its threads are idle.
     if (slots < unit)
         unit = sample;
     slots = slots / unit * unit;
@@ -180,8 +183,8 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     return (uint32_t)slots;
 }
 
-// The longest power of two that a storage buffer's range holds; 0 where ranges cannot begin at its
-// multiples.
+// Returns the longest power of two that fits into a storage buffer's range; 0 if ranges cannot
+// begin at its multiples.
 static uint64_t part_bytes(const struct gpu *gpu)
 {
     uint64_t range = gpu->max_storage_range;
@@ -189,7 +192,7 @@ static uint64_t part_bytes(const struct gpu *gpu)
     return bytes >= 16 && bytes % gpu->storage_alignment == 0 ? bytes : 0;
 }
 
-// Returns how many bindings one buffer may have for its parts when `parts` are taken.
+// Returns how many bindings one buffer may use for its parts when `parts` bindings are taken.
 static uint32_t parts_left(const struct gpu *gpu, uint32_t parts)
 {
     uint32_t left =
@@ -204,8 +207,8 @@ static bool is_texels(const struct memory_plan_params *p, uint32_t b)
     return b <= BINDING_TEXELS && (p->specialization->features & FEATURE_TEXEL_SCENE);
 }
 
-// Scene buffers that are read as texels may be longer than a storage buffer's range; others of the
-// scene are put together from parts.
+// Scene buffers that are read as texels may be longer than a storage buffer's range; the others are
+// composed of parts.
 static uint64_t limit_of(const struct memory_plan_params *p, const struct memory_plan *plan,
                          uint32_t b)
 {
@@ -220,7 +223,7 @@ static uint64_t limit_of(const struct memory_plan_params *p, const struct memory
     return least(limit, gpu->max_allocation);
 }
 
-// Takes bindings for what of a scene's buffer is beyond the first one's range.
+// Assigns bindings to the parts of a scene buffer beyond its first range.
 static void take_parts(const struct memory_plan_params *p, struct memory_plan *plan, uint32_t b)
 {
     uint64_t bytes = plan->buffers[b].bytes;
@@ -231,8 +234,9 @@ static void take_parts(const struct memory_plan_params *p, struct memory_plan *p
     plan->buffers[b].parts += further;
 }
 
-// Shadow rays of a vertex: one thread loops over their lamps. Some drivers silently end loops of
-// one invocation after 65,535 rounds (see specialize.c), and each lamp has loops of its own.
+// The most shadow rays of a vertex: one thread loops over their lamps. Some drivers silently end
+// loops of one invocation after 65,535 iterations (see specialize.c), and each lamp has loops of
+// its own.
 #define LIGHT_RAYS_MAX 512u
 
 static bool check_light_rays(const struct specialization *s, struct err *err)
@@ -246,7 +250,7 @@ static bool check_light_rays(const struct specialization *s, struct err *err)
                               : ", or another --light-choice, such as tree");
 }
 
-// Rays that a slot of INTEGRATOR_WHITTED puts off: a record of the stack for each depth.
+// Rays that a slot of INTEGRATOR_WHITTED postpones: one record of the stack for each depth.
 #define PENDING_RAYS_MAX 64u
 
 static bool check_pending_rays(const struct specialization *s, struct err *err)
@@ -258,7 +262,7 @@ static bool check_pending_rays(const struct specialization *s, struct err *err)
                    s->pending_rays, PENDING_RAYS_MAX);
 }
 
-// Returns whether meshes that are used more than once stand in the world once for each use.
+// Returns whether meshes that are used more than once are copied into world space for each use.
 static bool could_share(const struct memory_plan_params *p)
 {
     return p->scene->instance_count > p->scene->mesh_count && p->flat->placed_count == 0;
@@ -305,10 +309,10 @@ static uint64_t picture_pixels(const struct memory_plan_params *p)
     return p->pixels ? p->pixels : (uint64_t)settings->width * settings->height;
 }
 
-// The host keeps so much of a picture to read it back, estimate its error and write it.
+// Bytes that the host needs for a pixel to read it back, estimate its error and write it.
 #define HOST_BYTES_A_PIXEL 64
 
-// Device memory that all buffers of the plan may take.
+// Returns the device memory that all buffers of the plan may take.
 static uint64_t device_room(const struct memory_plan_params *p)
 {
     uint64_t left = gpu_memory_free(p->gpu);
@@ -340,8 +344,8 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
     return true;
 }
 
-// The lists of tiles are of one wave, and the host looks after each dispatch where rays may be
-// suspended.
+// One wave with tiles, whose lists belong to a single wave, and where rays may be suspended, since
+// the host then waits for each dispatch.
 static uint32_t choose_waves(const struct memory_plan_params *p, uint32_t slots)
 {
     uint64_t forced = p->gpu->params.limits.waves;
@@ -444,8 +448,8 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     return true;
 }
 
-// Where memory is too little for all, one wave is in flight, and is halved until it suffices or
-// waves do not get smaller: the picture is the same.
+// If memory is too small for everything, one wave is in flight, and it is halved until it fits or
+// waves do not get smaller. The picture is the same.
 static bool make_fitting(const struct memory_plan_params *p, struct memory_plan *out,
                          struct err *err)
 {
@@ -460,7 +464,7 @@ static bool make_fitting(const struct memory_plan_params *p, struct memory_plan 
             smaller.waves = 1;
         else
             smaller.wave = slots / 2;
-        smaller.wave_is_wish = true; // said below
+        smaller.wave_is_wish = true; // the warning follows below
         if (!make(&smaller, out, err))
             return false;
         if (smaller.wave == slots / 2 && out->wave_slots >= slots)
@@ -491,7 +495,7 @@ static bool make_wanted(const struct memory_plan_params *p, struct memory_plan *
 bool memory_plan_make(const struct memory_plan_params *p, struct specialization *s,
                       struct memory_plan *out, struct err *err)
 {
-    // How large materials, emitters and what corners carry are is known only now.
+    // The sizes of materials, emitters and corner attributes are known only now.
     if (!fits_texels(p))
         s->features &= ~FEATURE_TEXEL_SCENE;
     if (!make_wanted(p, out, err))

@@ -3,11 +3,11 @@
 #include "shared/types.h"
 #include <math.h>
 
-// A first wave, the dispatches of which have 1,024 items: with a microsecond for each, which is
-// long, a hundredth of what is dangerous.
+// Samples of a first wave, the dispatches of which have 1,024 items: even at a long microsecond for
+// each item, that is a hundredth of the dangerous duration.
 #define FIRST_SAMPLES 65536u
 #define LEAST_SAMPLES 4096u
-// Waves and dispatches grow no faster: what was measured of few items is inexact.
+// Waves and dispatches grow no faster: measurements of few items are inexact.
 #define GROWTH 4u
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -32,7 +32,7 @@ uint32_t pace_samples(const struct pace *pace, const struct memory_plan *plan)
     return pace->is_on ? least(pace->samples, plan->wave_samples) : plan->wave_samples;
 }
 
-// The time of an item of the slowest kernel; 0 where none is known.
+// Returns the time of an item of the slowest kernel; 0 if none is known.
 static double worst_ns(const struct pace *pace)
 {
     double worst = 0.0;
@@ -46,7 +46,7 @@ static uint32_t items_within(double ns, double item_ns, uint32_t most)
     return item_ns > 0.0 && ns / item_ns < most ? (uint32_t)(ns / item_ns) : most;
 }
 
-// As few items as the number of prepared dispatches allows, where nothing is known.
+// While no time is known, a dispatch has as few items as the number of prepared dispatches allows.
 void pace_choose_part(struct pace *pace, const struct memory_plan *plan, uint32_t workgroup,
                       uint32_t slots)
 {
@@ -67,7 +67,7 @@ bool pace_takes(struct pace *pace, uint32_t kernel, uint32_t items)
     bool is_known = pace->ns[kernel] > 0.0 || items == 0;
     if (!is_first && (!is_known || pace->recorded_ns + ns > PACE_SUBMISSION_NS))
         return false;
-    pace->recorded_ns += is_known ? ns : INFINITY; // nothing follows in this submission
+    pace->recorded_ns += is_known ? ns : INFINITY; // nothing more goes into this submission
     return true;
 }
 
@@ -85,7 +85,7 @@ void pace_learn(struct pace *pace, uint32_t kernel, uint32_t items, double ns)
 {
     if (!pace->is_on || items == 0)
         return;
-    double item_ns = fmax(ns / items, 1e-6); // clocks stand still at times
+    double item_ns = fmax(ns / items, 1e-6); // clocks may stand still
     pace->ns[kernel] = fmax(pace->ns[kernel], item_ns);
     pace->wave_ns[kernel] = fmax(pace->wave_ns[kernel], item_ns);
 }
@@ -104,7 +104,8 @@ void pace_end_wave(struct pace *pace, const struct memory_plan *plan)
     if (!pace->is_on)
         return;
     pace_end_round(pace);
-    // As many as dispatches of the longest time make up, with as many slots a sample as there are.
+    // The wave has as many samples as fill dispatches of the longest time, with their slots
+    // counted.
     double worst = worst_ns(pace) * (plan->wave_slots / plan->wave_samples);
     uint32_t most = least(GROWTH * least(pace->samples, UINT32_MAX / GROWTH), plan->wave_samples);
     uint32_t fits = items_within(DISPATCH_PARTS * PACE_DISPATCH_NS, worst, most);

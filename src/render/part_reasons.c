@@ -1,4 +1,5 @@
-// Why parts of a renderer are left out. The decisions are specialize()'s; here are the words.
+// Gives the reasons why parts of a renderer are left out. specialize() decides; this file has the
+// words.
 #include "render/parts.h"
 
 struct reason {
@@ -16,7 +17,7 @@ static const char *find(const struct reason *reasons, uint32_t count, uint32_t b
 
 #define FIND(reasons, bit) find(reasons, sizeof(reasons) / sizeof *(reasons), bit)
 
-// Returns why an integrator other than path and direct makes no use of a part, or NULL.
+// Returns why an integrator other than path and direct does not use a part, or NULL.
 static const char *integrator_reason(const struct renderer *r)
 {
     switch (r->specialization.integrator) {

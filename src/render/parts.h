@@ -1,5 +1,5 @@
-// The parts that a renderer may be made of (features of its kernels, kernels, buffers): which are
-// there, why the others are left out, and what that saves.
+// The parts that a renderer may have (features of its kernels, kernels, buffers): which are in use,
+// why the others are left out, and how much that saves.
 #ifndef LAMPYRIS_RENDER_PARTS_H
 #define LAMPYRIS_RENDER_PARTS_H
 
@@ -17,24 +17,24 @@ enum part_kind {
 
 struct part {
     enum part_kind kind;
-    uint32_t id; // a bit of its specialization constant; of a kernel or buffer: its number
+    uint32_t id; // a bit of its specialization constant; for a kernel or a buffer its number
     const char *name;
     bool is_kept;
-    uint64_t bytes; // of a buffer: what it takes, or would take
+    uint64_t bytes; // of a buffer: the size that it has, or would have
 };
 
 typedef void (*part_fn)(void *context, const struct part *part);
 // Calls fn for every part, kinds one after the other.
 void parts_visit(const struct renderer *r, part_fn fn, void *context);
 
-// "feature", "lobe", "emitter", "kernel" or "buffer".
+// Returns "feature", "lobe", "emitter", "kernel" or "buffer".
 const char *part_kind_name(enum part_kind kind);
 
-// Why a part is left out, in a few words.
+// Returns the reason why a part is left out, in a few words.
 const char *part_reason(const struct renderer *r, const struct part *part);
 
-// What a part that is left out would add if it alone were there besides: bytes of buffers, and
-// SPIR-V instructions of all kernels. Parts that need each other add more together.
+// The cost of a part that is left out if it alone were added: bytes of buffers, and SPIR-V
+// instructions of all kernels. Parts that need each other cost more together.
 struct part_cost {
     int64_t bytes, instructions;
 };

@@ -1,5 +1,5 @@
-// Where the camera sees points of the scene: the way back from a point to the picture. The way out,
-// from the picture into the scene, is lib/camera.glsl's; for probes it is here, too.
+// Projects points of the scene into the picture. Generating rays from the picture is the work of
+// lib/camera.glsl; projection_ray() does it on the host, for probes.
 #ifndef LAMPYRIS_RENDER_PROJECTION_H
 #define LAMPYRIS_RENDER_PROJECTION_H
 
@@ -9,19 +9,19 @@
 struct projection {
     uint32_t kind, width, height; // CAMERA_*; pixels
     double position[3], forward[3];
-    double right[3], up[3]; // to the picture's edges, as in struct gpu_frame
-    double start;           // of far_camera_start()
+    double right[3], up[3]; // vectors to the picture's edges, as in struct gpu_frame
+    double start;           // result of far_camera_start()
     double lens_radius, focus_distance;
 };
 
-// A point as the camera sees it.
+// A projected point.
 struct projected {
     double x, y;         // pixels from the upper left corner of the picture, also outside of it
-    double depth;        // along the line of sight; panoramas: the distance
-    double origin[3];    // of the ray to it
+    double depth;        // along the line of sight; for panoramas the distance
+    double origin[3];    // origin of the ray to it
     double direction[3]; // of that ray; a unit vector
-    double distance;     // from that origin
-    double pixel_area;   // of a pixel there, across the ray
+    double distance;     // distance from that origin
+    double pixel_area;   // area of a pixel at that distance, across the ray
     double pixel_size;   // its shorter side
     double blur;         // radius of the circle of confusion, pixels
 };
@@ -29,8 +29,8 @@ struct projected {
 void projection_make(const struct camera *camera, const struct flat_scene *flat, uint32_t width,
                      uint32_t height, struct projection *out);
 
-// The ray through a point of the picture, pixels from its upper left corner, and through the middle
-// of the lens. `direction` is a unit vector.
+// Finds the ray through a point of the picture, in pixels from its upper left corner, and through
+// the middle of the lens. `direction` is a unit vector.
 void projection_ray(const struct projection *p, double x, double y, double origin[3],
                     double direction[3]);
 

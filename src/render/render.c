@@ -20,7 +20,7 @@
 
 // --- creation ------------------------------------------------------------------------------------
 
-// waves: in flight at most; 0: as many as suit the device.
+// Plans memory. waves: the most in flight; 0: as many as suit the device.
 static bool plan_waves(struct renderer *r, uint32_t wave, uint32_t waves, bool wave_is_wish,
                        struct err *err)
 {
@@ -48,8 +48,9 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
     return plan_waves(r, wave, 0, wave_is_wish, err);
 }
 
-// Where the size of waves is chosen by measured speed, there is room for the largest, if memory
-// suffices. Smaller images fill no such wave, and tiles fill the same waves whatever their size.
+// If the size of waves is tuned by measured speed, there is room for the largest size, as far as
+// memory suffices. Smaller images cannot fill such a wave, and tiles fill the same waves whatever
+// their size.
 static bool plan_first_memory(struct renderer *r, uint32_t wave, struct err *err)
 {
     bool is_large = r->pixels >= WAVE_SIZE_MOST && !(r->specialization.features & FEATURE_TILES);
@@ -68,8 +69,8 @@ static bool create_buffer(struct renderer *r, uint32_t binding, enum gpu_memory 
                                             &r->buffers[binding], err);
 }
 
-// The ranges of a scene buffer that is longer than one: the first in its own binding, the others in
-// the next ones of those for parts.
+// Binds a scene buffer that is longer than a storage range: its first range at its own binding, the
+// others at the next bindings for parts.
 static void bind_parts(const struct renderer *r, uint32_t binding, struct gpu_binding *storage,
                        uint32_t *next)
 {
@@ -91,7 +92,8 @@ static bool create_bindings(struct renderer *r, struct err *err)
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
         if (!r->buffers[b].handle)
             continue;
-        // A buffer longer than a storage range is read as texels: its binding is not used then.
+        // A buffer longer than a storage range is read as texels: its storage binding is not used
+        // then.
         bool is_long = r->buffers[b].bytes > r->gpu->max_storage_range;
         storage[b] = (struct gpu_binding){
             .buffer = &r->buffers[b],
@@ -112,7 +114,7 @@ static bool create_bindings(struct renderer *r, struct err *err)
     return true;
 }
 
-// The buffers that grow with the wave, and the sets that bind them.
+// Creates the buffers that grow with the wave, and the descriptor sets that bind them.
 static bool create_state_of_one(struct renderer *r, struct err *err)
 {
     bool texel = r->specialization.features & FEATURE_TEXEL_STATE;
@@ -150,8 +152,8 @@ static bool create_wave_state(struct renderer *r, struct err *err)
     return frame_upload(r, err) && create_state_of_one(r, err) && create_other_wave(r, err);
 }
 
-// Plans waves for less memory than what has run out: one in flight, and then smaller ones. False
-// where there are none.
+// Plans waves that need less memory than is available: one in flight, and then smaller ones.
+// Returns false if there are no smaller ones.
 static bool plan_less(struct renderer *r, struct err *err)
 {
     uint32_t slots = r->plan.wave_slots;
@@ -160,7 +162,7 @@ static bool plan_less(struct renderer *r, struct err *err)
     return plan_waves(r, slots / 2, 1, true, err) && r->plan.wave_slots < slots;
 }
 
-// The same with less where the device's memory runs out.
+// Creates the wave's objects, with smaller waves if the device's memory runs out.
 static bool create_fitting_wave_state(struct renderer *r, struct err *err)
 {
     struct err failure = {0};
@@ -226,8 +228,8 @@ static bool check_split(const struct settings *settings, struct err *err)
                    settings->split_lobes, directions_names[settings->directions]);
 }
 
-// Takes the geometry that rays are traced through from whoever shares it, which takes no time of
-// this renderer's, or makes it here.
+// Takes the geometry that rays are traced through from the caller if it is shared, which costs this
+// renderer no time, or else prepares it here.
 static bool get_geometry(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
     const struct geometry_params own = {
@@ -350,7 +352,7 @@ fail:
     return false;
 }
 
-// All that is the device's.
+// Finishes all objects of the device.
 static void finish_device_objects(struct renderer *r)
 {
     gpu_commands_finish(r->gpu, &r->commands);
@@ -385,7 +387,7 @@ bool renderer_reopen(struct renderer *r, uint32_t wave, struct err *err)
 
 // --- rendering -----------------------------------------------------------------------------------
 
-// From now on rays that run out of their budget are suspended, not given up.
+// From now on rays that run out of their budget are suspended instead of voiding the wave.
 static bool enable_suspension(struct renderer *r, struct err *err)
 {
     log_warn("some rays need more than %u steps through the BVH: going on with suspended "
@@ -416,8 +418,8 @@ static bool has_tiles(const struct renderer *r)
     return r->specialization.features & FEATURE_TILES;
 }
 
-// Samples that a wave of the pass has room for. A pass of more than the usual ones of a pixel is
-// one wave.
+// Returns how many samples a wave of the pass has room for. A pass of more samples a pixel than
+// usual is one wave.
 static uint32_t pass_samples(const struct renderer *r)
 {
     if (r->pass.shift > USUAL_SAMPLE_SHIFT)
@@ -425,7 +427,7 @@ static uint32_t pass_samples(const struct renderer *r)
     return r->pace.is_on ? pace_samples(&r->pace, &r->plan) : wave_size_samples(&r->wave_size);
 }
 
-// The pixels of the pass from `pixel` on, in a wave that does not cross the film's buffers.
+// Fills a wave with the pixels of the pass from `pixel` on, without crossing the film's buffers.
 static bool fill_wave(struct renderer *r, uint64_t pixel, struct wave *wave, struct err *err)
 {
     *wave = (struct wave){.sample_shift = r->pass.shift, .first_sample = r->next_sample};
@@ -465,7 +467,7 @@ static void end_pass(struct renderer *r)
     r->pass = (struct pass){0};
 }
 
-// Takes account of a wave that began at `start`, when the device had traced so many rays.
+// Accounts for a wave that began at `start`, when the device had traced so many rays.
 static void learn_from_wave(struct renderer *r, const struct wave *wave, uint64_t start,
                             double rays)
 {
@@ -475,7 +477,7 @@ static void learn_from_wave(struct renderer *r, const struct wave *wave, uint64_
                     render_stats_rays(&r->stats) - rays, (double)ns);
 }
 
-// Renders the next wave of the pass, and begins the one after it where two may be in flight. They
+// Renders the next wave of the pass, and begins the wave after it if two may be in flight. They
 // have no pixel in common, so that each pixel's samples are added in order.
 static bool render_next(struct renderer *r, const struct render_call *call, struct wave *wave,
                         bool *voided, struct err *err)
@@ -533,8 +535,8 @@ static uint64_t picture_pixels(const struct renderer *r)
     return (uint64_t)r->frame.width * r->frame.height;
 }
 
-// The greatest power of two of samples with which all pixels fit into one wave; 0 for one, and
-// where not even that fits.
+// Returns the greatest power of two of samples with which all pixels fit into one wave; 0 also if
+// not even one sample fits.
 static uint32_t fitting_shift(const struct renderer *r)
 {
     uint64_t samples = pace_samples(&r->pace, &r->plan) / picture_pixels(r);
@@ -543,8 +545,8 @@ static uint32_t fitting_shift(const struct renderer *r)
     return shift < most ? shift : most;
 }
 
-// A pass of more than the usual samples is one wave: it is never left half done, so that whoever
-// goes on from a checkpoint may have waves of any size.
+// A pass of more samples than usual is one wave and never left half done, so that a run that
+// continues from a checkpoint may have waves of any size.
 static uint32_t largest_shift(const struct renderer *r)
 {
     uint32_t fitting = fitting_shift(r);
@@ -575,8 +577,8 @@ bool renderer_has_all_pixels(const struct renderer *r)
     return has_tiles(r) ? tiles_all_begun(r) : r->next_sample > r->emptied_at;
 }
 
-// Begins a pass towards sample or round `end`, unless one is under way; false when there is nothing
-// left to do.
+// Begins a pass towards sample or round `end`, unless one is under way; false if nothing is left to
+// do.
 static bool begin_pass(struct renderer *r, uint64_t end)
 {
     if (r->pass.length > 0)
@@ -612,7 +614,7 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         .total = has_tiles(r) ? (double)tile_samples(r, c.samples) : pixels * (double)c.samples,
     };
     uint64_t end = r->next_sample + c.samples;
-    if (!wave_forget_ahead(r, err)) // of a call that failed
+    if (!wave_forget_ahead(r, err)) // left over from a call that failed
         return false;
     sampling_plan_check(r, c.samples);
     while (!*c.stopped && begin_pass(r, end)) {

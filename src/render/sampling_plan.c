@@ -22,7 +22,7 @@ enum sample_planning sample_planning(const struct settings *settings, const char
     return PLANNING_OPTIONAL;
 }
 
-// Different states of a linear congruential generator of 32 bits.
+// The number of states of a linear congruential generator of 32 bits.
 #define LCG_STATES (UINT64_C(1) << 32)
 
 void sampling_plan(struct renderer *r, bool open_ended)

@@ -13,18 +13,18 @@ static const char *const function_names[SDF_OPERATIONS + 1] = {
     "sdf_metaballs(", "sdf_mandelbulb(",   "sdf_menger(",     "sdf_apollonian(", "sdf_pyramid(",
     "sdf_union(",     "sdf_intersection(", "sdf_difference(", "sdf_round(",      "sdf_shell(",
     "sdf_factor(",    "sdf_transform(",    "sdf_repeat(",     "sdf_twist(",      "sdf_mirror(",
-    "sdf_ball(", // in place of SDF_RESTORE, which has none
+    "sdf_ball(", // in place of SDF_RESTORE, which has no function
     "sdf_value(",
 };
 enum { FUNCTION_BALL = SDF_RESTORE, FUNCTION_VALUE = SDF_OPERATIONS };
 
 struct function {
-    uint32_t id, result, start, body, end; // words of the module: its instructions, without its
-                                           // parameters, and behind its end
+    uint32_t id, result, start, body, end; // offsets in words: its instructions, without its
+                                           // parameters, and its end
     uint32_t parameters[4], types[4], parameter_count;
 };
 
-// Words that grow. `failed`: without memory.
+// A growing array of words. `failed`: memory ran out.
 struct words {
     uint32_t *at;
     size_t count, room;
@@ -34,10 +34,10 @@ struct words {
 struct rewrite {
     const uint32_t *code;
     size_t words;
-    uint32_t bound, bool_type, first_function; // the latter: where functions begin
+    uint32_t bound, bool_type, first_function; // first_function: offset of the first function
     struct function functions[SDF_OPERATIONS + 1];
     uint32_t float_type, uint_type, vec2_type, vec3_type, vec4_type;
-    uint32_t rounds; // the variable sdf_rounds
+    uint32_t rounds; // id of the variable sdf_rounds
     struct words constants, body;
 };
 
@@ -97,7 +97,7 @@ static bool read_module(struct rewrite *w)
     return true;
 }
 
-// Types are those of parameters: these are values, not pointers, as the functions declare them.
+// Takes the types of parameters: the functions are declared with values, not pointers.
 static bool find_types(struct rewrite *w)
 {
     const struct function *value = &w->functions[FUNCTION_VALUE];
@@ -134,7 +134,7 @@ static void put(struct words *words, const uint32_t *from, size_t count)
     words->count += count;
 }
 
-// An instruction of so many words behind its first.
+// Writes an instruction with so many operands.
 static void put_instruction(struct words *words, uint32_t op, const uint32_t *operands,
                             uint32_t count)
 {
@@ -187,8 +187,8 @@ static uint32_t metaballs(struct rewrite *w, const struct gpu_sdf_instruction *c
     return call(w, SDF_METABALLS, (uint32_t[]){sums, constant_vector(w, code->a, 3)}, 2);
 }
 
-// What the machine of shared/sdf.h holds while its program is written: ids of values. Factors of
-// points are known.
+// The state of the machine of shared/sdf.h while its program is written: ids of values. The factors
+// of points are known numbers.
 struct machine {
     uint32_t points[SDF_POINTS_MAX + 1], distances[SDF_DISTANCES_MAX];
     float factors[SDF_POINTS_MAX + 1];
@@ -257,7 +257,7 @@ static bool write_move(struct rewrite *w, const struct gpu_sdf_instruction *code
     return true;
 }
 
-// Up to the return of its value.
+// Writes one program, including the return of its value.
 static bool write_program(struct rewrite *w, const struct sdf *sdf)
 {
     struct machine m = {.points = {w->functions[FUNCTION_VALUE].parameters[2]}, .factors = {1}};
@@ -277,7 +277,7 @@ static bool write_program(struct rewrite *w, const struct sdf *sdf)
     return true;
 }
 
-// Where lanes are masked (lavapipe) every loop goes round once, whatever program is meant.
+// On drivers that mask lanes (lavapipe) each loop is counted once, whichever program is evaluated.
 static void count_loops(struct rewrite *w, const struct scene *scene)
 {
     const uint32_t with_loops = SDF_BIT(SDF_MANDELBULB) | SDF_BIT(SDF_MENGER) |
@@ -298,7 +298,8 @@ static void count_loops(struct rewrite *w, const struct scene *scene)
     put_instruction(&w->body, OP_STORE, (uint32_t[]){w->rounds, after}, 2);
 }
 
-// All programs but the last behind a comparison of their first instruction's number.
+// Writes all programs; all but the last are guarded by a comparison with the number of their first
+// instruction.
 static bool write_body(struct rewrite *w, const struct scene *scene)
 {
     uint32_t first = 0;
@@ -326,7 +327,7 @@ static bool write_body(struct rewrite *w, const struct scene *scene)
     return true;
 }
 
-// Without names, some of which are of what the old body held.
+// Copies the module without names, some of which refer to ids of the old body.
 static void put_without_names(struct words *out, const struct rewrite *w)
 {
     put(out, w->code, SPIRV_HEADER_WORDS);

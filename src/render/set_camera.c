@@ -1,12 +1,11 @@
-// Another camera and another size of the picture, while all else of a renderer stays.
+// Changes the camera and the size of the picture of a renderer that is otherwise unchanged.
 #include "flatten/large_spheres.h"
 #include "render/far_camera.h"
 #include "render/film.h"
 #include "render/frame.h"
 
-// Returns whether the kernels as they are compiled, and the film as large as it is, do for the
-// picture. A lens that is compiled in and not there changes nothing, nor does a camera that is not
-// far.
+// Returns whether the compiled kernels and the film's size suffice for the picture. Code for a lens
+// or for a far camera changes nothing for cameras that do not need it.
 static bool does_fit(const struct renderer *r, const struct camera *camera, uint32_t width,
                      uint32_t height)
 {
@@ -20,7 +19,7 @@ static bool does_fit(const struct renderer *r, const struct camera *camera, uint
            large_spheres == ((s->geometry & GEOMETRY_LARGE_SPHERES) != 0);
 }
 
-// Which media the camera's rays begin in stands in the header of the materials.
+// The header of the materials lists the media in which the camera's rays begin.
 static bool place_camera(struct renderer *r, struct err *err)
 {
     struct gpu_buffer *materials = &r->buffers[BINDING_MATERIALS];

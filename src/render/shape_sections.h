@@ -4,7 +4,7 @@
 
 #include "flatten/flatten.h"
 
-// In words of four; `words` is how long the buffer is.
+// Offsets are in words of four; `words` is the length of the buffer.
 struct shape_sections {
     uint32_t instances, sdfs, sdf_code, small_triangles;
     uint64_t words;

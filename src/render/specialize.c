@@ -11,12 +11,13 @@
 #include "shared/types.h"
 #include <string.h>
 
-// lavapipe's loops silently end after 65,535 rounds of all loops of one subgroup together. Rounds
-// are counted a lane; a subgroup of n lanes does at most n times as many as its busiest lane
-// counts, so each lane may have 1/n of them, with an eighth kept for the loops around the
+// lavapipe's loops silently end after 65,535 iterations of all loops of one subgroup together.
+// Iterations are counted by lane; a subgroup of n lanes does at most n times as many as its busiest
+// lane counts, so that each lane may have 1/n of them, with an eighth kept for the loops around the
 // traversal.
 #define CPU_SUBGROUP_ROUNDS 57344u
-// On GPUs nothing ends silently, but a watchdog may: about 100 ms of one ray's work.
+// On GPUs no loop ends silently, but a watchdog may end the work: the limit is about 100 ms of one
+// ray's work.
 #define GPU_LANE_ROUNDS 500000u
 
 static uint32_t lobe_if(const struct material *material, uint32_t parameter, uint32_t lobe)
@@ -97,7 +98,7 @@ static uint32_t material_lobes(const struct scene *scene, const struct material 
     }
 }
 
-// Lobes that connect to a point on an emitter: all but deltas.
+// Lobes that can be evaluated for a direction to an emitter: all but deltas.
 #define LOBES_CONNECTING                                                                           \
     (LOBE_LAMBERT | LOBE_PRINCIPLED | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET | LOBE_ROUGH)
 
@@ -114,7 +115,7 @@ static uint32_t geometry_features(const struct flat_scene *flat)
 
 _Static_assert(SHAPE_KIND_COUNT == 8 && 1u << SHAPE_SDF == GEOMETRY_SDFS, "bit n is kind n");
 
-// GEOMETRY_*: what else than triangles there is.
+// Returns GEOMETRY_*: the kinds of primitives besides triangles.
 static uint32_t geometry_of(const struct flat_scene *flat, const struct bvh *bvh)
 {
     uint32_t geometry = flat->placed_count ? GEOMETRY_INSTANCES : 0u;
@@ -136,7 +137,7 @@ static uint32_t field_operations(const struct sdf *sdf)
     return operations;
 }
 
-// SDF_*: operations of the programs of the distance fields that some shape is.
+// Returns SDF_*: the operations in the programs of the distance fields that are in use.
 static uint32_t sdf_operations(const struct scene *scene, const struct flat_scene *flat)
 {
     uint32_t operations = 0;
@@ -160,7 +161,7 @@ static uint32_t texture_features(const struct scene *scene, const struct materia
     return features;
 }
 
-// Features and lobes of the materials that some primitive has.
+// Returns the features and lobes of the materials in use.
 static uint32_t material_features(const struct scene *scene, const struct flat_scene *flat,
                                   uint32_t class_lobes[CLASS_COUNT])
 {
@@ -222,7 +223,7 @@ static bool wants_nee(const struct settings *settings)
     return settings->nee && settings->nee_depth > 0;
 }
 
-// The balance heuristic, and the usual exponent, have code of their own.
+// The balance heuristic, and the power heuristic with the usual exponent, have code of their own.
 static uint32_t find_weights(const struct settings *settings)
 {
     if (settings->mis != MIS_POWER || settings->mis_exponent == 2.0f)
@@ -248,8 +249,8 @@ static uint32_t light_features(const struct scene *scene, uint32_t emitters, uin
     return features;
 }
 
-// Returns features that change nothing but the time where they are compiled in: what they would add
-// is zero, or never met.
+// Returns features that, compiled in without need, change only the time: what they would add is
+// zero, or the code is never reached.
 static uint32_t neutral_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_EMISSION |
@@ -261,7 +262,7 @@ static uint32_t neutral_features(const struct settings *settings)
     return features;
 }
 
-// The first vertices at which paths split.
+// Returns the number of first vertices at which paths split.
 static uint32_t split_vertices(const struct settings *settings, uint32_t lobes)
 {
     uint32_t most = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;
@@ -277,8 +278,8 @@ static bool has_surfaces(const struct specialization *s)
     return (s->features & FEATURE_TRIANGLES) || s->geometry;
 }
 
-// Ambient occlusion asks of a surface where it is, and whether: no material, no emitter. White is
-// around it.
+// Ambient occlusion uses only the position of surfaces, no materials or emitters, under a white
+// environment.
 static void specialize_ao(struct specialization *s)
 {
     uint32_t kept = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_CLAMP;
@@ -291,21 +292,22 @@ static void specialize_ao(struct specialization *s)
     memset(s->class_lobes, 0, sizeof s->class_lobes);
 }
 
-// Lobes that materials may have in Whitted's terms, see lib/whitted.glsl.
+// Lobes that materials may have with Whitted's integrator, see lib/whitted.glsl.
 #define LOBES_WHITTED                                                                              \
     (LOBE_LAMBERT | LOBE_MIRROR | LOBE_PRINCIPLED | LOBE_METAL | LOBE_TRANSMISSION |               \
      LOBE_DIELECTRIC | LOBE_CONDUCTOR | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET |          \
      LOBE_ROUGH | LOBE_DELTA | LOBE_THIN)
 
-// No density of any direction, no roulette; all materials in one kernel. Where both reflection and
-// refraction are followed, one of them waits: misses are then taken up from, too.
+// Whitted's integrator uses no densities of directions and no roulette; one kernel shades all
+// materials. Where both reflection and refraction are followed, one of them is postponed; after a
+// miss, a postponed ray continues.
 static void specialize_whitted(struct specialization *s, const struct settings *settings)
 {
     s->features &= ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS |
                      FEATURE_NEE_DEPTH | FEATURE_MIN_DENSITY | FEATURE_SPLIT_LOBES);
     s->lobes &= LOBES_WHITTED;
     memset(s->class_lobes, 0, sizeof s->class_lobes);
-    // Suns have no extent here.
+    // Suns have no angular diameter with this integrator.
     s->emitters |= s->emitters & EMITTER_SUNS ? EMITTER_LIGHTS : 0u;
     s->emitters &= ~(EMITTER_ENVIRONMENT | EMITTER_SUNS);
     if (!s->emitters)
@@ -324,7 +326,7 @@ static bool texels_fit(const struct gpu *gpu, const struct bvh *bvh, const struc
                                           .filter = s->environment_filter,
                                           .is_sampled = s->emitters & EMITTER_ENVIRONMENT,
                                       });
-    uint64_t texel_bytes = 0; // at most: equal images are uploaded once
+    uint64_t texel_bytes = 0; // an upper bound: equal images are uploaded once
     for (uint32_t i = 0; i < scene->image_count; i++)
         texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
                        (scene->images[i].is_float ? 16u : 8u);
@@ -342,14 +344,14 @@ static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
     bool is_short = gpu->storage_count < SHADING_STORAGE;
     if ((gpu->info.is_cpu || is_short) && texels_fit(gpu, bvh, scene, s))
         features |= FEATURE_TEXEL_SCENE;
-    // The least that Vulkan guarantees still gives a wave of 16,384 paths; below, the wave matters
-    // more than the way it is read.
+    // The least that Vulkan guarantees still gives a wave of 16,384 paths; with less, the size of
+    // the wave matters more than the way in which memory is read.
     if (gpu->info.is_cpu && gpu->max_texel_elements >= 65536)
         features |= FEATURE_TEXEL_STATE;
     return features;
 }
 
-// All that shading may need, but for what changes the result of a material that lacks it.
+// All lobes that shading may need, except those that change the result of materials that lack them.
 #define LOBES_ALL (LOBE_END - 1u)
 
 static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLASS_COUNT])
@@ -363,14 +365,15 @@ static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLAS
     return queues;
 }
 
-// RADV's compiler makes registers of a private stack, and instructions that compare the index of an
-// entry with each: "Registers on GPUs" in docs/performance.md. So many entries shared by 64 threads
-// take 3 KiB, of which there is room for as many subgroups as their registers leave it for (RDNA2).
+// RADV's compiler keeps a private stack in registers and compares the index of an entry with each:
+// "Registers on GPUs" in docs/performance.md. This many entries shared by 64 threads take 3 KiB,
+// which leaves room for as many subgroups as their registers allow (RDNA2).
 #define STACK_SHARED_USUAL 12u
-// What reserving places of queues shares without ballots: lib/queue.glsl.
+// Shared memory for reserving places in queues without ballots: lib/queue.glsl.
 #define QUEUE_SHARED_BYTES 8u
 
-// Not on CPU drivers: on lavapipe it takes a tenth to a quarter more processor time.
+// Shared memory is not used on CPU drivers: lavapipe takes a tenth to a quarter more processor time
+// with it.
 static uint32_t stack_shared(const struct specialization *s, const struct gpu *gpu)
 {
     if (gpu->info.is_cpu && !gpu->params.limits.shared_stack)
@@ -402,12 +405,12 @@ void specialization_count_steps(struct specialization *s, bool on)
     s->features = on ? s->features | FEATURE_STEPS : s->features & ~FEATURE_STEPS;
 }
 
-// Where rays graze these they take thousands of steps: one in a thousand runs out of its budget on
-// lavapipe, and every wave would be traced twice.
+// Rays that graze fractals take thousands of steps: on lavapipe one in a thousand runs out of its
+// budget, and every wave would be traced twice.
 #define SDF_FRACTALS                                                                               \
     (SDF_BIT(SDF_MANDELBULB) | SDF_BIT(SDF_MENGER) | SDF_BIT(SDF_APOLLONIAN) | SDF_BIT(SDF_PYRAMID))
 
-// A sort should take a tenth of the time that a GPU takes to trace, but takes a good part of it on
+// Sorting should take a tenth of the tracing time on a GPU, but takes a good part of it on
 // processors: "Rays sorted by octant and cell" in docs/performance.md.
 static bool sorts_rays(const struct specialization *s, const struct gpu *gpu,
                        const struct settings *settings)
@@ -479,7 +482,7 @@ struct specialization specialize(const struct specialize_params *p)
     s.features |= s.split_lobes > 0 ? FEATURE_SPLIT_LOBES : 0u;
     if (p->compile_all) {
         s.features |= neutral_features(settings);
-        // Distance fields have operations, and other spheres other digits.
+        // Distance fields need their operations, and large spheres need twice the digits.
         s.geometry |= GEOMETRY_SHAPES & ~GEOMETRY_SDFS;
         s.emitters |= EMITTERS_ALL;
         s.lobes = LOBES_ALL;
@@ -545,7 +548,7 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
         return (s->features & FEATURE_CLASSES) && s->class_lobes[id - KERNEL_shade_diffuse];
     case KERNEL_intersect_closest:
         // Without surfaces every ray is a miss, found by the same kernel in an empty tree; without
-        // an environment either, nothing can be seen.
+        // an environment either, nothing is visible.
         return has_surfaces(s) || (s->features & FEATURE_ENVIRONMENT);
     case KERNEL_intersect_shadow:
         return s->features & FEATURE_NEE;
@@ -588,7 +591,8 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     }
 }
 
-// Names stand at their bits' numbers; NULL for what is no such bit, or has no name.
+// Names are indexed by the bit's number; returns NULL for a value that is not one bit, or has no
+// name.
 static const char *name_of_bit(const char *const *names, size_t count, uint32_t bit)
 {
     for (size_t i = 0; i < count; i++)

@@ -12,11 +12,12 @@ struct upload_params {
     const struct specialization *specialization;
     const struct memory_plan *plan;
     const struct shading_tables *tables;
-    const struct progress *progress; // phase "Uploading", of large scenes; NULL: nobody listens
+    const struct progress
+        *progress; // phase "Uploading", for large scenes; NULL: no progress is reported
 };
 
-// Creates and fills buffers[BINDING_NODES … BINDING_TEXELS] as far as they are planned. The
-// caller finishes them, also on failure.
+// Creates and fills the planned ones of buffers[BINDING_NODES … BINDING_TEXELS]. The caller
+// finishes them, also after a failure.
 bool upload_scene(struct gpu *gpu, const struct upload_params *params, struct gpu_buffer *buffers,
                   struct err *err);
 

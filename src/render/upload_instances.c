@@ -1,4 +1,4 @@
-// Placed meshes in the form that kernels read.
+// Uploads instances in the form that kernels read.
 #include "render/upload_parts.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-// Signed distance fields in the form that kernels read.
+// Uploads signed distance fields in the form that kernels read.
 #include "flatten/flatten_shapes.h"
 #include "render/upload_parts.h"
 #include "shared/sdf.h"
@@ -6,8 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-// Where a field's own space lies in the world: the shape's axes are half the edges of the field's
-// box. `shape` is placed; `first` is its program's first instruction.
+// Fills the transform between the world and a field's own space: the shape's axes are half the
+// edges of the field's box. `shape` is in world space; `first` is the first instruction of its
+// program.
 static void fill_sdf(const struct sdf *sdf, const struct shape *shape, uint32_t first,
                      struct gpu_sdf *out)
 {
@@ -18,7 +19,8 @@ static void fill_sdf(const struct sdf *sdf, const struct shape *shape, uint32_t 
         for (int i = 0; i < 3; i++)
             squared += axis[i] * axis[i];
         scale = fmax(scale, sqrt(squared) / half);
-        // A rotation times the scale: the inverse is the transpose over the scale's square.
+        // The matrix is a rotation times the scale: its inverse is the transpose over the square of
+        // the scale.
         for (int i = 0; i < 3; i++)
             out->to_object[j][i] = (float)(axis[i] * half / squared);
     }

@@ -1,4 +1,4 @@
-// Shapes, instances and distance fields in the form that kernels read.
+// Uploads shapes, instances and distance fields in the form that kernels read.
 #include "render/upload_parts.h"
 
 #include "render/shape_sections.h"

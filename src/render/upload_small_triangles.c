@@ -1,4 +1,4 @@
-// Triangles of lamps that are small for where they are, in the form that kernels read.
+// Uploads the triangles of lamps that are small for their distance from the origin.
 #include "render/upload_parts.h"
 #include "shared/types.h"
 
@@ -16,7 +16,7 @@ bool upload_fill_small_triangles(const struct upload_params *p, uint32_t (*words
         return err_memory(err, "triangles' emitters", (uint64_t)count * sizeof *emitters);
     for (uint32_t i = 0; i < count; i++) {
         const struct flat_small_triangle *small = flat_find_small(flat, p->bvh->triangle_order[i]);
-        // One that has several places is listed as an emitter with one of them.
+        // A triangle that has several places is listed as an emitter with one of them.
         if (!small || emitters[i] == NO_EMITTER)
             continue;
         struct gpu_small_triangle record = {

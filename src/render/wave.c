@@ -5,15 +5,14 @@
 #include <math.h>
 #include <string.h>
 
-// Bounces recorded before the host looks whether any path is left: few enough to end soon, enough
-// for the wait not to matter.
+// Bounces recorded before the host checks whether any path is left: few enough to end soon, and
+// enough for the wait not to matter.
 #define BOUNCES_A_SUBMIT 16u
 #define QUEUES_OF_HITS ((1u << (QUEUE_MISS + 1)) - (1u << QUEUE_SURFACE))
 
 // --- recording -----------------------------------------------------------------------------------
 
-// Marks follow each other as timestamps do, if there are any. items: 0 where a kernel has little to
-// do.
+// Marks are in the order of the timestamps. items: 0 for a kernel that does little work.
 static void mark(struct renderer *r, enum kernel_id kernel, uint32_t items)
 {
     uint32_t index = gpu_timestamp(r->gpu, &r->commands);
@@ -45,8 +44,8 @@ static bool begin(struct renderer *r, const struct wave *wave, struct err *err)
     return true;
 }
 
-// What follows sees what the kernels before have written. Kernels between two barriers may run at
-// the same time: docs/architecture.md, "Kernels side by side", says why they may.
+// Makes the writes of earlier kernels visible to later ones. Kernels between two barriers may run
+// at the same time: docs/architecture.md, "Kernels side by side", says why they may.
 static void barrier(struct renderer *r)
 {
     if (r->barrier_is_due)
@@ -70,16 +69,16 @@ struct loop {
     const struct wave *wave;
     const struct wave_observer *observer; // NULL: record as much as possible before running it
     bool is_paced;
-    bool is_timed;       // no part's time may be missing
-    uint32_t part_items; // of a queue or a list, in one dispatch
-    uint32_t bounce;     // the next one
-    uint32_t last;       // that paths may have
+    bool is_timed;       // every part needs its own timestamp
+    uint32_t part_items; // items of a queue or a list in one dispatch
+    uint32_t bounce;     // the next bounce
+    uint32_t last;       // the last bounce that paths may have
 };
 
 static bool run(struct renderer *r, struct err *err);
 
-// Submits what was recorded so far where the next part of a kernel would make that too long, and
-// where the times of all parts cannot be told any more.
+// Submits the recorded commands if the next part of a kernel would make them too long, or if there
+// are no timestamps left for every part.
 static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, struct err *err)
 {
     struct renderer *r = l->r;
@@ -91,7 +90,8 @@ static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, str
             err_set(err, ERR_BUG, "an empty submission that takes nothing"));
 }
 
-// A kernel over `items` known to the host, in parts. work: as much as so many items of others.
+// Records a kernel over `items`, a number that the host knows, in parts. work: the equivalent
+// number of items of other kernels.
 static bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
                          struct err *err)
 {
@@ -113,9 +113,10 @@ static bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, 
     return true;
 }
 
-// A kernel over a queue whose length only the device knows, in as many parts as it may need,
-// without a barrier behind it. Synchronization validation takes a kernel to read and write all of
-// each buffer that it is bound to, so that under it no two dispatches are side by side.
+// Records a kernel over a queue whose length only the device knows, in as many parts as it may
+// need, without a barrier after it. Synchronization validation assumes that a kernel reads and
+// writes all of every buffer that it is bound to, so that under it no two dispatches run side by
+// side.
 static bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     struct renderer *r = l->r;
@@ -154,7 +155,7 @@ static bool record_prepare(struct loop *l, uint32_t queue_mask, struct err *err)
     return true;
 }
 
-// The one workgroup of a sort: see lib/sort.glsl.
+// Records the single workgroup of a sort: see lib/sort.glsl.
 static bool record_scan(struct loop *l, uint32_t queue, struct err *err)
 {
     if (!make_room(l, KERNEL_sort_scan, 0, err))
@@ -178,7 +179,7 @@ static void add_times(struct renderer *r, const double *ns)
     }
 }
 
-// Items of a dispatch that there were, of a queue that was prepared last for this dispatch.
+// Returns how many items a dispatch really had, for the queue last prepared for it.
 static uint32_t items_found(const struct renderer *r, const struct mark *m)
 {
     uint32_t queue = r->push.queue;
@@ -191,15 +192,17 @@ static uint32_t items_found(const struct renderer *r, const struct mark *m)
     return left < m->items ? left : m->items;
 }
 
-// A kernel whose time is not known yet was submitted last and alone: then it counts how many items
-// there really were. Later, a wave's fullest bounces tell what items take, empty ones included.
+// A kernel whose time is not known yet was submitted last and alone: then the number of items that
+// it really had counts. Later, a wave's fullest bounces tell how long items take, empty items
+// included.
 static void learn(struct renderer *r, const struct mark *m, double ns)
 {
     bool is_known = r->pace.ns[m->kernel] > 0.0;
     pace_learn(&r->pace, m->kernel, is_known ? m->items : items_found(r, m), ns);
 }
 
-// ns: when marks were passed; NULL: only the time of all is known, and shared out as was expected.
+// ns: when marks were passed; NULL: only the total time is known, and it is divided in proportion
+// to the expected times.
 static void learn_all(struct renderer *r, const double *ns, double total_ns)
 {
     double expected = r->pace.recorded_ns;
@@ -213,7 +216,7 @@ static void learn_all(struct renderer *r, const double *ns, double total_ns)
     }
 }
 
-// Submits what was recorded, waits, and reads times and counters back.
+// Submits the recorded commands, waits, and reads times and counters back.
 static bool run(struct renderer *r, struct err *err)
 {
     struct host_stats *host = &r->stats.host;
@@ -262,8 +265,8 @@ static bool after(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
            watched(l, l->observer->after, kernel, queue, err);
 }
 
-// Traces a queue. When rays may run out of their budget, the host looks after each dispatch and has
-// those go on that are left.
+// Traces a queue. If rays may run out of their budget, the host checks after each dispatch and
+// continues those that are left.
 static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     struct renderer *r = l->r;
@@ -293,7 +296,8 @@ uint32_t wave_shadow_launches(const struct renderer *r, uint32_t bounce)
     return is_beyond ? 1 : s->light_rays;
 }
 
-// One after the other, so that contributions are added in the order of lights.
+// Traces the shadow rays of a slot one after the other, so that contributions are added in the
+// order of lights.
 static bool trace_shadow_rays(struct loop *l, struct err *err)
 {
     struct renderer *r = l->r;
@@ -310,7 +314,7 @@ static bool trace_shadow_rays(struct loop *l, struct err *err)
     return true;
 }
 
-// A kernel over a queue, if the scene needs it.
+// Records a kernel over a queue if the scene needs the kernel.
 static bool consume(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     if (!specialization_needs_kernel(&l->r->specialization, kernel))
@@ -338,7 +342,7 @@ static bool shade_surfaces(struct loop *l, struct err *err)
            consume(l, KERNEL_shade_whitted, QUEUE_SURFACE, err);
 }
 
-// Dispatches are prepared for parts of one size: it may change where none is prepared.
+// Dispatches are prepared for parts of one size, which may change only while none is prepared.
 static void choose_part(struct loop *l)
 {
     struct renderer *r = l->r;
@@ -365,7 +369,7 @@ static bool sorts_rays(const struct loop *l)
     return l->r->specialization.sort_rays && l->bounce >= SORT_FIRST_BOUNCE;
 }
 
-// Sorted, rays are in the queue that shading fills only after they are traced.
+// When rays are sorted, those to trace are in another queue, since shading fills the usual one.
 static uint32_t queue_to_trace(const struct loop *l)
 {
     return sorts_rays(l) ? 2 * QUEUE_RAYS + 1 - queue_of_rays(l) : queue_of_rays(l);
@@ -388,8 +392,8 @@ static bool sort_scatter(struct loop *l, struct err *err)
     return !sorts_rays(l) || consume(l, KERNEL_sort_scatter, queue_of_rays(l), err);
 }
 
-// The shadow rays of the bounce before join the radiance first: contributions are added in the
-// order of bounces.
+// Traces the rays of a bounce. The shadow rays of the preceding bounce add their radiance first:
+// contributions are added in the order of bounces.
 static bool trace(struct loop *l, struct err *err)
 {
     return (l->bounce == 0 || trace_shadow_rays(l, err)) &&
@@ -442,7 +446,7 @@ void wave_exchange(struct renderer *r)
     r->other = other;
 }
 
-// From here on the other wave's kernels are recorded.
+// Turns to the other wave: its kernels are recorded from here on.
 static void turn_to(struct loop *l)
 {
     struct renderer *r = l->r;
@@ -466,8 +470,8 @@ static bool generate_rays(struct loop *l, struct err *err)
     return after(l, KERNEL_generate_rays, 0, err);
 }
 
-// Begins the wave after this one, now that half of this one's bounces are over: those that follow
-// have few paths, and leave a wide device room for the many of the first ones.
+// Begins the next wave once half of this one's bounces are over: its remaining bounces have few
+// paths, and leave room on a wide device for the many paths of the next wave's first bounces.
 static bool begin_ahead(struct loop *l, struct loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
@@ -484,7 +488,7 @@ static bool begin_ahead(struct loop *l, struct loop *ahead, struct err *err)
     return ok;
 }
 
-// The next bounce of a wave and, beside it, of the one that was begun ahead.
+// Traces the next bounce of a wave and, beside it, that of the wave begun ahead.
 static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
@@ -507,8 +511,8 @@ static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
     return true;
 }
 
-// Follows all paths of the wave to their ends; leaves commands open that are not yet run. ahead:
-// NULL, or the wave after it, which is begun on the way.
+// Follows all paths of the wave to their ends; leaves recorded commands that have not run yet.
+// ahead: the wave after it, which is begun on the way, or NULL.
 static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
@@ -535,7 +539,7 @@ static struct loop make_loop(struct renderer *r, const struct wave *wave,
                              const struct wave_observer *observer)
 {
     push_wave(r, wave);
-    // With rays put off a path is a tree, and takes as many rounds as that has rays.
+    // With postponed rays a path is a tree, and takes as many rounds as the tree has rays.
     uint32_t last = r->specialization.pending_rays ? UINT32_MAX - 1 : r->frame.max_bounces;
     return (struct loop){
         .r = r,
@@ -566,14 +570,15 @@ static void add_counts(struct renderer *r, const struct gpu_counters *before)
     r->stats.clamped_light +=
         (double)count_since(r->counters->clamped_light, before->clamped_light) /
         (double)CLAMP_UNITS * (double)r->frame.clamp_limit;
-    // Hits of a wave's last bounce still stand in their queues.
+    // The queues still hold the hits of a wave's last bounce.
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         r->stats.surface_hits[c] +=
             count_since(r->counters->surface_hits[c], before->surface_hits[c]) +
             r->counters->queue[QUEUE_SURFACE + c].count - before->queue[QUEUE_SURFACE + c].count;
 }
 
-// Non-finite contributions: their counts, and the lowest of those that the device recorded.
+// Adds the counts of non-finite contributions, and keeps the lowest of those that the device
+// recorded.
 static void add_nonfinite(struct renderer *r, const struct gpu_counters *before)
 {
     struct nonfinite_stats *stats = &r->stats.nonfinite;
@@ -615,7 +620,7 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave 
         !run(r, err))
         return false;
     pace_end_wave(&r->pace, &r->plan);
-    *voided = r->counters->unfinished != 0; // accumulate() has left the film alone then
+    *voided = r->counters->unfinished != 0; // accumulate() has then left the film unchanged
     if (*voided) {
         r->stats.voided_waves++;
         return true;
@@ -682,7 +687,7 @@ bool wave_run_step(struct renderer *r, const struct wave *wave, const struct wav
 
 // --- compiling -----------------------------------------------------------------------------------
 
-// All counters zeroed: the kernels below find nothing to do.
+// Zeroes all counters: the kernels below find nothing to do.
 bool wave_clear_counters(struct renderer *r, struct err *err)
 {
     r->ahead.is_begun = false;
@@ -709,7 +714,7 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
     wave_size_begin(&r->wave_size, r->tunes_wave, r->plan.wave_samples);
     r->push.queue = 0;
     r->push.part_items = 0;
-    struct render_stats kept = r->stats; // compilation is no run time
+    struct render_stats kept = r->stats; // compiling does not count as run time
     if (!wave_clear_counters(r, err) || !begin(r, &none, err))
         return false;
     for (int id = 0; id < KERNEL_COUNT; id++) {

@@ -6,63 +6,63 @@
 
 struct wave_observer;
 
-// Renders a wave; goes on with it where it is the one that was begun ahead. Meanwhile begins `next`
-// (NULL: none), for the next call: its first bounces run beside the last ones of the wave, which
-// few paths reach. They must have no pixel in common, and no call without `next` renders another
-// wave than that. *voided: some ray ran out of its budget without FEATURE_SUSPEND, and nothing
-// reached the film. observer: see below; NULL: nobody looks. With one no wave may be begun ahead.
+// Renders a wave, or finishes it if it was begun ahead. Meanwhile begins `next` (NULL: none) for
+// the next call: its first bounces run beside the last bounces of this wave, which few paths reach.
+// The two waves must have no pixel in common, and the next call must render `next`. *voided: some
+// ray ran out of its budget without FEATURE_SUSPEND, and nothing reached the film. observer: see
+// below; NULL: none. With an observer no wave may be begun ahead.
 bool wave_render(struct renderer *renderer, const struct wave *wave, const struct wave *next,
                  const struct wave_observer *observer, bool *voided, struct err *err);
-// Leaves the wave that was begun ahead, if there is one: to be called before the memory of waves is
-// used in another way.
+// Abandons the wave that was begun ahead, if there is one; call it before the memory of waves is
+// used otherwise.
 bool wave_forget_ahead(struct renderer *renderer, struct err *err);
-// Exchanges the memory of the two waves that may be in flight: renderer->buffers and so on are the
-// other one's then.
+// Exchanges the memory of the two waves that may be in flight: renderer->buffers and the other
+// members are then those of the other wave.
 void wave_exchange(struct renderer *renderer);
 
 // Creates the kernels that the renderer needs at present.
 bool wave_create_kernels(struct renderer *renderer, struct err *err);
-// The same, and compiles them by running each once on nothing, since drivers put that off until
-// then.
+// Creates the kernels and compiles them by running each once without work, since drivers postpone
+// compiling until then.
 bool wave_compile(struct renderer *renderer, struct err *err);
-// SPIR-V instructions of a kernel as this specialization leaves them; 0 without memory to find out.
+// Returns the SPIR-V instructions of a kernel after specialization; 0 when out of memory.
 uint32_t wave_kernel_instructions(const struct renderer *renderer,
                                   const struct specialization *specialization, enum kernel_id id);
-// Makes the kernels that trace count their steps from now on (render_stats.steps), or not: for
-// measuring, since it takes time. Compiles.
+// Makes the traversal kernels count their steps (render_stats.steps), or not. Counting takes time,
+// so only measurements use it. Recompiles those kernels.
 bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);
 
 // --- step by step --------------------------------------------------------------------------------
-// For replay.c, which follows one path, and kernel_recording.c, which repeats a kernel.
+// These are for replay.c, which follows one path, and kernel_recording.c, which repeats a kernel.
 
-// A kernel at its place in the loop.
+// A kernel at its position in the loop.
 struct wave_step {
     enum kernel_id kernel;
     uint32_t bounce;
-    uint32_t queue;      // that it consumes; of prepare_dispatch a mask; else 0
-    uint32_t light_ray;  // of intersect_shadow: which of a slot's
-    uint32_t part_items; // of the queue, in one dispatch; 0: as the device takes now
+    uint32_t queue;      // the queue that it consumes; for prepare_dispatch a mask; else 0
+    uint32_t light_ray;  // for intersect_shadow: the number of the shadow ray in its slot
+    uint32_t part_items; // items of one dispatch; 0: as many as the device takes at present
 };
 typedef bool (*wave_step_fn)(void *context, const struct wave_step *step, struct err *err);
 struct wave_observer {
-    // Called around each kernel with all that was before in memory, and the counters read back; may
-    // be NULL. prepare_dispatch is watched where a bounce begins, and only before it. False ends
-    // the wave.
+    // Called before and after each kernel, when all earlier results are in memory and the counters
+    // were read back; may be NULL. For prepare_dispatch only `before` is called, at the beginning
+    // of a bounce. If a callback returns false, the wave ends.
     wave_step_fn before, after;
     void *context;
 };
-// wave_render without accumulation.
+// Renders a wave as wave_render() does, but without accumulation.
 bool wave_trace_steps(struct renderer *renderer, const struct wave *wave,
                       const struct wave_observer *observer, struct err *err);
 // Returns how many shadow rays of a slot are traced, one after the other, at a bounce: those of the
-// vertex before it.
+// preceding vertex.
 uint32_t wave_shadow_launches(const struct renderer *renderer, uint32_t bounce);
-// Runs the kernel of a step alone, on what is in memory, as the wave's loop does: of
-// intersect_shadow for all shadow rays of a slot, and in as many submissions as a device that is
-// watched takes. *ms: on the device, or by the host's clock where that has no timestamps.
+// Runs the kernel of a step alone on the present contents of memory, as the wave's loop does:
+// intersect_shadow for all shadow rays of a slot, and in as many submissions as a device with a
+// watchdog needs. *ms: time on the device, or by the host's clock if there are no timestamps.
 bool wave_run_step(struct renderer *renderer, const struct wave *wave, const struct wave_step *step,
                    double *ms, struct err *err);
-// Leaves what a wave was in the middle of: empties all queues, counts from 0.
+// Abandons an unfinished wave: empties all queues and sets the counters to 0.
 bool wave_clear_counters(struct renderer *renderer, struct err *err);
 
 #endif

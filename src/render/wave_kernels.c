@@ -1,4 +1,4 @@
-// The kernels of a renderer: their code, its constants, pipelines.
+// The kernels of a renderer: their code, constants and pipelines.
 #include "render/wave.h"
 
 #include "gpu/spirv_trim.h"
@@ -6,7 +6,7 @@
 #include "render/sdf_inline.h"
 #include <stdlib.h>
 
-// Returns the code of a kernel: of the set that the renderer was given, or embedded.
+// Returns the code of a kernel: from the set given to the renderer, or the embedded code.
 static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
 {
     struct kernel_code code = kernel_code(id, r->specialization.features & FEATURE_BALLOT);
@@ -20,10 +20,10 @@ static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
 struct kernel_source {
     struct specialization constants;
     struct gpu_kernel_params params;
-    uint32_t *made; // with the programs of distance fields, or NULL; the caller frees it
+    uint32_t *made; // code with the programs of distance fields, or NULL; the caller frees it
 };
 
-// Code and constants of a kernel. *out must stay where it is.
+// Finds code and constants of a kernel. *out must not be moved.
 static void find_source(const struct renderer *r, const struct specialization *s, enum kernel_id id,
                         struct kernel_source *out)
 {
@@ -32,7 +32,7 @@ static void find_source(const struct renderer *r, const struct specialization *s
     if (id >= KERNEL_shade_diffuse && id <= KERNEL_shade_classical)
         out->constants.lobes = s->class_lobes[id - KERNEL_shade_diffuse];
     if (id != KERNEL_intersect_closest && id != KERNEL_intersect_shadow)
-        out->constants.features &= ~FEATURE_STEPS; // so that they need not be compiled again
+        out->constants.features &= ~FEATURE_STEPS; // others need not be compiled again
     out->params = (struct gpu_kernel_params){
         .name = code.name,
         .spirv = code.spirv,

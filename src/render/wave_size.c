@@ -1,17 +1,18 @@
 #include "render/wave_size.h"
 
-// A stretch has at least one of the largest waves, so that every stretch renders as much.
+// A stretch has at least the samples of one of the largest waves, so that every stretch renders as
+// much.
 #define STRETCH_SAMPLES WAVE_SIZE_MOST
-// Samples of the first waves. On two cores, 64k were the best or near it on five scenes
+// Samples of the first waves. On two cores, 64k was the best or nearly the best size on five scenes
 // (docs/performance.md).
 #define USUAL (1u << 16)
-// Sizes differ by this factor: less makes differences that noise hides.
+// Sizes differ by this factor: with a smaller one, noise would hide the differences.
 #define STEP 4u
-// Another size is taken when its rays took less than this part of the time: what is as fast is no
+// Another size is taken if its rays took less than this fraction of the time: equal speed is no
 // reason to change.
 #define GAIN 0.98
-// Stretches between two trials, at first and after many trials in vain: then trials, a third of
-// which has the slower size, take a fiftieth of all stretches.
+// Stretches between two trials, at first and after many trials without success: then trials, a
+// third of which has the slower size, take a fiftieth of all stretches.
 #define FIRST_PAUSE 1u
 #define LONGEST_PAUSE 48u
 
@@ -52,7 +53,7 @@ static void begin_trial(struct wave_size *size)
     size->stretch = 0;
 }
 
-// A size that was faster is tried further in the same direction, and soon.
+// After a faster size the next trial is in the same direction, and soon.
 static void end_trial(struct wave_size *size)
 {
     const double *ns = size->ns_a_ray;
