@@ -14,9 +14,9 @@
 #include "denoise_variance.spv.h"
 #include "denoise_wavelet.spv.h"
 
-#define WORD_BYTES 16u // of a pixel in each buffer
+#define WORD_BYTES 16u // of a pixel, in each buffer
 
-// What a view leaves to the next one.
+// The buffers of a view, which become the history of the next view.
 struct layers {
     struct gpu_buffer guides, blended, records;
 };
@@ -41,18 +41,18 @@ _Static_assert((int)KERNELS <= (int)PACE_KERNELS, "each has a pace");
 struct denoiser_state {
     struct paced paced;
     struct gpu_buffer frame; // struct gpu_denoise
-    // Kernels, and what they are specialized for.
+    // Kernels and their specialization.
     struct gpu_kernel kernels[KERNELS];
     bool has_kernels, texel;
     uint32_t aovs;
-    // Buffers for so many pixels.
+    // Buffers have room for this many pixels.
     uint64_t capacity;
     struct layers layers[2];
-    uint32_t now;               // which of them the film's view uses
-    struct gpu_buffer light[2]; // what the passes read and write by turns
+    uint32_t now;               // index of the layers that the film's view uses
+    struct gpu_buffer light[2]; // read and written in turn by the passes
     struct gpu_buffer modulation, emission;
-    struct gpu_bindings bindings[2][2]; // by `now`, and by which light is read
-    // Of the history.
+    struct gpu_bindings bindings[2][2]; // indexed by `now`, and by the light that is read
+    // The history's camera.
     struct camera camera;
     uint32_t width, height, seed;
 };
@@ -62,7 +62,7 @@ static const struct code {
     const char *name;
     const uint32_t *spirv;
     size_t bytes;
-    enum denoise_pass pass; // to which its time counts
+    enum denoise_pass pass; // the pass that its time counts towards
     uint32_t history, wavelet, gather;
 } codes[KERNELS] = {
     [GATHER] = {CODE(gather), DENOISE_PASS_gather, .gather = DENOISE_GATHER_ALL},
@@ -101,8 +101,8 @@ static void finish_kernels(struct denoiser *d)
     d->own->has_kernels = false;
 }
 
-// Gathering all at once is the only kernel that binds more than Vulkan guarantees, where images are
-// read as texels.
+// Gathering all inputs at once is the only kernel that binds more storage buffers than Vulkan
+// guarantees if images are read as texels.
 static bool gathers_in_two(const struct denoiser *d)
 {
     return d->gpu->storage_count < DENOISE_GATHER_STORAGE;
@@ -117,7 +117,7 @@ static bool needs_kernel(const struct denoiser *d, int kernel)
 static bool prepare_kernels(struct denoiser *d, const struct renderer *r, struct err *err)
 {
     struct denoiser_state *own = d->own;
-    // Either says that the device had better read texels.
+    // Either feature says that the device should read texels.
     const uint32_t texels = FEATURE_TEXEL_STATE | FEATURE_TEXEL_SCENE;
     bool texel =
         (r->specialization.features & texels) != 0 && own->light[0].texel_view != VK_NULL_HANDLE;
@@ -197,7 +197,7 @@ static bool create_layers(struct gpu *gpu, uint64_t bytes, bool texel, struct la
                              err);
 }
 
-// A set of all buffers, for the layers `now` and with light[from] to be read.
+// Fills a descriptor set with all buffers, for the layers `now` and for reading light[from].
 static bool bind(const struct denoiser *d, uint32_t now, uint32_t from,
                  const struct gpu_buffer *film, struct gpu_bindings *out, struct err *err)
 {
@@ -264,7 +264,7 @@ static bool copy_history(struct denoiser *d, const struct layers *from, const st
     return paced_end(&d->own->paced, err);
 }
 
-// Room for a picture; the history comes along.
+// Makes room for a picture and copies the history.
 static bool prepare_buffers(struct denoiser *d, uint32_t width, uint32_t height, struct err *err)
 {
     struct denoiser_state *own = d->own;
@@ -316,7 +316,7 @@ static bool uses_history(const struct denoiser *d, const struct denoise_call *ca
     return d->has_history && call->temporal;
 }
 
-// A row of a map of the world, of points relative to `origin`.
+// Sets a row of an affine map in world space, for points relative to `origin`.
 static void set_row(const double map[3][4], int row, const double origin[3], float out[3],
                     float *at)
 {
@@ -372,7 +372,7 @@ static bool dispatch(struct denoiser *d, enum kernel kernel, struct gpu_bindings
     return paced_dispatch(&d->own->paced, &work, err);
 }
 
-// Over the whole picture, with light[from] to be read.
+// Dispatches a kernel over the whole picture, reading light[from].
 static bool dispatch_picture(struct denoiser *d, enum kernel kernel, uint32_t from, uint32_t step,
                              struct err *err)
 {
@@ -406,7 +406,7 @@ static bool gather_by(struct denoiser *d, enum kernel kernel, const struct rende
     return true;
 }
 
-// Leaves the film's light in light[0].
+// Writes the film's light to light[0].
 static bool gather(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films,
                    struct err *err)
 {
@@ -415,8 +415,8 @@ static bool gather(struct denoiser *d, const struct renderer *r, struct gpu_bind
     return gather_by(d, GATHER_LIGHT, r, films, err) && gather_by(d, GATHER_PICTURE, r, films, err);
 }
 
-// Leaves by how much the history differs from the film in light[1], and the film's light in
-// light[0] again, through which the wavelet went.
+// Writes the difference between history and film to light[1], and the film's light to light[0]
+// again, since the wavelet filter has overwritten it.
 static bool compare(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films,
                     struct err *err)
 {
@@ -439,7 +439,7 @@ static bool blend(struct denoiser *d, const struct denoise_call *call, struct gp
     return dispatch_picture(d, kernel, 0, 0, err);
 }
 
-// From light[1], where the variance's pass left it; the picture is complete then.
+// Filters light[1], where the variance pass has written it; the picture is complete afterwards.
 static bool filter(struct denoiser *d, uint32_t levels, struct err *err)
 {
     uint32_t from = 1;
@@ -475,8 +475,8 @@ static bool work(struct denoiser *d, const struct denoise_call *call, bool filte
     return ok;
 }
 
-// The film's buffers belong to the renderer, which may have made them anew since the last call: the
-// sets that bind them live no longer than this one.
+// The film's buffers belong to the renderer, which may have created them anew since the last call:
+// the descriptor sets that bind them are used in this call only.
 static bool process(struct denoiser *d, const struct denoise_call *call, bool filtered,
                     struct err *err)
 {
@@ -506,7 +506,7 @@ bool denoiser_run(struct denoiser *denoiser, const struct denoise_call *call, st
 
 bool denoiser_keep(struct denoiser *denoiser, const struct denoise_call *call, struct err *err)
 {
-    struct gpu_film_pixel first; // the one that gets samples before all others
+    struct gpu_film_pixel first; // the pixel that is sampled before all others
     if (!gpu_download(denoiser->gpu, &call->renderer->film[0], 0, &first, sizeof first, err))
         return false;
     if (first.samples == 0)

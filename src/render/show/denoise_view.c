@@ -2,7 +2,8 @@
 
 #include "base/maths.h"
 
-// Of `axis`, as long as asked; and what a product with gives 1 at its end.
+// Sets `out` to `axis` scaled to a length, and `inverse` to the vector whose dot product with it is
+// 1.
 static void set_axis(const double axis[3], double length, float out[3], float inverse[3])
 {
     double norm = vec3_norm(axis);

@@ -1,6 +1,7 @@
-// Three steps: display_read turns a film into a linear picture of its size, display_scale makes
-// that of the size that is shown, display_show makes colours of it. Each is left out where it would
-// do nothing. A film in several buffers is read and scaled one after the other.
+// Drawing has three steps: display_read turns a film into a linear picture of its size,
+// display_scale scales that to the size on the screen, and display_show converts it to colours.
+// Each step is left out if it would change nothing. A film in several buffers is read and scaled
+// one buffer after the other.
 #include "render/show/denoise.h"
 #include "render/show/display_internal.h"
 
@@ -105,7 +106,7 @@ void display_finish(struct display *d)
 
 // --- from a film to a linear picture -------------------------------------------------------------
 
-// What the scene's objects are, for kernels: see flat_triangle_source.
+// Uploads the identity of the scene's objects for kernels: see flat_triangle_source.
 static bool upload_sources(struct display *d, const struct flat_scene *flat, struct gpu_buffer *out,
                            struct err *err)
 {
@@ -128,12 +129,12 @@ static bool upload_sources(struct display *d, const struct flat_scene *flat, str
     return ok;
 }
 
-// A side as it is drawn.
+// One side of the window while it is drawn.
 struct side {
     const struct display_side *call;
     struct display_pictures *pictures;
     const struct display_call *draw;
-    const struct linear *picture, *kept; // of the size that is shown; kept: NULL for none
+    const struct linear *picture, *kept; // of the size on the screen; kept: NULL for none
 };
 
 static uint32_t wanted_width(const struct side *side)
@@ -186,7 +187,7 @@ static bool read_part(struct display *d, const struct side *side, const struct d
     return display_dispatch(d, &work, err);
 }
 
-// Film and denoiser agree, and the renderer knows what is asked for.
+// Checks that film and denoiser have the same size, and that the renderer has the AOV to be shown.
 static bool check_side(const struct side *side, struct err *err)
 {
     const struct renderer *r = side->call->renderer;
@@ -207,7 +208,7 @@ static bool check_side(const struct side *side, struct err *err)
     return true;
 }
 
-// A film in one buffer.
+// Reads a film that has one buffer.
 static bool read_whole(struct display *d, struct side *side, struct err *err)
 {
     const struct renderer *r = side->call->renderer;
@@ -233,7 +234,7 @@ static bool read_in_parts(struct display *d, struct side *side, struct err *err)
     uint64_t chunk_pixels = r->plan.film_chunk_pixels;
     struct linear *sized = &own->sized.picture;
     side->picture = sized;
-    // Of one chunk, as rows of a picture that is 1 pixel wide.
+    // The linear picture of one chunk is stored as rows of 1 pixel.
     if (!display_reserve(d, "display film", 1, (uint32_t)chunk_pixels, &own->film, err) ||
         !display_reserve(d, "display sized", wanted_width(side), wanted_height(side), sized, err))
         return false;
@@ -252,7 +253,7 @@ static bool read_in_parts(struct display *d, struct side *side, struct err *err)
     return true;
 }
 
-// What was kept of the same kind, of the size that is shown.
+// Finds the picture kept of the same kind, scaled to the size on the screen.
 static bool find_kept(struct display *d, struct side *side, struct err *err)
 {
     struct display_pictures *own = side->pictures;
@@ -317,7 +318,7 @@ static struct display_work work_of_show(const struct display *d, const struct di
     };
     for (uint32_t i = 0; i < count; i++) {
         work.buffers[DISPLAY_BINDING_LEFT + i] = &sides[i].picture->buffer;
-        // A side without one adds its own picture where that has no weight, which is nothing.
+        // A side without a kept picture adds its own one, with weight 0.
         const struct linear *kept = sides[i].kept ? sides[i].kept : sides[i].picture;
         work.buffers[DISPLAY_BINDING_KEPT_LEFT + i] = is_kept ? &kept->buffer : NULL;
     }

@@ -1,16 +1,16 @@
-// The range of false colours, found from what is shown.
+// Finds the range of false colours from the picture.
 #include "render/show/display_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-// The share of values that are below the range, and below its end. Heat maps and counts begin
-// with 0.
+// The fractions of the values that are below the range's beginning, and below its end. Heat maps
+// and counts begin at 0.
 static const struct {
     double low, high;
     bool from_zero;
 } shares[SHOWN_COUNT] = {
-    [SHOWN_DEPTH] = {0.01, 0.95, false}, // the horizon is in few pixels
+    [SHOWN_DEPTH] = {0.01, 0.95, false}, // the horizon covers few pixels
     [SHOWN_SAMPLES] = {0, 1, true},
     [SHOWN_VARIANCE] = {0.01, 0.99, false},
     [SHOWN_STEPS] = {0, 0.995, true},
@@ -23,7 +23,8 @@ static double float_of_bits(uint32_t bits)
     return (double)value;
 }
 
-// The value that a share of all are below: within its bin as if these were spread evenly.
+// Returns the value that a fraction of all values are below, as if values were spread evenly within
+// their bin.
 static double quantile(const struct gpu_display_range *found, double share)
 {
     double below = 0, wanted = share * found->count;
@@ -72,7 +73,7 @@ bool display_find_range(struct display *d, uint32_t shown, const struct linear *
         return true;
     range[0] = shares[shown].from_zero ? 0 : quantile(&found, shares[shown].low);
     range[1] = quantile(&found, shares[shown].high);
-    if (!(range[1] > range[0])) // one value alone
+    if (!(range[1] > range[0])) // all values are equal
         range[1] = range[0] > 0 ? 2 * range[0] : 1;
     return true;
 }

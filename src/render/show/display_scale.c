@@ -1,4 +1,4 @@
-// Linear pictures of another size.
+// Scales linear pictures.
 #include "render/show/display_internal.h"
 
 #include <assert.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Pixel `at` of `to` covers [at, at + 1] from / to.
+// Returns the weights for pixel `at` of `to`, which covers [at, at + 1] from / to.
 static struct gpu_display_taps taps_of_area(uint64_t at, uint64_t from, uint64_t to)
 {
     uint64_t first = at * from / to, last = ((at + 1) * from - 1) / to;
@@ -26,7 +26,8 @@ static struct gpu_display_taps taps_of_area(uint64_t at, uint64_t from, uint64_t
 
 static struct gpu_display_taps taps_between(uint64_t at, uint64_t from, uint64_t to, bool nearest)
 {
-    // The pixel's centre, in pixels of `from`, times 2 to; then from the centre of the first one.
+    // The pixel's centre in pixels of `from`, times 2 to; below, relative to the centre of the
+    // first pixel.
     uint64_t twice = (2 * at + 1) * from;
     if (nearest)
         return (struct gpu_display_taps){(uint32_t)(twice / (2 * to)), 1 | 1 << 8, 1, 0};
@@ -44,7 +45,7 @@ static void fill_taps(struct gpu_display_taps *out, uint32_t from, uint32_t to, 
         out[at] = from > to ? taps_of_area(at, from, to) : taps_between(at, from, to, nearest);
 }
 
-// The table for these sizes, unless it is there already.
+// Makes the table for these sizes, unless it exists already.
 static bool make_table(struct display *d, const struct linear *from, bool nearest, struct sized *to,
                        struct err *err)
 {
@@ -66,7 +67,7 @@ static bool make_table(struct display *d, const struct linear *from, bool neares
     return ok;
 }
 
-// The rows of `to` that some of the pixels matter to: one more at each end, for interpolation.
+// Finds the rows of `to` that depend on these pixels: one more row at each end for interpolation.
 static void rows_of_part(const struct linear *from, const struct linear *to,
                          const struct display_part *part, uint32_t *first, uint32_t *count)
 {

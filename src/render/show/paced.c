@@ -17,7 +17,7 @@ void paced_finish(struct paced *p)
         gpu_commands_finish(p->gpu, &p->commands);
 }
 
-// Without timestamps the marks are counted alike.
+// Marks are counted without timestamps, too.
 static void mark(struct paced *p, uint32_t kernel, uint32_t items)
 {
     gpu_timestamp(p->gpu, &p->commands);
@@ -41,7 +41,8 @@ bool paced_begin(struct paced *p, struct err *err)
     return begin(p, err);
 }
 
-// ns: when marks were passed; NULL: only the time of all is known, and shared out as was expected.
+// ns: when marks were passed; NULL: only the total time is known, and it is divided in proportion
+// to the expected times.
 static void learn(struct paced *p, const double *ns, double total_ns)
 {
     double expected = p->pace.recorded_ns;

@@ -1,31 +1,31 @@
-// Commands of kernels besides a wave's, one after the other, in as many submissions as the device
-// can take: see render/pace.h.
+// Records and submits kernels that do not belong to a wave, one after the other, in as many
+// submissions as the device needs: see render/pace.h.
 #ifndef LAMPYRIS_RENDER_SHOW_PACED_H
 #define LAMPYRIS_RENDER_SHOW_PACED_H
 
 #include "render/pace.h"
 
 struct paced_mark {
-    uint32_t kernel, items; // of the dispatch that a timestamp follows
+    uint32_t kernel, items; // the dispatch before a timestamp
 };
 
 struct paced {
     struct gpu *gpu;
     struct gpu_commands commands;
     struct pace pace;
-    struct paced_mark marks[GPU_MAX_TIMESTAMPS]; // of this submission
+    struct paced_mark marks[GPU_MAX_TIMESTAMPS]; // of the present submission
     uint32_t mark_count;
-    double ns[PACE_KERNELS]; // that kernels took since paced_begin; 0 without timestamps
+    double ns[PACE_KERNELS]; // time of each kernel since paced_begin; 0 without timestamps
 };
 
-// A dispatch of which any workgroups can be left to another one.
+// A dispatch whose workgroups may be divided among several dispatches.
 struct paced_work {
-    uint32_t number; // of the kernel, below PACE_KERNELS
+    uint32_t number; // the kernel's number, below PACE_KERNELS
     const struct gpu_kernel *kernel;
     struct gpu_bindings *bindings;
     void *push;
     uint32_t push_bytes;
-    uint32_t *first; // the place in it that is set to the first workgroup, times first_unit
+    uint32_t *first; // set to the number of the first workgroup, times first_unit
     uint32_t first_unit;
     uint64_t groups;
     uint32_t workgroup;
@@ -34,7 +34,7 @@ struct paced_work {
 bool paced_create(struct gpu *gpu, struct paced *out, struct err *err);
 void paced_finish(struct paced *paced); // accepts {0}
 bool paced_begin(struct paced *paced, struct err *err);
-// Records the dispatch and a barrier behind it. Where that would be too much at a time, submits
+// Records the dispatch and a barrier. If that would make the submission too long, first submits
 // what was recorded before, and waits.
 bool paced_dispatch(struct paced *paced, const struct paced_work *work, struct err *err);
 // Submits and waits.
