@@ -1,4 +1,13 @@
-// Computes the tables of directional albedos at build time and prints them as C. Run natively.
+// Computes the tables of directional albedos at build time and prints them as C. It runs on the
+// machine that builds.
+//
+// albedo_generate > albedo_data.h
+//
+// The tables are made at build time rather than at start-up because they take seconds. Everything
+// is numerical quadrature of the formulas of docs/materials.md in double precision. Tables are
+// interpolated linearly; where the interpolation is below the true value between nodes, the nodes
+// are raised, so that the base below a layer never receives light that the layer has already
+// reflected.
 //
 // albedo_generate > albedo_data.h
 //
@@ -26,11 +35,12 @@ static uint32_t float_bits(double value)
     return bits;
 }
 
-// A cell's word: the values at (0, 0), (1, 0), (0, 1), (1, 1).
+// Packs a cell's words: the values at (0, 0), (1, 0), (0, 1), (1, 1).
 static void fill_quads(uint32_t first, uint32_t width, uint32_t height,
                        double (*albedo)(double, double))
 {
-    // At twice the resolution, so that what lies between the nodes is known too.
+    // The values are computed at twice the resolution, so that those between the nodes are known,
+    // too.
     uint32_t w = 2 * width + 1, h = 2 * height + 1;
     double *fine = calloc((size_t)w * h, sizeof *fine);
     double *raise = calloc((size_t)w * h, sizeof *raise);
@@ -64,7 +74,7 @@ static void fill_diffuse(void)
     for (uint32_t i = 0; i <= ALBEDO_DIFFUSE_MU; i++) {
         double e[4];
         albedo_diffuse((double)i / ALBEDO_DIFFUSE_MU, e);
-        // A polynomial of degree 2 in the roughness, by its values at 0, 1/2 and 1.
+        // The values at 0, 1/2 and 1 determine a polynomial of degree 2 in the roughness.
         words[ALBEDO_DIFFUSE + i][0] = float_bits(e[0]);
         words[ALBEDO_DIFFUSE + i][1] = float_bits(-3.0 * e[0] + 4.0 * e[1] - e[2]);
         words[ALBEDO_DIFFUSE + i][2] = float_bits(2.0 * e[0] - 4.0 * e[1] + 2.0 * e[2]);
@@ -72,8 +82,9 @@ static void fill_diffuse(void)
     }
 }
 
-// A table of cells of eight values of 16 bits, along the first axis fastest. A fourth axis has
-// nodes, each with a table of its own: interpolated between if `blended`, else separate.
+// A table whose cells have eight values of 16 bits, with the first axis varying fastest. A fourth
+// axis has nodes, each with a table of its own, which are interpolated if `blended` is set and
+// separate otherwise.
 struct cubes {
     uint32_t first;
     uint32_t size[3];
@@ -87,7 +98,8 @@ static uint32_t cube_node(const struct cubes *c, uint32_t i, uint32_t j, uint32_
     return ((l * (c->size[2] + 1) + k) * (c->size[1] + 1) + j) * (c->size[0] + 1) + i;
 }
 
-// Raises the corners of cell (i, j, k, l) where interpolation at `at` in it is below the truth.
+// Raises the corners of cell (i, j, k, l) if the interpolated value at `at` in it is below the true
+// one.
 static void raise_cube(const struct cubes *c, const uint32_t cell[4], const double at[4],
                        const double *node, double *raise)
 {
@@ -161,10 +173,10 @@ static void fill_cubes(const struct cubes *c)
     free(raise);
 }
 
-// A table of runs along the first axis, each of eight values of 16 bits. What is divided by its
-// values is to be right in the mean, since paths inside a ball meet it a dozen times: nodes are
+// A table of runs along the first axis, each of eight values of 16 bits. Results divided by its
+// values should be right on average, since paths inside a ball meet it a dozen times: nodes are
 // moved against the error of linear interpolation, which is an eighth of the second difference in
-// the middle between two and a twelfth in the mean.
+// the middle between two nodes and a twelfth on average.
 struct runs {
     uint32_t first;
     uint32_t size[3]; // cells
@@ -182,19 +194,19 @@ static double fitted_node(const struct runs *r, const uint32_t at[3], const doub
         if (at[axis] == 0 || at[axis] == size[axis])
             continue;
         double bend = node[n - stride[axis]] - 2.0 * node[n] + node[n + stride[axis]];
-        // All along mu is met on one surface. Alpha and eta are those of a material: for them the
-        // greatest error, at nodes and in the middle between them, is made the same.
+        // One surface is seen at every mu, but a material has one alpha and one eta: along those
+        // axes the greatest errors at the nodes and in the middle between them are made equal.
         if (at[0] > ALBEDO_RUN)
             value -= bend / (axis == 0 ? 12.0 : 16.0);
-        else if (axis > 0) // at grazing angles: nowhere below the truth, see fit_row()
+        else if (axis > 0) // at grazing angles never below the true value, see fit_row()
             value -= fmin(0.0, bend / 8.0);
     }
     return value;
 }
 
-// The fitted nodes along mu at one node along each other axis. At grazing angles, where energies
-// change from cell to cell by factors, those of the first run are raised as above: hardly any light
-// comes from there, and none is to be gained.
+// Fits the nodes along mu at one node of each other axis. At grazing angles, where energies change
+// by factors from cell to cell, the nodes of the first run are raised as above: hardly any light
+// comes from there, and no energy must be gained.
 static void fit_row(const struct runs *r, uint32_t j, uint32_t k, const double *node, double *row)
 {
     double raise[ALBEDO_RUN + 1] = {0};
@@ -251,7 +263,8 @@ static uint32_t turned_node(const uint32_t at[5])
     return n;
 }
 
-// Right in the mean along all axes, as fitted_node(). The azimuth's is mirrored at its ends.
+// Fits a node to be right on average along all axes, as fitted_node() does. The azimuth is mirrored
+// at its ends.
 static double fitted_turned(const uint32_t at[5], const double *node)
 {
     double here = node[turned_node(at)], value = here;
@@ -275,7 +288,7 @@ static void store_turned(uint32_t first, const uint32_t at[5], double value)
         word = word * (turned_cells[axis] + 1) + at[axis];
     uint32_t bits =
         (uint32_t)(clamp01(0.5 + 0.5 * value / ALBEDO_TURNED_GLASS_LOG) * 65535.0 + 0.5);
-    // Where two runs meet, both have the node.
+    // Neighbouring runs share the node where they meet.
     for (uint32_t run = 0; run < row; run++) {
         uint32_t place = at[0] - run * ALBEDO_RUN;
         if (place <= ALBEDO_RUN)
@@ -353,7 +366,7 @@ int main(void)
     for (uint32_t i = 0; i < ALBEDO_FRESNEL; i++)
         for (int c = 0; c < 4; c++)
             if ((words[i][c] & 0x7f800000u) == 0x7f800000u)
-                return 1; // not finite
+                return 1; // a value is not finite
     for (uint32_t i = 0; i < ALBEDO_WORDS; i++)
         if (printf("{0x%x,0x%x,0x%x,0x%x},\n", words[i][0], words[i][1], words[i][2], words[i][3]) <
             0)

@@ -34,7 +34,7 @@ static double fresnel(double cos_i, double eta)
 }
 
 // Visible GGX normals as a quadrature over the random numbers that would sample them (Dupuy and
-// Benyoub 2023, as sample_ggx_vndf()): the weights G2 / G1(wo) sum to the albedo of F = 1.
+// Benyoub 2023, as in sample_ggx_vndf()): the weights G2 / G1(wo) sum to the albedo for F = 1.
 #define ROWS_MAX 192
 #define COLUMNS_MAX 192
 struct visible_normals {
@@ -43,7 +43,8 @@ struct visible_normals {
     double cosine[ROWS_MAX * COLUMNS_MAX]; // wo.h
 };
 
-// wo has the azimuth phi. Where alpha_x = alpha_y and phi = 0, half of the circle stands for both.
+// The azimuth of wo is phi. If alpha_x = alpha_y and phi = 0, half of the circle suffices by
+// symmetry.
 static void find_visible_normals(struct visible_normals *n, double mu, double phi, double alpha_x,
                                  double alpha_y, int rows, int columns)
 {
@@ -61,7 +62,7 @@ static void find_visible_normals(struct visible_normals *n, double mu, double ph
     double below = (tilt_x * tilt_x + tilt_y * tilt_y) / (1.0 + k);
     n->count = 0;
     for (int i = 0; i < rows; i++) {
-        // Smoothstep as change of variable: the integrand has kinks at both ends.
+        // Smoothstep as a change of variables: the integrand has kinks at both ends.
         double t = (i + 0.5) / rows;
         double u = t * t * (3.0 - 2.0 * t);
         double density = 6.0 * t * (1.0 - t) / (rows * columns);
@@ -85,7 +86,7 @@ static void find_visible_normals(struct visible_normals *n, double mu, double ph
     }
 }
 
-// Axes, as in lib/albedo.glsl: coordinates in [0, 1] to parameters.
+// The axes of lib/albedo.glsl: these functions map coordinates in [0, 1] to parameters.
 static double axis_alpha(double y)
 {
     double root4 = 0.1 + 0.9 * y;
@@ -95,13 +96,13 @@ static double axis_alpha(double y)
 static double axis_mu(double x, double scale)
 {
     double v = x * x;
-    return fmin(1.0, v * scale / (1.0 + scale - v)); // rounding may lead beyond 1
+    return fmin(1.0, v * scale / (1.0 + scale - v)); // rounding may exceed 1
 }
 
 static double axis_eta(double z, int inside)
 {
     double r = z * z * z * z;
-    // The end stands for infinity.
+    // The end of the axis is infinity.
     if (r >= 1.0)
         return inside ? 0.0 : 1e6;
     return inside ? (1.0 - r) / (1.0 + r) : (1.0 + r) / (1.0 - r);
@@ -127,7 +128,7 @@ double albedo_ggx(double x, double y)
     return fmin(1.0, sum);
 }
 
-// The mean of Schlick's weight over the reflected light.
+// Returns the mean of Schlick's weight over the reflected light.
 double albedo_schlick(double x, double y)
 {
     static struct visible_normals n;
@@ -141,7 +142,7 @@ double albedo_schlick(double x, double y)
     return weighted / sum;
 }
 
-// The mean of Fresnel's reflectance over the reflected light.
+// Returns the mean of the Fresnel reflectance over the reflected light.
 double albedo_fresnel(double x, double y, double z, double w)
 {
     int inside = w > 0.5;
@@ -164,7 +165,7 @@ double albedo_fresnel(double x, double y, double z, double w)
 struct interface {
     double wo[3], alpha[2], eta;
     double length_o; // |(alpha_x wo.x, alpha_y wo.y, wo.z)|
-    bool is_clear;   // reflects nothing but what is reflected totally
+    bool is_clear;   // reflects only by total reflection
 };
 
 static double stretched_length(const double w[3], const double alpha[2])
@@ -181,7 +182,7 @@ static struct interface make_interface(double mu, double phi, const double alpha
     return s;
 }
 
-// G2 / G1(wo) of the reflection about h; 0 where it ends under the surface.
+// Returns G2 / G1(wo) of the reflection about h; 0 if it goes below the surface.
 static double reflection_weight(const struct interface *s, const double h[3], double cosine)
 {
     double wi[3];
@@ -193,7 +194,7 @@ static double reflection_weight(const struct interface *s, const double h[3], do
     return wi[2] * (s->wo[2] + s->length_o) / (s->wo[2] * length_i + wi[2] * s->length_o);
 }
 
-// Returns the weight of the refraction, G1(wi), for cos_t beyond h.
+// Returns the weight of the refraction, G1(wi), for cos_t on the other side of h.
 static double refraction_weight(const struct interface *s, const double h[3], double cosine,
                                 double cos_t)
 {
@@ -203,8 +204,8 @@ static double refraction_weight(const struct interface *s, const double h[3], do
     return wi[2] < 0.0 ? 2.0 * -wi[2] / (stretched_length(wi, s->alpha) - wi[2]) : 0.0;
 }
 
-// Returns what a microfacet of the normal h, which wo sees, sends to where it does not meet another
-// one.
+// Returns the energy that a microfacet of normal h, visible from wo, scatters without meeting
+// another microfacet.
 static double interface_weight(const struct interface *s, const double h[3])
 {
     double cosine = fmin(1.0, vec3_dot(s->wo, h));
@@ -218,8 +219,8 @@ static double interface_weight(const struct interface *s, const double h[3])
            (1.0 - reflectance) * refraction_weight(s, h, cosine, sqrt(squared) / s->eta);
 }
 
-// The energy that leaves such an interface after one bounce: quadrature over the random numbers
-// that would sample visible normals, as above, over `circle` of their azimuths.
+// Returns the energy that leaves such an interface after one bounce: quadrature over the random
+// numbers that would sample visible normals, as above, over the part `circle` of their azimuths.
 static double interface_albedo(const struct interface *s, double circle, int rows, int columns)
 {
     double tilt_x = s->alpha[0] * s->wo[0] / s->length_o;
@@ -246,11 +247,12 @@ static double interface_albedo(const struct interface *s, double circle, int row
     return sum;
 }
 
-// An isotropic one: half of the circle stands for both.
+// Does the same for an isotropic interface, where half of the circle suffices.
 static double isotropic_albedo(double mu, double alpha, double eta, bool is_clear)
 {
-    // Total reflection ends along a line across the normals that are seen at grazing angles: over
-    // half as many columns its place between two of them shows, by 0.3 %.
+    // Total reflection ends along a line across the normals that are visible at grazing angles:
+    // with half as many columns the position of that line between two of them has an effect of 0.3
+    // %.
     const int columns = eta < 1.0 && mu < 0.1 && alpha > 0.3 ? 64 : 32;
     const double alphas[2] = {alpha, alpha};
     struct interface s = make_interface(mu, 0.0, alphas, eta);
@@ -258,8 +260,8 @@ static double isotropic_albedo(double mu, double alpha, double eta, bool is_clea
     return interface_albedo(&s, PI, 64, columns);
 }
 
-// The tables hold roots: albedos fall to nearly 0 at grazing angles as eta approaches 1, and what
-// is divided by them asks for their relative error.
+// The tables hold square roots: albedos fall to nearly 0 at grazing angles as eta approaches 1, and
+// since results are divided by them, their relative error matters.
 static double root_glass(double x, double y, double z, int inside, bool is_clear)
 {
     double alpha = axis_alpha(y), eta = axis_eta(z, inside);
@@ -285,11 +287,11 @@ double clear_glass(double x, double y, double z, double w)
     return root_glass(x, y, z, w > 0.5, true);
 }
 
-// Anisotropic GGX: a roughness, an aspect (alpha_y / alpha_x)^(1/2) and wo's azimuth, on axes as in
-// lib/albedo.glsl.
+// An anisotropic GGX distribution: a roughness, an aspect (alpha_y / alpha_x)^(1/2) and the azimuth
+// of wo, on the axes of lib/albedo.glsl.
 struct anisotropy {
     double alpha_x, alpha_y, phi;
-    double alpha_o; // the slope's deviation along wo
+    double alpha_o; // the deviation of slopes along wo
 };
 
 static struct anisotropy axis_anisotropy(double y, double z, double w)
@@ -309,7 +311,8 @@ double albedo_anisotropic(double x, double y, double z, double w)
     struct anisotropy a = axis_anisotropy(y, z, w);
     double sum = 0.0;
     double mu = axis_mu(x, a.alpha_o);
-    // From above, what is reflected is a narrow band of azimuths: 48 points are 2 % off.
+    // Seen from above, the reflected light is in a narrow band of azimuths: 48 points have an error
+    // of 2 %.
     int points = mu > 0.95 ? 192 : 48;
     find_visible_normals(&n, mu, a.phi, a.alpha_x, a.alpha_y, points, points);
     for (uint32_t i = 0; i < n.count; i++)
@@ -317,8 +320,9 @@ double albedo_anisotropic(double x, double y, double z, double w)
     return fmin(1.0, sum);
 }
 
-// 1 - the cosine at which (1 - cos)^12 is its mean over the reflected light. Fresnel's reflectance
-// is a concave function of that power, so that its mean is at most what it is at that cosine.
+// Returns 1 minus the cosine at which (1 - cos)^12 equals its mean over the reflected light. The
+// Fresnel reflectance is a concave function of that power, so that its mean is at most its value at
+// that cosine.
 double albedo_anisotropic_sine(double x, double y, double z, double w)
 {
     static struct visible_normals n;
@@ -338,9 +342,9 @@ static double ggx_masking(double mu, double alpha)
     return 2.0 * mu / (mu + sqrt(square(alpha) * (1.0 - mu) * (1.0 + mu) + mu * mu));
 }
 
-// The logarithm of the energy that an anisotropic interface sends to both sides over that of an
-// isotropic one of albedo_turned_stand_in()'s alpha: with that taken out, few nodes suffice.
-// `at`: along mu, roughness, aspect, azimuth and eta.
+// Returns the logarithm of the energy that an anisotropic interface sends to both sides, divided by
+// that of an isotropic one with the alpha of albedo_turned_stand_in(): few nodes suffice for the
+// quotient. `at`: coordinates along mu, roughness, aspect, azimuth and eta.
 double turned_glass(const double at[5], int inside)
 {
     const double least = ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST;
@@ -353,7 +357,7 @@ double turned_glass(const double at[5], int inside)
     double along = square(a.alpha_o), both = square(a.alpha_x) + square(a.alpha_y);
     double variance = along + 0.5 * mu * mu * (both - 2.0 * along);
     double stand_in = sqrt(variance / sqrt(1.0 + square(variance)));
-    if (at[4] == 0.0) // an interface that everything passes, but for the masking
+    if (at[4] == 0.0) // an interface that transmits everything, except for masking
         return log(ggx_masking(mu, a.alpha_o) / ggx_masking(mu, stand_in));
     const double alphas[2] = {a.alpha_x, a.alpha_y}, isotropic[2] = {stand_in, stand_in};
     struct interface turned = make_interface(mu, a.phi, alphas, eta);
@@ -371,8 +375,8 @@ double albedo_charlie(double x, double y)
     const int rows = 96, columns = 48;
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < columns; j++) {
-            // Squares gather points at grazing angles and around the direction away from wo, where
-            // the fibres reflect.
+            // Squaring gathers points at grazing angles and around the direction away from wo,
+            // where the fibres reflect.
             double t = (i + 0.5) / rows, q = (j + 0.5) / columns;
             double cos_i = t * t, sin_i = sqrt(1.0 - cos_i * cos_i);
             double phi = PI * (1.0 - q * q);
@@ -425,8 +429,8 @@ double albedo_coat_exact(double x, double y)
     return albedo_of_coat(x, y, true);
 }
 
-// Writes the albedos of Burley's subsurface approximation at one roughness (0, 1 or 2), and of his
-// sheen (3).
+// Writes the albedos of Burley's subsurface approximation at roughnesses 0, 1/2 and 1 (0 to 2) and
+// of his sheen (3).
 void albedo_diffuse(double x, double out[4])
 {
     double mu = axis_mu(x, 0.2);

@@ -1,6 +1,6 @@
 // Directional albedos by numerical quadrature of the formulas of docs/materials.md, in double
-// precision. Coordinates are those of the tables' axes (lib/albedo.glsl), 0 to 1. Part of
-// albedo_generate alone.
+// precision. Coordinates are those of the tables' axes (lib/albedo.glsl), 0 to 1. Only
+// albedo_generate uses this file.
 #ifndef LAMPYRIS_RENDER_TABLES_ALBEDO_INTEGRALS_H
 #define LAMPYRIS_RENDER_TABLES_ALBEDO_INTEGRALS_H
 

@@ -11,7 +11,8 @@
 struct probe {
     double origin[3];
     double directions[RAYS][3];
-    // How often each ray leaves surfaces of each medium more than it enters them.
+    // For each ray and medium, the number of times that it leaves the medium minus those that it
+    // enters it.
     int32_t left[RAYS][MEDIA_MAX + 1];
 };
 
@@ -40,7 +41,8 @@ static int crossing(const double origin[3], const double direction[3],
 
 // --- shapes --------------------------------------------------------------------------------------
 
-// Returns whether a point is in the body that a shape encloses; a plane has everything behind it.
+// Returns whether a point is inside the body that a shape encloses; a plane encloses everything
+// behind it.
 static bool is_inside(const double origin[3], const struct flat_shape *shape)
 {
     double from[3], axes[3][3], along[3], square[3], radius = (double)shape->radius;
@@ -70,7 +72,7 @@ static bool is_inside(const double origin[3], const struct flat_shape *shape)
     }
 }
 
-// Returns whether a point is inside of a distance field, which has nothing outside of its box.
+// Returns whether a point is inside a distance field, which is empty outside its box.
 static bool is_inside_field(const double origin[3], const struct flat_shape *shape,
                             const struct sdf *sdf)
 {
@@ -89,7 +91,7 @@ static bool is_inside_field(const double origin[3], const struct flat_shape *sha
     return sdf_evaluate(sdf, p) < 0.0;
 }
 
-// Returns what crossing() does, at the distance t to the shape's plane, whose front is along the
+// Returns the same as crossing() for a shape's plane at the distance t, whose front is along the
 // normal.
 static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
 {
@@ -112,7 +114,7 @@ static int crossing_flat_shape(const double origin[3], const double direction[3]
         point[c] = from[c] + t * direction[c];
     if (shape->kind == SHAPE_DISC)
         return crossing_plane(direction, normal, t, vec3_dot(point, point) <= radius * radius);
-    // In units of the half edges.
+    // Lengths are in units of the half edges.
     double across[3], square = vec3_dot(normal, normal);
     vec3_cross(point, v, across);
     double a = vec3_dot(across, normal) / square;
@@ -121,8 +123,8 @@ static int crossing_flat_shape(const double origin[3], const double direction[3]
     return crossing_plane(direction, normal, t, fabs(a) <= 1.0 && fabs(b) <= 1.0);
 }
 
-// Both sides of a tube's wall at once: the ray leaves at the far crossing and enters at the near
-// one, where these are between the ends.
+// Handles both sides of an open cylinder's wall together: the ray leaves at the far crossing and
+// enters at the near one, if these are between the ends.
 static int crossing_tube(const double origin[3], const double direction[3],
                          const struct flat_shape *shape)
 {
@@ -167,12 +169,12 @@ static void probe_shape(struct probe *probe, const struct flat_shape *shape, con
 
 // --- the whole -----------------------------------------------------------------------------------
 
-// Visits those of a tree's triangles that the boxes of the hierarchy leave, for one of the rays.
+// A visit of the triangles that one of the rays may hit, by the boxes of a tree.
 struct visit {
     struct probe *probe;
     const struct shading_tables_params *p;
     const struct gpu_material *materials;
-    uint32_t override; // material of all; SCENE_NONE: their own
+    uint32_t override; // material of all triangles; SCENE_NONE: their own
     int ray;
 };
 
@@ -188,8 +190,8 @@ static void probe_triangle(const struct visit *v, uint32_t index)
 
 static void probe_instance(struct visit *v, const struct flat_instance *instance);
 
-// Instances are looked into with all rays at once, when the first one comes to them: one whose box
-// no ray begins in is of no interest.
+// An instance is probed with all rays when the first ray visits it; one whose box does not contain
+// the rays' origin is skipped.
 static void visit_primitive(void *context, uint32_t primitive)
 {
     struct visit *v = context;
@@ -199,13 +201,15 @@ static void visit_primitive(void *context, uint32_t primitive)
         probe_instance(v, &v->p->flat->instances[primitive & BVH_LEAF_INDEX]);
 }
 
-// A triangle that has several places would be visited several times: the boxes are left alone then.
+// A triangle that has several places would be visited several times: the boxes are not used in that
+// case.
 static bool is_split(const struct bvh *bvh)
 {
     return bvh->reference_count > bvh->triangle_count;
 }
 
-// The triangles from `first` to `end`, which are those of the tree at `root`, and its instances.
+// Probes the triangles from `first` to `end`, which belong to the tree at `root`, and its
+// instances.
 static void probe_tree(struct visit *v, uint32_t root, uint32_t first, uint32_t end)
 {
     const struct bvh *bvh = v->p->bvh;
@@ -230,7 +234,7 @@ static void probe_instance(struct visit *v, const struct flat_instance *instance
         for (int ray = 0; ray < RAYS; ray++)
             probe.directions[ray][row] = vec3_dot(linear, world->directions[ray]);
     }
-    // No closed surface holds what is outside of its box.
+    // A closed surface contains no point outside its box.
     for (int c = 0; c < 3; c++)
         if (!(probe.origin[c] >= (double)mesh->bounds_min[c] &&
               probe.origin[c] <= (double)mesh->bounds_max[c]))
@@ -258,7 +262,7 @@ static void probe_scene(struct probe *probe, const struct shading_tables_params 
     }
 }
 
-// The value that at least two of the three rays agree on, else none.
+// Returns the value that at least two of the three rays have, else none.
 static int32_t majority(const struct probe *probe, uint32_t number)
 {
     int32_t a = probe->left[0][number], b = probe->left[1][number], c = probe->left[2][number];
@@ -268,7 +272,8 @@ static int32_t majority(const struct probe *probe, uint32_t number)
 uint32_t camera_media_find(const struct shading_tables_params *p,
                            const struct gpu_material *materials)
 {
-    // Along the line of sight and to two sides of it, none along an axis of a symmetric scene.
+    // One ray is along the line of sight, two are to its sides; none is along an axis of a
+    // symmetric scene.
     struct probe probe = {0};
     const double *d = p->camera->direction;
     flat_from_world(p->flat, p->camera->position, probe.origin);
@@ -282,6 +287,6 @@ uint32_t camera_media_find(const struct shading_tables_params *p,
     uint32_t stack = 0;
     for (uint32_t number = 1; number <= MEDIA_MAX; number++)
         for (int32_t n = majority(&probe, number); n > 0; n--)
-            stack = stack << 8 | number; // the highest ones stay
+            stack = stack << 8 | number; // the highest ones are kept
     return stack;
 }

@@ -1,13 +1,13 @@
-// Which closed surfaces a camera is inside of.
+// Finds the closed surfaces that contain the camera.
 #ifndef LAMPYRIS_RENDER_TABLES_CAMERA_MEDIA_H
 #define LAMPYRIS_RENDER_TABLES_CAMERA_MEDIA_H
 
 #include "render/tables/shading_tables.h"
 
-// The stack of media (lib/media.glsl) at the camera's position: those whose surfaces a ray from
-// there leaves more often than it enters them. Three rays decide by majority, so that one that
-// slips along an edge does no harm. `materials`: as uploaded, with their media's numbers. More than
-// four media: the highest ones.
+// Returns the stack of media (lib/media.glsl) at the camera's position: those whose surfaces a ray
+// from there leaves more often than it enters them. Three rays decide by majority, so that one that
+// grazes an edge does no harm. `materials`: as uploaded, with the numbers of their media. If there
+// are more than four media, the highest ones are returned.
 uint32_t camera_media_find(const struct shading_tables_params *params,
                            const struct gpu_material *materials);
 

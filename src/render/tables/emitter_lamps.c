@@ -8,17 +8,16 @@
 // An emissive triangle.
 struct member {
     uint32_t triangle;
-    uint32_t
-        parent; // of the forest of union-find: a member that shines with it, at most its number
+    uint32_t parent; // in the union-find forest: a member of the same lamp
 };
 
 struct search {
     const struct flat_scene *flat;
     struct member *members;
     uint32_t count;
-    // Of corners by their places, open addressing: 1 + 3 * member + corner; 0: free.
+    // A hash table of corners by position, with open addressing: 1 + 3 * member + corner; 0: free.
     uint64_t *table, mask;
-    uint32_t *of_small; // 1 + the first member of each small lamp (flatten.h)
+    uint32_t *of_small; // 1 + the first member of each lamp that is small (flatten.h)
 };
 
 static uint32_t find_root(struct member *members, uint32_t i)
@@ -37,11 +36,11 @@ static void join(struct member *members, uint32_t a, uint32_t b)
     members[a > b ? a : b].parent = a < b ? a : b;
 }
 
-// Members from `first` on are of one instance.
+// Members from `first` on belong to one instance.
 static void join_at_corner(struct search *s, uint32_t first, uint32_t member, uint32_t corner)
 {
     const float *v = s->flat->triangles[s->members[member].triangle].v[corner];
-    // The sum is no negative zero.
+    // Adding 0 turns a negative zero into a positive one.
     const float place[3] = {v[0] + 0.0f, v[1] + 0.0f, v[2] + 0.0f};
     uint64_t at = hash_bytes(hash_bytes(HASH_INIT, &first, sizeof first), place, sizeof place);
     for (at &= s->mask; s->table[at]; at = (at + 1) & s->mask) {
@@ -84,8 +83,8 @@ static bool list_members(const struct scene *scene, struct search *s, struct are
     return true;
 }
 
-// Corners of triangles that are small for where they are say nothing; which lamp they are of was
-// found before these were rounded.
+// The corners of triangles that are small for their distance from the origin are too inexact; their
+// lamps were found before the corners were rounded.
 static void join_small(struct search *s, uint32_t member, uint32_t lamp)
 {
     if (s->of_small[lamp])
@@ -94,7 +93,7 @@ static void join_small(struct search *s, uint32_t member, uint32_t lamp)
         s->of_small[lamp] = 1 + member;
 }
 
-// Triangles are in the order of their instances.
+// Triangles are sorted by instance.
 static void join_members(struct search *s)
 {
     uint32_t first = 0, last_instance = 0;

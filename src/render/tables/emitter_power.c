@@ -60,7 +60,7 @@ bool has_planes(const struct flat_scene *flat)
 double bounding_radius(const struct flat_scene *flat)
 {
     double square = 0.0;
-    // Planes alone: as much as a metre around is worth looking at.
+    // If there are only planes, a radius of one metre is assumed.
     if (!(flat->bounds_min[0] <= flat->bounds_max[0]) && has_planes(flat))
         return 1.0;
     for (int c = 0; c < 3; c++) {
@@ -94,7 +94,7 @@ double light_power(const struct light *light, const struct flat_scene *flat)
     case LIGHT_DIRECTIONAL:
         return brightness * M_PI * radius * radius;
     case LIGHT_SPOT:
-        // Where there is a profile, too, at most what the narrower one leaves.
+        // With a photometric profile, the solid angle is at most that of the narrower of the two.
         return brightness * fmin(spot_solid_angle(light), profile_solid_angle(light));
     default:
         return brightness * profile_solid_angle(light);

@@ -52,7 +52,7 @@ uint64_t emitters_total(const struct emitter_counts *counts)
 
 struct emitter_list {
     uint32_t *primitives;
-    double *powers; // as in emitter_power.h
+    double *powers; // see emitter_power.h
     uint32_t count, surface_count;
     double total;
 };
@@ -69,8 +69,8 @@ static void add_emitter(struct emitter_list *list, uint32_t primitive, double po
     list->total += power;
 }
 
-// In the order of the flat scene, so that no BVH decides which number an emitter has, and with that
-// which one a random number chooses.
+// Lists triangles in the order of the flat scene, so that the BVH has no influence on an emitter's
+// number, and with it on which emitter a random number selects.
 static bool list_triangles(const struct shading_tables_params *p, struct emitter_list *list,
                            struct err *err)
 {
@@ -78,7 +78,7 @@ static bool list_triangles(const struct shading_tables_params *p, struct emitter
     const struct bvh *bvh = p->bvh;
     bool ok = true;
     struct arena scratch = {0};
-    uint32_t *places = ARENA_NEW(&scratch, uint32_t, flat->triangle_count); // in leaf order
+    uint32_t *places = ARENA_NEW(&scratch, uint32_t, flat->triangle_count); // places in leaf order
     if (!places)
         return err_memory(err, "emitters", flat->triangle_count * sizeof *places);
     for (uint32_t i = 0; i < bvh->reference_count; i++)
@@ -95,9 +95,9 @@ static bool list_triangles(const struct shading_tables_params *p, struct emitter
     return ok;
 }
 
-// Returns what luminance of the environment's image shadow rays leave to scattered rays: its mean
-// (MIS compensation: Karlik, Sik, Vevoda, Skrivan, Krivanek 2019), where these are weighted and
-// find it wherever a surface reflects it; or none.
+// Returns the luminance of the environment's image that shadow rays leave to scattered rays: its
+// mean (MIS compensation: Karlik, Sik, Vevoda, Skrivan, Krivanek 2019), if both strategies are
+// weighted and scattered rays find it from every surface that reflects it; else 0.
 static double environment_floor(const struct scene *scene)
 {
     const struct settings *settings = &scene->settings;
@@ -106,12 +106,12 @@ static double environment_floor(const struct scene *scene)
         settings->min_density > 0.0f || scene->environment.width == 0)
         return 0.0;
     double mean = environment_luminance(&scene->environment);
-    // An even image has nothing above but what rounding leaves of it.
+    // In a uniform image only rounding errors are above the mean.
     bool is_even = environment_luminance_above(&scene->environment, mean) <= 0x1p-20 * mean;
     return is_even ? 0.0 : mean;
 }
 
-// Every primitive with emission, those of zero area too: they get no weight.
+// Lists every primitive with emission. Those of zero area are listed, too, but have no weight.
 static bool list_emitters(const struct shading_tables_params *p, double floor, struct arena *arena,
                           struct emitter_list *list, struct err *err)
 {
@@ -145,7 +145,7 @@ static bool list_emitters(const struct shading_tables_params *p, double floor, s
 
 // --- lights without extent, and suns -------------------------------------------------------------
 
-// The record of a light of flat_light(), but for the probability to pick it.
+// Returns the record of a result of flat_light(), without its selection probability.
 static struct gpu_light light_record(const struct light *light, float reach)
 {
     struct gpu_light record = {
@@ -168,8 +168,8 @@ static struct gpu_light light_record(const struct light *light, float reach)
     return record;
 }
 
-// Refuses a light so near to the scene, or so far, that what it sends, divided by the square of its
-// distance, is not finite.
+// Refuses a light so near to the scene, or so far from it, that its contribution, divided by the
+// square of the distance, is not finite.
 static bool check_place(const struct scene *scene, const struct flat_scene *flat,
                         const struct light *light, const struct light *placed, struct err *err)
 {
@@ -211,7 +211,7 @@ static bool fill_lights(const struct scene *scene, const struct flat_scene *flat
     return true;
 }
 
-// Adds `pick` to the probability of an emitter whose probability is the same everywhere.
+// Adds `pick` to the selection probability of an emitter for which that is the same everywhere.
 static void add_pick(struct emitters *out, uint32_t primitive, double pick)
 {
     if (primitive == PRIMITIVE_ENVIRONMENT)
@@ -222,8 +222,8 @@ static void add_pick(struct emitters *out, uint32_t primitive, double pick)
 
 // --- ways to choose ------------------------------------------------------------------------------
 
-// Fills bins[count] and the probabilities that they give to lights and the environment, times
-// `share`.
+// Fills bins[count], and the selection probabilities that they give to lights and the environment,
+// times `share`.
 static bool fill_bins(const uint32_t *primitives, const double *powers, uint32_t count,
                       double share, struct arena *arena, struct gpu_emitter *bins,
                       struct emitters *out, struct err *err)
@@ -259,7 +259,7 @@ static bool build_power(const struct emitter_list *list, struct arena *arena, st
     return fill_bins(list->primitives, list->powers, list->count, 1.0, arena, bins, out, err);
 }
 
-// Bins without aliases, each chosen with the same probability.
+// Builds bins without aliases, which are chosen with equal probability.
 static bool build_list(const struct emitter_list *list, struct arena *arena, struct emitters *out,
                        struct err *err)
 {
@@ -365,7 +365,7 @@ static void bound_shape(const struct flat_shape *shape, struct light_bounds *out
     out->two_sided = is_flat;
 }
 
-// The angle over which a spot's light falls off, and a little for rounding.
+// Returns the angle over which a spot's light falls off, and a little more for rounding.
 static double spot_fall(const struct light *light)
 {
     return fmin((double)light->outer_angle - (double)light->inner_angle + 1e-3, 0.5 * M_PI);
@@ -384,7 +384,7 @@ static void bound_light(const struct light *light, struct light_bounds *out)
     out->power = luminance(light->radiant);
 }
 
-// Bounds an emitter that is not infinitely far; `power` is as in the list.
+// Returns the bounds of an emitter that is not infinitely far; `power` is as in the list.
 static struct light_bounds bound_emitter(const struct scene *scene, const struct flat_scene *flat,
                                          const struct bvh *bvh, uint32_t primitive, double power)
 {
@@ -395,7 +395,7 @@ static struct light_bounds bound_emitter(const struct scene *scene, const struct
     } else if (primitive & PRIMITIVE_SHAPE) {
         const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
         bound_shape(shape, &bounds);
-        // A convex body shows a quarter of its surface face on, on average (Cauchy 1841).
+        // The projected area of a convex body is a quarter of its surface on average (Cauchy 1841).
         bounds.power *= is_flat_shape(shape) ? 1.0 : 0.25;
     } else {
         bound_triangle(flat, bvh->triangle_order[primitive], &bounds);
@@ -410,16 +410,16 @@ static bool is_infinite(const struct scene *scene, uint32_t primitive)
             scene->lights[primitive & ~PRIMITIVE_LIGHT].kind == LIGHT_DIRECTIONAL);
 }
 
-// The emitters by where they go.
+// The emitters, divided into those in the tree and those beside it.
 struct tree_parts {
-    struct light_bounds *bounds; // of those in the tree
+    struct light_bounds *bounds; // bounds of those in the tree
     uint32_t *primitives, *numbers, *lamps;
     uint32_t count;
     uint32_t *infinite, *infinite_lamps;
     double *infinite_powers;
     uint32_t infinite_count;
-    uint32_t surface_count; // of all emitters
-    uint32_t lamp_count;    // whose records are in the buffer
+    uint32_t surface_count; // the number among all emitters
+    uint32_t lamp_count;    // lamps whose records are in the buffer
 };
 
 static bool part_emitters(const struct shading_tables_params *p, const struct emitter_list *list,
@@ -462,11 +462,12 @@ static bool part_emitters(const struct shading_tables_params *p, const struct em
     return true;
 }
 
-// Emitters that are infinitely far are chosen with this probability where there are others: neither
-// is known to matter less.
+// Infinitely far emitters are selected with this probability if there are others: neither group is
+// known to matter less.
 #define INFINITE_SHARE 0.5
 
-// The buffer: header, pairs, trails, bins, lamps. Where no emitter has power, a pair of dark ones.
+// Writes the buffer: header, pairs, trails, bins, lamps. If no emitter has power, it gets one pair
+// of dark nodes.
 static bool lay_out_tree(const struct tree_parts *parts, struct arena *arena, struct emitters *out,
                          struct err *err)
 {
@@ -550,9 +551,9 @@ static bool build_tree(const struct shading_tables_params *p, const struct emitt
     return ok;
 }
 
-// Shadow rays to what is infinitely far go so far where planes do: what stands on one throws a
-// shadow at low suns beyond all bounds. As large as the extent of a scene may be, see
-// geometry_prepare(), so that kernels' products stay finite.
+// The length of shadow rays to infinitely far emitters in scenes with infinite planes: at a low
+// sun, an object on a plane casts a shadow beyond all bounds. It is the largest extent of a scene,
+// see geometry_prepare(), so that products in kernels stay finite.
 #define PLANES_REACH 4e9
 
 static void note_unconnected(const struct scene *scene, const struct flat_scene *flat)
@@ -578,8 +579,7 @@ bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
     const struct scene *scene = p->scene;
     const struct flat_scene *flat = p->flat;
     struct emitter_list list;
-    // Twice the longest way that there is inside of the bounds: beyond all surfaces from whichever
-    // of them.
+    // Twice the longest way within the bounds: beyond all surfaces from any of them.
     *out = (struct emitters){.reach = (float)(4.0 * bounding_radius(flat))};
     if (has_planes(flat))
         out->reach = fmaxf(out->reach, (float)PLANES_REACH);

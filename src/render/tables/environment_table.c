@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define END UINT32_MAX // of the numbers that choose a bin
+#define END UINT32_MAX // end of the numbers that select a bin
 
 // --- one table -----------------------------------------------------------------------------------
 
@@ -33,9 +33,9 @@ static uint64_t table_words(uint32_t bins)
     return words;
 }
 
-// Deals out the numbers below END: one to each bin with weight, the rest in proportion. Thresholds
-// come from running sums, so that a bin's error is a rounding and not their sum. Replaces weights
-// by probabilities; leaves all at 0 where all are 0.
+// Distributes the numbers below END: one to each bin with weight, the rest in proportion.
+// Thresholds come from running sums, so that the error of a bin is one rounding, not the sum of
+// all. Replaces weights by probabilities; leaves all at 0 if all are 0.
 static void deal(double *weights, uint32_t bins, uint32_t *thresholds)
 {
     double total = 0.0, sum = 0.0;
@@ -59,7 +59,7 @@ static void deal(double *weights, uint32_t bins, uint32_t *thresholds)
     }
 }
 
-// The levels of a table above its thresholds, coarsest first.
+// Writes the levels of a table above its thresholds, coarsest first.
 static void write_table(const uint32_t *thresholds, uint32_t bins, uint32_t (*words)[4])
 {
     for (uint32_t level = level_count(bins); level-- > 0;) {
@@ -100,8 +100,8 @@ static bool is_bilinear(const struct environment_table *table)
     return table->filter == ENVIRONMENT_FILTER_BILINEAR;
 }
 
-// Rows of words, and of the bins that a sampler chooses from: one of each for a row of texels; or
-// the rows of nodes and of the cells between them.
+// Returns the rows of words. For texels there are as many rows of bins that a sampler selects from;
+// for interpolated nodes these are the rows of cells between the rows of nodes.
 static uint64_t word_rows(const struct environment_table *table, uint32_t height)
 {
     return (uint64_t)height + (is_bilinear(table) ? 2 : 0);
@@ -124,14 +124,14 @@ struct build {
     const struct environment_table *table;
     struct environment image;
     uint32_t rows;    // of bins
-    float pole[2][3]; // what is seen at the zenith and at the nadir
+    float pole[2][3]; // the radiance at the zenith and at the nadir
     uint32_t (*words)[4];
-    double *row_weights; // NULL: not sampled
+    double *row_weights; // NULL: the image is not sampled
     atomic_bool failed;
 };
 
-// A pole is one direction and has one radiance: the mean of the texels about it, which are all
-// equally far from it. So radiance is continuous across it.
+// A pole is a single direction with one radiance: the mean of the texels around it, which are all
+// equally far from it. So the radiance is continuous at the pole.
 static void find_poles(struct build *b)
 {
     for (int i = 0; i < 2; i++) {
@@ -145,7 +145,7 @@ static void find_poles(struct build *b)
     }
 }
 
-// The radiance of a row of words.
+// Returns the radiance in a row of words.
 static const float *word_texel(const struct build *b, size_t row, uint32_t column)
 {
     if (!is_bilinear(b->table))
@@ -162,13 +162,14 @@ static void write_word(const struct build *b, size_t row, uint32_t column, float
     memcpy(&word[3], &density, sizeof density);
 }
 
-// What a texel is sampled by.
+// Returns the weight by which a texel is sampled.
 static double texel_weight(const struct build *b, const float texel[3])
 {
     return fmax(texel_luminance(&b->image, texel) - (double)b->table->floor, 0.0);
 }
 
-// The mean weight of a row's bins; that of a cell, in which it is bilinear, is its corners'.
+// Computes the mean weight of a row's bins; in a cell the weight is bilinear, and its mean is that
+// of the corners.
 static void weigh(const struct build *b, size_t row, double *weights)
 {
     uint32_t width = b->image.width;
@@ -189,7 +190,7 @@ static double bin_solid_angle(const struct build *b, size_t row)
                                  : environment_texel_solid_angle(&b->image, (uint32_t)row);
 }
 
-// Words of some rows, with the probabilities of bins within the row, and the rows' tables.
+// Builds the words of some rows, the probabilities of bins within each row, and the rows' tables.
 static void build_rows(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;
@@ -218,7 +219,7 @@ static void build_rows(void *context, size_t begin, size_t end, unsigned thread)
     free(thresholds);
 }
 
-// What rows' probabilities make of the densities of their bins.
+// Multiplies the densities of the bins by the probabilities of their rows.
 static void scale_rows(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;

@@ -5,13 +5,13 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-// Measured (docs/lighting.md): up to so many lamps a shadow ray to each is worth its time, at the
-// first vertices of a path.
+// The number of lamps up to which a shadow ray to each is worth its time, at the first vertices of
+// a path: measured (docs/lighting.md).
 #define FEW_LAMPS 5
 #define FIRST_VERTICES 1
-// The emitters of a single lamp are about as far away, and the tree chooses among few of them as
-// power does: on the Cornell box, whose lamp has two, the error keeps its digits and the tree takes
-// 1.2 times the processor time.
+// The emitters of a single lamp have similar distances, and the tree chooses among few of them as
+// power does: on the Cornell box, whose lamp has two emitters, the error is the same and the tree
+// takes 1.2 times the processor time.
 #define MANY_EMITTERS 16
 
 static bool is_one_simple_lamp(uint64_t emitters, uint32_t lamps)

@@ -1,5 +1,5 @@
-// Which emitters vertices are connected to: the setting light_choice, decided by the scene alone,
-// so that no device changes a picture.
+// Decides which emitters vertices connect to (the setting light_choice), from the scene alone, so
+// that the picture does not depend on the device.
 #ifndef LAMPYRIS_RENDER_TABLES_LIGHT_CHOICE_H
 #define LAMPYRIS_RENDER_TABLES_LIGHT_CHOICE_H
 
@@ -8,18 +8,18 @@
 
 struct light_choice {
     uint32_t way;      // LIGHT_CHOICE_*, never AUTO
-    uint32_t vertices; // with LIGHT_CHOICE_ALL: first ones of a path, or ALL_VERTICES
-    uint32_t rays;     // that a vertex sends at most
+    uint32_t vertices; // with LIGHT_CHOICE_ALL: of first vertices, or ALL_VERTICES
+    uint32_t rays;     // the most that a vertex sends
 };
 
-// `setting`: LIGHT_CHOICE_*. `lamps` are looked at where light_choice_asks_lamps() says so.
+// `setting`: LIGHT_CHOICE_*. `lamps` is used only if light_choice_asks_lamps() returns true.
 struct light_choice light_choice_of(uint32_t setting, uint64_t emitters, uint32_t lamps);
 bool light_choice_asks_lamps(uint32_t setting);
 
 struct light_choice_text {
     char text[160];
 };
-// What vertices are connected to, and why by default.
+// Returns the emitters that vertices connect to, and the reason for the default, in words.
 struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters, uint32_t lamps);
 
 #endif

@@ -8,43 +8,44 @@
 #include <string.h>
 
 #define BUCKETS 12
-#define FEW 32 // emitters that do with fewer buckets
+#define FEW 32 // so few emitters need fewer buckets
 #define FEW_BUCKETS 4
-// Splits of more emitters are judged by so many of them; fewer than the second are halved.
+// Splits of larger ranges are evaluated with about this many of their items; ranges of fewer than
+// HALVED items are halved.
 #define JUDGED 1024
 #define HALVED 4
-// Levels that a trail has bits for.
+// Levels for which a trail has bits.
 #define DEPTH_MAX 64
-// Subtrees of at most so many emitters, or of this part of all, are built by one thread.
+// Subtrees with at most this many emitters, or this fraction of all, are built by one thread.
 #define TASK_LEAVES 4096
 #define TASK_PARTS 32
 #define TASKS_MAX 1024
 
-// What a part of the tree is built over: lamps, or below them emitters.
+// The items that a part of the tree is built over: lamps, or below them emitters.
 struct layer {
     const struct light_bounds *bounds;
-    uint32_t *order; // of them: subtrees are ranges of it
-    uint32_t below;  // levels that one of them needs below itself at most
+    uint32_t *order; // indices of the items: subtrees are ranges of it
+    uint32_t below;  // the most levels that one item needs below itself
 };
 
 struct builder {
     struct layer lamps, emitters;
-    const uint32_t *lamp_first; // of each lamp and beyond the last: in the emitters' order
+    const uint32_t *lamp_first; // of each lamp and one beyond: its first emitter in the order
     const uint32_t *primitives;
     double total_power;
     struct light_tree *tree;
-    const struct progress *progress; // NULL: nobody listens
+    const struct progress *progress; // NULL: no progress is reported
 };
 
-// A subtree: so many of a layer, how many emitters these are, the number of its root's pair of
-// children, and the way down to it.
+// A subtree: its items in a layer, the number of their emitters, the number of the pair of children
+// of its root, and the way down to it.
 struct range {
     const struct layer *layer;
     uint32_t first, count, leaves, node, depth;
     uint64_t trail;
 };
 
-// One of a range.
+// Returns the bounds of an item of a range.
 static const struct light_bounds *bounds_at(const struct range *range, uint32_t i)
 {
     return &range->layer->bounds[range->layer->order[range->first + i]];
@@ -59,8 +60,8 @@ static double angle_between(const double a[3], const double b[3])
     return atan2(vec3_norm(normal), vec3_dot(a, b));
 }
 
-// The smallest cone about both (Pharr, Jakob, Humphreys 2023, section 3.8.4). Of what sends to both
-// sides the axis may as well point the other way.
+// Joins two cones to the smallest cone around both (Pharr, Jakob, Humphreys 2023, section 3.8.4).
+// The axis of a two-sided emitter may be reversed.
 static void join_cones(struct light_bounds *a, const struct light_bounds *b)
 {
     double other[3], angle;
@@ -98,10 +99,11 @@ static double distance(vec3s a, vec3s b)
     return vec3_norm(to);
 }
 
-// More than what rounding a radius to single precision takes away.
+// Exceeds the rounding of a radius to single precision.
 #define RADIUS_MARGIN (1.0 + 1e-6)
 
-// About the middle of the box: as far as its corners are, or the spheres of what is in it.
+// Sets a sphere around the middle of the box, which reaches as far as the box's corners or as the
+// spheres of the parts.
 static void bound_by_sphere(struct light_bounds *out, const struct light_bounds *a,
                             const struct light_bounds *b)
 {
@@ -125,7 +127,7 @@ static struct light_bounds join(const struct light_bounds *a, const struct light
     return out;
 }
 
-// An octahedral axis of 2 x 16 bits is off by less than this angle, radians.
+// The error of an octahedral axis of 2 x 16 bits is less than this angle, in radians.
 #define AXIS_RESOLUTION 2e-4
 
 static struct gpu_light_bounds encode(const struct builder *b, const struct light_bounds *bounds,
@@ -139,7 +141,7 @@ static struct gpu_light_bounds encode(const struct builder *b, const struct ligh
     out.axis = encode_normal(axis);
     double cos_o = cos(fmin(bounds->theta_o + AXIS_RESOLUTION, M_PI));
     double cos_e = cos(bounds->theta_e);
-    // Rounded towards wider cones.
+    // Rounding widens the cone.
     uint32_t o = (uint32_t)floor((0.5 + 0.5 * cos_o) * LIGHT_COS_O_SCALE);
     uint32_t e = (uint32_t)floor((0.5 + 0.5 * cos_e) * LIGHT_COS_E_SCALE);
     out.cosines = o | e << 16 | (bounds->two_sided ? LIGHT_TWO_SIDED : 0u);
@@ -154,7 +156,7 @@ static float middle(const struct light_bounds *bounds, int axis)
     return light_bounds_middle(bounds).raw[axis];
 }
 
-// The cost of a part of a split is made of these.
+// The sums from which the cost of one side of a split is computed.
 struct part {
     vec3s min, max;
     double axis[3]; // sum
@@ -169,7 +171,7 @@ static struct part empty_part(void)
     return part;
 }
 
-// Axes of what sends to both sides are turned to where `reference` points.
+// The axes of two-sided emitters are turned towards `reference`.
 static void part_add(struct part *part, const struct light_bounds *bounds,
                      const double reference[3])
 {
@@ -196,7 +198,7 @@ static void part_join(struct part *a, const struct part *b)
     a->count += b->count;
 }
 
-// Surface area of the box, with a little of its diagonal for what lies in a line.
+// Returns the surface area of the box, with a little of its diagonal for items on a line.
 static double part_area(const struct part *part)
 {
     double e[3];
@@ -205,9 +207,10 @@ static double part_area(const struct part *part)
     return 2.0 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]) + 1e-3 * vec3_dot(e, e);
 }
 
-// The measure of the directions that it may send to (Conty Estevez and Kulla 2018, section 4.4).
-// The axes' cone is that in which uniformly distributed ones would have the same mean: the mean of
-// a cap of half-angle theta has the length (1 + cos theta) / 2. A bound would need another pass.
+// Returns the measure of the directions that it may send light to (Conty Estevez and Kulla 2018,
+// section 4.4). The cone of the axes is that in which uniformly distributed axes would have the
+// same mean: the mean of a cap of half-angle theta has the length (1 + cos theta) / 2. Exact bounds
+// would need another pass.
 static double part_orientation(const struct part *part)
 {
     double mean = vec3_norm(part->axis) / part->count;
@@ -225,7 +228,7 @@ static double part_cost(const struct part *part)
 struct split {
     double cost;
     int axis;
-    int position; // those in buckets below it are to the left
+    int position; // items in buckets below it go to the left
 };
 
 static int bucket_count(const struct range *range)
@@ -239,7 +242,7 @@ static int bucket_of(float position, float low, float high, int count)
     return bucket >= (float)count ? count - 1 : (int)bucket;
 }
 
-// The best split along one axis; `low` and `high` bound the middles, and differ.
+// Finds the best split along one axis; `low` and `high` bound the middles, and differ.
 static void try_axis(const struct range *range, int axis, float low, float high, double regularity,
                      struct split *best)
 {
@@ -269,7 +272,7 @@ static void try_axis(const struct range *range, int axis, float low, float high,
     }
 }
 
-// Moves those of the buckets below to the front; returns how many.
+// Moves the items of lower buckets to the front; returns their number.
 static uint32_t partition(const struct range *range, const struct split *split, float low,
                           float high)
 {
@@ -290,7 +293,7 @@ static uint32_t levels_needed(uint32_t count)
     return count > 1 ? 32u - (uint32_t)__builtin_clz(count - 1) : 0;
 }
 
-// Puts few in ascending order of their middles.
+// Sorts a few items in ascending order of their middles.
 static void sort_few(const struct range *range, int axis)
 {
     uint32_t *order = range->layer->order + range->first;
@@ -304,8 +307,8 @@ static void sort_few(const struct range *range, int axis)
         }
 }
 
-// How many of a range of at least 2 go to the left. Halves where they are few, where nothing tells
-// them apart, and where the trail has no more bits than halving needs.
+// Returns how many items of a range of at least 2 go to the left. Halves the range if it has few
+// items, if no split is better, or if the trail has only the bits that halving needs.
 static uint32_t split_range(const struct range *range)
 {
     uint32_t half = range->count / 2;
@@ -342,7 +345,7 @@ static uint32_t child_word(const struct builder *b, const struct range *range)
                               : range->node;
 }
 
-// A range of one lamp becomes that of its emitters.
+// Turns a range of one lamp into the range of its emitters.
 static struct range enter_lamp(const struct builder *b, const struct range *range)
 {
     if (range->layer != &b->lamps || range->count > 1)
@@ -368,8 +371,8 @@ static uint32_t count_leaves(const struct builder *b, const struct range *range,
     return leaves;
 }
 
-// The pair of a subtree is followed by the subtree on the left, then by that on the right: n
-// emitters have n - 1 pairs.
+// The pair of a subtree is followed by the left subtree, then by the right one: n emitters have n -
+// 1 pairs.
 static void split_children(const struct builder *b, const struct range *range, struct range out[2])
 {
     uint32_t left = split_range(range), leaves = count_leaves(b, range, left);
@@ -397,7 +400,7 @@ static struct light_bounds set_pair(const struct builder *b, uint32_t node,
     return join(&bounds[0], &bounds[1]);
 }
 
-// Small ranges are done at once.
+// Small ranges finish without asking.
 static bool is_stopped(const struct builder *b, const struct range *range)
 {
     return range->leaves > 1024 && progress_should_stop(b->progress);
@@ -423,11 +426,11 @@ static struct light_bounds build_range(const struct builder *b, const struct ran
 }
 
 // The upper part of a large tree: its pairs, parents first, and the subtrees below them, which are
-// built at the same time.
+// built in parallel.
 struct upper {
     const struct builder *b;
     struct range pairs[TASKS_MAX][2];
-    struct range roots[TASKS_MAX]; // of the pairs
+    struct range roots[TASKS_MAX]; // by pair
     struct range tasks[2 * TASKS_MAX];
     struct light_bounds task_bounds[2 * TASKS_MAX];
     uint32_t pair_count, task_count, largest;
@@ -454,7 +457,7 @@ static void run_tasks(void *context, size_t begin, size_t end, unsigned thread)
         u->task_bounds[i] = build_range(u->b, &u->tasks[i]);
 }
 
-// In the order of list_tasks().
+// Joins the bounds of the subtrees in the order of list_tasks().
 static struct light_bounds join_tasks(const struct upper *u, const struct range *range,
                                       uint32_t *pair, uint32_t *task)
 {
@@ -488,7 +491,7 @@ static bool build(const struct builder *b, uint32_t lamp_count, uint32_t count, 
     return true;
 }
 
-// Puts the emitters lamp by lamp; returns how many lamps have any, which are put in `lamp_order`.
+// Sorts the emitters by lamp; returns the number of lamps that have any, which `lamp_order` lists.
 static uint32_t sort_by_lamps(const struct light_tree_params *p, uint32_t *first, uint32_t *order,
                               uint32_t *lamp_order)
 {
@@ -499,7 +502,7 @@ static uint32_t sort_by_lamps(const struct light_tree_params *p, uint32_t *first
         uint32_t size = first[lamp + 1];
         if (size > 0)
             lamp_order[used++] = lamp;
-        first[lamp + 1] = sum; // moves on to where the next one begins
+        first[lamp + 1] = sum; // moves on to the beginning of the next one
         sum += size;
     }
     for (uint32_t i = 0; i < p->count; i++)

@@ -1,6 +1,7 @@
-// A binary tree over emitters, down which kernels choose one by what it may send to a point (Conty
-// Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; the
-// bounds of directions as in Pharr, Jakob, Humphreys 2023, section 12.6.3).
+// A binary tree over emitters. Kernels descend it to choose an emitter by its bound on the
+// contribution to a point (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
+// Adaptive Tree Splitting"; the bounds of directions as in Pharr, Jakob, Humphreys 2023, section
+// 12.6.3).
 #ifndef LAMPYRIS_RENDER_TABLES_LIGHT_TREE_H
 #define LAMPYRIS_RENDER_TABLES_LIGHT_TREE_H
 
@@ -12,20 +13,21 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Where emitters are and where they send light. Boxes in single precision, as their triangles are.
-// They send none further than theta_e from some direction that is within theta_o of the axis. Only
-// cglm's functions of three components are used: they are scalar on every machine.
+// Bounds of the positions of emitters and of the directions that they send light to. Boxes are in
+// single precision, as their triangles are. Emitters send light at most theta_e away from some
+// direction that is within theta_o of the axis. Only cglm's functions of three components are used:
+// they are scalar on every machine.
 struct light_bounds {
     vec3s min, max;
-    vec3s center; // of a sphere that holds them as well
+    vec3s center; // centre of a bounding sphere
     float radius;
     double axis[3];          // unit
     double theta_o, theta_e; // radians, [0, pi] and [0, pi / 2]
-    double power;            // the most that it sends in a direction: luminance of an intensity
-    bool two_sided;          // they send as much to where the opposites of these directions point
+    double power;            // the greatest in any direction: luminance of an intensity
+    bool two_sided;          // they send as much in the opposite directions
 };
 
-// Returns the middle of the box: corners are halved first, so that no sum overflows.
+// Returns the middle of the box: corners are halved first, so that the sum cannot overflow.
 static inline vec3s light_bounds_middle(const struct light_bounds *bounds)
 {
     return glms_vec3_add(glms_vec3_scale(bounds->min, 0.5f), glms_vec3_scale(bounds->max, 0.5f));
@@ -38,16 +40,16 @@ struct light_tree {
     uint32_t root;                  // a child's word
 };
 
-// Emitters of positive power, at least one.
+// The input: emitters of positive power, at least one.
 struct light_tree_params {
     const struct light_bounds *bounds;
-    const uint32_t *primitives; // their words
-    const uint32_t *lamps;      // that they are of: the emitters of a lamp are one subtree
+    const uint32_t *primitives; // their primitive words
+    const uint32_t *lamps;      // the lamp of each: the emitters of a lamp are one subtree
     uint32_t count, lamp_count;
     const struct progress *progress;
 };
 
-// The result lives in `arena`; on all CPU threads.
+// Builds the tree on all CPU threads; the result lives in `arena`.
 bool light_tree_build(const struct light_tree_params *params, struct arena *arena,
                       struct light_tree *out, struct err *err);
 

@@ -14,7 +14,7 @@ struct media {
     uint32_t count;
 };
 
-// Lengths are those of the flat scene's unit.
+// Lengths are in the flat scene's unit.
 static struct gpu_medium inside_of(const struct material *material, const struct flat_scene *flat)
 {
     struct gpu_medium medium = {
@@ -33,7 +33,7 @@ static bool same_medium(const void *a, const void *b)
     return memcmp(a, b, sizeof(struct gpu_medium)) == 0;
 }
 
-// The number of a material's inside, 1 and up; 0 where it is not listed.
+// Returns the number of the medium inside a material, 1 and up; 0 if it is not listed.
 static uint32_t medium_number(const struct media *media, const struct gpu_medium *medium)
 {
     for (uint32_t i = 0; i < media->count; i++)
@@ -42,8 +42,8 @@ static uint32_t medium_number(const struct media *media, const struct gpu_medium
     return 0;
 }
 
-// Lists the different media in ascending order of priority; among equals the one listed first is
-// lower.
+// Lists the different media in ascending order of priority; of media with equal priority the one
+// listed first is lower.
 static bool list_media(const struct scene *scene, const struct flat_scene *flat,
                        struct media *media, struct err *err)
 {
@@ -157,7 +157,8 @@ static void fill_profile(const struct light_profile *profile, char *bytes)
     memcpy(values + v + h, profile->relative, (size_t)v * h * sizeof *values);
 }
 
-// The profiles, which begin at the word `first`, and what lights know of theirs.
+// Fills the section of profiles, which begins at the word `first`, and the members of lights that
+// refer to it.
 static void fill_profiles(const struct scene *scene, uint64_t first, char *bytes,
                           struct gpu_light *lights)
 {
@@ -188,7 +189,7 @@ static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
     return s;
 }
 
-// Returns whether what microfacets of this material let through is compensated somewhere.
+// Returns whether the transmission of this material's microfacets is energy-compensated anywhere.
 static bool is_compensated_glass(const struct material *m)
 {
     bool through = m->model == MATERIAL_DIELECTRIC ||
@@ -197,7 +198,7 @@ static bool is_compensated_glass(const struct material *m)
     return through && is_rough && (m->flags & MATERIAL_COMPENSATE) != 0u;
 }
 
-// How many words of the tables of directional albedos shading a material reads.
+// Returns how many words of the albedo tables shading a material reads.
 static uint32_t albedo_words_of(const struct material *m)
 {
     bool is_principled = material_shading_model(m) == MATERIAL_PRINCIPLED;

@@ -14,7 +14,7 @@ static bool is_same(const struct texture_image *a, const struct texture_image *b
            a->is_float == b->is_float;
 }
 
-// The offset of an image, added when neither it nor its equal is there.
+// Returns the offset of an image; adds the image unless it, or an equal one, is there already.
 static uint64_t place_image(const struct scene *scene, struct texture_set *set, uint32_t index)
 {
     for (uint32_t i = 0; i < set->image_count; i++)

@@ -1,4 +1,4 @@
-// The textures that a scene's used materials read: equal images once, unused ones not at all.
+// The textures that the materials in use read: equal images are uploaded once, unused ones are not.
 #ifndef LAMPYRIS_RENDER_TABLES_TEXTURE_SET_H
 #define LAMPYRIS_RENDER_TABLES_TEXTURE_SET_H
 
@@ -10,13 +10,13 @@
 struct texture_set {
     struct gpu_texture *records; // one for each of scene->textures; zeroed where unused
     uint32_t *images;            // indices of the scene's images that are uploaded, in their order
-    uint64_t *offsets;           // of those, in units of 16 bytes
+    uint64_t *offsets;           // of these images, in units of 16 bytes
     uint32_t image_count;
-    uint64_t texel_bytes; // of all
-    uint64_t saved_bytes; // of images that are unused, or equal to others
+    uint64_t texel_bytes; // of all uploaded images
+    uint64_t saved_bytes; // of images that are unused or equal to others
 };
 
-// In `arena`. ERR_INPUT for more texels than a 32-bit offset reaches.
+// Builds the set in `arena`. ERR_INPUT for more texels than a 32-bit offset can address.
 bool texture_set_build(const struct scene *scene, const struct flat_scene *flat,
                        struct arena *arena, struct texture_set *out, struct err *err);
 bool texture_set_upload(struct gpu *gpu, const struct scene *scene, const struct texture_set *set,
