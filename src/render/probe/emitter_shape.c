@@ -16,7 +16,7 @@ static const struct flat_shape *shape_of(const struct renderer *r, struct emitte
     return &r->flat.shapes[part.index];
 }
 
-// from + a u + b v
+// Computes from + a u + b v.
 static void combine(const double from[3], double a, const double u[3], double b, const double v[3],
                     double out[3])
 {
@@ -24,7 +24,7 @@ static void combine(const double from[3], double a, const double u[3], double b,
         out[c] = from[c] + a * u[c] + b * v[c];
 }
 
-// Two unit vectors at right angles to each other and to a unit vector.
+// Finds two unit vectors at right angles to each other and to a unit vector.
 static void find_basis(const double normal[3], double u[3], double v[3])
 {
     const double other[3] = {fabs(normal[0]) <= 0.6, fabs(normal[0]) > 0.6, 0};
@@ -35,7 +35,7 @@ static void find_basis(const double normal[3], double u[3], double v[3])
 
 // --- middles and sizes ---------------------------------------------------------------------------
 
-// Corner 0 and the edges from there.
+// Finds corner 0 of a triangle and the two edges from it.
 static void find_triangle(const struct renderer *r, uint32_t id, double corner[3],
                           double edges[2][3])
 {
@@ -43,7 +43,7 @@ static void find_triangle(const struct renderer *r, uint32_t id, double corner[3
     flat_triangle_edges(&r->flat, id, edges);
 }
 
-// The direction of a place in a texel; environment.h has the convention.
+// Finds the direction of a place in a texel; environment.h has the convention.
 static void find_texel(const struct environment *environment, uint32_t index, double across,
                        double down, double out[3])
 {
@@ -117,7 +117,7 @@ double emitter_radius(const struct renderer *r, struct emitter_part part)
     }
 }
 
-// The area of a parallelogram with these half edges, as seen in a direction.
+// Returns the area of a parallelogram with these half edges, projected along a direction.
 static double seen_area(const double u[3], const double v[3], const double direction[3])
 {
     double normal[3];
@@ -170,7 +170,7 @@ double emitter_area(const struct renderer *r, struct emitter_part part, const do
 
 // --- points --------------------------------------------------------------------------------------
 
-// In [0, 1) each, evenly spread: Roberts 2018, "The unreasonable effectiveness of quasirandom
+// Places points evenly in [0, 1)^3: Roberts 2018, "The unreasonable effectiveness of quasirandom
 // sequences".
 static void place_in_cube(uint32_t number, uint32_t count, double out[3])
 {
@@ -179,7 +179,8 @@ static void place_in_cube(uint32_t number, uint32_t count, double out[3])
     out[2] = fmod(0.5 + number * 0.5698402909980532, 1);
 }
 
-// In the unit disc: Vogel 1979, "A better way to construct the sunflower head".
+// Places points evenly in the unit disc: Vogel 1979, "A better way to construct the sunflower
+// head".
 static void place_in_disc(uint32_t number, uint32_t count, double out[2])
 {
     double radius = sqrt((number + 0.5) / count), angle = number * 2.399963229728653;
@@ -196,7 +197,7 @@ static void place_in_disc_of(const double center[3], const double normal[3], dou
     combine(center, radius * at[0], u, radius * at[1], v, out);
 }
 
-// Places points on the part of the shape that is seen; of a cylinder that is its side.
+// Places points on the visible part of a shape; for a cylinder on its side.
 static void place_in_shape(const struct flat_shape *shape, const double direction[3],
                            uint32_t number, uint32_t count, double out[3])
 {
@@ -222,7 +223,7 @@ static void place_in_shape(const struct flat_shape *shape, const double directio
         combine(center, 2 * at[0] - 1, axes[0], (2 * at[1] - 1) * (double)shape->radius, across,
                 out);
         break;
-    default: // of a box all that is inside
+    default: // a box is filled
         combine(center, 2 * at[0] - 1, axes[0], 2 * at[1] - 1, axes[1], out);
         combine(out, shape->kind == SHAPE_QUAD ? 0 : 2 * at[2] - 1, axes[2], 0, axes[2], out);
     }

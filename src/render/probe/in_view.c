@@ -9,21 +9,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-// An emitter of more pixels is missed by both of two samples a pixel with a chance of exp(-10).
+// An emitter that covers more pixels is missed by both of two samples a pixel with a probability of
+// exp(-10).
 static const double part_max = 5;
 
-// Pixels around its middle, within which each one's part of an emitter counts for itself.
+// Within this many pixels of an emitter's centre, its part of each pixel is computed separately.
 static const double split_reach = 2;
 
-static const double texel_excess = 16; // of the median
+static const double texel_excess = 16; // times the median texel
 
-// So that 2 10^5 emitters take some .3 s on a CPU.
+// With these numbers 2 10^5 emitters take about 0.3 s on a CPU.
 enum {
     LIGHTS_MAX = 1 << 14, // pixels, the brightest of them
     FEW_LIGHTS = 4096,
-    PROBES = 16, // rays to each of few, and of many
+    PROBES = 16, // rays to each group, if there are few, and if there are many
     PROBES_OF_MANY = 4,
-    PROBES_OF_HIDDEN = 256, // at most, to those that none of these has reached
+    PROBES_OF_HIDDEN = 256, // the most rays to groups that none of these has reached
     RAYS_OF_HIDDEN = 1 << 17,
     RAYS_AT_ONCE = 1 << 14,
     PLACES_MIN = 4, // points on an emitter
@@ -31,7 +32,7 @@ enum {
     PLACES_OF_ALL = 1 << 20,
 };
 
-// An emitter, or a part of one, in the pixel in which its middle is.
+// An emitter, or a part of one, in the pixel that contains its centre.
 struct candidate {
     uint64_t pixel;
     struct emitter_part emitter;
@@ -39,22 +40,22 @@ struct candidate {
     float radius; // see struct small_light
 };
 
-// Candidates of one pixel.
+// The candidates of one pixel.
 struct group {
     struct small_light light;
     uint64_t pixel;
     size_t first, count; // of the candidates
     double brightness;   // of all its light
-    double free;         // of its probes, those that reached it
+    double free;         // fraction of its probes that reached it
 };
 
 struct search {
     const struct renderer *renderer;
     struct projection projection;
-    double spread;      // radius of what the filter adds to a pixel
+    double spread;      // radius by which the filter extends a pixel
     uint8_t *mask;      // see struct unseen_light
-    size_t small_count; // emitters of less than part_max
-    float *light;       // of each pixel: radiance times part, by their middles
+    size_t small_count; // number of emitters smaller than part_max
+    float *light;       // for each pixel: the sum of radiance times part, by emitters' centres
     struct candidate *candidates;
     size_t count, capacity;
     struct group *groups;
@@ -106,7 +107,7 @@ static void add_part(struct search *search, double x, double y, double part, dou
                               });
 }
 
-// Blackman and Harris's window of lib/filter.glsl, as a density from -1 to 1.
+// Returns the Blackman-Harris window of lib/filter.glsl, as a density from -1 to 1.
 static double window(double x)
 {
     static const double a[] = {0.48829 / 0.35875, 0.14128 / 0.35875, 0.01168 / 0.35875};
@@ -115,8 +116,8 @@ static double window(double x)
                  : 0;
 }
 
-// The density of the pixel filter at a distance from a pixel's middle, an area of a pixel: see
-// lib/filter.glsl.
+// Returns the density of the pixel filter at a distance from a pixel's centre, for the area of one
+// pixel: see lib/filter.glsl.
 static double filter_density(const struct renderer *r, double x, double y)
 {
     double radius = (double)r->frame.filter_radius, u = fabs(x) / radius, v = fabs(y) / radius;
@@ -140,7 +141,7 @@ static bool project(const struct search *search, struct emitter_part emitter, co
                                    : projection_find(&search->projection, place, at);
 }
 
-// Where in the picture samples meet an emitter: points of it, each blurred by the lens.
+// Finds where in the picture samples hit an emitter: points of it, each blurred by the lens.
 static uint32_t find_places(const struct search *search, struct emitter_part emitter,
                             const struct projected *middle, double (*out)[2])
 {
@@ -154,7 +155,7 @@ static uint32_t find_places(const struct search *search, struct emitter_part emi
         emitter_place(r, emitter, middle->direction, i, count, place);
         if (!project(search, emitter, place, &at))
             continue;
-        // Another order than that of the points.
+        // The order differs from that of the points.
         double radius = at.blur * sqrt(fmod((i + 0.5) * 0.6180339887498949, 1)), angle = 2.3 * i;
         out[found][0] = at.x + radius * cos(angle);
         out[found++][1] = at.y + radius * sin(angle);
@@ -162,8 +163,8 @@ static uint32_t find_places(const struct search *search, struct emitter_part emi
     return found;
 }
 
-// Each pixel's own part of an emitter that few pixels see: the mean density of its filter over
-// where samples meet the emitter.
+// Computes the part that an emitter covers of each of the few pixels that see it: the mean density
+// of the pixel's filter over the places where samples hit the emitter.
 static void split(struct search *search, const struct projected *at, double reach, double part,
                   struct emitter_part emitter)
 {
@@ -179,8 +180,8 @@ static void split(struct search *search, const struct projected *at, double reac
         }
 }
 
-// Returns whether what is within a radius of a point is in front of the camera; where the camera
-// may be within it, it may be anywhere in the picture.
+// Returns whether a sphere of a given radius around a point is in front of the camera; an emitter
+// whose sphere contains the camera may be anywhere in the picture.
 static bool is_in_front(struct search *search, const double center[3], double radius)
 {
     double to[3];
@@ -193,7 +194,7 @@ static bool is_in_front(struct search *search, const double center[3], double ra
     return depth > radius;
 }
 
-// The picture's view of an emitter.
+// An emitter projected into the picture.
 struct sight {
     struct projected at;
     double reach, part; // pixels
@@ -229,7 +230,7 @@ static double find_greatest(const struct search *search, struct emitter_part emi
     return fmax(radiance[0], fmax(radiance[1], radiance[2]));
 }
 
-// First how much light each pixel has of small parts of emitters.
+// First adds up how much light each pixel has from small parts of emitters.
 static void count_emitter(struct search *search, struct emitter_part emitter)
 {
     const struct projection *p = &search->projection;
@@ -245,8 +246,8 @@ static void count_emitter(struct search *search, struct emitter_part emitter)
     search->light[y * p->width + x] += (float)(sight.part * find_greatest(search, emitter));
 }
 
-// Returns whether it is one of many small parts of a larger emitter: whether so much light as it
-// would send from part_max pixels is around it.
+// Returns whether it is one of many small parts of a larger emitter: whether there is as much light
+// around it as it would send from part_max pixels.
 static bool is_of_larger(const struct search *search, struct emitter_part emitter,
                          const struct sight *sight)
 {
@@ -293,7 +294,7 @@ static double greatest_of(const float texel[3])
     return (double)fmaxf(texel[0], fmaxf(texel[1], texel[2]));
 }
 
-// The power of two above the median of an image's texels.
+// Returns the power of two above the median of an image's texels.
 static double find_median(const struct environment *environment, uint32_t count)
 {
     enum { LEAST = -40, ORDERS = 160 };
@@ -325,7 +326,7 @@ static void visit_emitters(struct search *search, emitter_fn visit)
 {
     const struct scene *scene = search->renderer->scene;
     const struct flat_scene *flat = &search->renderer->flat;
-    // Meshes that emit are never shared: all are in the world.
+    // Meshes that emit are never shared: their triangles are all in world space.
     for (uint32_t i = 0; i < flat->world_triangle_count; i++)
         if (emits(search, flat->triangles[i].material))
             visit(search, (struct emitter_part){EMITTER_TRIANGLE, i});
@@ -368,7 +369,7 @@ static int compare_brightness(const void *a, const void *b)
                : compare_pixels(a, b);
 }
 
-// Light of the radiance that is the group's brightest, and as much of it as all of it is.
+// Replaces the group by light of its greatest radiance, as much as all its light together.
 static void sum_up(const struct search *search, struct group *group)
 {
     double light[3] = {0}, greatest = 0;
@@ -411,7 +412,7 @@ static bool make_groups(struct search *search)
     return true;
 }
 
-// The brightest of many.
+// Keeps the brightest of many groups.
 static void choose_groups(struct search *search)
 {
     size_t kept = 0;
@@ -428,14 +429,15 @@ static void choose_groups(struct search *search)
 
 // --- whether something hides them ----------------------------------------------------------------
 
-// Probes are spread over a group's candidates.
+// Probes are distributed over a group's candidates.
 static struct emitter_part emitter_of_probe(const struct search *search, const struct group *group,
                                             uint32_t probe, uint32_t probes)
 {
     return search->candidates[group->first + probe * group->count / probes].emitter;
 }
 
-// One of `probes` rays to a group, and how far it has to go: to the emitter, or to infinity.
+// Aims one of `probes` rays at a group, and returns how far it must go: to the emitter, or to
+// infinity.
 static double aim_probe(const struct search *search, const struct group *group, uint32_t probe,
                         uint32_t probes, struct probe_ray *ray)
 {
@@ -447,7 +449,7 @@ static double aim_probe(const struct search *search, const struct group *group, 
     project(search, emitter, place, &at);
     emitter_place(r, emitter, at.direction, probe, probes, place);
     project(search, emitter, place, &at);
-    // Up to where the emitter may begin, and rounding of the ray has it begin.
+    // The ray ends where the emitter may begin, less the rounding of the ray.
     if (!emitter_is_far(emitter))
         length = at.distance * (1 - 0x1p-20) -
                  (emitter.kind == EMITTER_SHAPE ? emitter_radius(r, emitter) : 0);
@@ -459,8 +461,7 @@ static double aim_probe(const struct search *search, const struct group *group, 
     return length;
 }
 
-// Returns whether nothing is in front of an emitter. A distance field is in a part of its box
-// alone.
+// Returns whether nothing is in front of an emitter. A distance field fills only a part of its box.
 static bool is_free(const struct renderer *r, struct emitter_part emitter,
                     const struct probe_hit *hit, double length)
 {
@@ -475,7 +476,8 @@ struct probes {
     double *lengths;
 };
 
-// The probes from `first` on, of all groups' one after the other, `each` to a group.
+// Traces the probes from `first` on; the probes of all groups follow one another, `each` to a
+// group.
 static bool probe_some(struct renderer *r, struct search *search, struct group **groups,
                        uint32_t first, uint32_t count, uint32_t each, const struct probes *probes,
                        struct err *err)
@@ -496,7 +498,7 @@ static bool probe_some(struct renderer *r, struct search *search, struct group *
     return true;
 }
 
-// `each` probes of `count` groups.
+// Traces `each` probes to each of `count` groups.
 static bool probe_all(struct renderer *r, struct search *search, struct group **groups,
                       size_t count, uint32_t each, struct err *err)
 {
@@ -516,8 +518,8 @@ static bool probe_all(struct renderer *r, struct search *search, struct group **
     return ok;
 }
 
-// Few rays to each, and many to those that none of them has reached: a gap between leaves is enough
-// to see a sun.
+// Traces few rays to each group, and many to those that none of these has reached: a gap between
+// leaves is enough to see a sun.
 static bool probe_twice(struct renderer *r, struct search *search, struct group **groups,
                         struct err *err)
 {
@@ -535,7 +537,7 @@ static bool probe_twice(struct renderer *r, struct search *search, struct group 
     return hidden == 0 || each == 0 || probe_all(r, search, groups, hidden, (uint32_t)each, err);
 }
 
-// A device that is lost traces no more: what it has not looked at counts as if nothing hid it.
+// A lost device traces no more rays: emitters that were not probed count as visible.
 static bool probe_groups(struct renderer *r, struct search *search, struct err *err)
 {
     struct group **groups = calloc(search->group_count + 1, sizeof *groups);

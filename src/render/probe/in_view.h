@@ -1,18 +1,18 @@
-// The emitters that the camera sees directly: what is known of light that no sample has met.
+// Finds the emitters that the camera sees directly, to bound the light that no sample has found.
 #ifndef LAMPYRIS_RENDER_PROBE_IN_VIEW_H
 #define LAMPYRIS_RENDER_PROBE_IN_VIEW_H
 
 #include "metrics/metrics.h"
 #include "render/render.h"
 
-// What metrics_half_error() is to know of light that samples meet by chance: emitters that cover
-// less than some pixels and that nothing hides, the pixels in which any emitter may be seen, and
-// the brightest that scattered paths may find (render/chance.h). Found once for each camera, in .3
-// to .5 s for 10^6 triangles or 2 10^5 lamps; whether they are hidden rays tell that the device
-// traces. Arrays are in `arena`. Call it while nothing is rendered.
+// Finds what metrics_half_error() must know of light that samples find by chance: visible emitters
+// smaller than some pixels, the pixels in which any emitter may be seen, and the greatest radiance
+// that scattered paths may find (render/chance.h). It is done once for each camera, in 0.3 to 0.5 s
+// for 10^6 triangles or 2 10^5 lamps. Rays traced by the device determine which emitters are
+// hidden. Arrays are in `arena`. Call it while nothing is rendered.
 //
-// Of a mesh each triangle is an emitter, of an image around the scene each texel that is at least
-// 16 times as bright as the median. Of textures on emitters the greatest texel counts. The
+// Each triangle of a mesh is an emitter, and so is each texel of an environment's image that is at
+// least 16 times as bright as the median. Of textures on emitters the greatest texel counts. The
 // brightest 16,384 pixels with such light are kept.
 bool renderer_find_unseen(struct renderer *renderer, struct arena *arena, struct unseen_light *out,
                           struct err *err);

@@ -10,7 +10,7 @@
     (1u << BINDING_PATHS | 1u << BINDING_RADIANCE | 1u << BINDING_SHADOW_RAYS |                    \
      1u << BINDING_QUEUES)
 
-// Returns the bindings that a kernel writes, as bits.
+// Returns the bindings that a kernel writes, as a bit mask.
 static uint32_t written(enum kernel_id kernel)
 {
     switch (kernel) {
@@ -80,7 +80,8 @@ static uint64_t hash_queues(const struct renderer *r, const uint8_t *buffer, uin
     return hash;
 }
 
-// Without what depends on scheduling: which of the non-finite contributions were noted down.
+// Leaves out the members that depend on scheduling: which of the non-finite contributions were
+// recorded.
 static uint64_t hash_counters(const struct gpu_counters *counters, uint64_t hash)
 {
     struct gpu_counters c = *counters;
@@ -89,7 +90,7 @@ static uint64_t hash_counters(const struct gpu_counters *counters, uint64_t hash
     return hash_bytes(hash, &c, sizeof c);
 }
 
-// Words rather than bytes: states are large.
+// Hashes words rather than bytes, since states are large.
 static uint64_t hash_words(uint64_t hash, const uint64_t *words, uint64_t bytes)
 {
     for (uint64_t i = 0; i < bytes / 8; i++)
@@ -150,7 +151,7 @@ static bool check_memory(const struct renderer *r, struct kernel_recording *rec,
                    r->gpu->info.name, memory_print(free).text);
 }
 
-// No commands are being recorded.
+// No commands may be being recorded.
 static bool keep(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     if (!check_memory(r, rec, err))
@@ -167,7 +168,7 @@ static bool keep(struct renderer *r, struct kernel_recording *rec, struct err *e
 
 // --- running -------------------------------------------------------------------------------------
 
-// The state is put back in commands of their own.
+// The state is restored by commands submitted separately.
 static bool run(struct renderer *r, const struct kernel_recording *rec, double *ms, struct err *err)
 {
     if (!gpu_begin(r->gpu, &r->commands, err))
@@ -181,7 +182,7 @@ static bool run(struct renderer *r, const struct kernel_recording *rec, double *
 struct recording {
     struct renderer *r;
     struct kernel_recording *rec;
-    bool done; // the kernel has run, or there is nothing for it
+    bool done; // the kernel has run, or has no items
 };
 
 static bool is_it(const struct recording *c, const struct wave_step *step)
@@ -219,7 +220,7 @@ static bool check_finished(const struct renderer *r, struct err *err)
                    r->specialization.iteration_budget);
 }
 
-// The callbacks end the wave when it has come so far: they fail without an error then.
+// The callbacks end the wave at the step to be recorded by failing without an error.
 static bool before(void *context, const struct wave_step *step, struct err *err)
 {
     struct recording *c = context;
@@ -246,7 +247,7 @@ static bool after(void *context, const struct wave_step *step, struct err *err)
     return false;
 }
 
-// Returns a wave as renderer_render() makes it, but in the middle of the picture rather than from
+// Returns a wave like those of renderer_render(), but from the middle of the picture rather than
 // its top.
 static struct wave middle_wave(const struct renderer *r, uint64_t samples)
 {
@@ -263,7 +264,8 @@ static struct wave middle_wave(const struct renderer *r, uint64_t samples)
     return wave;
 }
 
-// Traces waves until they are as large as a watched device takes, since they begin small.
+// Traces waves until they have the largest size that a device with a watchdog takes, since they
+// begin small.
 static bool grow_wave(struct renderer *r, struct kernel_recording *rec, uint64_t samples,
                       struct err *err)
 {
@@ -280,7 +282,7 @@ static bool grow_wave(struct renderer *r, struct kernel_recording *rec, uint64_t
     return true;
 }
 
-// Keeps what kernels read that follow on the wave, or go without one.
+// Keeps the input of kernels that run after the wave, or without one.
 static bool keep_end(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     if (rec->step.kernel == KERNEL_resolve) {
@@ -302,7 +304,7 @@ static bool record(struct recording *c, struct err *err)
     if (!ok || !(at_end ? keep_end(r, rec, err) : true))
         return false;
     double ms;
-    // For these kernels, what the render leaves behind is not known otherwise.
+    // The output of these kernels in the render is not available otherwise.
     bool first = at_end || rec->step.kernel == KERNEL_prepare_dispatch;
     return !first || rec->items == 0 ||
            (run(r, rec, &ms, err) && hash_state(r, rec, &rec->hash, err));

@@ -5,10 +5,11 @@
 #include "render/wave.h"
 #include <string.h>
 
-// What marks a slot whose ray hit nothing: the kernels write hits only.
+// Marks a slot whose ray hit nothing: the kernels write hits only.
 #define UNTOUCHED NO_PRIMITIVE
 
-// Records so many words of four apart: with instances there is one more behind the structure.
+// The offset of records in words of four: with instances each has one word more after the
+// structure.
 struct records {
     uint32_t (*words)[4];
     uint32_t stride;
@@ -31,7 +32,8 @@ static uint32_t (*record_of(const struct records *records, uint32_t i))[4]
     return records->words + (size_t)i * records->stride;
 }
 
-// Words of what rays start on: places of triangles, by their numbers in the flat scene.
+// Finds the words of the surfaces that rays start on: the places of triangles, by their numbers in
+// the flat scene.
 static bool find_starts(const struct renderer *r, const struct probe_ray *rays, uint32_t count,
                         struct arena *scratch, uint32_t **starts, struct err *err)
 {
@@ -73,8 +75,8 @@ static bool upload_closest(struct renderer *r, const struct probe_ray *rays, uin
                       bytes_of(&records, count), err);
 }
 
-// Of each slot the first shadow ray; they carry a contribution of 1: what arrives in the slot's
-// radiance was not occluded.
+// Uploads the first shadow ray of each slot. Its contribution is 1, so that the slot's radiance
+// tells whether it was occluded.
 static bool upload_shadow(struct renderer *r, const struct probe_ray *rays, uint32_t count,
                           struct arena *scratch, struct err *err)
 {
@@ -103,7 +105,7 @@ static bool upload_shadow(struct renderer *r, const struct probe_ray *rays, uint
                       bytes_of(&records, count), err);
 }
 
-// The queue holds slots 0 … count - 1, as prepare_dispatch would have left it.
+// Fills the queue with slots 0 … count - 1, as prepare_dispatch would have left it.
 static bool upload_queue(struct renderer *r, uint32_t queue, uint32_t count, struct arena *scratch,
                          struct err *err)
 {
@@ -119,7 +121,7 @@ static bool upload_queue(struct renderer *r, uint32_t queue, uint32_t count, str
            counters_write(r, err);
 }
 
-// A part of the queue, alone in a submission.
+// Runs a part of the queue in a submission of its own.
 static bool run_part(struct renderer *r, enum kernel_id kernel, uint32_t first, uint32_t count,
                      double *part_ns, struct err *err)
 {
@@ -149,7 +151,7 @@ static bool run_part(struct renderer *r, enum kernel_id kernel, uint32_t first, 
     return true;
 }
 
-// All of the queue, in as large parts as the device may be given.
+// Runs the whole queue, in parts as large as the device may be given.
 static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, uint32_t count,
                      double *ms, struct err *err)
 {

@@ -8,11 +8,11 @@ struct follower {
     struct arena *arena;
     struct replay *out;
     uint32_t capacity;
-    float radiance[4];   // after the last step
-    bool shadow_pending; // of the last vertex
+    float radiance[4];   // sum of the path's contributions after the last step
+    bool shadow_pending; // the last vertex has shadow rays to trace
 };
 
-// One path is in flight: it is in slot 0, and a queue holds it or is empty.
+// Only one path is in flight: it is in slot 0, and a queue contains it or is empty.
 static bool in_queue(const struct follower *f, uint32_t queue)
 {
     return f->r->counters->queue[queue].count != 0;
@@ -31,7 +31,7 @@ static uint32_t flat_primitive(const struct renderer *r, uint32_t word, bool *is
     return *is_shape ? word & ~PRIMITIVE_SHAPE : r->bvh.triangle_order[word];
 }
 
-// Returns the material of a path's vertex; where a mesh is shared the instance may say.
+// Returns the material of a path's vertex; the instance of a shared mesh may override it.
 static const struct material *material_of(const struct renderer *r, const struct replay_vertex *v)
 {
     uint32_t material = v->is_shape ? r->flat.shapes[v->primitive].material
@@ -41,7 +41,7 @@ static const struct material *material_of(const struct renderer *r, const struct
     return &r->scene->materials[material];
 }
 
-// How far from a camera that is far the ray begins.
+// Returns the distance from a far camera at which the ray begins.
 static double way_from_camera(const struct renderer *r, const float direction[3])
 {
     double forward = 0.0;
@@ -67,7 +67,8 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     v->bounce = bounce;
     memcpy(v->direction, path.direction, sizeof v->direction);
     memcpy(v->throughput, path.throughput, sizeof v->throughput);
-    // Whitted's rays have their depth there, and are all perfectly specular.
+    // Whitted's integrator stores a ray's depth there, and all its rays are delta reflections or
+    // refractions.
     if (r->specialization.integrator != INTEGRATOR_WHITTED)
         v->bsdf_pdf = path.bsdf_pdf;
     double origin[3], before = bounce == 0 ? way_from_camera(r, path.direction) : 0.0;
@@ -94,7 +95,7 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     return true;
 }
 
-// Reads the radiance that the last step added.
+// Reads the radiance that the last step has added.
 static bool read_gain(struct follower *f, float gain[3], struct err *err)
 {
     float now[4];
@@ -123,8 +124,8 @@ static struct replay_light light_of(const struct renderer *r, const struct gpu_s
     return light;
 }
 
-// Of a vertex with several shadow rays, those that have nothing to carry are left out. Asked after
-// the kernel of each class, of which the last one counts.
+// Reads the shadow rays of a vertex, without those that carry nothing. Called after the kernel of
+// each class; the last call counts.
 static bool read_connections(struct follower *f, struct replay_vertex *v, uint32_t bounce,
                              struct err *err)
 {

@@ -1,43 +1,43 @@
-// Follows one sample of one pixel through the kernels on the device, one dispatch at a time: what
-// a non-finite contribution came from, or why a pixel looks as it does.
+// Follows one sample of one pixel through the kernels on the device, one dispatch at a time: to
+// find the source of a non-finite contribution, or to explain a pixel.
 #ifndef LAMPYRIS_RENDER_PROBE_REPLAY_H
 #define LAMPYRIS_RENDER_PROBE_REPLAY_H
 
 #include "render/render.h"
 
-// What a shadow ray was sent to.
+// The target of a shadow ray.
 struct replay_light {
-    uint32_t ray;   // which of the vertex's
+    uint32_t ray;   // its number at the vertex
     float point[3]; // relative to the shadow ray's origin
     float pdf;
     bool is_shape;
     bool is_environment; // then `primitive` is 0
-    bool is_point;       // without extent: `primitive` is its index in the scene
+    bool is_point;       // a delta light: `primitive` is its index in the scene
     uint32_t primitive;
-    float radiance[3]; // what arrives if nothing is in between
+    float radiance[3]; // what arrives if it is not occluded
     bool occluded;
 };
 
-// A ray of the path, what it met and what came of it. Positions are in world space, lengths in
-// metres.
+// A ray of the path, its hit, and the resulting contributions. Positions are in world space,
+// lengths in metres.
 struct replay_vertex {
     uint32_t bounce;
     float origin[3], direction[3];
-    float bsdf_pdf; // per solid angle; 0: camera or perfectly specular
+    float bsdf_pdf; // per solid angle; 0: camera or delta
     float throughput[3];
-    const char *queue; // "surface", "miss"; "none": lost in a scene without an environment
+    const char *queue; // "surface", "miss"; "none": a miss in a scene without an environment
 
-    // Where queue is "surface".
+    // Valid if queue is "surface".
     float t;
     double position[3];
     bool is_shape;
     uint32_t primitive; // index into the flat scene's triangles or shapes
-    uint32_t instance;  // into its instances, of a mesh that they share; else NO_INSTANCE
+    uint32_t instance;  // into its instances, if they share the mesh; else NO_INSTANCE
     const struct material *material;
 
-    float gained[3]; // emission of the surface or radiance of the environment, weighted
+    float gained[3]; // emission of the surface or radiance of the environment, with its MIS weight
 
-    struct replay_light *lights; // that shadow rays were sent to
+    struct replay_light *lights; // the targets of the vertex's shadow rays
     uint32_t light_count;
 };
 
@@ -48,7 +48,8 @@ struct replay {
     bool dropped;      // a contribution was not finite and was left out
 };
 
-// The film is left alone. Memory comes from `arena`. x, y must be inside the image.
+// Follows a sample; the film is unchanged. Memory comes from `arena`. x, y must be inside the
+// image.
 bool renderer_replay(struct renderer *renderer, uint32_t x, uint32_t y, uint64_t sample,
                      struct arena *arena, struct replay *out, struct err *err);
 
