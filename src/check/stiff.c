@@ -193,7 +193,7 @@ static bool add_leaning(struct scene *scene, struct err *err)
     return true;
 }
 
-// The same square with normals in its plane, so that those of opposite corners cancel in the
+// Adds the square with normals in its plane, so that those of opposite corners cancel in the
 // middle.
 static bool add_cancelling(struct scene *scene, struct err *err)
 {

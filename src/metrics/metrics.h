@@ -71,9 +71,9 @@ double metrics_local_relmse(const float (*image)[3], const float (*reference)[3]
 // The local relMSE of (A + B) / 2, estimated from two independent half-buffers: the error of this
 // image itself, not the expected one over other seeds. It is blind to bias.
 struct half_error {
-    // Whether the error has an interval: with two samples or more, unless few pixels have nearly
-    // all of it, light may still be missing, or the image is black. With only a bound the estimate
-    // is given, too.
+    // The error has an interval: with two samples or more, unless few pixels have nearly all of it,
+    // light may still be missing, or the image is black. With only a bound the estimate is given,
+    // too.
     bool known;
     bool bounded;       // whether at_most and relmse_at_most are finite
     const char *reason; // why not known; NULL when known

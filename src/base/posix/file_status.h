@@ -1,4 +1,4 @@
-// What files known by name and open ones share.
+// A function shared by the files for named files and for open ones.
 #ifndef LAMPYRIS_BASE_POSIX_FILE_STATUS_H
 #define LAMPYRIS_BASE_POSIX_FILE_STATUS_H
 

@@ -49,7 +49,7 @@ static bool read_value(const char *path, const char *key, uint64_t *out)
     return found;
 }
 
-// What the two versions of control groups call the same things.
+// The names that the two versions of control groups have for the same files.
 struct group_names {
     const char *mount;
     const char *limits[2];

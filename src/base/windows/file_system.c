@@ -125,7 +125,7 @@ char *file_real_path(const char *path)
     return out;
 }
 
-// What a link says is for its reader to know alone; where it leads, file_real_path() tells.
+// The text of a link is not read on Windows; file_real_path() follows the link.
 char *file_read_link(const char *path)
 {
     (void)path;

@@ -336,7 +336,8 @@ static const char *place_of(const struct media_search *search, const struct ways
                                            list->count - 1);
 }
 
-// What a path has lost matters where the path is seen, and where the media are.
+// Marks the places where a lost medium has an effect: where the path is visible, and where the
+// media are.
 static const uint8_t *touched_by(const struct media_search *search, const struct ways *ways,
                                  enum loss_kind kind, const struct unclosed *list)
 {

@@ -27,7 +27,7 @@ enum component_type {
 
 #define ACCESSOR_MAT4 16 // components
 
-// What a use of an accessor requires of it.
+// The requirements that a use of an accessor has.
 struct accessor_rule {
     const char *use;               // "POSITION", for messages
     uint32_t components;           // 1 SCALAR, 2 VEC2, 3 VEC3, 4 VEC4, 16 MAT4

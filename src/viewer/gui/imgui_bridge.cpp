@@ -194,7 +194,7 @@ void im_put(im *im, const event *event)
     } else if (event->kind == EVENT_FOCUS && !event->down) {
         memset(io.KeysDown, 0, sizeof io.KeysDown);
     }
-    // What is held, as far as the event or the keys before it tell.
+    // Modifiers are held if the event or the earlier keys say so.
     bool has_them = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && event->down;
     uint32_t with = has_them ? event->modifiers : 0;
     io.KeyCtrl =
