@@ -97,7 +97,7 @@ void main()
         outputs[item].x = go_round(words.x);
     if (ROUTINE == CHECK_ARRAY)
         outputs[item].x = sum_over_array(words.x);
-    // What this dispatch writes is not what it reads.
+    // This dispatch writes another component than it reads.
     if (ROUTINE == CHECK_DISPATCHES)
         outputs[item][turn & 1u] = 3u * outputs[(item + 1u) % items][~turn & 1u] + 1u;
     if (ROUTINE == CHECK_TEXELS)

@@ -25,7 +25,7 @@ vec3 mean_of_bins(uint at, uint number, uint samples)
     return mean;
 }
 
-// The same of a film that keeps floats: `factor` makes a sum of what it has.
+// Returns the mean of a film that keeps floats: `factor` turns its values into sums.
 vec3 mean_of_floats(uint at, uint number, uint samples, float factor)
 {
     uint sums = at + 1u + FILM_HALF_WORDS * number;

@@ -89,7 +89,7 @@ environment_cell load_environment_cell(uvec2 cell, uvec2 size)
     return c;
 }
 
-// What the luminances at the corners exceed frame.environment_floor by, by which a cell is sampled:
+// Returns the luminances at the corners above frame.environment_floor, by which a cell is sampled:
 // upper left and right, lower left and right.
 vec4 cell_luminances(environment_cell c)
 {

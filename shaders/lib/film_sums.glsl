@@ -25,14 +25,14 @@ uint film_top_digit(uint digits, uint component)
     return uint(findMSB(digits >> (FILM_DIGIT_BITS * component) & FILM_DIGITS_MASK) + 1);
 }
 
-// Which bins, the even (x) and the odd one (y), are emptied when the top digit rises.
+// Returns which bins, the even (x) and the odd one (y), are emptied when the top digit rises.
 bvec2 film_emptied_bins(uint before, uint after)
 {
     bool one = after - before == 1u, more = after - before > 1u;
     return bvec2(more || (one && (after & 1u) == 0u), more || (one && (after & 1u) == 1u));
 }
 
-// What a value of at most the digit `top` brings to a sum's bins.
+// Returns the parts that a value of at most the digit `top` adds to a sum's bins.
 uvec4 film_slices(float value, uint top)
 {
     uint bits = floatBitsToUint(value), exponent = bits >> 23u & 255u;

@@ -1,26 +1,26 @@
-// Which vertices of a path send shadow rays: what their scattered rays meet is weighted against
-// that.
+// Decides which vertices of a path send shadow rays; the MIS weights of their scattered rays depend
+// on it.
 #ifndef NEE_GLSL
 #define NEE_GLSL
 
 #include "lib/buffers.glsl"
 
-// Whether emitters are chosen by what they may send to a vertex, all or those of a lamp: only where
-// the vertex is does their probability say.
+// Emitters are chosen by a bound on their contribution to a vertex, all of them or those of a lamp:
+// their probability depends on the vertex's position.
 #define CHOOSES_BY_PLACE                                                                           \
     (LIGHT_CHOICE == LIGHT_CHOICE_TREE || LIGHT_CHOICE == LIGHT_CHOICE_ALL)
-// Whether all vertices send a shadow ray to each lamp.
+// All vertices send a shadow ray to each lamp.
 #define CONNECTS_ALWAYS_TO_EACH                                                                    \
     (LIGHT_CHOICE == LIGHT_CHOICE_ALL && LIGHT_VERTICES == ALL_VERTICES)
 
-// Returns whether a vertex sends a shadow ray to each lamp, as the first ones of a path may with
-// LIGHT_CHOICE_ALL.
+// Returns whether a vertex sends a shadow ray to each lamp, as the first vertices of a path may
+// with LIGHT_CHOICE_ALL.
 bool connects_to_each(uint vertex)
 {
     return CONNECTS_ALWAYS_TO_EACH || vertex < LIGHT_VERTICES;
 }
 
-// Returns whether the vertex that the ray of this bounce comes from did.
+// Returns whether the vertex that the ray of this bounce comes from sent one to each lamp.
 bool connected_to_each()
 {
     return connects_to_each(push.bounce - 1u);

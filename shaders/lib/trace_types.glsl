@@ -12,7 +12,7 @@ struct trace_ray {
     uvec4 alpha; // key of the random decisions at blended surfaces: see lib/alpha.glsl
 };
 
-// Of threads without a ray: the records of some slot may be another thread's, or nobody's.
+// The ray of threads that have none: the records of a slot may be another thread's, or unused.
 trace_ray no_ray()
 {
     return trace_ray(vec3(0.0), vec3(0.0, 0.0, 1.0), NO_PRIMITIVE, NO_PRIMITIVE, NO_INSTANCE,

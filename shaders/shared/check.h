@@ -1,4 +1,4 @@
-// What check_arithmetic.comp and check_threads.comp can run: read by C and by GLSL.
+// Routines of check_arithmetic.comp and check_threads.comp: read by C and by GLSL.
 #ifndef SHARED_CHECK_H
 #define SHARED_CHECK_H
 

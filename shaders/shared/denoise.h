@@ -56,9 +56,9 @@
 #define DENOISE_WAVELET_LAST 1u
 #define DENOISE_WAVELET_LINEAR 2u
 
-// What the blend does. In a scene that is another one than the history's it runs twice: first it
-// writes by how much film and history differ, and when the wavelet's linear levels have averaged
-// that, it mixes in as much of the history as still holds.
+// The modes of the blend. If the scene differs from the history's, the blend runs twice: first it
+// writes the difference between film and history, and once the wavelet's linear levels have
+// averaged that, it mixes in as much of the history as is still valid.
 #define DENOISE_HISTORY_NONE 0u
 #define DENOISE_HISTORY_MIXED 1u
 #define DENOISE_HISTORY_COMPARED 2u
