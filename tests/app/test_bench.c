@@ -1,4 +1,4 @@
-// What `lampyris bench` concludes, from times and pictures made up here.
+// The conclusions of `lampyris bench`, from made-up times and pictures.
 #include "cli/bench/bench.h"
 #include "test.h"
 

@@ -42,7 +42,7 @@ def rows_of(variant, kind=None):
 class Figures(unittest.TestCase):
     @program.by_the_clock
     def test_rows_add_up_to_the_clock(self):
-        # What is left over between the clocks of kernels and host is a row of its own, and small.
+        # The difference between the clocks of kernels and host has a row of its own, and is small.
         variant = bench(CORNELL, *SMALL, '--repeats', '3', '--spp', '64')['variants'][0]
         rows = rows_of(variant)
         parts = []
@@ -67,7 +67,8 @@ class Figures(unittest.TestCase):
         self.assertGreater(share, 0.97)
 
     def test_items_are_those_of_the_render(self):
-        # Of rays to each lamp, those that have nothing to carry are items, too: one a vertex here.
+        # With shadow rays to each lamp, those that carry nothing are items, too; here a vertex
+        # sends one.
         small = (*SMALL, '--light-choice', 'power')
         for scene in (CORNELL, CLASSES):
             variant = bench(scene, *small, '--repeats', '2', '--validation')['variants'][0]
@@ -83,7 +84,7 @@ class Figures(unittest.TestCase):
                 if row['items'] and name != 'accumulate':
                     self.assertEqual(row['items'], sum(
                         b['kernels'].get(name, {'items': 0})['items'] for b in variant['bounces']))
-            # What is hit is shaded, and so is what misses.
+            # Hits are shaded, and so are misses.
             self.assertEqual(variant['bounces'][0]['occupancy'], 1)
             for bounce in variant['bounces']:
                 items = {name: k['items'] for name, k in bounce['kernels'].items()}

@@ -52,8 +52,8 @@ class Geometry(Checks):
         self.assertIn('triangle 1', found['zero-area']['place'])
         self.assertIn('thin', found['zero-area']['place'])
         self.assertIn('1 of ', found['singular-transform']['figure'])
-        # Of 36 square metres the pixels that a disc changes, and those that its rim crosses: they
-        # are an eighth of a metre wide. Then where the two quads lie upon each other.
+        # The share of 36 square metres in pixels that a disc changes or that its rim crosses:
+        # pixels are an eighth of a metre wide. Below, the share where the two quads coincide.
         share = found['object-twice']['share']
         self.assertTrue(math.pi * 0.6 ** 2 / 36 < share < math.pi * 0.725 ** 2 / 36, share)
         self.assertAlmostEqual(found['coincident-faces']['share'], 0.6 * 0.7 / 36, delta=0.004)

@@ -239,7 +239,7 @@ class Compare(unittest.TestCase):
             self.assertEqual(values[key], value, key)
         self.assertEqual(values['max'], 0.5)
         self.assertAlmostEqual(values['smape'], 2 * 0.5 / 2.5 / 2 / 3, places=6)
-        # What is shown ends at 1: only exposures below tell them apart.
+        # Displayed values are at most 1: only lower exposures show a difference.
         self.assertEqual((values['ssim'], values['flip']), (1, 0))
         self.assertTrue(0 < values['hdr_flip'] < 1)
         self.assertEqual(values['hdr_flip_exposures'][2], 2)
@@ -263,7 +263,8 @@ class Compare(unittest.TestCase):
             result = self.compare('a.exr', 'b.exr', '--max', limit)
             self.assertEqual(result.returncode, code, limit)
             self.assertEqual('expected at most' in result.stderr, code == 1, limit)
-        # Of what is shown, 5/32 in red, where a and b are exposed by -4 stops.
+        # With an exposure of -4 stops, a and b are 1.5/16 and 1/16 in red, before the sRGB
+        # encoding.
         dark = ('--exposure', '-4')
         self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=1000').returncode, 0)
         a, b = (1.055 * (v / 16) ** (1 / 2.4) - 0.055 for v in (1.5, 1))

@@ -263,7 +263,7 @@ class Report(unittest.TestCase):
                 page = file.read()
             self.assertNotIn('<svg', page)
 
-    # What the report says repeats a picture does so, bit for bit.
+    # The command that the report gives to repeat a picture does so, bit for bit.
     def test_pictures_again(self):
         with tempfile.TemporaryDirectory() as folder:
             result = converge('--reference', 'none', '--replicates', '2', '--seed', '7',

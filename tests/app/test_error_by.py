@@ -68,7 +68,7 @@ class Following(Base):
             with self.subTest(command=found['command']):
                 self.assertEqual((events, how), (found['scattering_events'], found['found_by']))
                 for mine, told in zip(radiance, found['radiance']):
-                    # What a vertex has gained is a difference of sums, each rounded.
+                    # The gain of a vertex is a difference of sums, each rounded.
                     self.assertAlmostEqual(mine, told, delta=0 if how == 'shadow ray' else 1e-5 * told)
         return brightest
 

@@ -92,8 +92,8 @@ class LostDevice(unittest.TestCase):
 
     @by_the_clock
     def test_in_the_middle_of_a_pass(self):
-        # Of 16 samples of each of many waves; the first copy cannot wait for its end, or another
-        # program delays it.
+        # A pass takes 16 samples of each pixel in many waves; the first copy cannot wait for its
+        # end, or another program delays it.
         report, messages = self.rescued('--size', '128x128', '--wave', '512', '--spp', '17',
                                         '--lose-device', '400')
         self.assertEqual((report['spp'], report['spp_most']), (1, 17))
@@ -106,7 +106,7 @@ class LostDevice(unittest.TestCase):
         report, _ = self.rescued(*small, '--lose-device', '14', '--frames', '200', '--accumulate',
                                  'off')
         self.assertEqual(report['spp'], 1)
-        # What was read for a numbered picture is the newest, or what was copied since. On a busy
+        # The film that is rescued was read for a numbered picture, or copied since. On a busy
         # machine there is a copy of every frame, which is a submission, too.
         report, _ = self.rescued(*small, '--lose-device', '30', '--frames', '100', '--every', '10')
         self.assertGreaterEqual(report['spp'], 10)
@@ -157,7 +157,7 @@ class LostDevice(unittest.TestCase):
         arguments = ['--spp', '16', '--wave', '16k']
         whole = json.loads(self.render('whole.exr', *arguments).stdout)
         needed = whole['memory']['device_bytes']
-        # What the device does not have, or tells beforehand that it has not.
+        # The device has less memory than needed, or reports that in its budget.
         for taken in ('memory=%d' % (needed // 3), 'memory-budget=%d' % (needed // 3),
                       'memory=%d' % (needed // 8)):
             result = self.render('lost.exr', *arguments, taken=taken)

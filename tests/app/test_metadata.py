@@ -14,7 +14,7 @@ import unittest
 LAMPYRIS, LOAD_SCENE, SCENE = (os.path.abspath(sys.argv.pop(1)) for _ in range(3))
 TABLE = {row['key']: row for row in json.loads(
     subprocess.run([LOAD_SCENE, '--settings'], stdout=subprocess.PIPE, check=True).stdout)}
-# What is not the default anywhere; several renders, since not all of them go together.
+# Values that differ from every default; several renders, since some settings exclude each other.
 SOME = {'width': '18', 'height': '13', 'exposure': '-1.5', 'tone': 'agx', 'spp': '3', 'seed': '7'}
 RENDERS = [
     {},

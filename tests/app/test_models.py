@@ -164,7 +164,7 @@ class Light(Base):
         self.assertGreater(self.mean(picture), .1)
 
     def test_a_sky_replaces_the_exposure_of_the_file(self):
-        # What a file says was meant for its own light, or is for its own sky.
+        # The exposure in a file is meant for its own lights or for its own sky.
         cornell = os.path.join(ROOT, 'scenes', 'cornell.json')
         picture, _ = self.picture(cornell, '--env', 'sky:')
         self.assertLess(self.mean(picture), .8)

@@ -341,7 +341,8 @@ TEST(the_table_is_complete)
     }
 }
 
-// What `lampyris render` prints to follow a contribution that was left out is a command line.
+// The command that `lampyris render` prints to follow a dropped contribution is a valid command
+// line.
 TEST(the_reproducing_command_follows_its_path)
 {
     struct options options, again;

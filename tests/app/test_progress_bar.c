@@ -128,7 +128,7 @@ TEST(progress_ends_before_results)
     fclose(bar.stream);
 }
 
-// What was done before does not count to the speed.
+// Samples of an earlier run do not count towards the speed.
 TEST(a_resumed_render_knows_what_is_left)
 {
     struct progress_bar bar;

@@ -134,7 +134,7 @@ class Commands(unittest.TestCase):
         self.assertTrue(os.path.exists(os.path.join(self.folder, 'cornell.exr')))
         self.assertEqual(self.said.stdout.count('export PATH='), 1)
         self.assertIn('meson install', self.said.stdout)
-        # The same line as in the README.
+        # The README has the same line.
         self.assertIn('export PATH="$PWD/build/src/cli:$PATH"', read('README.md'))
         line = next(l for l in self.said.stdout.splitlines() if 'export PATH=' in l).strip()
         self.assertEqual(line.replace(os.path.realpath(self.folder), '$PWD'),

@@ -196,7 +196,7 @@ class Page(unittest.TestCase):
         half = self.scale() / 2
         self.browser.drag((x0 - half, y0 - half), (x1 - half, y1 - half))
         self.assertEqual(self.crops(), [[4, 3, 8, 6]])
-        # The same in all pictures: one inset each, and the reference with its frame.
+        # All pictures have the same crop: one inset each, and the reference with its frame.
         self.browser.wait('document.querySelectorAll(".insets svg image").length === 4')
         self.choose('.viewer-crops input', '20')
         self.assertEqual(self.crops(), [[20, 3, 8, 6]])

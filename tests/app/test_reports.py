@@ -275,7 +275,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_words_follow_from_the_figures(self):
-        # What every section says, against the cells of its table.
+        # Compare the statements of every section with the cells of its table.
         text = (ROOT / "docs/reports/README.md").read_text(encoding="utf-8")
         sections = re.split(r"^## ", text.partition("`reproduce --table` -->")[2], flags=re.MULTILINE)[1:]
         self.assertEqual(len(sections), len(reproduce.REPORTS))
@@ -337,7 +337,8 @@ class Reports(unittest.TestCase):
                     self.assertRegex(said, rf"at {depth.partition('=')[2]}\b")
 
     def test_speeds_follow_from_their_figures(self):
-        # Of each variant that is compared: told faster where the interval of the ratio says so, or slower.
+        # Each variant that is compared is called faster or slower if the interval of the ratio
+        # says so.
         results = reproduce.load("bvh")
         for turn in range(3):
             said = answers.bvh(results)[0]
@@ -352,7 +353,8 @@ class Reports(unittest.TestCase):
                                         verdict="not told apart")
 
     def test_a_bias_that_no_figure_has_is_noticed(self):
-        # What the report on strata said once beside a table without any.
+        # This sentence once stood in the report on strata beside a table that did not have its
+        # figure.
         sentence = ("No bias was found in either, though the grid is a quadrature and has one: here it is below "
                     "2.2e-05.")
         self.assertFalse([pattern for pattern, _ in CLAIMS if re.fullmatch(pattern, sentence)])

@@ -25,7 +25,7 @@ class SlowDevice(unittest.TestCase):
 
     def render(self, words, *arguments, scene='cornell'):
         env = dict(os.environ, LAMPYRIS_LIMITS=limits(words)) if words else None
-        # Of large waves, as GPUs have; a lost device is the end.
+        # The waves are large, as on GPUs; a lost device ends the render.
         return subprocess.run([LAMPYRIS, 'render', os.path.join(SCENES, scene + '.json'), '--size',
                                '128x128', '--spp', '2', '--wave', '1M', '--reopen', '0', '-q',
                                '--json', '-o', os.path.join(self.folder.name, 'a.exr'),
@@ -77,7 +77,7 @@ class SlowDevice(unittest.TestCase):
                 self.assertEqual(row['repeat_ms'], 2 * [math.ceil(row['items'] / 128)], kernel)
 
     def test_the_clock_tells_where_there_are_no_timestamps(self):
-        # Of the simulated time alone: this machine may be busy with something else.
+        # Only simulated time counts: this machine may be busy with other programs.
         self.launches('group-ns=20000,no-timestamps,watchdog-ms=250')
 
     def test_the_watchdog_bites(self):

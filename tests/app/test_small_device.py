@@ -18,8 +18,8 @@ from program import need_device
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 SCENES = os.path.abspath(sys.argv.pop(1))
 
-# What shading binds: of the state of paths, which is what Vulkan guarantees, and with scenes in storage
-# buffers or as texels.
+# The storage buffers that shading binds: for the state of paths, as many as Vulkan guarantees, and
+# for scenes in storage buffers or as texels.
 STATE, SCENE_STORAGE, SCENE_TEXELS = 4, {'cornell': 9, 'all_classes': 10}, {'cornell': 6}
 LEAST = 'storage-count=%d' % STATE
 
