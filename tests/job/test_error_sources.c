@@ -31,7 +31,7 @@ static bool is_near(double value, double expected, double tolerance)
 
 // --- closed forms --------------------------------------------------------------------------------
 
-// Of a lamp alone all light, and all error, is emission that is seen directly.
+// With only a lamp, all light and all error is emission that is seen directly.
 TEST(emission_alone)
 {
     struct gpu gpu;
@@ -116,7 +116,8 @@ TEST(one_of_two_lights)
     const struct error_by *part = &job.sources.by[ERROR_BY_PART];
     const struct error_share *lamp = &by->classes[BY_EMITTER_LIGHTS],
                              *sun = &by->classes[BY_EMITTER_SUNS];
-    // Of 1024 pixels, each with one degree of freedom; the mean light is 3.
+    // The expected error is that of 1024 pixels, each with one degree of freedom; the mean radiance
+    // is 3.
     const double unit = 1.0 / SAMPLES / (9.0 + METRICS_RELMSE_EPSILON);
     printf("  error %.4g, expected %.4g; shares %.6f %.6f %.6f\n", by->error, unit,
            lamp->share.value, sun->share.value, by->together.share.value);
@@ -168,7 +169,8 @@ static bool render_lights(struct gpu *gpu, const struct scene_override *override
     return ok;
 }
 
-// What each kind brings beside the others is what it brings alone; and it alone is counted then.
+// Each kind of emitter contributes as much beside the others as alone, and a scene with one kind
+// counts only that kind.
 TEST(emitters_add_up)
 {
 #define DARK                                                                                       \
@@ -392,8 +394,8 @@ TEST(same_bits)
     }
 }
 
-// What is asked for takes memory, and the plan tells how much: a slot 16 bytes a class and for the
-// brightest contribution, a pixel of the film 64 and 32.
+// The requested pictures take memory, which the plan reports: 16 bytes a class in a slot and 16 for
+// the brightest contribution; 64 and 32 in a pixel of the film.
 TEST(memory)
 {
     static const struct {

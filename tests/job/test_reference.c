@@ -1,5 +1,5 @@
-// What is left of an error without the reference's own noise, on noise whose truth is known: means
-// of 1,000 draws must lie within 3.3 of their standard errors (99.9 %) of it.
+// The error left after subtracting the reference's own noise, on noise whose true error is known:
+// means of 1,000 draws must lie within 3.3 of their standard errors (99.9 %) of it.
 #include "job/reference.h"
 
 #include "metrics/metrics.h"
