@@ -1,5 +1,5 @@
-// What is said of bias, on noise whose truth is known: intervals must cover it in 95 % of draws,
-// and methods without one are called biased in 2.5 % at most, also where few samples carry all
+// Estimates of bias, on noise whose true bias is known: intervals must cover it in 95 % of draws,
+// and unbiased methods are called biased in 2.5 % at most, also where few samples carry all the
 // light.
 #include "metrics/bias.h"
 #include "metrics/metrics.h"
@@ -127,7 +127,8 @@ static void draw_pareto(double exponent)
     }
 }
 
-// Of 1,000 honest methods, more than WRONG are called biased in 0.3 % of cases at 2.5 % each.
+// If unbiased methods are called biased with a probability of 2.5 % each, more than WRONG of 1,000
+// are in 0.3 % of cases.
 static void check_honest(const char *what, size_t used, int biased)
 {
     printf("  %s, %zu pictures: %d of %d called biased\n", what, used, biased, DRAWS);

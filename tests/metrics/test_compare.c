@@ -17,7 +17,7 @@ TEST(compare_matches_hand_values)
     CHECK(near(m.mse, 5.25 / 6), "%.17g", m.mse);
     CHECK(near(m.rmse, sqrt(5.25 / 6)), "%.17g", m.rmse);
     CHECK(near(m.relmse, (0.25 / 1.01 + 1 / 1.01 + 4 / 9.01) / 6), "%.17g", m.relmse);
-    // Of what is shown, only the blue of the first pixel differs: 0 from 1.
+    // After clipping to the display's range only the blue of the first pixel differs: 0 from 1.
     CHECK(near(m.psnr, 10 * log10(6)), "%.17g", m.psnr);
     CHECK(m.max == 2 && m.max_pixel == 1);
     CHECK(m.nonfinite == 0 && m.differing == 2);
@@ -108,7 +108,8 @@ TEST(intervals_cover_the_error)
         CHECK(covered[k] >= 927, "%d", covered[k]);
 }
 
-// The same variance everywhere, tiles that are cut by the border: neither more nor less than 95 %.
+// With equal variance everywhere, and tiles cut by the border, coverage is neither more nor less
+// than 95 %.
 TEST(intervals_of_even_noise_are_no_wider_than_need_be)
 {
     enum { WIDTH = 41, HEIGHT = 27, COUNT = WIDTH * HEIGHT, DRAWS = 1000 };

@@ -1,5 +1,5 @@
-// What is said of curves of errors, on noise whose truth is known: intervals must cover it in 95 %
-// of 1,000 draws. The counts' own 99.9 % range about 950 is +-23.
+// Curves of errors, on noise whose true errors are known: intervals must cover them in 95 % of
+// 1,000 draws. The 99.9 % range of the counts themselves is 950 +- 23.
 #include "metrics/curve.h"
 #include "random.h"
 #include "test.h"

@@ -7,7 +7,7 @@ enum { COUNT = 4 };
 static const float image[COUNT][3] = {{1.5f, 2, 0}, {4, 0, 5}, {1, 1, 1}, {0, -1, 1e30f}};
 static const float reference[COUNT][3] = {{1, 2, 1}, {4, 0, 3}, {1, 1, 1}, {0, 1, 1e30f}};
 
-// What a map's numbers are the parts of.
+// The mean of a map's values is its metric.
 TEST(means_are_the_metrics)
 {
     struct metrics m;

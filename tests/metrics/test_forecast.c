@@ -1,5 +1,5 @@
-// What is said of twice the samples, on noise whose truth is known: intervals must cover it in 95 %
-// of 1,000 draws. The counts' own 99.9 % range about 950 is +-23.
+// Forecasts for twice the samples, on noise whose true error is known: intervals must cover it in
+// 95 % of 1,000 draws. The 99.9 % range of the counts themselves is 950 +- 23.
 #include "metrics/forecast.h"
 #include "metrics/metrics.h"
 #include "random.h"

@@ -477,7 +477,7 @@ TEST(an_emitter_in_view_counts_before_it_is_met)
     struct half_error with = estimate_in_view(&picture, SAMPLES, &light);
     double local = p * r + (1 - p), missing = r * r / (local * local + 0.01) / pixels;
     CHECK(!with.known && with.bounded && strstr(with.reason, "in view"), "%s", with.reason);
-    // What is missing counts as certain, but for the factor that all of the bound has.
+    // Missing light counts as certain, except for the factor that applies to the whole bound.
     double added = with.at_most - without.at_most;
     CHECK(added > 0.95 * missing && added < 1.3 * missing, "%g, %g", added, missing);
     for (int c = 0; c < 3; c++)

@@ -90,7 +90,7 @@ static bool fits_into(int metric, const struct picture_pair *p, uint64_t bytes)
     return ok;
 }
 
-// What is said of their memory is what they take, but for pages that are not full.
+// The reported memory is the memory that the metrics take, except for pages that are not full.
 TEST(bytes_that_are_told)
 {
     enum { SIDE = 256, PAGES = 32 * 4096 };
@@ -371,7 +371,7 @@ TEST(does_not_depend_on_the_direction)
     CHECK(fabs(value - before) < 1e-6, "%.9g, not %.9g", value, before);
 }
 
-// What a display cannot show is no difference; a map's values are in [0, 1].
+// Values that a display cannot show make no difference; a map's values are in [0, 1].
 TEST(what_is_not_shown_is_no_difference)
 {
     make_pictures();

@@ -1,4 +1,4 @@
-// What is said of repeated timings, on noise whose truth is known.
+// Intervals of repeated timings, on noise whose truth is known.
 #include "metrics/spread.h"
 #include "random.h"
 #include "test.h"
@@ -10,7 +10,8 @@ static bool covers(struct interval i, double truth)
     return i.low <= truth && truth <= i.high;
 }
 
-// Of 1,000 draws, within 3.3 standard deviations: 99.9 % of cases.
+// The number of 1,000 draws that are covered must be within 3.3 standard deviations: 99.9 % of
+// cases.
 static void check_coverage(const char *what, int covered, double expected)
 {
     double off = 3.3 * sqrt(DRAWS * expected * (1 - expected));
