@@ -1,5 +1,5 @@
-// What the tests of the mesh loaders share: a temporary folder, files in it, captured warnings, and
-// damaging files in every way.
+// Helpers for the tests of the mesh loaders: a temporary folder, files in it, captured warnings,
+// and systematic damage to files.
 #ifndef LAMPYRIS_TESTS_MESH_FILES_H
 #define LAMPYRIS_TESTS_MESH_FILES_H
 

@@ -329,7 +329,8 @@ TEST(sizes_choose_the_unit)
     end(&f);
 }
 
-// What single precision leaves of a lamp of 1e-8 m at 2 m is a point; its edges are kept, in a box.
+// A lamp of 1e-8 m at a distance of 2 m is a point in single precision; its edges are kept
+// separately, in a box.
 TEST(small_emitters_keep_their_edges)
 {
     struct fixture f;

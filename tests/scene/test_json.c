@@ -116,7 +116,7 @@ TEST(no_fading_by_distance_is_read)
     scene_finish(&scene);
 }
 
-// The same of the accumulation that sums in bins have replaced.
+// This holds for the former accumulation, too, which sums in bins have replaced.
 TEST(compensated_sums_are_read_as_binned)
 {
     struct scene scene = load_body("\"settings\": {\"film_accumulation\": \"compensated\"}");

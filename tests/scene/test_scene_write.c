@@ -1,4 +1,4 @@
-// What is written down of an edited scene gives that scene again, to the bit.
+// An edited scene that is written to a file is read back with the same bits.
 #include "mesh_files.h"
 
 #include "json/json_node.h"
@@ -287,7 +287,7 @@ TEST(environments_of_the_command_line)
                 return;
             check_round_trip(&e, saved, "command line");
             finish_edited(&e);
-            // The same options are put on top of what was saved.
+            // The same options are applied on top of the saved file.
             struct scene_load_params load = loads[i];
             char other[sizeof path_buffer];
             snprintf(other, sizeof other, "%s", in_folder("other.json"));

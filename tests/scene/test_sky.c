@@ -210,7 +210,8 @@ TEST(gradient)
                 (double)e->texels[row][c] * fmax(cosine, 0) * environment_texel_solid_angle(e, row);
     }
     CHECK(worst <= 0.0016, "off by %g", worst);
-    // Of y over the upper hemisphere, weighted by the cosine: 2 pi / 3; of 1 - y: pi / 3.
+    // The integral of y over the upper hemisphere, weighted by the cosine, is 2 pi / 3; that of 1 -
+    // y is pi / 3.
     CHECK(fabs(irradiance[0] - 2 * M_PI / 3) <= 1e-5 && fabs(irradiance[1] - M_PI / 3) <= 1e-5 &&
               irradiance[2] == 0,
           "%.9g %.9g", irradiance[0], irradiance[1]);

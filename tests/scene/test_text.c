@@ -15,7 +15,8 @@ static uint64_t random_bits(void)
     return x ^ (x >> 31);
 }
 
-// The same bits and the same end as strtof, the sign of zero included.
+// Parsing must give the same bits and end at the same character as strtof, including the sign of
+// zero.
 static void check_against_strtof(const char *text)
 {
     char *expected_end;
@@ -26,7 +27,7 @@ static void check_against_strtof(const char *text)
           (double)value, (double)expected);
 }
 
-// The same in double precision, against strtod.
+// Does the same in double precision, against strtod.
 static void check_against_strtod(const char *text)
 {
     char *expected_end;

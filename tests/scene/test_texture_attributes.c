@@ -1,4 +1,4 @@
-// What corners carry for textures, flattened, against what can be said in closed form.
+// Texture attributes of corners, flattened, against closed forms.
 #include "base/memory.h"
 #include "flatten/flatten.h"
 #include "scene/core/affine.h"
@@ -270,7 +270,7 @@ TEST(mirrored_instances_keep_their_bitangents)
             REQUIRE(flatten(&f), "%s", f.err.msg);
             for (int corner = 0; corner < 3; corner++) {
                 const float *n = f.flat.normals[0][corner], *t = f.flat.tangents[0][corner];
-                // Of the mesh: tangent +x, bitangent +y.
+                // The mesh has the tangent +x and the bitangent +y.
                 float x = axis == 0 ? -1 : 1, y = axis == 1 ? -1 : 1;
                 float up = t[3] * (n[2] * t[0] - n[0] * t[2]);
                 CHECK(t[0] == x && up == y && n[2] == (axis == 2 ? -1 : 1),

@@ -96,7 +96,7 @@ TEST(texels_above_one_are_noted)
     end();
 }
 
-// What a colour is encoded in is of no account to floats.
+// Colour encodings do not apply to floats.
 TEST(hdr_pictures_have_no_encoding)
 {
     static const float bright[3] = {1e6f, 2, 0.25f};
