@@ -70,7 +70,7 @@ RENDERER = [
     ('renderer.direction_exponent', '4'),
     ('renderer.directions', 'bsdf', 'result', None),
     ('renderer.normals', 'ndf'),
-    # What is seen through closed bodies stays, and here there are none.
+    # Only views through closed bodies would change, and here there are none.
     ('renderer.radiance_scaling', 'off', 'none'),
     ('renderer.clamp', '0.3'),
     ('renderer.roulette', 'off'),

@@ -1,4 +1,4 @@
-// What the tests of the panel's widgets share: a panel with one control of each kind, without a
+// Helpers for the tests of the panel's widgets: a panel with one control of each kind, without a
 // device, and a user who moves the mouse and types.
 #ifndef LAMPYRIS_TESTS_GUI_BENCH_H
 #define LAMPYRIS_TESTS_GUI_BENCH_H

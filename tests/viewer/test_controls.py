@@ -21,7 +21,7 @@ from viewer_run import ROOT, Case
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SIZE = '240x135'
-# What is not of tour.json: kernels of other scenes compile in less time.
+# Steps that do not use tour.json: the kernels of other scenes compile in less time.
 FILES = {'view': 'other.json', 'renderer': 'other.json', 'cameras': 'cameras.gltf'}
 TOURS = {'picture': ['view', 'renderer', 'camera', 'scene'], 'materials': ['materials'],
          'objects': ['lights', 'objects', 'files', 'cameras']}

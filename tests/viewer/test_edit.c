@@ -378,7 +378,7 @@ TEST(lamps_with_textures_are_as_bright_as_their_means)
         float ratio = scene->lights[2].radiant[c] / plain.radiant[c];
         CHECK(fabsf(ratio - 0.5f * image.mean[c]) < 1e-6f, "%d: %g", c, (double)ratio);
     }
-    // What cannot light a scene is no lamp.
+    // An object that cannot light a scene is no lamp.
     lamp->opacity = 0;
     CHECK(!lamp_is(scene, object));
     lamp->opacity = 1;

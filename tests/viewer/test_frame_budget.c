@@ -18,7 +18,7 @@ static struct frame_budget settled(double ms_per_sample, double overhead_ms)
     return pace;
 }
 
-// The same of one that was quicker before.
+// Does the same after samples that took less time.
 static struct frame_budget slowed(double ms_per_sample, double overhead_ms)
 {
     struct frame_budget pace = settled(1e-9, overhead_ms);
@@ -90,7 +90,7 @@ TEST(nothing_is_chosen_before_something_is_known)
     CHECK(pace.shrink == first && first > 1, "%u", pace.shrink);
 }
 
-// What a sample takes changes by a tenth from frame to frame.
+// The time of a sample varies by a tenth from frame to frame.
 TEST(the_choice_does_not_flicker)
 {
     for (double ms = 2e-4; ms < 2e-3; ms *= 1.002) {
@@ -135,7 +135,7 @@ TEST(calm_frames_are_longer_but_answer)
     }
 }
 
-// What is done once for every pixel makes previews smaller.
+// Work that is done once for every pixel makes previews smaller.
 TEST(denoising_is_paced)
 {
     struct frame_budget pace = settled(1e-4, 5.0);

@@ -1,4 +1,4 @@
-// What the panel draws, without a device: its triangles, for any window and any numbers.
+// The panel's drawing, without a device: its triangles, for any window and any numbers.
 #include "gui_bench.h"
 
 static void check_drawing(const struct gpu_drawing *drawing)

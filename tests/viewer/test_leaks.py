@@ -11,8 +11,8 @@ import viewer_run
 from program import by_the_clock
 from viewer_run import ROOT, Case
 
-# What the process may grow by once it has been through everything: the driver keeps some code of
-# each pipeline that it ever made, and malloc some of its pages.
+# The growth allowed to the process once it has done everything: the driver keeps some code of each
+# pipeline that it ever made, and malloc keeps some of its pages.
 SLACK = 8 << 20
 
 

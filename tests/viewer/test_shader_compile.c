@@ -123,7 +123,7 @@ TEST(faults_have_file_and_line)
     CHECK(!strstr(k.errors, "terminated"), "%s", k.errors);
     CHECK(strstr(k.errors, "two.comp:2: "), "%s", k.errors);
     CHECK(!strstr(k.errors, k.folder) && !strstr(k.errors, "ERROR"), "%s", k.errors);
-    // What was right before is right again, and known.
+    // A kernel restored to its earlier source is right again, and is found in the cache.
     write_file("lib/value.glsl", "#define VALUE 7\n");
     CHECK(!compile(&k, &err) && strcmp(outcomes(&k), "SFS") == 0, "%s", outcomes(&k));
     clean_up(&k);

@@ -1,4 +1,4 @@
-// What a swapchain is made with, for surfaces of all kinds.
+// The parameters chosen for a swapchain, for surfaces of all kinds.
 #include "test.h"
 #include "viewer/window/swapchain_choose.h"
 

@@ -128,7 +128,7 @@ TEST(movements_and_sizes_in_a_row_become_one)
     window_close(&window);
 }
 
-// What does not fit is lost, but no key stays held by it.
+// Events that do not fit are dropped, but no key stays held because of that.
 TEST(too_many_events_end_without_the_focus)
 {
     struct window window;

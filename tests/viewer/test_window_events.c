@@ -1,5 +1,5 @@
-// What a user does with keyboard and mouse, by the X server's own means (XTEST, through xdotool),
-// and what a window manager asks for, becomes events.
+// A user's input by keyboard and mouse, made by the X server itself (XTEST, through xdotool), and
+// the requests of a window manager become events.
 #include "window_fixture.h"
 
 #include <GLFW/glfw3.h>

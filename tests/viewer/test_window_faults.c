@@ -1,4 +1,5 @@
-// What window systems and devices do to a swapchain: calls that fail as if they did it.
+// Faults of window systems and devices that affect a swapchain: calls are made to fail in the same
+// ways.
 #include "window_fixture.h"
 
 // The calls that are replaced, and how often each of them fails from now on.

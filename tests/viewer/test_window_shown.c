@@ -121,7 +121,7 @@ TEST(vsync_may_be_changed)
     stage_close(&stage);
 }
 
-// What a window manager writes on windows (ICCCM, section 4.1.3.1).
+// Sets the state that a window manager writes on windows (ICCCM, section 4.1.3.1).
 static void set_state(struct stage *stage, long state)
 {
     Atom atom = XInternAtom(stage->display, "WM_STATE", False);

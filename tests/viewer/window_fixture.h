@@ -1,5 +1,5 @@
-// What the tests with a real window share: a device that shows pictures in it, a screen, and an X11
-// connection of the test's own, by which it looks at the window and plays the window manager.
+// Helpers for the tests with a real window: a device that shows pictures in it, a screen, and an
+// X11 connection of the test's own, by which it inspects the window and acts as the window manager.
 #ifndef LAMPYRIS_TESTS_WINDOW_FIXTURE_H
 #define LAMPYRIS_TESTS_WINDOW_FIXTURE_H
 
