@@ -19,7 +19,7 @@ static const double node2[2] = {0.21132486540518712, 0.78867513459481288};
 static const double node3[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 static const double weight3[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
 
-// What one thread has gathered.
+// The results of one thread.
 struct gathered {
     struct cell_node *nodes;
     size_t count, capacity, unresolved;

@@ -40,7 +40,7 @@ double optics_fresnel(double cosine, double eta)
     return 0.5 * (s * s + p * p);
 }
 
-// The same with a complex index, section 14.2.
+// Does the same with a complex index of refraction, section 14.2.
 double optics_fresnel_conductor(double cosine, double eta, double k)
 {
     double complex square = (eta + I * k) * (eta + I * k);

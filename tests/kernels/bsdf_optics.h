@@ -36,10 +36,10 @@ double ggx_reflected_density(const double wo[3], const double h[3], const double
 
 // --- half-vectors --------------------------------------------------------------------------------
 
-// Of reflection, unit; returns wo.h.
+// Finds the half-vector of reflection, a unit vector; returns wo.h.
 double optics_half_reflected(const double wo[3], const double wi[3], double h[3]);
-// Of refraction (Walter et al. 2007, eq. 16), unit, h.z > 0; returns dh/dwi (eq. 17), 0 where there
-// is none.
+// Finds the half-vector of refraction (Walter et al. 2007, eq. 16), a unit vector with h.z > 0;
+// returns dh/dwi (eq. 17), or 0 if there is none.
 double optics_half_refracted(const double wo[3], const double wi[3], double eta, double h[3]);
 
 #endif

@@ -264,7 +264,7 @@ static double lossless_part(const struct principled_state *p, const struct mater
     return is_clear ? table_clear(wo[2], alpha, p->eta) : table_glass(wo[2], alpha, p->eta);
 }
 
-// The same of this material's reflectance, of one channel.
+// Returns the albedo of this material with its own reflectance, for one channel.
 static double lossless_albedo(const struct principled_state *p, const struct material *m, int c,
                               const double wo[3], double e1)
 {

@@ -56,7 +56,7 @@ struct pearson pearson_test(const double *expected, const uint32_t *count, uint3
         pools++;
         pool = pool_count = 0;
     }
-    // What is left over joins the last pool.
+    // The remaining cells join the last pool.
     last += pool;
     last_count += pool_count;
     if (last > 0)

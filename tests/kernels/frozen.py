@@ -259,7 +259,7 @@ FEATURES = {
         "accumulate": ["radiance_texels"],
     }),
 }
-# The same of lobes, in shade_surface: (lobes that are there besides, what must go).
+# Tests of lobes in shade_surface: (lobes compiled in besides, functions that must vanish).
 PRINCIPLED = ["PRINCIPLED", "ROUGH"]
 LOBES = {
     "LAMBERT": ([], ["eval_lambert()", "sample_lambert()"]),
@@ -293,8 +293,8 @@ LOBES = {
     "SEPARABLE": (["DIELECTRIC", "ROUGH"], ["-"]),
 }
 ALL_VERTICES = 0xffffffff # as in shared/bindings.h
-# What of lib/light.glsl and lib/light_tree.glsl each way to choose an emitter needs, in the order of
-# shared/methods.h.
+# The functions of lib/light.glsl and lib/light_tree.glsl that each way to choose an emitter needs,
+# in the order of shared/methods.h.
 DOWN = {"choose_below", "width_below", "light_importance", "take_first", "receiver_of", "triangle_area",
         "shape_area"}
 LIGHT_CHOICES = {
@@ -304,7 +304,7 @@ LIGHT_CHOICES = {
     "tree": {"choose_from_tree", "probability_in_tree"} | DOWN,
 }
 
-# What of lib/sampler.glsl each sampler needs, in the order of shared/methods.h.
+# The functions of lib/sampler.glsl that each sampler needs, in the order of shared/methods.h.
 SOBOL = {"sobol_4d", "scramble", "digits_1", "digits_2", "digits_3", "pcg4d"}
 STRATA = {"stratified", "stratum_point", "permute", "random_4d", "pcg4d"}
 SAMPLERS = {
@@ -508,8 +508,8 @@ def check_ballot(bits, lobes, kernels, folder):
         check_gone("no ballot, " + kernel, "OpControlBarrier", off, on)
 
 
-# What pictures besides the radiance bring into kernels, in FEATURES' terms: what all of them do, and
-# what must not be there with all but one kind.
+# The code that pictures besides the radiance bring into kernels, in FEATURES' terms: the code that
+# all of them need, and the code that must vanish with all kinds but one.
 AOVS = {
     "intersect_closest": {"STEPS": ["store_steps()", "[radiance]"]},
     "shade_surface": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION IDS ALPHA": [
@@ -557,7 +557,7 @@ def check_samplers(bits, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "generate_rays", module.instructions))
 
 
-# What a choice of places in the pixel needs that the others do not.
+# The functions that a choice of places in the pixel needs and the others do not.
 PIXEL_SAMPLINGS = {
     "sampler": set(),
     "centre": set(),

@@ -18,7 +18,7 @@ void place_mesh(struct scene *scene, uint32_t mesh, const double m[3][4], uint32
 // A triangle that is hardly seen, so that the scene is not moved to where its mesh is.
 void add_anchor(struct scene *scene, const double at[3]);
 
-// What a mesh may be put through.
+// The transforms that a mesh is placed with.
 enum placing { TURNED, MIRRORED, SQUASHED, SHEARED, TINY, HUGE_SCALE, PLACINGS };
 const char *placing_name(enum placing placing);
 void make_placing(enum placing placing, struct random *random, double m[3][4]);

@@ -1,5 +1,5 @@
-// What the tests of the kernels share: scenes built in C, a device and a renderer on them, and
-// running one kernel on buffers that the test filled.
+// Helpers for the tests of the kernels: scenes built in C, a device and a renderer for them, and
+// running one kernel on buffers that the test has filled.
 #ifndef LAMPYRIS_TESTS_KERNEL_FIXTURE_H
 #define LAMPYRIS_TESTS_KERNEL_FIXTURE_H
 
@@ -25,7 +25,7 @@ void pcg4d(uint32_t v[4]);
 
 // --- vectors -------------------------------------------------------------------------------------
 
-// Of corners in single precision.
+// Subtracts points given in single precision.
 void subtract(const float a[3], const float b[3], double out[3]);
 
 // --- scenes --------------------------------------------------------------------------------------
@@ -37,7 +37,7 @@ uint32_t add_material(struct scene *scene, const struct material *material);
 // Unshared vertices; the mesh is placed where it is.
 void add_triangles(struct scene *scene, const float (*vertices)[3][3], uint32_t count,
                    uint32_t material);
-// The same with a normal for each corner.
+// Does the same with a normal for each corner.
 void add_smooth_triangles(struct scene *scene, const float (*vertices)[3][3],
                           const float (*normals)[3][3], uint32_t count, uint32_t material);
 void add_sphere(struct scene *scene, const double center[3], double radius, uint32_t material);

@@ -87,7 +87,7 @@ void tree(uint item)
         store_output(item, 3u, vec4(probability_in_tree(r, last.x), vec3(0.0)));
 }
 
-// What surrounds the scene: a sample of it, and what its direction is found to see.
+// Samples the environment, and evaluates it in a direction.
 void surroundings(uint item)
 {
     vec4 u = load_input_float(item, 0u);

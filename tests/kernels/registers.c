@@ -1,6 +1,7 @@
-// What a driver's compiler makes of the kernels of scenes: prints device and driver, and for each
-// kernel of each scene the driver's statistics, separated by tabs. Only pipelines are created: no
-// memory is mapped and nothing is submitted, so that a driver without hardware suffices.
+// Reports how a driver's compiler translates the kernels of scenes: prints device and driver, and
+// for each kernel of each scene the driver's statistics, separated by tabs. Only pipelines are
+// created: no memory is mapped and nothing is submitted, so that a driver without hardware
+// suffices.
 //
 //   registers SCENE[,KEY=VALUE] ...     scenes by their path from the source root
 //
@@ -27,7 +28,7 @@ static bool print_kernel(struct gpu *gpu, const char *scene, const struct gpu_ke
     return true;
 }
 
-// What renderer_prepare() decides about kernels, but without planning memory: a driver without
+// Makes the decisions of renderer_prepare() about kernels, but plans no memory: a driver without
 // hardware has none.
 static bool prepare(struct gpu *gpu, const struct scene *scene, struct renderer *r, struct err *err)
 {

@@ -1,4 +1,4 @@
-// What library.comp can run: read by C and by GLSL.
+// Routines of library.comp: read by C and by GLSL.
 #ifndef LAMPYRIS_TESTS_ROUTINES_H
 #define LAMPYRIS_TESTS_ROUTINES_H
 

@@ -16,7 +16,7 @@ struct exact_shape {
 };
 struct exact_shape exact_shape(const struct flat_shape *flat, double grown, double longer);
 
-// Of one with an extent the largest one.
+// Returns the largest extent of a shape.
 double exact_size(const struct exact_shape *shape);
 
 // Crossings in ascending order, behind the origin as well: how many.

@@ -1,4 +1,4 @@
-// What shapes.comp can run: read by C and by GLSL.
+// Routines of shapes.comp: read by C and by GLSL.
 #ifndef LAMPYRIS_TESTS_SHAPE_ROUTINES_H
 #define LAMPYRIS_TESTS_SHAPE_ROUTINES_H
 

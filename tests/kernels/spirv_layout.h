@@ -15,7 +15,7 @@ struct spirv_member {
     uint32_t type;   // id
 };
 
-// What is known of an id.
+// The properties of an id.
 struct spirv_id {
     const char *name;
     uint32_t opcode;             // that made it: OpTypeStruct, …

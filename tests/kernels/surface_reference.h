@@ -1,5 +1,5 @@
-// What shade_surface works with, in double precision from the scene's own arrays: points on
-// surfaces, densities of next-event estimation, and the random numbers.
+// The quantities that shade_surface uses, in double precision from the scene's own arrays: points
+// on surfaces, densities of next-event estimation, and random numbers.
 #ifndef LAMPYRIS_TESTS_SURFACE_REFERENCE_H
 #define LAMPYRIS_TESTS_SURFACE_REFERENCE_H
 
@@ -15,7 +15,7 @@ struct surface_point {
     double distance; // from the ray's origin
 };
 
-// Of a path's hit, its primitive word as kernels have it.
+// Finds the surface of a path's hit, given by its primitive word.
 struct surface_point surface_at(const struct renderer *r, const struct gpu_path *path);
 
 // Density, a unit area, with which a point on an emitter of this material is chosen.

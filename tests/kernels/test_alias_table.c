@@ -2,7 +2,7 @@
 #include "kernel_fixture.h"
 #include "render/tables/alias_table.h"
 
-// What the table gives each of `count` entries, the bins being equally likely.
+// Returns the probability of each of `count` entries, with bins that are equally likely.
 static double *marginals(const struct alias_bin *bins, uint32_t count)
 {
     double *out = calloc(count, sizeof *out);

@@ -19,7 +19,7 @@ static bool open_grid(uint32_t count)
     return bsdf_device_open(&device, materials, count);
 }
 
-// What the loader makes of {"pbrMetallicRoughness": …} without extensions.
+// Adds the material that the loader makes of {"pbrMetallicRoughness": …} without extensions.
 static struct configuration *add(uint32_t *count, double metallic, double roughness, double degrees)
 {
     struct configuration *c = &grid[(*count)++];

@@ -469,8 +469,8 @@ static uint32_t special_glasses(void)
     return count;
 }
 
-// What is drawn is white in the mean of the channels, by construction. A film gives them different
-// albedos, which are known approximately, the less the more it reflects.
+// By construction the mean of the channels of these samples is white. A film gives the channels
+// different albedos, which are known approximately, and less exactly the more it reflects.
 TEST(compensated_special_glass)
 {
     static struct bsdf_device device;

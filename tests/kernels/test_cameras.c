@@ -188,8 +188,8 @@ static void check_confusion(const struct lens *lens)
     CHECK(farthest[1] <= rounding, "%s: %g m from the point in focus", lens->name, farthest[1]);
     for (int p = 0; p < 3; p += 2) {
         double radius = lens->radius * fabs(z[p] - s) / s;
-        // Of 1024 uniform points of a disc the farthest is beyond 0.99 R but for 2e-9; corners of
-        // polygons are reached less.
+        // The farthest of 1024 uniform points of a disc is beyond 0.99 R with a probability of 1 -
+        // 2e-9; the corners of polygons are reached less often.
         double least = lens->blades ? 0.85 : 0.99;
         CHECK(farthest[p] <= radius + 3 * rounding && farthest[p] >= least * radius - 3 * rounding,
               "%s: confusion of %g m at depth %g, expected %g", lens->name, farthest[p], z[p],
@@ -292,7 +292,7 @@ static bool take_picture(struct renderer *r, uint64_t samples, struct arena *are
     return ok;
 }
 
-// Of what surrounds it, a panorama is that picture.
+// A panorama of an environment is the environment's image.
 TEST(panorama_of_an_environment)
 {
     const struct camera camera = {

@@ -223,7 +223,7 @@ static void make_pixel(uint32_t accumulation, uint32_t samples, struct random *r
     out->digits_b = accumulation == ACCUMULATION_RUNNING ? samples - samples / 2 + 1 : 0;
 }
 
-// What a half's sum of a channel is, or its mean.
+// Returns the sum of a channel that a half-buffer keeps, or its mean.
 static double kept_of(uint32_t accumulation, const struct gpu_film_pixel *pixel, bool second,
                       uint32_t c)
 {

@@ -69,7 +69,8 @@ static uint32_t pixels_apart(const float *a, const float *b, uint32_t components
     return apart;
 }
 
-// The same paths but for rounding: few pixels have a path that ends otherwise.
+// Both renders trace the same paths except for rounding: few pixels have a path that ends
+// elsewhere.
 static void check_pictures(uint32_t integrator)
 {
     struct arena arena = {0};

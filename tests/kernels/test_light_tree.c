@@ -246,7 +246,7 @@ TEST(probabilities_are_those_of_the_bounds)
     setup_close(&setup);
 }
 
-// What is chosen has the probability that a hit of it is weighted with, and is chosen as often.
+// An emitter is chosen with the probability that the MIS weight of a hit uses, and as often.
 TEST(choices_follow_the_probabilities)
 {
     enum { SAMPLES = 1 << 16, PLACES = 6 };

@@ -33,7 +33,7 @@ TEST(offset_origin)
         float(*in)[4] = items[i].f;
         for (int c = 0; c < 3; c++) {
             in[0][c] = i % 16 == 0 ? 0.0f : signed_magnitude(&random, -6, 6);
-            // What surfaces report: a few roundings of the coordinates, or nothing.
+            // Surfaces report an error of a few roundings of the coordinates, or none.
             in[1][c] = fabsf(in[0][c]) * (float)random_between(&random, 0, 7) * 0x1p-24f;
         }
         random_direction(&random, in[2]);

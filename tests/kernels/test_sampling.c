@@ -35,7 +35,7 @@ static uint32_t cell_of(double fraction, uint32_t cells)
     return cell >= cells ? cells - 1 : (uint32_t)cell;
 }
 
-// Of the angle of (x, y).
+// Returns the column of the angle of (x, y).
 static uint32_t column_of(const float p[2])
 {
     double turn = atan2((double)p[1], (double)p[0]) / (2 * M_PI);

@@ -73,7 +73,7 @@ TEST(values_are_distances)
                 apart[c] = b[c] - a[c];
             }
             double x = sdf_evaluate(&scene.sdfs[i], a), y = sdf_evaluate(&scene.sdfs[i], b);
-            // Of Mandelbulbs only the outside is a distance.
+            // The field of a Mandelbulb is a distance only outside of it.
             bool counts = x > 0 || (sdf_programs[i].code[0].op & 0xffu) != SDF_MANDELBULB;
             // A surface between them is no farther than b from a; the field may bend at folds.
             if (counts && (!sdf_programs[i].is_fractal || (x > 0) != (y > 0)))
@@ -124,7 +124,7 @@ static void kernel_to_world(const struct flat_scene *flat, const float point[4],
     flat_to_world(flat, in, out);
 }
 
-// What the kernel made of a point near the surface.
+// Judges the kernel's results for a point near the surface.
 static void judge_surface(const struct setup *setup, uint32_t number, const union words *in,
                           const union words *out, struct surface_counts *counts)
 {

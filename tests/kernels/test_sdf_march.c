@@ -351,7 +351,8 @@ TEST(code_is_what_is_interpreted)
 
 // --- a closed form -------------------------------------------------------------------------------
 
-// Of a torus about y: (|p|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2), negative inside.
+// Evaluates the quartic of a torus about y: (|p|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2), negative
+// inside.
 static double torus_quartic(const struct field_ray *ray, double x, double ring, double tube)
 {
     double p[3];

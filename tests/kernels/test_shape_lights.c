@@ -43,7 +43,7 @@ static double whole_area(const struct exact_shape *s)
     return area;
 }
 
-// What points are chosen on from one place.
+// The faces of a shape on which points are sampled from one place.
 struct aim {
     double area[FACES]; // of what is aimed at
     double whole;       // of these

@@ -70,7 +70,8 @@ static bool add_all(struct renderer *r, const struct gpu_kernel *kernel, uint32_
     return ok && gpu_download(r->gpu, &r->film[0], 0, film, sizeof film, err);
 }
 
-// What rounding took: bounds of film_sums.h, by sums that are exact to 2^-64 of their terms.
+// Checks the rounding error against the bounds of film_sums.h, by sums that are exact to 2^-64 of
+// their terms.
 static void check_value(uint32_t place, uint32_t c)
 {
     const struct gpu_film_pixel *pixel = &film[place / 2];

@@ -1,5 +1,5 @@
-// Whether surfaces are there: opacities against references, masks, and that blending decides with
-// the right probability, independently and by nothing but where and when it is asked.
+// Opacity: values against references, masks, and random decisions at blended surfaces, which must
+// have the right probability, be independent, and depend only on place and time of the query.
 #include "texture_fixture.h"
 
 enum { COUNT = 60000 };
@@ -171,7 +171,8 @@ TEST(blending_has_the_right_probability)
     setup_close(&setup);
 }
 
-// What is decided for two askers that differ in one respect: together with the probability of both.
+// The decisions for two queries that differ in one respect must be independent: both occur together
+// with the product of their probabilities.
 TEST(decisions_are_independent)
 {
     struct setup setup;
@@ -209,7 +210,7 @@ TEST(decisions_are_independent)
     setup_close(&setup);
 }
 
-// The same questions in another order have the same answers.
+// The same queries in another order have the same answers.
 TEST(decisions_do_not_depend_on_order)
 {
     struct setup setup;
@@ -258,7 +259,7 @@ TEST(shapes)
     }
     memcpy(inputs, items, sizeof items);
     REQUIRE(texture_run(&setup, ROUTINE_ALPHA, items, COUNT));
-    // Of a sphere the picture's right half is that of +x, and of this disc, too.
+    // The right half of the image is that of +x on a sphere, and on this disc, too.
     for (uint32_t k = 0; k < COUNT; k++) {
         float x = inputs[k].f[1][0] - (k & 1 ? 5.0f : 0.0f);
         CHECK(fabsf(x) < 1e-5f || (items[k].f[0][1] == 1) == (x > 0), "shape %u, x %g: %g", k & 1,

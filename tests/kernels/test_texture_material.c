@@ -1,5 +1,6 @@
-// What textures and vertex colours make of a material and of its shading frame, and what surfaces
-// carry for them: the shipped routines against references in double precision.
+// The effect of textures and vertex colours on a material and on its shading frame, and the
+// attributes that surfaces store for them: the shipped routines against references in double
+// precision.
 #include "texture_fixture.h"
 
 enum { COUNT = 20000 };
@@ -83,7 +84,7 @@ TEST(textures_scale_groups)
     setup_close(&setup);
 }
 
-// Of an HDR picture values above 1 count as 1, but for emission.
+// Values above 1 in an HDR image count as 1, except for emission.
 TEST(only_emission_is_scaled_up)
 {
     struct setup setup;

@@ -1,5 +1,4 @@
-// What of a scene's textures and corners comes onto the device: what is used, and equal images
-// once.
+// Only the textures and corner attributes that a scene uses are uploaded, and equal images once.
 #include "render/attributes.h"
 #include "texture_fixture.h"
 
@@ -45,7 +44,7 @@ TEST(unused_images_stay_away_and_equal_ones_are_there_once)
               setup.r.tables.textures.saved_bytes == 128 + 65536 + 16384,
           "%llu", (unsigned long long)setup.r.tables.textures.saved_bytes);
 
-    // What lies there: each texture's record leads to its image's texels.
+    // Each texture's record leads to the texels of its image.
     static uint8_t bytes[512];
     struct err err = {0};
     REQUIRE(

@@ -1,5 +1,5 @@
-// What a traversal must get exactly right: nothing slips through a closed surface, the lowest id
-// wins among equals, and a library of its own agrees on scanned meshes.
+// Exact requirements of a traversal: nothing passes through a closed surface, the lowest id wins
+// among equal distances, and an independent library agrees on scanned meshes.
 #include "../bench/bench.h"
 #include "traversal_judge.h"
 #include "traversal_scenes.h"

@@ -43,7 +43,7 @@ static double intersect_shape(const void *context, uint32_t index, const struct 
     return t > 0 && t < ray->t_max ? t : -1;
 }
 
-// What kernels do to a ray's origin, L (o - t), without rounding.
+// Transforms a ray's origin as kernels do, L (o - t), without rounding.
 static void to_object(const struct flat_instance *instance, double out[3][4])
 {
     for (int row = 0; row < 3; row++) {
