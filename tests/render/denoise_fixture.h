@@ -1,4 +1,4 @@
-// What the denoiser's tests share: films made up pixel by pixel, and what becomes of them.
+// Helpers for the denoiser's tests: films made up pixel by pixel, and their denoised pictures.
 #ifndef LAMPYRIS_TESTS_DENOISE_FIXTURE_H
 #define LAMPYRIS_TESTS_DENOISE_FIXTURE_H
 

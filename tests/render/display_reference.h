@@ -1,4 +1,4 @@
-// What a viewer is to show, computed on the host in double precision.
+// The expected output of a viewer, computed on the host in double precision.
 #ifndef LAMPYRIS_TESTS_DISPLAY_REFERENCE_H
 #define LAMPYRIS_TESTS_DISPLAY_REFERENCE_H
 
@@ -6,7 +6,7 @@
 #include "render/show/display.h"
 #include "render_fixture.h"
 
-// Of a pixel, as in shared/display.h: a value times its weight, and the weight.
+// A pixel as in shared/display.h: a value times its weight, and the weight.
 struct value {
     double rgb[3], weight;
 };
@@ -18,12 +18,12 @@ struct values {
 
 struct values values_new(uint32_t width, uint32_t height, struct arena *arena);
 void set_value(struct value *v, const float rgb[3]);
-// Of a film, one value a pixel.
+// Returns the values of a film, one for each pixel.
 struct values values_of(const struct film_image *film, uint32_t shown, struct arena *arena);
 struct values values_scaled(const struct values *from, uint32_t width, uint32_t height,
                             bool nearest, struct arena *arena);
 
-// What is to be seen of each side: values of the size that is shown.
+// The expected values of each side, at the size on the screen.
 struct expected {
     struct values sides[2];
 };
@@ -32,7 +32,7 @@ struct expected {
 // the environment it writes the picture there, to be looked at.
 void check_picture(const char *name, struct display *display, const struct display_call *call,
                    const struct expected *expected, struct arena *arena);
-// What was drawn last.
+// Returns the pixels drawn last.
 uint8_t (*display_pixels(struct display *display, const struct display_call *call,
                          struct arena *arena))[4];
 

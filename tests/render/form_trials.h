@@ -6,7 +6,7 @@
 
 // Each form in the default configuration, with the fewest samples that give the half-width.
 void forms_by_default(const struct check_group *group, uint32_t first_seed);
-// The same without the long ones.
+// Does the same without the long ones.
 void forms_that_are_short(const struct check_group *group, uint32_t first_seed);
 // With CLOSED_FORM_LONG_SAMPLES, and by each estimator that can.
 void forms_by_every_estimator(const struct check_group *group, uint32_t first_seed);

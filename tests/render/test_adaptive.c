@@ -74,7 +74,7 @@ TEST(counts_go_with_the_root_of_the_variance)
 
 // --- renders -------------------------------------------------------------------------------------
 
-// What the program does, in one process and many times.
+// Repeats the program's work many times in one process.
 struct trial {
     struct scene scene;
     struct job job;
@@ -119,7 +119,7 @@ static const struct scene_override smooth[] = {SMALL_LAMP, {0}};
 
 enum { BIAS_TILES = 9 }; // of 48 x 48 pixels
 
-// What a replicate gave a tile, and what came out there.
+// The samples that a replicate gave to a tile, and the tile's result.
 struct tile_results {
     double counts[BIAS_TILES][REPLICATES], means[BIAS_TILES][REPLICATES];
 };

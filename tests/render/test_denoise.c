@@ -129,7 +129,7 @@ TEST(what_is_certain_stays_and_the_film_too)
             struct made_pixel m = certain_pixel(NULL, p % 70, p / 70);
             for (int c = 0; c < 3; c++) {
                 float mean = m.albedo[c] * m.light[c] + m.emission[c];
-                // Of an emission of 3 the sums keep an error of 2^-22, which counts as noise over
+                // With an emission of 3 the sums have an error of 2^-22, which counts as noise over
                 // divisors down to 0.04.
                 CHECK(fabsf(b.film.picture[p][c] - mean) <= 64 * FLT_EPSILON * (1 + mean),
                       "pixel %u: %.9g, expected %.9g", p, (double)b.film.picture[p][c],
@@ -156,7 +156,7 @@ static struct made_pixel impulse_pixel(const void *context, uint32_t x, uint32_t
     return p;
 }
 
-// Of 1, 1/2 … levels of the B3 spline one after the other, at distances from -62 to 62.
+// Computes the cascade of so many levels of the B3 spline, at distances from -62 to 62.
 static void cascade(uint32_t levels, double kernel[125])
 {
     static const double spline[] = {0.0625, 0.25, 0.375, 0.25, 0.0625};

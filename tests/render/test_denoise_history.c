@@ -244,8 +244,9 @@ static bool trip_run(struct trip *t, const struct move *m, int axis)
            film_denoise(&t->to, &t->denoiser, &run, &t->err);
 }
 
-// What the picture says of the place in the history's picture, in pixels; NAN where no history was
-// taken. The history counts for 32 samples, less what fades with the film's two, of 64.
+// Returns the position in the history's picture, in pixels, that the pixel's value encodes; NAN if
+// no history was used. The history counts as 32 samples, less the part that fades with the film's
+// two samples, of 64.
 static double told(const struct trip *t, const struct move *m, uint32_t x, uint32_t y, int axis)
 {
     const double worth = 32 * (1 - 2.0 / 64), share = worth / (worth + 2);
@@ -293,7 +294,8 @@ static struct view sized(struct view v, uint32_t width, uint32_t height)
     return v;
 }
 
-// Of what panoramas see.
+// Returns whether the direction to a point is within acos(0.9) of that to the ball's centre, or of
+// the opposite one; for panoramas.
 static bool is_straight(const struct view *v, const double point[3])
 {
     double to[3], centre[3];
@@ -506,8 +508,8 @@ static bool past_of_card(const struct move *m, double x, double y, double at[2],
     return true;
 }
 
-// What moved has the history of where it was, what stands still its own, and what has come into
-// view none.
+// Moved objects take the history of their former position, others their own, and surfaces that have
+// come into view have none.
 TEST(what_moved_is_followed)
 {
     const struct view front = look(CAMERA_PERSPECTIVE, 0, 0, 0, 0);

@@ -125,7 +125,7 @@ static bool move(struct box *b, uint32_t seed, uint64_t samples)
 
 struct move_case {
     const char *name, *sky, *lamp;
-    // Of the error with a history of 64 samples, as a part of that without.
+    // The error with a history of 64 samples, as a fraction of that without a history.
     double limits[REGIONS];
 };
 

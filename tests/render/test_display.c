@@ -290,7 +290,7 @@ TEST(kept)
     expected.sides[0] = over(&half, &first, &s.arena);
     check_picture("half kept", &s.display, &call, &expected, &s.arena);
 
-    // Of another size, then kept at that and shown at the first.
+    // Scale to another size, keep the picture at that size, and show it at the first size.
     call.width = call.picture[2] = 100;
     call.height = call.picture[3] = 30;
     const struct values half_sized = values_scaled(&half, 100, 30, false, &s.arena);
@@ -306,7 +306,7 @@ TEST(kept)
     expected.sides[0] = values_scaled(&both, 64, 48, false, &s.arena);
     check_picture("kept twice, the first size", &s.display, &call, &expected, &s.arena);
 
-    // Of something else, and forgotten.
+    // A kept picture is not shown for another AOV, nor once it is forgotten.
     expected.sides[0] = nothing;
     call.shown = SHOWN_SAMPLES;
     check_picture("of something else", &s.display, &call, &expected, &s.arena);

@@ -20,7 +20,7 @@ static void render_form(struct gpu *gpu, const char *form, uint32_t seed, uint64
     scene_finish(&scene);
 }
 
-// What one of all comparisons exceeds by chance with probability 1e-3.
+// The limit is exceeded by chance, in any of all comparisons, with probability 1e-3.
 static void compare_forms(uint64_t samples, double half_width)
 {
     static struct replicates results[2];

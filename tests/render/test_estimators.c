@@ -46,7 +46,7 @@ static void check_pair(const struct replicates *a, const struct replicates *b,
         struct estimate of_a = replicates_estimate(a, v), of_b = replicates_estimate(b, v);
         double error = hypot(of_a.standard_error, of_b.standard_error);
         double t = (of_a.mean - of_b.mean) / error, mean = 0.5 * (of_a.mean + of_b.mean);
-        // Of Welch's degrees of freedom, which are between these, the fewest.
+        // The fewest of Welch's degrees of freedom, which are between these numbers.
         double half_width = error * stats_t_quantile(0.975, REPLICATES - 1);
         double bound = v == WHOLE ? plan->half_width_whole : plan->half_width_tile;
         if (v == WHOLE)

@@ -44,7 +44,7 @@ static void render_form(struct gpu *gpu, const struct scene_override *overrides,
     scene_finish(&scene);
 }
 
-// What one of all comparisons exceeds by chance with probability 1e-3.
+// The limit is exceeded by chance, in any of all comparisons, with probability 1e-3.
 static void compare(uint64_t samples)
 {
     static struct replicates results[2];

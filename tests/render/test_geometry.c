@@ -196,7 +196,7 @@ TEST(sharing_changes_no_bit)
 
 // --- what changes --------------------------------------------------------------------------------
 
-// What of the geometry a change makes anew.
+// The part of the geometry that a change makes anew.
 enum renewed { NOTHING, ARRAYS, HIERARCHY };
 struct change {
     const char *name;
@@ -353,7 +353,7 @@ static void check_changes(enum instancing instancing)
     CHECK((geometry.flat.placed_count > 0) == (instancing == INSTANCING_ON), "wrong levels");
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         struct change change = changes[i];
-        // What is not shared stays where it is when it begins to emit.
+        // A mesh that is not shared stays in place when it begins to emit.
         if (change.make == change_to_emitter && instancing == INSTANCING_OFF)
             change.renewed = ARRAYS;
         change.is_rendered &= instancing == INSTANCING_ON;

@@ -1,4 +1,4 @@
-// What is known of emitters in view, held against how often samples meet them.
+// The emitters found in view, compared with how often samples hit them.
 #include "render/probe/in_view.h"
 #include "render_fixture.h"
 #include <math.h>

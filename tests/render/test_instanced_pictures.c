@@ -73,8 +73,9 @@ static double distance(const float a[3], const float b[3])
     return sqrt(square);
 }
 
-// The same object, material and triangle in all pixels but those whose ray passes an edge; where
-// it is, as far as rounding allows, and what normals say of it. `scale`: of rounding errors.
+// Checks that object, material and triangle are the same in all pixels except those whose ray
+// passes an edge, and that positions and normals agree within rounding. `scale`: of rounding
+// errors.
 static void compare_first_hits(const struct pair *p, double scale)
 {
     const struct film_aovs *a = &p->flat.aovs, *b = &p->two.aovs;
@@ -176,8 +177,8 @@ TEST(pictures_of_other_integrators)
     check(overrides, INTEGRATOR_WHITTED, 4, 1);
 }
 
-// Whether there is something is decided by a number of each triangle, which has another one here:
-// pictures have the same mean, not the same noise.
+// Opacity is decided by a number of each triangle, which differs between these renders: pictures
+// have the same mean, but not the same noise.
 TEST(a_picture_with_alpha)
 {
     const struct scene_override overrides[] = {{"image", image()}, {NULL, NULL}};

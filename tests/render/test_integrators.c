@@ -1,5 +1,5 @@
-// What must not change a bit of the pictures of other integrators; where shadows end; and Whitted's
-// model against paths, where both are the same.
+// Settings that must not change a bit of the pictures of other integrators; where shadows end; and
+// Whitted's model compared with path tracing where both are the same.
 #include "render_fixture.h"
 #include <math.h>
 
@@ -128,7 +128,8 @@ TEST(shadows_are_hard)
     arena_finish(&arena);
 }
 
-// Of lights without extent, Lambert and Phong, one event: the same as by paths.
+// With delta lights, Lambert and Phong and one scattering event the picture is that of path
+// tracing.
 TEST(whitted_is_direct_light)
 {
     struct arena arena = {0};

@@ -280,7 +280,7 @@ TEST(the_opposite_order_shows_only_without_a_barrier)
         driver.together = 0;
         CHECK(picture(&r) == forwards, "%s", c->name);
         CHECK(driver.together > 0, "%s: each dispatch was alone", c->name);
-        // What is known of barriers is known of this way to trace rays.
+        // The known barriers are those of this way to trace rays.
         if (c->unseen_barriers && gpu.info.is_cpu &&
             gpu.params.limits.sort_rays == c->limits.sort_rays)
             check_barriers(c, &r, forwards, barriers);

@@ -41,7 +41,7 @@ static void check_film(const struct film_image *film, uint64_t dropped)
                   "pixel %zu is not finite", i);
 }
 
-// What is recorded leads to a path that loses a contribution again, and at the same bounce.
+// A recorded contribution leads to a path that loses a contribution again, at the same bounce.
 static void check_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample)
 {
     struct arena arena = {0};

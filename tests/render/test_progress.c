@@ -1,4 +1,4 @@
-// What a listener hears of a renderer: every phase by its own name, one after the other.
+// The phases that a renderer reports to a listener: each by its own name, one after the other.
 #include "render_fixture.h"
 
 struct heard {

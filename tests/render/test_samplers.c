@@ -69,8 +69,8 @@ TEST(same_means_long)
 
 // --- an edge -------------------------------------------------------------------------------------
 
-// What a filter of this radius weighs below a horizontal line so far under the pixel's centre: the
-// density over y, integrated over 2^16 strips. All four are symmetric.
+// Returns the weight of a filter of this radius below a horizontal line at this distance under the
+// pixel's centre: the density over y, integrated over 2^16 strips. All four filters are symmetric.
 static double weight_below(uint32_t filter, double radius, double line)
 {
     enum { STRIPS = 1 << 16 };
@@ -154,7 +154,7 @@ static double largest_difference(float (*a)[3], float (*b)[3])
     return largest;
 }
 
-// Of 7 samples the first 4 are half A; a render that ends after 3 of them has no half B yet.
+// With 7 samples the first 4 are half A; a render that ends after 3 of them has no half B yet.
 TEST(contiguous)
 {
     struct gpu gpu;

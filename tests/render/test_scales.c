@@ -250,7 +250,7 @@ static void keep_warning(void *context, enum log_level level, const char *messag
         snprintf(warning, sizeof warning, "%s", message);
 }
 
-// What single precision cannot do is told with its numbers, by an error or else by a warning.
+// Scenes beyond single precision are reported with their numbers, by an error or else by a warning.
 struct beyond {
     struct scene_override override;
     const char *error, *warning;

@@ -1,5 +1,5 @@
-// What a viewer asks of a renderer: another camera and another size, without building (the picture
-// has the same bits as a new renderer's), kernels that were compiled meanwhile, and small steps.
+// The requests of a viewer to a renderer: another camera and another size without building (the
+// picture has the same bits as a new renderer's), kernels compiled meanwhile, and small steps.
 #include "render/probe/replay.h"
 #include "render_fixture.h"
 #include "shared/methods.h"

@@ -9,7 +9,7 @@
 #define SEEDS 16u
 #define COUNTS_MAX 9u
 
-// Of every seed, by doubling sample counts from 2^4 on.
+// The pictures of every seed, by doubling sample counts from 2^4 on.
 struct pictures {
     uint32_t counts;
     float value[COUNTS_MAX][SEEDS][VALUES];
@@ -79,7 +79,7 @@ static double variance(float (*value)[VALUES], uint32_t left_out)
     return sum / VALUES;
 }
 
-// Of log variance on log samples, by least squares.
+// Returns the slope of log variance over log samples, by least squares.
 static double slope_without(struct pictures *pictures, uint32_t left_out)
 {
     double center = (pictures->counts - 1) / 2.0, products = 0, squares = 0;
@@ -179,7 +179,8 @@ static double variance_of(struct gpu *gpu, const char *path, struct method metho
     return variance(value, SEEDS);
 }
 
-// Of samplers, and for one how much it costs that the halves are independent.
+// Samplers with independent halves; one of them also with contiguous halves, to show the cost of
+// independence.
 static const struct {
     const char *name;
     uint32_t sampler, halves;
@@ -269,7 +270,7 @@ TEST(blurred_long)
         printf("%s, %u samples: sobol %.2f; blue-noise %.2f\n", paths[i / 3], method.samples,
                ratio[0], ratio[1]);
         fflush(stdout);
-        // Of skewed noise a variance of 16 seeds is known to some 20 %.
+        // With skewed noise the variance of 16 seeds has an error of about 20 %.
         CHECK(ratio[1] <= 1.3 * ratio[0], "%s, %u samples: %g, sobol %g", paths[i / 3],
               method.samples, ratio[1], ratio[0]);
     }

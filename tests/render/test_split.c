@@ -35,7 +35,7 @@ static bool same_bits(const struct film_image *a, const struct film_image *b)
            memcmp(a->half_a, b->half_a, bytes) == 0;
 }
 
-// What a device with these limits makes of the scene.
+// The result of rendering the scene on a device with these limits.
 struct outcome {
     bool rendered;
     struct film_image film;

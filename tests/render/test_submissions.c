@@ -1,6 +1,6 @@
-// What the host does for a wave, in calls of Vulkan, which are counted on their way to the driver:
-// how many submissions and barriers, and that nothing is allocated or created any more. And that
-// rays of probes are submitted in portions on a device that is slow.
+// The host's work for a wave in calls of Vulkan, which are counted on their way to the driver: the
+// number of submissions and barriers, and that nothing more is allocated or created. The rays of
+// probes are submitted in portions on a slow device.
 #include "render/probe/ray_probe.h"
 #include "render_fixture.h"
 #include <math.h>
@@ -126,7 +126,7 @@ static void count_calls(void)
 #define SAMPLES 16u // after the first, which compiles and makes what is kept
 #define BOUNCES 4u  // few enough for one submission
 
-// What a wave takes. With pacing, submissions are cut by time.
+// The expected calls for a wave. With pacing, submissions are cut by time.
 struct expected {
     const char *path;
     struct gpu_limit_overrides limits;

@@ -35,7 +35,8 @@ enum { NEE_ALONE = 1, BSDF_ALONE = 2, EACH_ALONE = 3 };
 
 // --- quadrature ----------------------------------------------------------------------------------
 
-// Of max(0, n . d) over a texel, by the midpoints of PARTS x PARTS patches of equal solid angle.
+// Integrates max(0, n . d) over a texel, by the midpoints of PARTS x PARTS patches of equal solid
+// angle.
 #define PARTS 4
 
 static double cosine_integral(const struct environment *e, uint32_t column, uint32_t row,
@@ -65,7 +66,7 @@ static void integrate_texels(const struct environment *e, const double n[3], dou
         }
 }
 
-// Of max(0, n . d) over a cell between centres of texels, times the part of each corner, by the
+// Integrates max(0, n . d) times each corner's weight over a cell between centres of texels, by the
 // midpoints of patches of equal angles.
 static void corner_integrals(const struct environment *e, uint32_t column, uint32_t row,
                              const double n[3], double weights[4])
