@@ -32,8 +32,8 @@ bool load_bytes(struct scene *scene, const char *path, struct bytes bytes, struc
 bool load_glb(struct scene *scene, const char *json, const void *binary, size_t size,
               struct err *err);
 
-// What is wrong with a loaded scene, or NULL: an index beyond its array, a number not finite, a
-// missing name.
+// Returns the fault of a loaded scene, or NULL: an index beyond its array, a number that is not
+// finite, or a missing name.
 const char *scene_objection(const struct scene *scene);
 // Returns whether one of the notes contains the text.
 bool has_note(const struct scene *scene, const char *text);

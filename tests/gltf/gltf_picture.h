@@ -6,7 +6,7 @@
 
 // An 8-bit RGBA PNG of one colour, its pixels stored uncompressed. width * height up to 4096.
 struct bytes png_bytes(uint32_t width, uint32_t height, const uint8_t rgba[4]);
-// The same as a data URI of that type. free() it.
+// Returns the PNG as a data URI of that type; the caller frees it.
 char *png_uri(const uint8_t rgba[4], const char *mime_type);
 
 #endif

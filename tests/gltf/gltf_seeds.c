@@ -160,8 +160,8 @@ static uint32_t load_u32(const uint8_t *at)
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-// The same as JSON alone, the binary chunk in a data URI: damage reaches deeper where no lengths
-// have to agree.
+// Returns the file as JSON alone, with the binary chunk in a data URI: damage reaches deeper where
+// no lengths have to agree.
 static struct bytes embed(struct bytes glb)
 {
     static const char before[] = "\"buffers\":[{";

@@ -240,7 +240,7 @@ static uint64_t hash_of(const char *animation, const char *scene_name, const dou
     return hash;
 }
 
-// What was chosen decides what is loaded: a render that goes on must not mix two poses.
+// The hash includes the choice of what is loaded: a render that continues must not mix two poses.
 TEST(hash_covers_the_choice)
 {
     const double zero = 0, one = 1;

@@ -1,4 +1,4 @@
-// What the loader makes of good files: every expected number is written out or computed here.
+// Scenes loaded from valid files: every expected number is written out or computed here.
 #include "gltf_fixture.h"
 #include "test.h"
 

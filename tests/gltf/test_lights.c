@@ -74,7 +74,8 @@ TEST(singular_nodes)
     scene_finish(&scene);
 }
 
-// What scene_load makes of a file with a light, and of one with nothing but unlit materials.
+// The environment that scene_load adds to a file with a light, and to one with only unlit
+// materials.
 TEST(even_environment)
 {
     static const char *const files[] = {

@@ -1,4 +1,4 @@
-// What the extensions of glTF materials become: every expected number is written out.
+// The materials loaded from glTF's extensions: every expected number is written out.
 #include "image/image.h"
 #include "material_file.h"
 #include "test.h"
@@ -157,8 +157,8 @@ TEST(anisotropy)
     scene_finish(&scene);
 }
 
-// What reflects nothing but diffusely is shaded as Lambert's, in the cheapest class; whatever adds
-// to it is not.
+// A material that reflects only diffusely is shaded as Lambert's, in the cheapest class; one with
+// any other reflection is not.
 static const char plain_materials[] =
     "{'pbrMetallicRoughness':{'metallicFactor':0},"
     "'extensions':{'KHR_materials_specular':{'specularFactor':0}}},"

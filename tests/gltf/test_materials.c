@@ -1,4 +1,4 @@
-// What materials and textures of glTF files become: every expected number is written out.
+// The materials and textures loaded from glTF files: every expected number is written out.
 #include "base/memory.h"
 #include "gltf_fixture.h"
 #include "gltf_picture.h"
@@ -33,7 +33,7 @@ TEST(metallic_roughness)
     CHECK(m[1].texture_count == 2);
     check_scale(&scene, 1, GROUP_BASE, "rgb-");
     check_scale(&scene, 1, GROUP_METAL, "-gb-");
-    // What is 0 stays 0 without a texel.
+    // A factor of 0 stays 0 without a texel.
     check_scale(&scene, 2, GROUP_METAL, "-g--");
     // The colours are sRGB: ((128 / 255 + 0.055) / 1.055)^2.4 = 0.2158605.
     CHECK(fabsf(image_of(&scene, 1, GROUP_BASE)->mean[0] - 0.2158605f) < 1e-4f);
@@ -353,8 +353,8 @@ TEST(damaged_picture)
     free(png.data);
 }
 
-// Of two images that are decoded at once one needs nearly all memory: half of it each is not
-// enough, and must not be taken for the limit.
+// One of two images that are decoded at once needs nearly all memory: half of the memory for each
+// is not enough, and must not be taken for the limit.
 TEST(memory_of_images)
 {
     static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};

@@ -109,7 +109,7 @@ static bool has_positions(const struct mesh *mesh, const struct grid *grid)
            memcmp(mesh->positions, grid->positions, sizeof grid->positions) == 0;
 }
 
-// The same three vertices, from whichever of them.
+// Returns whether both have the same three vertices in the same order, beginning with any of them.
 static bool is_same_triangle(const uint32_t a[3], const uint32_t b[3])
 {
     for (int turn = 0; turn < 3; turn++)

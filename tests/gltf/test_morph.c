@@ -91,7 +91,7 @@ TEST(weights_of_nodes)
         CHECK(scene.meshes[i[0].mesh].positions[0][2] == 2 &&
               scene.meshes[i[1].mesh].positions[0][0] == 8 &&
               scene.meshes[i[3].mesh].positions[0][0] == 0);
-        // What no weight changes is shared.
+        // Arrays that no weight changes are shared.
         CHECK(scene.meshes[i[1].mesh].normals == scene.meshes[i[3].mesh].normals);
     }
     scene_finish(&scene);

@@ -173,7 +173,7 @@ TEST(memory_budget)
     free(json);
 }
 
-// What is held of the file counts as well: half the budget of vertices does not fit twice.
+// The file's bytes in memory count, too: half the budget of vertices does not fit twice.
 TEST(memory_budget_counts_the_file)
 {
     char json[512];

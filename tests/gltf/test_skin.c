@@ -9,7 +9,7 @@ static bool near3(const float *a, double x, double y, double z)
            fabs((double)a[2] - z) < 1e-6;
 }
 
-// What a test puts into the file; zero where it is as usual.
+// The parts of the file that a test sets; zero for the usual ones.
 struct skin_file {
     const char *nodes, *skin, *attributes, *rest;
     const double (*place)[4];
@@ -104,7 +104,7 @@ TEST(linear_blend)
         CHECK(near3(mesh->positions[1], (11 + 13) / 2.0, 10, 0));
         CHECK(near3(mesh->positions[2], 11 + 4, 24, 0));
         CHECK(mesh->exact_positions[1][0] == 12 && mesh->exact_positions[1][1] == 10);
-        // Of diag(1.5, 2.5, 1): the normal (0, 1, 0) keeps its direction.
+        // The matrix is diag(1.5, 2.5, 1): the normal (0, 1, 0) keeps its direction.
         CHECK(near3(mesh->normals[1], 0, 1, 0));
     }
     scene_finish(&scene);
