@@ -180,7 +180,7 @@ def read_objects(source_root, build_root):
     return objects
 
 
-# What changes a renderer: for jobs alone.
+# Functions that change a renderer: only jobs may call them.
 CHANGING = {'renderer_render', 'renderer_restart', 'renderer_plan_samples', 'renderer_set_plan',
             'renderer_create', 'renderer_set_camera', 'renderer_resize', 'renderer_clear',
             'renderer_read', 'renderer_replay', 'wave_count_steps', 'kernel_recording_create'}

@@ -42,7 +42,7 @@ ISO_FUNCTIONS = {name + suffix for name in MATHS for suffix in ('', 'f')} | set(
     strspn strstr strtod strtof strtol strtoll strtoul strtoull tolower toupper ungetc vfprintf
     vsnprintf
     strdup'''.split())  # of C23, and on every system
-# What compilers and C libraries make of these.
+# Names that compilers and C libraries substitute for these.
 HIDDEN = re.compile(r'__\w+|bcmp|_GLOBAL_OFFSET_TABLE_|_setjmp|sincosf?|_Z\w+|_Unwind_\w+')
 LIBRARY_FUNCTIONS = re.compile(r'(json|png|exr|jpeg|meshopt|glfw|vk|volk|ImGui)\w*')
 LOADER = {'gpu/volk.c': {'dlopen', 'dlsym', 'dlclose'}}  # volk's own code, compiled by this file

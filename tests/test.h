@@ -18,8 +18,8 @@ struct test_case {
     void (*run)(void);
 };
 
-// Of the whole program: fixtures in files of their own count too. Weak, so that each of them may
-// define these.
+// These are shared by the whole program: fixtures in files of their own count, too. They are weak,
+// so that each file may define them.
 #ifdef _WIN32
 #define TEST_SHARED __attribute__((selectany))
 #else

@@ -104,7 +104,7 @@ static void check_unwritable(const char *path, const char *expected)
     CHECK(err.code == ERR_OUTPUT && strstr(err.msg, expected), "%s", err.msg);
 }
 
-// What the link names is made, by way of other links; the link stays.
+// The file that the link names, by way of other links, is created; the link stays.
 TEST(links_that_lead_nowhere_are_followed)
 {
     char folder[200];

@@ -28,8 +28,8 @@ TEST(the_clock_never_goes_back)
     CHECK(seconds >= 0 && seconds < 60, "%g", seconds);
 }
 
-// Of the reference implementation (Appleby, MurmurHash3.cpp), as widely published; every length of
-// a tail, and each byte counts.
+// Hashes of the reference implementation (Appleby, MurmurHash3.cpp), as widely published; a tail of
+// every length is tested, and each byte counts.
 TEST(hash128)
 {
     const char *text = "The quick brown fox jumps over the lazy dog.";

@@ -1,4 +1,5 @@
-// What the machine leaves to a process, read from made-up files, and the budget of the process.
+// The memory that the machine leaves to a process, read from made-up files, and the budget of the
+// process.
 #define _GNU_SOURCE // nftw
 #include "base/memory.h"
 #include "temporary_folder.h"

@@ -1,4 +1,4 @@
-// What base/ asks of every system: files, folders, locks and processes by their contracts.
+// The contracts of base/ on every system: files, folders, locks and processes.
 #include "test.h"
 
 #include "base/clock.h"

@@ -33,8 +33,9 @@ struct bvh_trace_instance {
 
 struct bvh_trace_scene {
     const struct bvh *bvh;
-    // What is in the world; with all triangles, the shared trees' ones too. triangle_count is that
-    // of the world. Without instance_boxes hits are not held against these.
+    // The geometry in world space; with all triangles, it includes those of shared trees.
+    // triangle_count is that of world space. Without instance_boxes hits are not checked against
+    // these.
     const struct bvh_params *geometry;
     const struct bvh_trace_instance *instances; // NULL when there are none
     bvh_shape_fn intersect_shape;               // NULL when there are none

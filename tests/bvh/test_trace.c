@@ -326,7 +326,8 @@ TEST(lowest_of_coplanar_duplicates_wins)
     arena_finish(&scene.arena);
 }
 
-// Whether a ray from inside the closed sphere, at a point of it, hits the sphere about there.
+// Checks that a ray from inside the closed sphere, towards a point of it, hits the sphere near
+// there.
 static void check_inside(const struct scene *scene, const double origin[3], const double target[3])
 {
     double direction[3];

@@ -16,7 +16,7 @@ from program import checked, limits, need_device, run
 LAMPYRIS, ROOT = sys.argv[1:3]
 del sys.argv[1:3]
 
-# What of the group threads needs what LAMPYRIS_LIMITS takes away.
+# The checks of the group threads that need a feature which LAMPYRIS_LIMITS takes away.
 NEEDED_BY = {'no-ballot': {'subgroups', 'reconvergence'}, 'no-texel': {'texel buffers'},
              'no-timestamps': {'timestamps'}}
 

@@ -1,4 +1,4 @@
-// What was told of pictures against what is so: counts over the seeds of one scene at one size and
+// Reported intervals compared with true errors: counts over the seeds of one scene at one size and
 // sample count, and the table that they make.
 #ifndef LAMPYRIS_TESTS_COVERAGE_CELLS_H
 #define LAMPYRIS_TESTS_COVERAGE_CELLS_H

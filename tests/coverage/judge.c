@@ -51,7 +51,7 @@ static bool find_sums(struct judge *judge, struct err *err)
     return true;
 }
 
-// What the noise of the reference itself adds to errors. `mean` is that of the other seeds.
+// Adds the contribution of the reference's own noise to errors. `mean` is that of the other seeds.
 static void add_own(struct judge *judge, double mean, double variance, uint64_t i)
 {
     double local = (double)judge->local_means[0][i];

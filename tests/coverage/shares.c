@@ -4,7 +4,8 @@
 
 static const double significance = 0.001;
 
-// Of `cases` independent ones with the chance `p` each.
+// Returns the probability that at most `held` of `cases` independent events of probability `p`
+// occur.
 static double chance_of_at_most(uint32_t held, uint32_t cases, double p)
 {
     double sum = 0;

@@ -92,7 +92,7 @@ struct function {
 static bool is_lost; // at VKF_LOSE
 static void forget_calls(void);
 
-// Whether this is the submission at which the device is lost.
+// Returns whether the device is lost at this submission.
 static bool loses(const struct function *function)
 {
     const char *number = getenv("VKF_LOSE");

@@ -1,5 +1,5 @@
-// What the tests of the gpu layer share: opening a device or skipping, the element-wise copy kernel
-// between buffers, and a log sink that counts.
+// Helpers for the tests of the gpu layer: opening a device or skipping, the element-wise copy
+// kernel between buffers, and a log sink that counts.
 #ifndef LAMPYRIS_TESTS_GPU_FIXTURE_H
 #define LAMPYRIS_TESTS_GPU_FIXTURE_H
 

@@ -67,7 +67,7 @@ static void check_round_trip(bool staged)
         gpu_download(&gpu, &buffer, offset, out, bytes, &err)) {
         CHECK(!staged || !buffer.mapped);
         CHECK(memcmp(in, out, bytes) == 0);
-        // What was not written is still zero.
+        // Bytes that were not written are still zero.
         uint8_t before[5] = {1}, after[3] = {1};
         CHECK(gpu_download(&gpu, &buffer, 0, before, 5, &err) && is_zero(before, 5));
         CHECK(gpu_download(&gpu, &buffer, offset + bytes, after, 3, &err) && is_zero(after, 3));

@@ -272,7 +272,8 @@ static bool never_presents(void *context, VkInstance instance, VkPhysicalDevice 
     return false;
 }
 
-// What no device and no loader has keeps it from being opened, in words.
+// A device is not opened without extensions that no device and no loader has, and the message names
+// them.
 TEST(windows_need_more)
 {
     static const char *const nonsense[] = {"VK_KHR_nonsense"};

@@ -1,4 +1,4 @@
-// What specialization constants rule out is left out, and what is left does the same.
+// Code that specialization constants exclude is removed, and the remaining code does the same.
 #include "gpu/spirv.h"
 #include "gpu/spirv_bindings.h"
 #include "gpu/spirv_rounding.h"

@@ -26,7 +26,7 @@ static void set(int i, float value)
         pixels[i][c] = value;
 }
 
-// What is even becomes 0.5, whatever it is.
+// A uniform image is exposed to 0.5, whatever its value.
 TEST(even_pictures)
 {
     for (int stops = -140; stops <= 120; stops += 10) {

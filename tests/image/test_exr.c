@@ -277,7 +277,8 @@ TEST(luminance_becomes_grey)
     struct exr_file file = {.window = {.max = {{{6, 4}}}},
                             .channels = {{"Y", EXR_PIXEL_HALF}, {"Z", EXR_PIXEL_FLOAT}}};
     check_file(&file, (const int[]){0, 0, 0}, "Y");
-    // Of three channels one: the library's own unpacking writes through a null pointer here.
+    // Reading one of three channels: the library's own unpacking writes through a null pointer
+    // here.
     struct exr_file third = {
         .window = {.max = {{{6, 4}}}},
         .channels = {{"A", EXR_PIXEL_HALF}, {"B", EXR_PIXEL_HALF}, {"Y", EXR_PIXEL_HALF}}};
@@ -407,7 +408,7 @@ TEST(damaged_files)
     arena_finish(&arena);
 }
 
-// What cannot be written is refused with the name of what is wrong.
+// A picture that cannot be written is refused with a message that names the fault.
 TEST(bad_names_are_refused)
 {
     struct arena arena = {0};

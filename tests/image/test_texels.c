@@ -199,7 +199,7 @@ TEST(png_of_every_kind)
                 check_png(&kinds[i], interlace, is_linear);
 }
 
-// What a half keeps of a code must tell all codes apart, alpha 1 from 254 / 255 too.
+// Half floats must keep all codes distinct, including an alpha of 1 from one of 254 / 255.
 TEST(halves_keep_all_codes)
 {
     for (int is_linear = 0; is_linear < 2; is_linear++) {

@@ -73,7 +73,7 @@ class Planted(unittest.TestCase):
         self.assertLess(biased['bias']['ci_low'], BIAS)
         self.assertGreater(biased['bias']['ci_high'], BIAS)
         self.assertLess(biased['bias']['ci_high'] - biased['bias']['ci_low'], 0.2 * BIAS)
-        # What stays is more than this target: no time leads there.
+        # The remaining error exceeds this target: no time leads there.
         self.assertIsNone(biased['time_to'][2]['seconds']['value'])
         # The heuristic shares what is found by both techniques out: less of it is wrong.
         self.check(self.floor, reference, *points)
