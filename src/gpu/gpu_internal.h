@@ -9,29 +9,29 @@
 bool vk_check(struct gpu *gpu, const char *call, VkResult result, struct err *err);
 
 // --- instance.c ---------------------------------------------------------------------------------
-// Needs gpu->params; with validation on, messages carry the pointer gpu from now on.
+// Needs gpu->params. If validation is on, its messages carry the pointer gpu from now on.
 bool instance_create(struct gpu *gpu, struct err *err);
 void instance_destroy(struct gpu *gpu);
 
 // --- limits.c -----------------------------------------------------------------------------------
-// Adds what the environment variable LAMPYRIS_LIMITS says to what is not set yet.
+// Adds the words of the environment variable LAMPYRIS_LIMITS to the limits that are not set yet.
 bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err);
 
 // --- select.c -----------------------------------------------------------------------------------
-// False, too, where the driver fails to tell: *failure (NULL: it does not matter) says why then,
-// and else stays as it is.
+// Returns false, too, if the driver fails to report its extensions: *failure then has the reason,
+// and otherwise is unchanged. failure may be NULL.
 bool device_has_extension(VkPhysicalDevice device, const char *name, VkResult *failure);
 // Selects by gpu->params.device; sets physical, queue_family and info.
 bool device_select(struct gpu *gpu, struct err *err);
-// Writes in words what keeps us from using the device, or "". queue_family: UINT32_MAX when no
-// family computes.
+// Writes the reason why the device cannot be used, or "". queue_family: UINT32_MAX if no family
+// supports compute.
 void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_family, char *out,
                        size_t size);
 // Reads the limits of gpu->physical, lowered by the overrides.
 bool device_read_limits(struct gpu *gpu, struct err *err);
 
 // --- buffer.c -----------------------------------------------------------------------------------
-// Without the check against max_texel_elements, and left as allocated, not zero-filled.
+// Creates a buffer without checking max_texel_elements, and without filling it with zeros.
 bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
                      bool texel, struct gpu_buffer *out, struct err *err);
 bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err);
@@ -41,23 +41,24 @@ bool memory_allocate(struct gpu *gpu, const VkMemoryRequirements *needs, enum gp
 void memory_count(struct gpu *gpu, uint64_t bytes); // more bytes are in use
 
 // --- command.c ----------------------------------------------------------------------------------
-// For copies alone: without timestamps, and never simulated as slow.
+// Creates commands for copies only: they have no timestamps, and are never simulated as slow.
 bool commands_create_for_copies(struct gpu *gpu, struct gpu_commands *out, struct err *err);
 
 // --- transfer.c ---------------------------------------------------------------------------------
 void transfers_destroy(struct gpu *gpu); // the objects kept for copies between host and buffers
 
 // --- image.c ------------------------------------------------------------------------------------
-// Before a transfer writes all of an image: what it held is gone. Waits for transfers from it and
-// for fragments that sample it.
+// Discards the contents of an image before a transfer writes all of it. Waits for transfers from it
+// and for fragments that sample it.
 void image_discard(struct gpu_commands *commands, const struct gpu_image *image);
 // Copies tightly packed rows into an image that image_discard has prepared.
 void image_fill(struct gpu_commands *commands, const struct gpu_image *image, uint32_t width,
                 uint32_t height, const struct gpu_buffer *pixels);
 
 // --- screen_pipeline.c --------------------------------------------------------------------------
-// All of *screen that does not depend on its size or on the atlas' pixels, which the image
-// screen->atlas need not have yet. What is there by a failure goes with the other function.
+// Creates all of *screen that does not depend on its size or on the atlas' pixels; the image
+// screen->atlas need not have any yet. After a failure the other function destroys what was
+// created.
 bool screen_pipeline_create(struct gpu *gpu, struct gpu_screen *screen, struct err *err);
 void screen_pipeline_destroy(struct gpu *gpu, struct gpu_screen *screen);
 
@@ -72,7 +73,7 @@ void layouts_destroy(struct gpu *gpu);
 const struct gpu_layout *layout_find(struct gpu *gpu, uint64_t bindings, struct err *err);
 
 // --- sets.c -------------------------------------------------------------------------------------
-// The bindings' descriptor set for a layout, made and written where that was not done yet.
+// Returns the bindings' descriptor set for a layout, creating and writing it if necessary.
 bool sets_find(struct gpu *gpu, struct gpu_bindings *bindings, const struct gpu_layout *layout,
                VkDescriptorSet *out, struct err *err);
 // Marks the sets as outdated because other buffers were bound: they are written again before use.
