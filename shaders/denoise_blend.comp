@@ -182,10 +182,10 @@ const float PIXELS_LEAST = 4.0;
 // they tell here whether a difference is noise.
 const float SAMPLES_LEAST = 4.0;
 
-// How much of the history still holds: light and shadow may have moved on. The mean difference of
-// film and history over the pixels around is the history's bias, but for noise, whose variance the
-// squares of the differences tell. A pixel that hardly any of those around agree with in having a
-// history has none either: it is one of an edge.
+// Returns how much of the history is still valid: light and shadow may have moved. The mean
+// difference of film and history over the surrounding pixels is the history's bias, except for
+// noise, whose variance follows from the squares of the differences. A pixel has no history if
+// hardly any of its neighbours have one: it is on an edge.
 float history_trust(uint index)
 {
     vec4 means = load_difference(index); // difference, its square, and how many are known

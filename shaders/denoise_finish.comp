@@ -40,9 +40,11 @@ void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
     sum += weight * vec3(judgement, judgement.y * load_blended(index).w);
 }
 
-// By the pixels around together, and by the pixel alone. The mean of (f - p)^2 is V + b^2, by which
-// the pixels around tell the bias b. The variance is that which they would have with as many samples,
-// `worth` with the history's, as the pixel has: one that has just come into view has fewer.
+// Returns how far to go from the unfiltered light (0) to the filtered one (1), judged by the
+// surrounding pixels together and by the pixel alone. The mean of (f - p)^2 is V + b^2, from which
+// the surrounding pixels give the bias b. The variance is that which they would have with as many
+// samples (`worth` includes the history's) as the pixel has: one that has just come into view has
+// fewer.
 float trust(ivec2 pixel, vec2 own, float samples, float worth)
 {
     vec3 sum = vec3(0.0);
@@ -73,7 +75,8 @@ void main()
     vec2 own = unpack_judgement(from_bits(index).w);
     float part = trust(ivec2(pixel), own, film.w, before.w);
     vec3 light = before.rgb + part * (filtered - before.rgb);
-    // Where nothing was moved these are the film's own bits, without the rounding of two divisions.
+    // Where nothing was filtered these are the film's own bits, without the rounding of two
+    // divisions.
     bvec3 same = equal(light, (film.rgb - emission) / divisor);
     store_picture(index, vec4(mix(light * divisor + emission, film.rgb, same), film.w));
 }

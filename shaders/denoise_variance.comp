@@ -17,7 +17,7 @@ const int SPATIAL_RADIUS = 3;
 // Schied et al. trust moments from so many frames on.
 const float FREEDOM_ENOUGH = 4.0;
 
-// How alike a neighbour is, by geometry alone; 0 beyond the image.
+// Returns how similar a neighbour is, by geometry only; 0 beyond the image.
 float likeness(depth_plane plane, ivec2 pixel, ivec2 offset, out uint index)
 {
     bool inside;

@@ -82,7 +82,7 @@ vec2 variance_of(uint at, float samples)
     return vec2((variance.r + variance.g + variance.b) / 3.0, 1.0);
 }
 
-// How many of the `count` ascending numbers from `first` are at most `value`.
+// Returns how many of the `count` ascending numbers from `first` are at most `value`.
 uint count_up_to(uint first, uint count, uint value)
 {
     uint low = 0u;

@@ -52,7 +52,7 @@ void main()
         v.eta = material_ior(v.m);
 
         vec4 u_extra = vec4(0.0);
-        // Not as one expression: glslang takes chains of three constants wrong.
+        // This is not one expression, because glslang miscompiles chains of three constants.
         bool needs_extra = HAS(FEATURE_NEE) || HAS_LOBE(LOBE_DISPERSION);
         if (needs_extra || DIRECTIONS != DIRECTIONS_BSDF)
             u_extra = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_EXTRA));

@@ -200,9 +200,10 @@ float albedo_clear(uint tables, float mu, float alpha, float eta)
     return root * root;
 }
 
-// Where wo is on the axes of anisotropic tables: roughness, anisotropy, azimuth. `alpha_o` is the
-// standard deviation of slopes along wo, and with it the scale on mu's axis. The azimuth's axis is
-// the angle half-way between that of wo and that of wo stretched to an isotropic surface.
+// Returns the position of wo on the axes of anisotropic tables: roughness, anisotropy, azimuth.
+// `alpha_o` is the standard deviation of slopes along wo, and with it the scale on mu's axis. The
+// azimuth's axis is the angle half-way between that of wo and that of wo stretched to an isotropic
+// surface.
 vec3 albedo_axes_turned(vec3 wo, float roughness, float anisotropic, vec2 alpha, out float alpha_o)
 {
     vec2 azimuth = abs(wo.xy) * sqrt(alpha);

@@ -97,7 +97,7 @@ vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out precise float pdf)
         return vec3(0.0);
     vec3 reflected, through;
     vec2 probabilities;
-    // By both cosines, since near total reflection the one says little about the other.
+    // Both cosines are passed, since near total reflection one determines little about the other.
     principled_interface(p, cos_o, cos_i, fresnel_refracted(cos_o, cos_i, p.eta), reflected,
                          through, probabilities);
     float jacobian = p.eta * p.eta * cos_i / length2;
@@ -134,7 +134,7 @@ vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out precise float pdf)
     return through * unshadowed;
 }
 
-// Without the weight of the layers above and `below`.
+// Evaluates the diffuse lobe without the weight of the layers above and `below`.
 vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
     pdf = pdf_cosine_hemisphere(wi.z);

@@ -180,7 +180,7 @@ void add_aov_vector(uint slot, const uint aov, vec3 value)
     }
 }
 
-// By bit pattern: drivers may assume that floats are finite.
+// Tests the bit pattern: drivers may assume that floats are finite.
 bool is_finite(vec3 v)
 {
     uvec3 exponent = floatBitsToUint(v) & 0x7f800000u;

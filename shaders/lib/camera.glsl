@@ -1,5 +1,4 @@
-// Where the ray of a sample begins and where it goes, by the camera of the scene. Reads the uniform
-// block.
+// Generates the ray of a sample for the scene's camera. Reads the uniform block.
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
 
@@ -22,7 +21,7 @@ vec3 panorama_direction(vec2 at)
     return latitude.x * level + latitude.y * frame.camera_up;
 }
 
-// Where the pinhole's ray begins: at the camera, or where it is precise.
+// Returns the origin of the pinhole's ray: the camera, or a nearer point that is precise.
 vec3 start_of_ray(vec2 at)
 {
     if (!HAS(FEATURE_FAR_CAMERA))
@@ -31,7 +30,8 @@ vec3 start_of_ray(vec2 at)
            frame.camera_start * (at.x * frame.camera_right - at.y * frame.camera_up);
 }
 
-// With FEATURE_FAR_CAMERA: how far from the camera a point at distance t on its ray is.
+// With FEATURE_FAR_CAMERA, returns the distance from the camera of the point at distance t on its
+// ray.
 float distance_from_camera(vec3 direction, float t)
 {
     return t + frame.camera_start / dot(direction, frame.camera_forward);

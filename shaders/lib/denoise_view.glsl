@@ -62,8 +62,8 @@ float ray_length_change(gpu_denoise_view view, vec2 at)
     return dot(here, 2.0 * half_size / vec2(view.width, view.height)) / (1.0 + dot(here, here));
 }
 
-// Where a point (or, far away, a direction from the camera) is in the picture, in pixels, and its
-// depth as guides have it. False where it is behind the camera or nowhere.
+// Projects a point (or, far away, a direction from the camera) into the picture, in pixels, with
+// its depth as guides store it. Returns false if it is behind the camera or has no projection.
 bool project(gpu_denoise_view view, vec3 point, bool is_direction, out vec2 at, out float guide)
 {
     vec3 to = is_direction ? point : point - view.position;

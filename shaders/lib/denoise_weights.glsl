@@ -1,4 +1,4 @@
-// How alike two pixels are: what stops the filter at edges. Pure functions.
+// The similarity of two pixels, which stops the filter at edges. Pure functions.
 #ifndef DENOISE_WEIGHTS_GLSL
 #define DENOISE_WEIGHTS_GLSL
 
@@ -65,10 +65,10 @@ depth_plane make_plane(vec4 guide, vec2 slope, float length_change)
                        sky ? 1.0 : 0.0);
 }
 
-// How alike the surfaces of two pixels are. The exponent is that of equation (3), but for a
-// deviation from the plane rather than from the depth: on a slope that is seen at a flat angle the
-// filter reaches as far as on one that faces the camera. `further`: what else is in the exponent. 0
-// of pixels without samples, as of all that is unlike.
+// Returns the similarity of the surfaces of two pixels. The exponent is that of equation (3), but
+// for a deviation from the plane rather than from the depth: on a slope seen at a grazing angle the
+// filter reaches as far as on one that faces the camera. `further`: other terms of the exponent. 0
+// for pixels without samples, and for dissimilar ones.
 float surface_weight(depth_plane plane, vec4 other, vec2 offset, float further)
 {
     float expected = dot(plane.slope, offset);
@@ -79,7 +79,7 @@ float surface_weight(depth_plane plane, vec4 other, vec2 offset, float further)
            exp(-(deviation / tolerance + further));
 }
 
-// By which a difference of luminances is multiplied in the exponent of equation (5). Without
+// Returns the factor of a difference of luminances in the exponent of equation (5). Without
 // variance no difference is small.
 float luminance_scale(float variance)
 {

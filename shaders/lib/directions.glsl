@@ -31,7 +31,7 @@ bool transmits(material m)
     return model == MATERIAL_PRINCIPLED && principled_does;
 }
 
-// How much of what goes on is left to the BSDF's sampling.
+// Returns the fraction of the scattered light that is left to the BSDF's sampling.
 float part_by_bsdf(material m, vec3 wo, float eta)
 {
     uint model = material_model(m);

@@ -45,7 +45,8 @@ float node_versine(uint row, uint height)
     return versine_turns(0.5 * clamp((float(row) - 0.5) / float(height), 0.0, 1.0));
 }
 
-// How far down a row of cells something is, given its distance from the pole in texels.
+// Returns the position within a row of cells, from its upper end, by the distance from the pole in
+// texels.
 float cell_part(float texels, uint row)
 {
     return clamp(row == 0u ? 2.0 * texels : texels + 0.5 - float(row), 0.0, 1.0);

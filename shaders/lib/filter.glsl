@@ -1,5 +1,5 @@
-// Where in or around its pixel a sample lies, drawn from the pixel filter: all samples then have
-// the same weight.
+// Places a sample in or around its pixel by sampling the pixel filter: all samples then have the
+// same weight.
 #ifndef FILTER_GLSL
 #define FILTER_GLSL
 

@@ -1,4 +1,4 @@
-// How much an interface reflects. Pure functions.
+// The reflectance of interfaces. Pure functions.
 #ifndef FRESNEL_GLSL
 #define FRESNEL_GLSL
 

@@ -1,5 +1,5 @@
-// How samples are shared between the two half-buffers that tell the error, and which point of which
-// sequence each one is. `render/film.c` has the same rule.
+// Divides samples between the two half-buffers from which the error is estimated, and gives each
+// its sequence and its number there. `render/film.c` has the same rule.
 #ifndef HALVES_GLSL
 #define HALVES_GLSL
 
@@ -30,8 +30,8 @@ uint half_of_sample(uint samples)
     return samples & 1u;
 }
 
-// Which of a pixel's next `count` samples a half gets, where the film has `samples`: from x to before
-// y, in steps of z.
+// Returns which of a pixel's next `count` samples a half gets when the film has `samples`: from x
+// to before y, in steps of z.
 uvec3 samples_of_half(uint samples, uint count, uint number)
 {
     if (HALVES == HALVES_CONTIGUOUS) {
@@ -42,7 +42,7 @@ uvec3 samples_of_half(uint samples, uint count, uint number)
     return uvec3((samples ^ number) & 1u, count, 2u);
 }
 
-// How many of the first `samples` samples belong to half 0.
+// Returns how many of the first `samples` samples belong to half 0.
 uint samples_of_first_half(uint samples)
 {
     if (HALVES == HALVES_CONTIGUOUS)

@@ -39,8 +39,8 @@ uint instance_material(uint instance, uint word)
     return own != NO_MATERIAL ? own : word;
 }
 
-// Where the ray of a slot starts, and what it has met: a part of the path's record where there are
-// instances.
+// Returns the instance that the slot's ray starts on or has hit: a part of the path's record if
+// there are instances.
 uint path_hit_instance(uint slot)
 {
     return HAS_GEOMETRY(GEOMETRY_INSTANCES) ? load_path(slot, PATH_INSTANCE).x : NO_INSTANCE;

@@ -10,8 +10,8 @@
 
 #include "lib/constants.glsl"
 
-// Where a ray meets a shape, in order along it: distances, negative where there is none, and what
-// a hit record keeps of the place, which load_shape_surface() takes.
+// The crossings of a ray with a shape, in order along it: distances, negative if there is none, and
+// the data that a hit record keeps of the place for load_shape_surface().
 struct crossings {
     float first, second;
     vec2 first_at, second_at;

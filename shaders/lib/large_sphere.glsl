@@ -32,7 +32,7 @@ vec2 sphere_power(exact_sphere s)
     return renormalise(add_exactly(square, -exact_product(s.radius, s.radius)));
 }
 
-// How far a point is from the surface, outside positive: |f| - r = (f.f - r^2) / (|f| + r).
+// Returns a point's distance from the surface, positive outside: |f| - r = (f.f - r^2) / (|f| + r).
 float sphere_height(vec3 point, vec3 center, float radius)
 {
     exact_sphere s = exact_sphere_from(point, center, radius);

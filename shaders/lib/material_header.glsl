@@ -5,7 +5,7 @@
 
 #include "lib/buffers.glsl"
 
-// Where the material begins whose word a primitive carries.
+// Returns the beginning of the material in a primitive's word.
 uint material_at(uint word)
 {
     return MATERIAL_HEADER_WORDS + (word & MATERIAL_INDEX_MASK) * MATERIAL_WORDS;
@@ -42,7 +42,7 @@ float camera_ior()
     return uintBitsToFloat(load_materials(1u).y);
 }
 
-// Where suns begin, and how many there are.
+// Returns the beginning of the suns, and their number.
 uvec2 suns_range()
 {
     return load_materials(1u).zw;

@@ -33,7 +33,7 @@ uint media_enter(uint stack, uint number)
     return stack << 8u | number;
 }
 
-// Without the latest entry of this number; *found: there was one.
+// Removes the latest entry of this number; *found: there was one.
 uint media_leave(uint stack, uint number, out bool found)
 {
     found = false;

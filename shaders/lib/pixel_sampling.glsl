@@ -1,4 +1,4 @@
-// Where in its pixel's filter a sample lies, where that is not the sampler's affair.
+// Places a sample in its pixel's filter if the sampler does not do so.
 #ifndef PIXEL_SAMPLING_GLSL
 #define PIXEL_SAMPLING_GLSL
 

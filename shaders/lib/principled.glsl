@@ -333,9 +333,10 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
     return e;
 }
 
-// How an interface's reflectance F, as moved and seen through a film, lies between Fresnel's (0) and
-// 1 (1): 1 - F is taken for a part of what Fresnel's equations let through. Without film that is
-// exact. Else the part is fitted, by least squares over cosines from total reflection on.
+// Maps an interface's reflectance F, as moved and seen through a film, to a number from 0
+// (Fresnel's) to 1 (F = 1): 1 - F is treated as a fraction of the light that Fresnel's equations
+// transmit. Without a film that is exact. Otherwise the fraction is fitted, by least squares over
+// cosines from total reflection on.
 vec3 principled_moved(principled p)
 {
     vec3 moved = (p.f0 - p.f0_index) / (1.0 - p.f0_index);
@@ -390,11 +391,11 @@ vec3 principled_albedo_through(principled p, material m, vec3 wo, float alpha, f
     return albedo;
 }
 
-// How the base is drawn, and drawn again, where what transmits loses nothing. Reflection is as
-// probable as Fresnel's equations say, in the mean of the channels, but where what goes through is
-// tinted or something else reflects, too: then a part of what they let through reflects as well, so
-// that seen from above both have the weights of their means. The chance that a try survives is
-// linear in that probability, as the albedo is.
+// Sets how the base is sampled, and sampled again, if transmission loses no energy. Reflection is
+// as probable as Fresnel's equations say, as a mean over the channels, except where transmission is
+// tinted or something else reflects, too: then a fraction of the light that they transmit is
+// reflected as well, so that seen from above both have the weights of their means. The probability
+// that a try survives is linear in that probability, as the albedo is.
 void prepare_tries(inout precise principled p, vec3 albedo, float e1)
 {
     float f0 = p.specular_weight * mean_channel(p.f0);

@@ -25,8 +25,8 @@ uint item_index()
     return push.first_item + group * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
 }
 
-// How many items the consumed queue holds, as far as this part of the dispatch goes. Queues of hits
-// are complete when they are consumed; of the others prepare_dispatch has kept the count.
+// Returns the number of items of the consumed queue within this part of the dispatch. Queues of
+// hits are complete when they are consumed; prepare_dispatch has kept the counts of the others.
 uint item_count()
 {
     bool hits = push.queue >= QUEUE_SURFACE && push.queue <= QUEUE_MISS;

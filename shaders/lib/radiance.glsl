@@ -7,8 +7,9 @@
 #include "lib/buffers.glsl"
 #include "lib/primitive.glsl"
 
-// By how often light was scattered on its way: in the kernels that find emitters that is the number
-// of the bounce, and shadow rays are traced in the bounce after the one that sends them.
+// Adds a contribution by the number of scattering events on its way: in the kernels that find
+// emitters this is the number of the bounce; shadow rays are traced in the bounce after the one
+// that spawned them.
 void add_part(uint slot, vec3 contribution)
 {
     if (HAS_AOV(AOV_EMISSION) && push.bounce == 0u)

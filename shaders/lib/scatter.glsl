@@ -1,4 +1,4 @@
-// How a path goes on from a vertex. Writes the path's record.
+// Continues a path from a vertex. Writes the path's record.
 #ifndef SCATTER_GLSL
 #define SCATTER_GLSL
 

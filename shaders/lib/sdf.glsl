@@ -150,7 +150,7 @@ float sdf_gyroid(const vec3 p, const vec3 a, const vec4 b)
     return abs(x.y * y.x + y.y * z.x + z.y * x.x) / (a.x * b.x) - a.y;
 }
 
-// With one ball more: the sum, and the distance to the nearest reach.
+// Adds one ball: returns the sum, and the distance to the nearest ball's reach.
 vec2 sdf_ball(const vec3 p, const vec4 ball, const vec2 sums)
 {
     vec3 v = p - ball.xyz;

@@ -35,8 +35,8 @@ sdf_ray sdf_ray_create(trace_ray ray, sdf_field f, float t_max)
     return r;
 }
 
-// Where a ray that has just left a surface still is within its own rounding: in errors of the
-// field.
+// A ray that has just left a surface is within its own rounding up to this distance, in errors of
+// the field.
 const float SDF_NEAR = 64.0;
 
 // Goes on from `march` to the nearest crossing of the surface of shape `index` before t_max: its

@@ -1,4 +1,4 @@
-// Where a ray meets the shape of a leaf.
+// Intersects a ray with the shape of a leaf.
 #ifndef SHAPE_LEAF_GLSL
 #define SHAPE_LEAF_GLSL
 
@@ -23,8 +23,8 @@ void cross_where_there(trace_ray ray, shape_record shape, uint primitive, inout 
     c.first_at = c.second_at;
 }
 
-// False when the budget of iterations ended on the way through a distance field: `march` says
-// where.
+// Returns false if the budget of iterations ended on the way through a distance field: `march` is
+// then the position reached.
 bool intersect_shape_leaf(trace_ray ray, uint index, inout float march, inout uint iterations,
                           inout trace_hit best)
 {

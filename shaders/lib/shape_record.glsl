@@ -33,7 +33,7 @@ shape_record load_shape(uint index)
     return shape;
 }
 
-// Where `other` is a direction that only textures ask for.
+// Loads `other` where it is a direction that only textures use.
 vec3 load_shape_across(uint index)
 {
     return load_shapes_float(index * SHAPE_WORDS + 2u).yzw;

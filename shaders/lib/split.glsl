@@ -26,11 +26,11 @@
 #include "lib/sampler.glsl"
 #include "lib/scatter.glsl"
 
-// To be asked alone, so that what it rules out is left out.
+// Tested on its own, so that the code that it excludes is removed.
 #define CAN_SPLIT (HAS(FEATURE_SPLIT_LOBES) && HAS_LOBE(LOBES_OF_TWO_PARTS))
 
-// Where paths can split, whether this one does at the vertex that is being shaded, if that is of
-// material m. A part that is black ends its branch.
+// Returns whether this path splits at the vertex that is being shaded, with material m. A part that
+// is black ends its branch.
 bool splits_lobes(material m)
 {
     uint model = material_model(m);

@@ -28,8 +28,8 @@ vec3 normalize_any(vec3 v)
     return normalize(v / max(max(a.x, a.y), max(a.z, 1e-30)));
 }
 
-// How a triangle is placed. Directions are turned before they are interpolated, as those of
-// triangles in the world were.
+// The transform of a triangle. Directions are rotated before they are interpolated, as those of
+// triangles in world space were.
 struct placement {
     bool exists;            // else it is in the world itself
     instance_inverse inverse;

@@ -163,7 +163,8 @@ void apply_color(vec4 color, inout material m)
         material_emission(m) *= color.rgb;
 }
 
-// By number, since an index that is not constant would put all groups into memory.
+// Groups are selected by constant numbers, because a variable index would put all groups into
+// memory.
 #define PICK_GROUP(number) picked = group == number ? m.group[number] : picked
 #define PUT_GROUP(number) m.group[number] = group == number ? scaled : m.group[number]
 

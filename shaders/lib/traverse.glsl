@@ -128,7 +128,7 @@ bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint
     return starts_here || ends_here;
 }
 
-// How far rounding may turn small triangles of a plane, as the sine of an angle: see
+// The greatest rotation of a plane's small triangles by rounding, as the sine of an angle: see
 // SMALL_TOLERANCE in flatten.c.
 #define PARALLEL_TOLERANCE (1.0 / 1024.0)
 

@@ -6,7 +6,7 @@
 #include "lib/media.glsl"
 #include "lib/surface.glsl"
 
-// Where a path is: all that its vertex is shaded from.
+// The vertex of a path: everything that it is shaded from.
 struct vertex {
     uint slot;
     uint primitive;

@@ -256,9 +256,9 @@ bool whitted_lights(vertex v, whitted_surface w)
 
 // --- rays to follow -----------------------------------------------------------------------------
 
-// Where two rays go on, one that carries less than this is not followed (Hall and Greenberg 1983,
-// "A Testbed for Realistic Image Synthesis"): trees would double with every depth. Where a ray goes
-// on alone, it does whatever it carries.
+// If two rays continue, one that carries less than this is not followed (Hall and Greenberg 1983,
+// "A Testbed for Realistic Image Synthesis"): trees would double with every depth. A ray that
+// continues alone is followed whatever it carries.
 const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits tell apart
 
 // A ray of the tree: it is `depth` scattering events from the camera, and below it `pending` others

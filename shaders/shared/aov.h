@@ -1,5 +1,5 @@
-// Where the pictures besides the radiance (AOV_*) lie in the records of slots and of the film. Only
-// what the mask of wanted ones asks for has a place there.
+// The layout of the pictures besides the radiance (AOV_*) in the records of slots and of the film.
+// Only the pictures in the mask of wanted ones have a place.
 #ifndef LAMPYRIS_SHARED_AOV_H
 #define LAMPYRIS_SHARED_AOV_H
 

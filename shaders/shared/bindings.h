@@ -76,8 +76,8 @@
 // CONSTANT_LIGHT_VERTICES of all.
 #define ALL_VERTICES 0xffffffffu
 
-// How the device rounds sums and products: to the nearest float where it was asked to, or else to
-// either neighbour, which is all that Vulkan promises.
+// The device's rounding of sums and products: to the nearest float where that mode can be
+// requested, or else to either neighbour, which is all that Vulkan guarantees.
 #define ROUNDING_ANY 0
 #define ROUNDING_NEAREST 1
 

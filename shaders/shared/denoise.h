@@ -71,7 +71,7 @@
 // A history is never worth more samples than this when it is mixed with the film's: what moved on
 // since, reflections and what is half hidden, is then gone after so many new ones.
 #define DENOISE_HISTORY_SAMPLES 32.0f
-// With so many samples of its own the film needs no history.
+// A film with this many samples of its own needs no history.
 #define DENOISE_FADE_SAMPLES 64.0f
 
 // A camera as both ways of projecting need it; rays are relative to the film's camera, so that far

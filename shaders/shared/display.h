@@ -19,7 +19,7 @@
 #define SHOWN_DIRECT 10u
 #define SHOWN_INDIRECT 11u
 #define SHOWN_COUNT 12u
-// How their values become colours.
+// Ways to convert their values to colours.
 #define SHOWN_BIT(shown) (1u << (shown))
 #define SHOWN_TONED                                                                                \
     (SHOWN_BIT(SHOWN_RADIANCE) | SHOWN_BIT(SHOWN_EMISSION) | SHOWN_BIT(SHOWN_DIRECT) |             \
@@ -27,7 +27,7 @@
 #define SHOWN_FALSE                                                                                \
     (SHOWN_BIT(SHOWN_DEPTH) | SHOWN_BIT(SHOWN_SAMPLES) | SHOWN_BIT(SHOWN_VARIANCE) |               \
      SHOWN_BIT(SHOWN_STEPS))
-// False colours by the logarithm: what reaches to the horizon, or over many powers of ten.
+// Logarithmic false colours: for values up to the horizon, or over many powers of ten.
 #define SHOWN_LOGARITHMIC (SHOWN_BIT(SHOWN_DEPTH) | SHOWN_BIT(SHOWN_VARIANCE))
 
 // Storage buffers of the kernels that make a picture to look at. Linear pictures are vec4 a pixel:
@@ -109,7 +109,8 @@ struct gpu_display_taps {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_display_taps, 16);
 
-// How often values of false colours occur, by the first bits of floats: an octave has 2^4 bins.
+// The histogram of the values for false colours, by the first bits of floats: an octave has 2^4
+// bins.
 #define DISPLAY_BIN_SHIFT 19
 #define DISPLAY_BINS 4096
 struct gpu_display_range {

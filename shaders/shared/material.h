@@ -156,7 +156,7 @@
 // These lobes may send light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 
-// How a texture is read, in gpu_texture.flags.
+// The modes of reading a texture, in gpu_texture.flags.
 #define TEXTURE_WRAP_REPEAT 0u
 #define TEXTURE_WRAP_CLAMP 1u
 #define TEXTURE_WRAP_MIRROR 2u

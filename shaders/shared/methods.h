@@ -10,7 +10,7 @@
 #define INTEGRATOR_WHITTED                                                                         \
     3u // Whitted 1979: perfect reflection and refraction, hard shadows, Phong
 
-// Where random numbers come from.
+// Sources of random numbers.
 #define SAMPLER_SOBOL 0u      // Owen-scrambled Sobol (Burley 2020)
 #define SAMPLER_PCG 1u        // independent: pcg4d
 #define SAMPLER_LCG 2u        // independent: a linear congruential generator seeded by TEA
@@ -20,12 +20,12 @@
     5u                  // one sequence for all pixels, dealt out so that errors are blue noise
 #define SAMPLER_SINE 6u // fractions of sines, to be shown how bad they are
 
-// How the film adds samples up.
+// Ways in which the film sums samples.
 #define ACCUMULATION_BINNED 0u  // sums that do not depend on the order (film_sums.h)
 #define ACCUMULATION_SUM 1u     // a plain sum in single precision
 #define ACCUMULATION_RUNNING 2u // a mean that each sample moves
 
-// How the two half-buffers, which tell the error, share the samples.
+// Ways in which the two half-buffers, from which the error is estimated, share the samples.
 #define HALVES_INDEPENDENT 0u // each has a sequence of its own: the estimate is unbiased
 #define HALVES_CONTIGUOUS 1u  // one sequence, first and second half: an upper bound
 
@@ -35,7 +35,7 @@
 #define FILTER_GAUSSIAN 2u
 #define FILTER_BLACKMAN_HARRIS 3u
 
-// Where in its pixel's filter a sample lies: the two dimensions alone.
+// Ways to place a sample in its pixel's filter; only these two dimensions are affected.
 #define PIXEL_SAMPLING_SAMPLER 0u    // as the sampler says
 #define PIXEL_SAMPLING_CENTRE 1u     // of the pixel
 #define PIXEL_SAMPLING_GRID 2u       // at the centres of strata
@@ -54,7 +54,7 @@
 #define CAMERA_ORTHOGRAPHIC 1u
 #define CAMERA_PANORAMIC 2u // all directions, in latitude and longitude
 
-// Which emitters a vertex connects to.
+// Ways to choose the emitters that a vertex connects to.
 #define LIGHT_CHOICE_AUTO 0u // a setting only: see render/tables/light_choice.h
 #define LIGHT_CHOICE_UNIFORM 1u
 #define LIGHT_CHOICE_POWER 2u
@@ -67,14 +67,14 @@
 #define MIS_NONE 2u      // those that can be connected to count when connected to only
 #define MIS_POWER_ANY 3u // MIS_POWER with the exponent frame.mis_exponent; no choice of its own
 
-// How a path goes on from a surface that is not perfectly specular.
+// Ways to sample the direction in which a path leaves a surface that is not a delta.
 #define DIRECTIONS_BSDF 0u
 #define DIRECTIONS_SPHERE 1u
 #define DIRECTIONS_HEMISPHERE 2u
 #define DIRECTIONS_COSINE 3u
 #define DIRECTIONS_POWER_COSINE 4u // about the mirrored direction
 
-// How rough microfacets' normals are drawn.
+// Ways to sample the normals of rough microfacets.
 #define NORMALS_VISIBLE 0u // those that are seen from where the path comes (Heitz 2018)
 #define NORMALS_NDF 1u     // all, by the distribution itself (Walter et al. 2007)
 

@@ -201,7 +201,7 @@ struct gpu_emitter {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_emitter, 16);
 
-// With a tree of emitters their buffer begins with this header; sections begin at words of four.
+// The buffer of a tree of emitters begins with this header; sections begin at words of four.
 struct gpu_light_tree {
     uint root;     // a child's word; without emitters in the tree none
     uint trails;   // struct gpu_light_trail, by the number of an emitter
@@ -330,7 +330,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 #define QUEUE_SUSPENDED 8 // + 1: the other one, by turns; with FEATURE_SUSPEND only
 #define QUEUE_COUNT 10
 
-// Where a non-finite contribution came from.
+// The sites at which non-finite contributions are found.
 #define SITE_MISS 0
 #define SITE_EMISSION 1
 #define SITE_SHADOW 2
