@@ -29,6 +29,30 @@ const struct command commands[COMMAND_TOTAL] = {
             .min_arguments = 1,
             .max_arguments = 1,
         },
+    [COMMAND_MERGE] =
+        {
+            .name = "merge",
+            .summary = "merge the parts of a picture that several processes rendered",
+            .arguments = "PART...",
+            .description =
+                "Adds parts, which render writes with --shard, in any order and grouping, to the "
+                "picture that one process would have rendered, bit for bit, and writes it as "
+                "render "
+                "does. A part is refused where its scene, settings, seed, version, device or "
+                "driver "
+                "are not those of the first, where it has samples that another one has, or where "
+                "it "
+                "is damaged. Missing samples are listed with the commands that render them. "
+                "The scene is read where the parts were rendered: merge is to run in their working "
+                "directory. With --checkpoint the sum is kept as a part, which may be merged with "
+                "others; without -o that needs neither the scene nor a device.",
+            .examples = "lampyris render scenes/cornell.json --spp 1024 --shard 2/4\n"
+                        "lampyris merge cornell.*.part -o cornell.exr\n"
+                        "lampyris merge cornell.*.part --partial -o cornell.png\n"
+                        "lampyris merge cornell.*.part --checkpoint some.part",
+            .min_arguments = 1,
+            .max_arguments = OPTIONS_PARTS_MAX,
+        },
     [COMMAND_CONVERGE] =
         {
             .name = "converge",

@@ -7,6 +7,7 @@
 
 enum command_id {
     COMMAND_RENDER,
+    COMMAND_MERGE,
     COMMAND_CONVERGE,
     COMMAND_BENCH,
     COMMAND_COMPARE,
@@ -35,6 +36,7 @@ const struct command *command_find(const char *name, struct err *err);
 // Each runs a command whose options were parsed and checked, and returns the exit code. It prints
 // its result to stdout, and a failure through command_fail.
 int cmd_render(const struct options *options);
+int cmd_merge(const struct options *options);
 int cmd_converge(const struct options *options);
 int cmd_bench(const struct options *options);
 int cmd_compare(const struct options *options);

@@ -10,6 +10,7 @@
 #define FOR_CONVERGE (1u << COMMAND_CONVERGE)
 #define FOR_BENCH (1u << COMMAND_BENCH)
 #define FOR_VIEW (1u << COMMAND_VIEW)
+#define FOR_MERGE (1u << COMMAND_MERGE)
 #define FOR_CHECK (1u << COMMAND_CHECK)
 #define FOR_SCENE                                                                                  \
     (FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW | FOR_CHECK | 1u << COMMAND_INFO)
@@ -31,10 +32,10 @@ _Static_assert(offsetof(struct bvh_method, intersection_cost) ==
 const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_OUTPUT] = {
         .name = "output", .short_name = 'o', .argument = "FILE", .type = VALUE_OUTPUT,
-        .group = "Picture", .commands = FOR_RENDER,
+        .group = "Picture", .commands = FOR_RENDER | FOR_MERGE,
         .fallback = "the scene's name with .exr, in the working directory, and with .png where "
-                    "standard output is a terminal",
-        .common = FOR_RENDER, .brief = "Write FILE, .exr or .png; several may be given.",
+                    "standard output is a terminal; none of a shard and of merge with --checkpoint",
+        .common = FOR_RENDER | FOR_MERGE, .brief = "Write FILE, .exr or .png; several may be given.",
         .help = "Write the picture to FILE, .exr (linear) or .png (tone-mapped). May be given "
                 "several times.",
     },
@@ -47,7 +48,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .offset = offsetof(struct options, scene.settings.width), .size = 2 * sizeof(uint32_t),
     },
     [OPTION_HALF] = {
-        .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER,
+        .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER | FOR_MERGE,
         .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(render.half_float),
     },
     [OPTION_AOV] = {
@@ -240,10 +241,11 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_CHECKPOINT] = {
         .name = "checkpoint", .argument = "FILE", .type = VALUE_TEXT, .group = "Frames",
-        .commands = FOR_RENDER, .fallback = "none is kept",
-        .common = FOR_RENDER, .brief = "Keep in FILE what --resume needs.",
+        .commands = FOR_RENDER | FOR_MERGE, .fallback = "none is kept",
+        .common = FOR_RENDER | FOR_MERGE, .brief = "Keep in FILE what --resume, or merge, needs.",
         .help = "Keep in FILE what is needed to go on with this render later, also after a signal "
-                "and at the end. FILE may exist already only with --resume.", FIELD(render.checkpoint),
+                "and at the end. FILE may exist already only with --resume. "
+                "merge keeps the sum of its parts in FILE, which is a part again.", FIELD(render.checkpoint),
     },
     [OPTION_CHECKPOINT_EVERY] = {
         .name = "checkpoint-every", .argument = "SECONDS", .type = VALUE_REAL, .min = 0,
@@ -259,6 +261,32 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "Refuses a checkpoint of another scene, device or other settings; --spp, --time, "
                 "--error, --frames and the outputs may change.",
         FIELD(render.resume),
+    },
+
+    [OPTION_SHARD] = {
+        .name = "shard", .argument = "I/N|FIRST:END|auto", .type = VALUE_TEXT, .group = "Shards",
+        .commands = FOR_RENDER, .fallback = "all samples",
+        .help = "Render part I, from 1, of N parts of the --spp samples of every pixel, or those "
+                "from number FIRST up to, but without, END, and keep them in the file of --checkpoint "
+                "for merge. auto takes I and N from Slurm, mpirun or Kubernetes; auto/N says N, which "
+                "Kubernetes does not. FILE of --checkpoint may have %i and %n, which stand for I and N "
+                "(or FIRST and END); where it is not given, the part is SCENE.I-of-N.part in the working "
+                "directory. No picture is written unless -o is given. See docs/scaling.md.",
+        FIELD(render.shard_text),
+    },
+    [OPTION_PARTIAL] = {
+        .name = "partial", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
+        .common = FOR_MERGE, .brief = "Write a picture although samples are missing.",
+        .help = "Write the picture of the samples that there are, although some are missing. Without "
+                "it that is refused, with the commands that render them.",
+        FIELD(merge.partial),
+    },
+    [OPTION_MIXED] = {
+        .name = "mixed", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
+        .common = FOR_MERGE, .brief = "Parts may be of several devices and drivers.",
+        .help = "Take parts of several devices and drivers. The picture is then not the one of any of "
+                "them, bit for bit. Says whether the devices' pictures differ by more than their noise.",
+        FIELD(merge.mixed),
     },
 
     [OPTION_REPLICATES] = {
@@ -454,7 +482,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
 
     [OPTION_DEVICE] = {
         .name = "device", .argument = "INDEX|NAME", .type = VALUE_TEXT, .group = "Device",
-        .commands = FOR_SCENE | FOR_DEVICES, .fallback = "the fastest kind",
+        .commands = FOR_SCENE | FOR_DEVICES | FOR_MERGE, .fallback = "the fastest kind",
         .common = FOR_SCENE | FOR_DEVICES, .brief = "Vulkan device, by its number or name.",
         .help = "Device to use, by its number in \"lampyris devices\" or a part of its name.",
         FIELD(device.gpu.device),
@@ -476,7 +504,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_MEMORY] = {
         .name = "memory", .argument = "BYTES", .type = VALUE_COUNT, .min = 1 << 20, .max = MOST_BYTES,
-        .group = "Device", .commands = FOR_SCENE | FOR_COMPARE,
+        .group = "Device", .commands = FOR_SCENE | FOR_COMPARE | FOR_MERGE,
         .fallback = "three quarters of what is available",
         .help = "Host memory that scenes, pictures and hierarchies may take; a scene that needs more is "
                 "refused before it is allocated. Available is what the machine, its control groups "

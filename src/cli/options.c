@@ -2,6 +2,7 @@
 
 #include "base/suggest.h"
 #include "cli/commands.h"
+#include "cli/shard.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -178,6 +179,8 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_ADAPTIVE, OPTION_FRAMES, false},
         {OPTION_CHECKPOINT_EVERY, OPTION_CHECKPOINT, true},
         {OPTION_RESUME, OPTION_CHECKPOINT, true},
+        {OPTION_SHARD, OPTION_PIXEL, false},
+        {OPTION_SHARD, OPTION_TRACE, false},
         {OPTION_RAYS, OPTION_KERNEL, true},
         {OPTION_DEPTH, OPTION_KERNEL, true},
         {OPTION_TIMES, OPTION_SPP_FROM, false},
@@ -266,13 +269,14 @@ static bool check(const struct options *options, struct err *err)
 static bool allocate_lists(struct options *options, int argc, struct err *err)
 {
     size_t most = (size_t)argc;
+    options->arguments = ARENA_NEW(&options->arena, const char *, most + 1);
     options->render.outputs = ARENA_NEW(&options->arena, const char *, most);
     options->scene.overrides = ARENA_NEW(&options->arena, struct scene_override, most);
     options->study.vary = ARENA_NEW(&options->arena, const char *, most);
     options->study.curves = ARENA_NEW(&options->arena, const char *, most);
     options->compare.limits = ARENA_NEW(&options->arena, struct compare_limit, most);
-    if (options->render.outputs && options->scene.overrides && options->study.vary &&
-        options->study.curves && options->compare.limits)
+    if (options->arguments && options->render.outputs && options->scene.overrides &&
+        options->study.vary && options->study.curves && options->compare.limits)
         return true;
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
@@ -308,26 +312,42 @@ static const enum option_id passing[] = {OPTION_ERROR,  OPTION_CHECKPOINT, OPTIO
                                          OPTION_RESUME, OPTION_TRACE,      OPTION_REFERENCE,
                                          OPTION_TEV,    OPTION_EXPLAIN,    OPTION_ERROR_BY};
 enum { PASSING_COUNT = sizeof passing / sizeof passing[0] };
+// Options that belong to one shard of a picture.
+static const enum option_id of_shards[] = {
+    OPTION_OUTPUT,  OPTION_SHARD, OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
+    OPTION_RESUME,  OPTION_TRACE, OPTION_REFERENCE,  OPTION_TEV,
+    OPTION_EXPLAIN, OPTION_JSON,  OPTION_QUIET,      OPTION_LOG_LEVEL};
 
-// Returns the number of arguments, starting with this one, that belong to a passing option whose
-// index is at least `first`.
-static int passing_arguments(const char *argument, size_t first)
+// A list of options.
+struct option_list {
+    const enum option_id *ids;
+    size_t count;
+};
+
+static const struct option_def *find_written(const char *argument)
 {
-    if (strncmp(argument, "--", 2) != 0)
-        return 0;
-    const char *name = argument + 2;
-    size_t length = strcspn(name, "=");
-    for (size_t i = first; i < PASSING_COUNT; i++) {
-        const struct option_def *def = &option_table[passing[i]];
-        if (strlen(def->name) == length && memcmp(def->name, name, length) == 0)
-            return def->type == VALUE_FLAG || name[length] ? 1 : 2;
-    }
-    return 0;
+    if (argument[0] != '-' || argument[1] == '\0')
+        return NULL;
+    return argument[1] == '-' ? option_find(argument + 2, strcspn(argument + 2, "="))
+                              : find_short(argument[1]);
 }
 
-// Makes the command line without the passing options from index `first_passing` on.
+// Returns the number of arguments, starting with this one, that belong to an option of the list.
+static int listed_arguments(const char *argument, const struct option_list *list)
+{
+    const struct option_def *def = find_written(argument);
+    bool is_listed = false;
+    for (size_t i = 0; def && i < list->count; i++)
+        is_listed |= def == &option_table[list->ids[i]];
+    if (!is_listed)
+        return 0;
+    bool has_value = argument[1] == '-' ? strchr(argument, '=') != NULL : argument[2] != '\0';
+    return def->type == VALUE_FLAG || has_value ? 1 : 2;
+}
+
+// Makes the command line without the options of the list.
 static const char *make_line(struct arena *arena, size_t size, int argc, char **argv,
-                             size_t first_passing)
+                             struct option_list left_out)
 {
     char *line = ARENA_NEW(arena, char, size);
     if (!line)
@@ -335,10 +355,10 @@ static const char *make_line(struct arena *arena, size_t size, int argc, char **
     char *end = put(line, "lampyris");
     bool only_arguments = false;
     for (int i = 1; i < argc; i++) {
-        int left_out = only_arguments ? 0 : passing_arguments(argv[i], first_passing);
+        int passed = only_arguments ? 0 : listed_arguments(argv[i], &left_out);
         only_arguments |= strcmp(argv[i], "--") == 0;
-        if (left_out > 0) {
-            i += left_out - 1;
+        if (passed > 0) {
+            i += passed - 1;
             continue;
         }
         *end++ = ' ';
@@ -349,14 +369,21 @@ static const char *make_line(struct arena *arena, size_t size, int argc, char **
 
 static bool keep_command_line(struct options *options, int argc, char **argv, struct err *err)
 {
+    struct arena *arena = &options->arena;
+    struct render_options *render = &options->render;
     size_t size = 16;
     for (int i = 1; i < argc; i++)
         size += 4 * strlen(argv[i]) + 4;
-    options->command_line = make_line(&options->arena, size, argc, argv, PASSING_COUNT);
-    options->render.repeatable_line = make_line(&options->arena, size, argc, argv, 0);
-    options->render.following_line = make_line(&options->arena, size, argc, argv, 1);
-    return (options->command_line && options->render.repeatable_line &&
-            options->render.following_line) ||
+    options->command_line = make_line(arena, size, argc, argv, (struct option_list){0});
+    render->repeatable_line =
+        make_line(arena, size, argc, argv, (struct option_list){passing, PASSING_COUNT});
+    render->following_line =
+        make_line(arena, size, argc, argv, (struct option_list){passing + 1, PASSING_COUNT - 1});
+    render->shared_line =
+        make_line(arena, size, argc, argv,
+                  (struct option_list){of_shards, sizeof of_shards / sizeof of_shards[0]});
+    return (options->command_line && render->repeatable_line && render->following_line &&
+            render->shared_line) ||
            err_memory(err, "the command line", size);
 }
 
@@ -383,7 +410,7 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};
-    return parse_all(&parser, err) && check(out, err);
+    return parse_all(&parser, err) && shard_settle(out, err) && check(out, err);
 }
 
 void options_finish(struct options *options)

@@ -11,6 +11,7 @@
 #include "cli/scene_options.h"
 #include "flatten/flatten.h"
 #include "gpu/params.h"
+#include "job/job.h"
 #include "metrics/error_map.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -19,8 +20,9 @@
 struct command;
 struct progress;
 
-#define OPTIONS_ARGUMENTS_MAX 16
-#define OPTION_TIME_MAX 1e9 // of --time, seconds
+#define OPTIONS_ARGUMENTS_MAX 16     // but of merge
+#define OPTIONS_PARTS_MAX UINT32_MAX // of merge
+#define OPTION_TIME_MAX 1e9          // of --time, seconds
 
 // The order is that of option_table, which is the order of the help.
 enum option_id {
@@ -57,6 +59,9 @@ enum option_id {
     OPTION_CHECKPOINT,
     OPTION_CHECKPOINT_EVERY,
     OPTION_RESUME,
+    OPTION_SHARD,
+    OPTION_PARTIAL,
+    OPTION_MIXED,
     OPTION_REPLICATES,
     OPTION_REFERENCE,
     OPTION_REFERENCE_FROM,
@@ -209,7 +214,10 @@ struct render_options {
     const char *checkpoint;    // NULL: none is written
     double checkpoint_seconds; // between two checkpoints
     bool resume;
-    uint32_t reopens; // how often a lost device is reopened
+    const char *shard_text; // of --shard; NULL: none
+    struct job_shard shard;
+    struct job_merged *merged; // set by merge: the film of the picture to be written; else NULL
+    uint32_t reopens;          // how often a lost device is reopened
 
     uint32_t pixel[2]; // the path to follow, with --pixel
     uint64_t sample;
@@ -221,6 +229,9 @@ struct render_options {
     const char *repeatable_line;
     // The command line that follows a path after --pixel and --sample are added.
     const char *following_line;
+    // The command line without what belongs to one shard alone: it renders other samples of the
+    // same picture when --shard is added, and the picture when -o is.
+    const char *shared_line;
 };
 
 // Variants of renders that are compared: converge and bench.
@@ -266,6 +277,11 @@ struct compare_options {
     const char *exposures;          // "START,STOP"; NULL: computed from the reference
 };
 
+struct merge_options {
+    bool partial; // write the picture of the samples that there are
+    bool mixed;   // parts may be of several devices
+};
+
 struct view_options {
     const char *script; // file; NULL: none
     bool headless;      // without a window
@@ -280,8 +296,8 @@ struct view_options {
 struct options {
     int argc; // as passed to main, for commands that reproduce a run
     char **argv;
-    const struct command *command;                // NULL only with --help or --version
-    const char *arguments[OPTIONS_ARGUMENTS_MAX]; // SCENE …; IMAGE and REFERENCE; COMMAND of help
+    const struct command *command; // NULL only with --help or --version
+    const char **arguments; // SCENE …; IMAGE and REFERENCE; PART …; COMMAND of help; then NULL
     uint32_t argument_count;
     bool given[OPTION_TOTAL];
     const char *command_line; // the complete command line, quoted for a shell
@@ -302,6 +318,7 @@ struct options {
     struct bench_options bench;
     struct check_options check;
     struct compare_options compare;
+    struct merge_options merge;
     struct view_options view;
 
     struct arena arena; // owns the lists and the command line; other strings are argv's

@@ -7,6 +7,7 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 struct text {
     struct arena *arena;
@@ -100,7 +101,32 @@ static const char *make_identity(struct job *job)
         add(&text, "--spp-per-frame=%u", goal->samples_per_frame);
         add(&text, "--accumulate=%s", goal->accumulate ? "on" : "off");
     }
+    const struct sample_ranges samples = {
+        &(struct sample_range){job->samples_first, job->samples_most}, job_is_shard(job) ? 1 : 0};
+    const char *shard = samples_text(&samples, &job->arena);
+    if (!shard)
+        return NULL;
+    add(&text, JOB_SHARD_LINE "%s", shard);
     return text.so_far;
+}
+
+const char *job_identity_without(const char *identity, const char *const *names, uint32_t count,
+                                 struct arena *arena)
+{
+    char *out = ARENA_NEW(arena, char, strlen(identity) + 1), *end = out;
+    while (out && *identity) {
+        size_t length = strcspn(identity, "\n");
+        length += identity[length] == '\n';
+        bool is_kept = true;
+        for (uint32_t i = 0; i < count; i++)
+            is_kept &= strncmp(identity, names[i], strlen(names[i])) != 0;
+        if (is_kept) {
+            memcpy(end, identity, length);
+            end += length;
+        }
+        identity += length;
+    }
+    return out;
 }
 
 const char *job_identity(struct job *job)

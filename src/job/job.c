@@ -85,7 +85,7 @@ static bool settle_goal(struct job *job, struct err *err)
         job->scene->settings.spp = (uint64_t)goal->samples_per_frame * frames_in_one;
     else if (goal->samples > 0)
         job->scene->settings.spp = goal->samples;
-    return true;
+    return job_settle_shard(job, err);
 }
 
 // --- progress ------------------------------------------------------------------------------------
@@ -115,12 +115,14 @@ bool job_init(const struct job_params *params, struct job *job, struct err *err)
         .gpu = params->renderer.gpu,
         .error = film_error_none("it was not estimated"),
     };
+    if (!params->command)
+        job->params.command = "";
     return settle_goal(job, err);
 }
 
 bool job_open(struct job *job, struct err *err)
 {
-    return job_checkpoint_open(job, err) && job_open_trace(job, err);
+    return job_checkpoint_open(job, err) && job_check_merged(job, err) && job_open_trace(job, err);
 }
 
 static void note_start(struct job *job)
@@ -162,7 +164,7 @@ bool job_create(struct job *job, struct err *err)
     if (!create_renderer(job, &params, err))
         return false;
     note_start(job);
-    return job_checkpoint_restore(job, err);
+    return job_begin_shard(job, err) && job_checkpoint_restore(job, err);
 }
 
 bool job_start(const struct job_params *params, struct job *job, struct err *err)

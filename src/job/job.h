@@ -16,6 +16,7 @@
 #include "job/error_sources.h"
 #include "job/film_error.h"
 #include "job/reference.h"
+#include "job/samples.h"
 #include "metrics/forecast.h"
 #include "render/adaptive.h"
 #include "render/checkpoint.h"
@@ -51,6 +52,23 @@ struct job_checkpoint_params {
     bool resume;      // go on from the one at `path`, if there is one; else there must be none
 };
 
+// A part of a render that several processes share: it has some of the samples of every pixel, and
+// its checkpoint is a part that merge.h adds to others. Only a number of samples can be its goal.
+struct job_shard {
+    // The index-th, from 1, of `count` parts of the samples; count 0: `samples` instead.
+    uint32_t index, count;
+    struct sample_range samples; // end 0: there is no shard, the render has all samples
+};
+
+// The film of a render that was merged from its parts.
+struct job_merged {
+    struct film_copy film; // its numbers of samples are those of a finished render; the records are
+                           // released when the device has them
+    struct arena arena;    // of the records
+    const char *identity;  // that of the parts, without the samples that they have
+    bool is_partial;       // samples are missing, and no --spp gives the same picture
+};
+
 // Called during job_run(), between waves; each may be NULL, and returning false ends the render as
 // failed.
 struct job_listener {
@@ -69,6 +87,9 @@ struct job_params {
     struct scene *scene; // outlives the job; its settings.spp becomes the number that is planned
     struct job_goal goal;
     struct job_checkpoint_params checkpoint;
+    struct job_shard shard;
+    struct job_merged *merged; // the film is this one, and nothing is left to be rendered; or NULL
+    const char *command;       // the command line, which checkpoints keep; NULL: none
     const struct reference *reference; // of the image's size; must outlive the job. NULL: none
     bool keeps_trace;                  // rows at doubling numbers of samples
     // How often a device that is lost during job_run() is reopened: only the job may use it then.
@@ -167,7 +188,8 @@ struct job {
     bool stopped;      // before the goal was reached; some pixels may have fewer samples
     enum job_end ended_by;
     double begun_seconds;   // rendering time at job_begin()
-    uint64_t samples_most;  // limit of samples per pixel, on average
+    uint64_t samples_most;  // limit of samples per pixel, on average; of a shard, its end
+    uint64_t samples_first; // the first one, but 0 of a shard alone
     uint32_t round_samples; // with `adaptive`: samples of a round of the plan, on average
     struct tile_plan plan;  // of the tiles; empty until the pilot has ended
 
@@ -200,8 +222,8 @@ struct job {
 
 // --- life ----------------------------------------------------------------------------------------
 
-// Checks the goal. ERR_USAGE if a method and a goal exclude each other. Needs no device yet, but
-// params->renderer.gpu must be the address at which it will be opened.
+// Checks the goal. ERR_USAGE if a method, a shard and a goal exclude each other. Needs no device
+// yet, but params->renderer.gpu must be the address at which it will be opened.
 bool job_init(const struct job_params *params, struct job *out, struct err *err);
 // With an open device: computes the job's identity if a checkpoint or a trace needs it, and reads
 // the checkpoint to resume, if any. ERR_INPUT if that belongs to another render.

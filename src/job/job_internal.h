@@ -4,6 +4,23 @@
 
 #include "job/job.h"
 
+// What jobs keep in the note of a checkpoint.
+enum job_note {
+    JOB_NOTE_ERROR,     // goal.error on the way to which the next look is planned, as a double
+    JOB_NOTE_NEXT_LOOK, // see struct job
+    JOB_NOTE_SAMPLES,   // per pixel that were planned; of a shard, of the whole render
+    JOB_NOTE_AOVS,      // that the device had
+};
+_Static_assert(JOB_NOTE_AOVS + 1 == CHECKPOINT_NOTE_WORDS, "a word for each");
+
+// The last line of identities: the samples that a part is to have; "none" of a whole render.
+#define JOB_SHARD_LINE "--shard="
+
+// --- identity.c ---
+// Copies an identity without the lines that begin with one of `names`. NULL when out of memory.
+const char *job_identity_without(const char *identity, const char *const *names, uint32_t count,
+                                 struct arena *arena);
+
 // --- job.c ---
 // Returns whether a clock, or each tile for itself, decides how many samples there are.
 bool job_is_open_ended(const struct job *job);
@@ -47,6 +64,15 @@ bool job_look_for_trace(struct job *job, struct err *err);
 bool job_checkpoint_open(struct job *job, struct err *err);
 bool job_checkpoint_restore(struct job *job, struct err *err);
 bool job_checkpoint_when_due(struct job *job, struct err *err);
+
+// --- shard.c ---
+// Finds the samples of the shard, if it is one; ERR_USAGE where it cannot be one.
+bool job_settle_shard(struct job *job, struct err *err);
+bool job_is_shard(const struct job *job);
+// Checks that the merged film, if there is one, is of this render. Needs the device.
+bool job_check_merged(struct job *job, struct err *err);
+// Puts the renderer before the shard's first sample, or the merged film into it.
+bool job_begin_shard(struct job *job, struct err *err);
 
 // --- rescue.c ---
 // Copies the film when that costs less than a hundredth of the time of rendering.

@@ -21,7 +21,7 @@ bool job_checkpoint_open(struct job *job, struct err *err)
     if (!path)
         return true;
     if (!job_identity(job))
-        return err_memory(err, "a checkpoint", CHECKPOINT_IDENTITY_MAX);
+        return err_memory(err, "a checkpoint", CHECKPOINT_TEXT_MAX);
     if (!job->params.checkpoint.resume)
         return !is_there(path) ||
                err_set(err, ERR_INPUT,
@@ -55,8 +55,8 @@ bool job_checkpoint_restore(struct job *job, struct err *err)
         return true;
     if (!checkpoint_restore(&job->resumed, &job->renderer, err))
         return false;
-    memcpy(&job->looks_error, &job->resumed.note[0], sizeof job->looks_error);
-    job->next_look = job->resumed.note[1];
+    memcpy(&job->looks_error, &job->resumed.note[JOB_NOTE_ERROR], sizeof job->looks_error);
+    job->next_look = job->resumed.note[JOB_NOTE_NEXT_LOOK];
     checkpoint_close(&job->resumed);
     job->has_checkpoint = true;
     if (goal->adaptive)
@@ -82,9 +82,14 @@ bool job_checkpoint_save(struct job *job, struct err *err)
     // Before there is a plan, there is nothing to resume.
     if (!path || job_is_pilot(job))
         return true;
-    uint64_t start = clock_ns(), note[CHECKPOINT_NOTE_WORDS] = {0, job->next_look};
-    memcpy(&note[0], &job->looks_error, sizeof job->looks_error);
-    bool ok = checkpoint_write(&job->renderer, path, job->identity, note, err);
+    const struct checkpoint_text text = {job->identity, job->params.command};
+    uint64_t start = clock_ns(), note[CHECKPOINT_NOTE_WORDS] = {
+                                     [JOB_NOTE_NEXT_LOOK] = job->next_look,
+                                     [JOB_NOTE_SAMPLES] = job->scene->settings.spp,
+                                     [JOB_NOTE_AOVS] = job->renderer.specialization.aovs,
+                                 };
+    memcpy(&note[JOB_NOTE_ERROR], &job->looks_error, sizeof job->looks_error);
+    bool ok = checkpoint_write(&job->renderer, path, &text, note, err);
     job->has_checkpoint |= ok;
     job->seconds.write += clock_seconds_since(start);
     job->checkpoint_ns = clock_ns();

@@ -32,11 +32,12 @@ static uint64_t steps_done(const struct job *job)
 // The time of earlier runs, from a checkpoint, counts.
 static bool advance(struct job *job, uint64_t steps, double expected, struct err *err)
 {
+    const double first = (double)job->samples_first;
     const struct job_step step = {
         .samples = steps,
         .seconds = job->params.goal.seconds,
-        .from = fmin((double)steps_done(job) / expected, 1.0),
-        .to = fmin((double)steps / expected, 1.0),
+        .from = fmin(((double)steps_done(job) - first) / (expected - first), 1.0),
+        .to = fmin(((double)steps - first) / (expected - first), 1.0),
     };
     return job_is_stopped(job) || job_advance(job, &step, err);
 }

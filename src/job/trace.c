@@ -16,7 +16,7 @@ bool job_open_trace(struct job *job, struct err *err)
         return true;
     const char *identity = job_identity(job);
     if (!identity)
-        return err_memory(err, "a trace", CHECKPOINT_IDENTITY_MAX);
+        return err_memory(err, "a trace", CHECKPOINT_TEXT_MAX);
     struct trace *trace = &job->trace;
     trace->render = hex(&job->arena, hash_bytes(HASH_INIT, identity, strlen(identity)));
     trace->reference = "";

@@ -4,23 +4,28 @@
 #include "base/file_system.h"
 #include "base/hash.h"
 #include "render/adaptive.h"
+#include "shared/aov.h"
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define VERSION 2u
+#define VERSION 3u
 #define BYTE_ORDER_WORD 0x01020304u
-#define BLOCK_BYTES (UINT64_C(1) << 20)
 
 static const char magic[8] = {'L', 'A', 'M', 'P', 'Y', 'R', 'I', 'S'};
 
 struct header {
     char magic[8];
     uint32_t version, byte_order;
-    uint64_t file_bytes, identity_bytes, film_bytes, chunk_pixels;
+    uint64_t head_bytes; // what stands before the film, without its hash
+    uint64_t file_bytes, identity_bytes, command_bytes, film_bytes;
+    uint32_t block_bytes; // of the film, whole records
     uint32_t state_count, tile_count;
+    uint32_t is_zero; // fills the header to a multiple of 8 bytes
 };
+
+_Static_assert(sizeof(struct header) == 8 + 2 * 4 + 5 * 8 + 4 * 4, "no bytes without a meaning");
 
 // --- the renderer's state ------------------------------------------------------------------------
 
@@ -70,21 +75,32 @@ static void visit_stats(struct cursor *c, struct render_stats *stats)
     visit_32(c, &stats->nonfinite.bounce);
 }
 
-static void visit_renderer(struct cursor *c, struct renderer *r)
+static void visit_state(struct cursor *c, struct film_copy *film)
 {
-    visit(c, &r->next_sample);
-    visit(c, &r->round_target);
-    visit_32(c, &r->pass.shift);
-    visit(c, &r->pass.position);
-    visit(c, &r->pass.length);
-    visit_stats(c, &r->stats);
-    visit(c, &r->emptied_at);
+    visit(c, &film->next_sample);
+    visit(c, &film->round_target);
+    visit_32(c, &film->pass.shift);
+    visit(c, &film->pass.position);
+    visit(c, &film->pass.length);
+    visit_stats(c, &film->stats);
+    visit(c, &film->emptied_at);
 }
 
 #define NOTE_AT (CHECKPOINT_STATE_WORDS - CHECKPOINT_NOTE_WORDS)
 
 _Static_assert(6 + 1 + 2 + CLASS_COUNT + 4 + SITE_COUNT + 5 <= NOTE_AT,
                "room for all of the renderer's state");
+
+// --- hashes --------------------------------------------------------------------------------------
+
+// The hash of a block of the film depends on what stands before the film and on the block's number,
+// so that blocks of other files and other places are found, too.
+static uint64_t hash_block(uint64_t head_hash, uint64_t number, const void *block, uint64_t bytes)
+{
+    const struct hash128 content = hash128_bytes(block, bytes);
+    const uint64_t words[] = {head_hash, number, content.word[0], content.word[1]};
+    return hash_bytes(HASH_INIT, words, sizeof words);
+}
 
 // --- writing -------------------------------------------------------------------------------------
 
@@ -99,72 +115,113 @@ static bool put(struct output *out, const void *data, uint64_t bytes, struct err
     return file_writer_write(&out->writer, data, bytes, err);
 }
 
-static bool put_film(struct output *out, struct renderer *r, struct err *err)
+// Where the film's records are: on the device, or in `records`.
+struct source {
+    struct renderer *renderer;
+    const char *records;
+    uint64_t bytes, block_bytes;
+};
+
+static bool put_film(struct output *out, const struct source *source, struct err *err)
 {
-    char *block = malloc(BLOCK_BYTES);
-    bool ok = block || err_memory(err, "a checkpoint", BLOCK_BYTES);
-    for (uint32_t i = 0; i < r->plan.film_chunks; i++)
-        for (uint64_t at = 0; ok && at < r->film[i].bytes; at += BLOCK_BYTES) {
-            uint64_t left = r->film[i].bytes - at;
-            uint64_t bytes = left < BLOCK_BYTES ? left : BLOCK_BYTES;
-            ok = gpu_download(r->gpu, &r->film[i], at, block, bytes, err) &&
-                 put(out, block, bytes, err);
-        }
+    const uint64_t head_hash = out->hash;
+    char *block = malloc(source->block_bytes);
+    bool ok = block || err_memory(err, "a checkpoint", source->block_bytes);
+    for (uint64_t at = 0, number = 0; ok && at < source->bytes; at += source->block_bytes) {
+        uint64_t left = source->bytes - at;
+        uint64_t bytes = left < source->block_bytes ? left : source->block_bytes;
+        const char *content = source->records ? source->records + at : block;
+        ok = source->records || film_copy_get_bytes(source->renderer, at, block, bytes, err);
+        uint64_t hash = ok ? hash_block(head_hash, number++, content, bytes) : 0;
+        ok = ok && file_writer_write(&out->writer, content, bytes, err) &&
+             file_writer_write(&out->writer, &hash, sizeof hash, err);
+    }
     free(block);
     return ok;
 }
 
-static uint64_t film_bytes(const struct renderer *r)
+static uint64_t head_bytes(const struct header *header)
 {
-    uint64_t bytes = 0;
-    for (uint32_t i = 0; i < r->plan.film_chunks; i++)
-        bytes += r->film[i].bytes;
-    return bytes;
-}
-
-static uint64_t bytes_before_film(const struct header *header)
-{
-    return sizeof *header + header->identity_bytes +
+    return sizeof *header + header->identity_bytes + header->command_bytes +
            sizeof(uint64_t) * (uint64_t)header->state_count +
            2 * sizeof(uint32_t) * (uint64_t)header->tile_count;
 }
 
-static struct header make_header(const struct renderer *r, const char *identity)
+static uint64_t block_count(const struct header *header)
 {
+    return (header->film_bytes + header->block_bytes - 1) / header->block_bytes;
+}
+
+static uint64_t file_bytes(const struct header *header)
+{
+    return head_bytes(header) + sizeof(uint64_t) + header->film_bytes +
+           sizeof(uint64_t) * block_count(header);
+}
+
+static bool write_file(const char *path, const struct checkpoint_text *text,
+                       const uint64_t state[CHECKPOINT_STATE_WORDS], const struct tiles *tiles,
+                       const struct source *source, struct err *err)
+{
+    struct output out = {.hash = HASH_INIT};
+    uint64_t list_bytes = tiles->count * sizeof *tiles->counts;
     struct header header = {
         .version = VERSION,
         .byte_order = BYTE_ORDER_WORD,
-        .identity_bytes = strlen(identity),
-        .film_bytes = film_bytes(r),
-        .chunk_pixels = r->plan.film_chunk_pixels,
+        .identity_bytes = strlen(text->identity),
+        .command_bytes = strlen(text->command),
+        .film_bytes = source->bytes,
+        .block_bytes = (uint32_t)source->block_bytes,
         .state_count = CHECKPOINT_STATE_WORDS,
-        .tile_count = r->tiles.count,
+        .tile_count = tiles->count,
     };
     memcpy(header.magic, magic, sizeof magic);
-    header.file_bytes = bytes_before_film(&header) + header.film_bytes + sizeof(uint64_t);
-    return header;
-}
-
-bool checkpoint_write(struct renderer *r, const char *path, const char *identity,
-                      const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err)
-{
-    struct output out = {.hash = HASH_INIT};
-    uint64_t state[CHECKPOINT_STATE_WORDS] = {0};
-    visit_renderer(&(struct cursor){.words = state}, r);
-    memcpy(&state[NOTE_AT], note, CHECKPOINT_NOTE_WORDS * sizeof *note);
-    struct header header = make_header(r, identity);
-    uint64_t list_bytes = r->tiles.count * sizeof *r->tiles.counts;
+    header.head_bytes = head_bytes(&header);
+    header.file_bytes = file_bytes(&header);
     if (!file_writer_open(&out.writer, path, err))
         return false;
     bool ok = put(&out, &header, sizeof header, err) &&
-              put(&out, identity, header.identity_bytes, err) &&
-              put(&out, state, sizeof state, err) && put(&out, r->tiles.counts, list_bytes, err) &&
-              put(&out, r->tiles.done, list_bytes, err) && put_film(&out, r, err) &&
-              file_writer_write(&out.writer, &out.hash, sizeof out.hash, err);
+              put(&out, text->identity, header.identity_bytes, err) &&
+              put(&out, text->command, header.command_bytes, err) &&
+              put(&out, state, CHECKPOINT_STATE_WORDS * sizeof *state, err) &&
+              put(&out, tiles->counts, list_bytes, err) &&
+              put(&out, tiles->done, list_bytes, err) &&
+              file_writer_write(&out.writer, &out.hash, sizeof out.hash, err) &&
+              put_film(&out, source, err);
     if (ok)
         return file_writer_commit(&out.writer, err);
     file_writer_finish(&out.writer);
     return false;
+}
+
+static struct source make_source(struct renderer *renderer, const char *records, uint64_t bytes,
+                                 uint32_t aovs)
+{
+    uint64_t record = 16 * AOV_FILM_WORDS(aovs);
+    return (struct source){renderer, records, bytes,
+                           CHECKPOINT_BLOCK_BYTES - CHECKPOINT_BLOCK_BYTES % record};
+}
+
+bool checkpoint_write(struct renderer *r, const char *path, const struct checkpoint_text *text,
+                      const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err)
+{
+    const struct source source = make_source(r, NULL, film_copy_bytes(r), r->specialization.aovs);
+    uint64_t state[CHECKPOINT_STATE_WORDS] = {0};
+    struct film_copy film = film_copy_state(r);
+    visit_state(&(struct cursor){.words = state}, &film);
+    memcpy(&state[NOTE_AT], note, CHECKPOINT_NOTE_WORDS * sizeof *note);
+    return write_file(path, text, state, &r->tiles, &source, err);
+}
+
+bool checkpoint_write_copy(const struct film_copy *film, uint64_t bytes, uint32_t aovs,
+                           const char *path, const struct checkpoint_text *text,
+                           const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err)
+{
+    const struct source source = make_source(NULL, film->records, bytes, aovs);
+    uint64_t state[CHECKPOINT_STATE_WORDS] = {0};
+    struct film_copy copy = *film;
+    visit_state(&(struct cursor){.words = state}, &copy);
+    memcpy(&state[NOTE_AT], note, CHECKPOINT_NOTE_WORDS * sizeof *note);
+    return write_file(path, text, state, &(struct tiles){0}, &source, err);
 }
 
 // --- reading -------------------------------------------------------------------------------------
@@ -188,7 +245,15 @@ static bool measure(const struct checkpoint *c, uint64_t *bytes, struct err *err
                    strerror(errno));
 }
 
-static bool check_header(const struct checkpoint *c, const struct header *h, uint64_t file_bytes,
+static bool fail_damaged(const struct checkpoint *c, const char *where, struct err *err)
+{
+    return err_set(err, ERR_INPUT,
+                   "%s: is damaged: %s has another hash than was written; expected the file as it "
+                   "was written",
+                   c->path, where);
+}
+
+static bool check_header(const struct checkpoint *c, const struct header *h, uint64_t bytes,
                          struct err *err)
 {
     if (memcmp(h->magic, magic, sizeof magic) != 0)
@@ -199,64 +264,50 @@ static bool check_header(const struct checkpoint *c, const struct header *h, uin
                        "%s: is a checkpoint of version %u, of another build or machine; expected "
                        "version %u of this one",
                        c->path, h->version, VERSION);
-    if (h->file_bytes != file_bytes)
+    if (h->file_bytes != bytes)
         return err_set(err, ERR_INPUT, "%s: has %" PRIu64 " bytes; expected %" PRIu64, c->path,
-                       file_bytes, h->file_bytes);
-    uint64_t limit = file_bytes;
-    if (h->identity_bytes > CHECKPOINT_IDENTITY_MAX || h->film_bytes > limit ||
-        (uint64_t)h->tile_count > limit / 8 ||
-        bytes_before_film(h) + h->film_bytes + sizeof(uint64_t) != file_bytes)
+                       bytes, h->file_bytes);
+    if (h->identity_bytes > CHECKPOINT_TEXT_MAX || h->command_bytes > CHECKPOINT_TEXT_MAX ||
+        h->film_bytes > bytes || (uint64_t)h->tile_count > bytes / 8 || h->block_bytes == 0 ||
+        h->block_bytes > CHECKPOINT_BLOCK_BYTES || h->is_zero != 0 ||
+        head_bytes(h) != h->head_bytes || file_bytes(h) != bytes)
         return err_set(err, ERR_INPUT,
                        "%s: is damaged: its parts do not make up its %" PRIu64 " bytes", c->path,
-                       file_bytes);
+                       bytes);
     return true;
 }
 
-// The hash, at the end of the file, covers everything before it.
-static bool check_hash(const struct checkpoint *c, uint64_t file_bytes, struct err *err)
+// Reads bytes of what stands before the film, and continues its hash.
+static bool get_head(struct checkpoint *c, void *data, uint64_t bytes, struct err *err)
 {
-    char *block = malloc(BLOCK_BYTES);
-    if (!block)
-        return err_memory(err, "a checkpoint", BLOCK_BYTES);
-    uint64_t hash = HASH_INIT, expected = 0, left = file_bytes - sizeof hash;
-    rewind(c->file);
-    bool ok = true;
-    while (ok && left > 0) {
-        uint64_t bytes = left < BLOCK_BYTES ? left : BLOCK_BYTES;
-        ok = get(c, block, bytes, err);
-        hash = ok ? hash_bytes(hash, block, bytes) : hash;
-        left -= bytes;
-    }
-    free(block);
-    if (!ok || !get(c, &expected, sizeof expected, err))
+    if (!get(c, data, bytes, err))
         return false;
-    if (hash != expected)
-        return err_set(err, ERR_INPUT,
-                       "%s: is damaged: its content has hash %016" PRIx64 "; expected %016" PRIx64,
-                       c->path, hash, expected);
-    rewind(c->file);
+    c->head_hash = hash_bytes(c->head_hash, data, bytes);
     return true;
 }
 
-static bool read_parts(struct checkpoint *c, const struct header *h, struct arena *arena,
-                       struct err *err)
+static bool read_head(struct checkpoint *c, const struct header *h, struct arena *arena,
+                      struct err *err)
 {
     char *identity = ARENA_NEW(arena, char, h->identity_bytes + 1);
+    char *command = ARENA_NEW(arena, char, h->command_bytes + 1);
     c->tile_count = h->tile_count;
     c->counts = ARENA_NEW(arena, uint32_t, h->tile_count);
     c->done = ARENA_NEW(arena, uint32_t, h->tile_count);
-    if (!identity || !c->counts || !c->done)
-        return err_memory(err, "a checkpoint", bytes_before_film(h));
+    if (!identity || !command || !c->counts || !c->done)
+        return err_memory(err, "a checkpoint", h->head_bytes);
     c->identity = identity;
-    c->chunk_pixels = h->chunk_pixels;
+    c->command = command;
     c->film_bytes = h->film_bytes;
-    uint64_t list_bytes = h->tile_count * sizeof *c->counts;
-    struct header again;
-    if (!get(c, &again, sizeof again, err) || !get(c, identity, h->identity_bytes, err) ||
-        !get(c, c->state, sizeof c->state, err) || !get(c, c->counts, list_bytes, err) ||
-        !get(c, c->done, list_bytes, err))
+    c->block_bytes = h->block_bytes;
+    uint64_t list_bytes = h->tile_count * sizeof *c->counts, hash;
+    if (!get_head(c, identity, h->identity_bytes, err) ||
+        !get_head(c, command, h->command_bytes, err) ||
+        !get_head(c, c->state, sizeof c->state, err) || !get_head(c, c->counts, list_bytes, err) ||
+        !get_head(c, c->done, list_bytes, err) || !get(c, &hash, sizeof hash, err))
         return false;
-    identity[h->identity_bytes] = '\0';
+    if (hash != c->head_hash)
+        return fail_damaged(c, "what stands before its film", err);
     memcpy(c->note, &c->state[NOTE_AT], sizeof c->note);
     return true;
 }
@@ -264,7 +315,7 @@ static bool read_parts(struct checkpoint *c, const struct header *h, struct aren
 bool checkpoint_read(FILE *file, const char *path, struct arena *arena, struct checkpoint *out,
                      struct err *err)
 {
-    *out = (struct checkpoint){.file = file, .path = path};
+    *out = (struct checkpoint){.file = file, .path = path, .head_hash = HASH_INIT};
     uint64_t bytes;
     struct header header;
     if (!measure(out, &bytes, err))
@@ -273,8 +324,26 @@ bool checkpoint_read(FILE *file, const char *path, struct arena *arena, struct c
         return err_set(err, ERR_INPUT,
                        "%s: is not a checkpoint of lampyris: it has %" PRIu64 " bytes", path,
                        bytes);
-    return get(out, &header, sizeof header, err) && check_header(out, &header, bytes, err) &&
-           check_hash(out, bytes, err) && read_parts(out, &header, arena, err);
+    return get_head(out, &header, sizeof header, err) && check_header(out, &header, bytes, err) &&
+           read_head(out, &header, arena, err);
+}
+
+uint64_t checkpoint_next_bytes(const struct checkpoint *c)
+{
+    uint64_t at = c->block * c->block_bytes;
+    uint64_t left = at < c->film_bytes ? c->film_bytes - at : 0;
+    return left < c->block_bytes ? left : c->block_bytes;
+}
+
+bool checkpoint_next_block(struct checkpoint *c, void *block, struct err *err)
+{
+    uint64_t bytes = checkpoint_next_bytes(c), hash;
+    if (!get(c, block, bytes, err) || !get(c, &hash, sizeof hash, err))
+        return false;
+    if (hash_block(c->head_hash, c->block, block, bytes) != hash)
+        return fail_damaged(c, "a block of its film", err);
+    c->block++;
+    return true;
 }
 
 bool checkpoint_open(const char *path, struct arena *arena, struct checkpoint *out, struct err *err)
@@ -301,6 +370,15 @@ void checkpoint_close(struct checkpoint *c)
     *c = (struct checkpoint){0};
 }
 
+struct film_copy checkpoint_film(const struct checkpoint *c)
+{
+    uint64_t state[CHECKPOINT_STATE_WORDS];
+    struct film_copy film = {0};
+    memcpy(state, c->state, sizeof state);
+    visit_state(&(struct cursor){.words = state, .reads = true}, &film);
+    return film;
+}
+
 // --- going on ------------------------------------------------------------------------------------
 
 static int line_length(const char *line)
@@ -319,9 +397,9 @@ static int name_length(const char *line)
     return (int)strcspn(line, "=\n");
 }
 
-bool checkpoint_check(const struct checkpoint *c, const char *identity, struct err *err)
+bool checkpoint_compare(const char *path, const char *was, const char *whose, const char *is,
+                        struct err *err)
 {
-    const char *was = c->identity, *is = identity;
     while (*was && *is && line_length(was) == line_length(is) &&
            memcmp(was, is, (size_t)line_length(was)) == 0) {
         was = next_line(was);
@@ -333,27 +411,27 @@ bool checkpoint_check(const struct checkpoint *c, const char *identity, struct e
         name_length(was) == name_length(is) && memcmp(was, is, (size_t)name_length(was)) == 0;
     if (same_name && *was && *is) {
         const char *value = is + name_length(is) + (is[name_length(is)] == '=');
-        return err_set(err, ERR_INPUT, "%s: was made with %.*s, but this run has %.*s", c->path,
-                       line_length(was), was, line_length(value), value);
+        return err_set(err, ERR_INPUT, "%s: was made with %.*s, but %s has %.*s", path,
+                       line_length(was), was, whose, line_length(value), value);
     }
     // The lines before them determine which lines follow.
     return err_set(err, ERR_INPUT,
                    "%s: was made by another build of lampyris, which tells \"%.*s\" where this one "
                    "tells \"%.*s\"; expected a checkpoint of this build",
-                   c->path, name_length(was), was, name_length(is), is);
+                   path, name_length(was), was, name_length(is), is);
+}
+
+bool checkpoint_check(const struct checkpoint *c, const char *identity, struct err *err)
+{
+    return checkpoint_compare(c->path, c->identity, "this run", identity, err);
 }
 
 static bool upload_film(struct checkpoint *c, struct renderer *r, struct err *err)
 {
-    char *block = malloc(BLOCK_BYTES);
-    bool ok = block || err_memory(err, "a checkpoint", BLOCK_BYTES);
-    for (uint32_t i = 0; i < r->plan.film_chunks; i++)
-        for (uint64_t at = 0; ok && at < r->film[i].bytes; at += BLOCK_BYTES) {
-            uint64_t left = r->film[i].bytes - at;
-            uint64_t bytes = left < BLOCK_BYTES ? left : BLOCK_BYTES;
-            ok =
-                get(c, block, bytes, err) && gpu_upload(r->gpu, &r->film[i], at, block, bytes, err);
-        }
+    char *block = malloc(c->block_bytes);
+    bool ok = block || err_memory(err, "a checkpoint", c->block_bytes);
+    for (uint64_t at = 0, bytes; ok && (bytes = checkpoint_next_bytes(c)) > 0; at += bytes)
+        ok = checkpoint_next_block(c, block, err) && film_copy_put_bytes(r, at, block, bytes, err);
     free(block);
     return ok;
 }
@@ -376,18 +454,22 @@ static bool check_state(const struct checkpoint *c, const struct renderer *r, st
 
 bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *err)
 {
-    if (c->chunk_pixels != r->plan.film_chunk_pixels || c->film_bytes != film_bytes(r))
+    if (c->film_bytes != film_copy_bytes(r))
         return err_set(err, ERR_INPUT,
-                       "%s: was made with a film of %" PRIu64 " bytes in buffers of %" PRIu64
-                       " pixels, but this run has %" PRIu64 " and %" PRIu64,
-                       c->path, c->film_bytes, c->chunk_pixels, film_bytes(r),
-                       r->plan.film_chunk_pixels);
+                       "%s: was made with a film of %" PRIu64 " bytes, but this run has %" PRIu64,
+                       c->path, c->film_bytes, film_copy_bytes(r));
     bool has_tiles = r->specialization.features & FEATURE_TILES;
     uint32_t across = tiles_along(r->frame.width), down = tiles_along(r->frame.height);
     if (c->tile_count != (has_tiles ? across * down : 0))
         return err_set(err, ERR_INPUT, "%s: has %u tiles; expected %u", c->path, c->tile_count,
                        has_tiles ? across * down : 0);
-    visit_renderer(&(struct cursor){.words = c->state, .reads = true}, r);
+    struct film_copy film = film_copy_state(r);
+    visit_state(&(struct cursor){.words = c->state, .reads = true}, &film);
+    r->next_sample = film.next_sample;
+    r->round_target = film.round_target;
+    r->emptied_at = film.emptied_at;
+    r->pass = film.pass;
+    r->stats = film.stats;
     if (!check_state(c, r, err))
         return false;
     if (r->pass.position == 0)

@@ -102,6 +102,14 @@ static void add_pixel(uint32_t aovs, uint32_t *to, const uint32_t *from, bool pr
                        &from[4 * AOV_FILM_BRIGHTEST_AT(aovs)]);
 }
 
+void film_records_add(uint32_t aovs, const char *part, char *to, uint64_t pixels, bool precedes)
+{
+    const uint64_t bytes = 16 * AOV_FILM_WORDS(aovs);
+    for (uint64_t i = 0; i < pixels; i++)
+        add_pixel(aovs, (uint32_t *)(void *)(to + i * bytes),
+                  (const uint32_t *)(const void *)(part + i * bytes), precedes);
+}
+
 static bool can_add(const struct renderer *r, const struct film_copy *part,
                     const struct film_copy *to, struct err *err)
 {
@@ -134,11 +142,9 @@ bool film_copy_add(const struct renderer *r, const struct film_copy *part, struc
     if (!can_add(r, part, to, err))
         return false;
     const uint32_t aovs = r->specialization.aovs;
-    const uint64_t bytes = 16 * AOV_FILM_WORDS(aovs), pixels = film_copy_bytes(r) / bytes;
     const bool precedes = part->emptied_at < to->emptied_at;
-    for (uint64_t i = 0; i < pixels; i++)
-        add_pixel(aovs, (uint32_t *)(void *)(to->records + i * bytes),
-                  (const uint32_t *)(const void *)(part->records + i * bytes), precedes);
+    film_records_add(aovs, part->records, to->records,
+                     film_copy_bytes(r) / (16 * AOV_FILM_WORDS(aovs)), precedes);
     to->emptied_at = precedes ? part->emptied_at : to->emptied_at;
     to->next_sample = part->next_sample > to->next_sample ? part->next_sample : to->next_sample;
     return true;

@@ -12,23 +12,9 @@ uint64_t film_copy_bytes(const struct renderer *r)
     return bytes;
 }
 
-static bool copy_records(struct renderer *r, struct arena *arena, char **out, struct err *err)
+struct film_copy film_copy_state(const struct renderer *r)
 {
-    uint64_t bytes = film_copy_bytes(r), at = 0;
-    *out = ARENA_NEW(arena, char, bytes);
-    if (!*out)
-        return err_memory(err, "a copy of the film", bytes);
-    for (uint32_t i = 0; i < r->plan.film_chunks; at += r->film[i++].bytes)
-        if (!gpu_download(r->gpu, &r->film[i], 0, *out + at, r->film[i].bytes, err))
-            return false;
-    return true;
-}
-
-bool film_copy_take(struct renderer *r, bool is_empty, struct arena *arena, struct film_copy *out,
-                    struct err *err)
-{
-    const struct tiles *tiles = &r->tiles;
-    *out = (struct film_copy){
+    return (struct film_copy){
         .seed = r->frame.seed,
         .next_sample = r->next_sample,
         .round_target = r->round_target,
@@ -36,6 +22,62 @@ bool film_copy_take(struct renderer *r, bool is_empty, struct arena *arena, stru
         .pass = r->pass,
         .stats = r->stats,
     };
+}
+
+// Returns the film's buffer that has the byte `*at` of all, and makes `*at` the place in it.
+static struct gpu_buffer *find_buffer(const struct renderer *r, uint64_t *at)
+{
+    uint32_t i = 0;
+    while (*at >= r->film[i].bytes)
+        *at -= r->film[i++].bytes;
+    return &r->film[i];
+}
+
+static uint64_t bytes_in(const struct gpu_buffer *buffer, uint64_t at, uint64_t bytes)
+{
+    return bytes < buffer->bytes - at ? bytes : buffer->bytes - at;
+}
+
+bool film_copy_get_bytes(struct renderer *r, uint64_t at, void *out, uint64_t bytes,
+                         struct err *err)
+{
+    for (uint64_t done = 0, step; done < bytes; done += step) {
+        uint64_t from = at + done;
+        const struct gpu_buffer *buffer = find_buffer(r, &from);
+        step = bytes_in(buffer, from, bytes - done);
+        if (!gpu_download(r->gpu, buffer, from, (char *)out + done, step, err))
+            return false;
+    }
+    return true;
+}
+
+bool film_copy_put_bytes(struct renderer *r, uint64_t at, const void *data, uint64_t bytes,
+                         struct err *err)
+{
+    for (uint64_t done = 0, step; done < bytes; done += step) {
+        uint64_t to = at + done;
+        struct gpu_buffer *buffer = find_buffer(r, &to);
+        step = bytes_in(buffer, to, bytes - done);
+        if (!gpu_upload(r->gpu, buffer, to, (const char *)data + done, step, err))
+            return false;
+    }
+    return true;
+}
+
+static bool copy_records(struct renderer *r, struct arena *arena, char **out, struct err *err)
+{
+    uint64_t bytes = film_copy_bytes(r);
+    *out = ARENA_NEW(arena, char, bytes);
+    if (!*out)
+        return err_memory(err, "a copy of the film", bytes);
+    return film_copy_get_bytes(r, 0, *out, bytes, err);
+}
+
+bool film_copy_take(struct renderer *r, bool is_empty, struct arena *arena, struct film_copy *out,
+                    struct err *err)
+{
+    const struct tiles *tiles = &r->tiles;
+    *out = film_copy_state(r);
     if (tiles->done) {
         out->done = ARENA_NEW(arena, uint32_t, tiles->count);
         if (!out->done)
@@ -48,7 +90,6 @@ bool film_copy_take(struct renderer *r, bool is_empty, struct arena *arena, stru
 bool film_copy_put(const struct film_copy *copy, struct renderer *r, struct err *err)
 {
     double seconds = r->stats.render_seconds;
-    uint64_t at = 0;
     r->frame.seed = copy->seed;
     r->next_sample = copy->next_sample;
     r->round_target = copy->round_target;
@@ -58,8 +99,6 @@ bool film_copy_put(const struct film_copy *copy, struct renderer *r, struct err 
     r->stats.render_seconds = seconds;
     if (copy->done)
         memcpy(r->tiles.done, copy->done, r->tiles.count * sizeof *copy->done);
-    for (uint32_t i = 0; copy->records && i < r->plan.film_chunks; at += r->film[i++].bytes)
-        if (!gpu_upload(r->gpu, &r->film[i], 0, copy->records + at, r->film[i].bytes, err))
-            return false;
-    return frame_upload(r, err);
+    return (!copy->records || film_copy_put_bytes(r, 0, copy->records, film_copy_bytes(r), err)) &&
+           frame_upload(r, err);
 }

@@ -16,8 +16,15 @@ struct film_copy {
 
 // Returns the bytes that the records take.
 uint64_t film_copy_bytes(const struct renderer *renderer);
-// Takes a copy, between waves. The arrays live in the arena. is_empty: the film has no sample, and
-// no records are copied.
+// Returns what of the renderer belongs to a film, without records and tiles.
+struct film_copy film_copy_state(const struct renderer *renderer);
+// Copy bytes of the records, from `at` on, from the device or to it.
+bool film_copy_get_bytes(struct renderer *renderer, uint64_t at, void *out, uint64_t bytes,
+                         struct err *err);
+bool film_copy_put_bytes(struct renderer *renderer, uint64_t at, const void *data, uint64_t bytes,
+                         struct err *err);
+// Between waves. The arrays live in the arena. is_empty: the film has no sample, and no records are
+// copied.
 bool film_copy_take(struct renderer *renderer, bool is_empty, struct arena *arena,
                     struct film_copy *out, struct err *err);
 // Puts the copy into the film of a renderer that was reopened. The seconds in its statistics go on.
@@ -30,5 +37,9 @@ bool film_copy_put(const struct film_copy *copy, struct renderer *renderer, stru
 // seeds, and for films that begin with an odd sample, since that belongs to the other half-buffer.
 bool film_copy_add(const struct renderer *renderer, const struct film_copy *part,
                    struct film_copy *to, struct err *err);
+// The same of the records of `pixels` pixels alone, of films that can be added: the device had
+// these `aovs` (specialization.aovs). precedes: the first of the part's samples comes before the
+// other's.
+void film_records_add(uint32_t aovs, const char *part, char *to, uint64_t pixels, bool precedes);
 
 #endif

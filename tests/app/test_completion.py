@@ -15,7 +15,8 @@ import unittest
 from program import checked, run
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
-COMMANDS = ('render', 'converge', 'bench', 'compare', 'check', 'info', 'view', 'devices', 'help')
+COMMANDS = ('render', 'merge', 'converge', 'bench', 'compare', 'check', 'info', 'view', 'devices',
+            'help')
 
 
 def script(shell, program='lampyris'):

@@ -1,5 +1,5 @@
-// A checkpoint from anywhere: read as --resume reads it, up to the film. Damage is found by the
-// hash, so the same bytes are tried with a right one, too.
+// A checkpoint from anywhere: read as --resume and merge read it. Damage is found by the hashes, so
+// the same bytes are tried with a right one of what stands before the film, too.
 #include "base/hash.h"
 #include "render/checkpoint.h"
 #include <stdio.h>
@@ -17,6 +17,10 @@ static bool read_bytes(void *bytes, size_t size)
     struct checkpoint checkpoint;
     struct err err = {0};
     bool ok = checkpoint_read(file, "fuzz", &arena, &checkpoint, &err);
+    char *block = ok ? malloc(checkpoint.block_bytes) : NULL;
+    while (ok && checkpoint_next_bytes(&checkpoint) > 0)
+        ok = checkpoint_next_block(&checkpoint, block, &err);
+    free(block);
     if (ok && strlen(checkpoint.identity) < size)
         ok = checkpoint_check(&checkpoint, "version=0\n--seed=1\n", &err);
     if (!ok && (err.code == ERR_NONE || !err.msg[0]))
@@ -35,9 +39,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         abort();
     memcpy(copy, data, size);
     read_bytes(copy, size);
-    if (size > sizeof(uint64_t)) {
-        uint64_t hash = hash_bytes(HASH_INIT, copy, size - sizeof hash);
-        memcpy(copy + size - sizeof hash, &hash, sizeof hash);
+    // The number of those bytes is in the header, and their hash behind them.
+    uint64_t head = 0;
+    if (size >= 16 + sizeof head)
+        memcpy(&head, copy + 16, sizeof head);
+    if (head > 0 && head <= size - sizeof head) {
+        uint64_t hash = hash_bytes(HASH_INIT, copy, head);
+        memcpy(copy + head, &hash, sizeof hash);
         read_bytes(copy, size);
     }
     free(copy);

@@ -70,6 +70,9 @@ static bool init_job(struct render_run *run, struct err *err)
         params.checkpoint = (struct job_checkpoint_params){
             options->render.checkpoint, options->render.checkpoint_seconds, options->render.resume};
         params.keeps_trace = options->render.trace != NULL;
+        params.shard = options->render.shard;
+        params.merged = options->render.merged;
+        params.command = options->render.shared_line;
     }
     return job_init(&params, &run->job, err);
 }

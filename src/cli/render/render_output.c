@@ -68,7 +68,7 @@ static bool check_layers(const struct render_run *run, struct err *err)
     bool has_exr = false;
     for (uint32_t i = 0; i < run->output_count; i++)
         has_exr |= path_has_extension(run->outputs[i], "exr");
-    return has_exr || run->options->render.aovs == 0 ||
+    return has_exr || run->output_count == 0 || run->options->render.aovs == 0 ||
            err_set(err, ERR_USAGE, "--aov: layers go into EXR files; expected -o NAME.exr");
 }
 
@@ -76,7 +76,8 @@ bool render_check_outputs(struct render_run *run, struct err *err)
 {
     run->outputs = run->options->render.outputs;
     run->output_count = run->options->render.output_count;
-    if (run->output_count == 0 && !default_outputs(run, err))
+    bool is_shard = run->options->render.shard_text != NULL;
+    if (run->output_count == 0 && !is_shard && !default_outputs(run, err))
         return false;
     if (!check_layers(run, err) || !render_check_distinct(run, err))
         return false;
@@ -227,7 +228,9 @@ static const char *repeating_command(const struct render_run *run, uint32_t fram
 static bool is_repeatable(const struct render_run *run)
 {
     bool is_even = run->job.rescue.copied.is_even && !run->options->render.frames;
-    return !run->job.stopped && (!job_is_rescued(&run->job) || is_even);
+    const struct job_merged *merged = run->options->render.merged;
+    return !run->job.stopped && !(merged && merged->is_partial) &&
+           (!job_is_rescued(&run->job) || is_even);
 }
 
 static bool describe(const struct render_run *run, uint32_t frame, struct arena *arena,

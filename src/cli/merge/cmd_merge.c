@@ -1,0 +1,261 @@
+// lampyris merge: adds parts, and lets render write the picture, as if it had just rendered it.
+#include "cli/commands.h"
+
+#include "base/file.h"
+#include "base/file_inputs.h"
+#include "base/file_system.h"
+#include "base/log.h"
+#include "job/merge.h"
+#include "report/text_out.h"
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+// Commands for missing samples that are printed; more would hide what is said.
+#define COMMANDS_MAX 64u
+
+// --- what is missing -----------------------------------------------------------------------------
+
+static uint64_t count_samples(const struct sample_ranges *ranges)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < ranges->count; i++)
+        count += ranges->list[i].end - ranges->list[i].first;
+    return count;
+}
+
+// The most samples that a part has: what is missing is split into pieces of that length, which can
+// be rendered at the same time.
+static uint64_t longest_part(const struct merge *merge)
+{
+    uint64_t longest = 2;
+    for (uint32_t i = 0; i < merge->count; i++)
+        for (uint32_t k = 0; k < merge->parts[i].wanted.count; k++) {
+            const struct sample_range *range = &merge->parts[i].wanted.list[k];
+            longest = range->end - range->first > longest ? range->end - range->first : longest;
+        }
+    return longest + longest % 2;
+}
+
+// Prints to standard error, because standard output is for results.
+static void print_commands(const struct merge *merge, const struct sample_ranges *missing)
+{
+    const uint64_t piece = longest_part(merge);
+    uint32_t printed = 0;
+    for (uint32_t i = 0; i < missing->count; i++)
+        for (uint64_t at = missing->list[i].first, end; at < missing->list[i].end; at = end) {
+            // A single sample at the end would be no shard of its own.
+            end = at + piece + 1 < missing->list[i].end ? at + piece : missing->list[i].end;
+            if (printed++ < COMMANDS_MAX)
+                fprintf(stderr, "%s --shard %" PRIu64 ":%" PRIu64 "\n", merge->command, at, end);
+        }
+    if (printed > COMMANDS_MAX)
+        fprintf(stderr, "and %u more of this kind\n", printed - COMMANDS_MAX);
+}
+
+// Says what is missing. A picture of some of the samples is refused unless it is asked for.
+static bool check_missing(struct merge *merge, const struct options *options, bool writes_picture,
+                          struct err *err)
+{
+    struct sample_ranges missing;
+    if (!samples_missing(&merge->samples, merge->planned, &merge->arena, &missing, err))
+        return false;
+    const char *text = samples_text(&missing, &merge->arena);
+    if (!text)
+        return err_memory(err, "ranges of samples", 64);
+    if (missing.count == 0 || !writes_picture)
+        return true;
+    const uint64_t count = count_samples(&missing);
+    merge->merged.is_partial = true;
+    if (options->merge.partial) {
+        log_warn("%" PRIu64 " of %" PRIu64 " samples a pixel are missing (%s): the picture is that "
+                 "of the others",
+                 count, merge->planned, text);
+        return true;
+    }
+    progress_end(options->progress);
+    print_commands(merge, &missing);
+    return err_set(err, ERR_INPUT,
+                   "%" PRIu64 " of %" PRIu64
+                   " samples a pixel are missing (%s): the commands above "
+                   "render them; expected their parts, too, or --partial",
+                   count, merge->planned, text);
+}
+
+// --- devices -------------------------------------------------------------------------------------
+
+// Whether the devices' pictures have the same mean, by their halves' differences.
+static void compare_devices(const struct merge *merge)
+{
+    const struct merge_device *one = &merge->devices[0];
+    log_warn("the parts are of %u devices: the picture is not the one of any of them, bit for bit",
+             merge->device_count);
+    for (uint32_t i = 1; i < merge->device_count; i++) {
+        const struct merge_device *other = &merge->devices[i];
+        double difference = other->mean - one->mean;
+        double error = hypot(other->standard_error, one->standard_error);
+        // Of a normal distribution 3.3 standard errors are exceeded once in 1000 times.
+        bool differs = fabs(difference) > 3.3 * error;
+        log_message(
+            differs ? LOG_WARN : LOG_INFO,
+            "mean luminance %.7g +- %.2g by %s and %.7g +- %.2g by %s: %.2f standard errors "
+            "apart%s",
+            one->mean, one->standard_error, one->name, other->mean, other->standard_error,
+            other->name, error > 0.0 ? fabs(difference) / error : 0.0,
+            differs ? ", more than noise explains once in 1000 times" : "");
+    }
+}
+
+// --- the picture ---------------------------------------------------------------------------------
+
+// Takes a word of a command line that options_quote() made; NULL at the end.
+static char *next_word(const char **line, char *out)
+{
+    const char *c = *line + strspn(*line, " ");
+    if (!*c)
+        return NULL;
+    char *end = out;
+    for (bool quoted = false; *c && (quoted || *c != ' '); c++) {
+        if (*c == '\'')
+            quoted = !quoted;
+        else if (*c == '\\' && !quoted && c[1])
+            *end++ = *++c;
+        else
+            *end++ = *c;
+    }
+    *end = '\0';
+    *line = c;
+    return out;
+}
+
+// The arguments of the render whose parts these are, with the outputs that merge was given.
+struct arguments {
+    char **list;
+    int count;
+};
+
+static bool make_arguments(const struct merge *merge, const struct options *options,
+                           struct arena *arena, struct arguments *out, struct err *err)
+{
+    const size_t length = strlen(merge->command);
+    const uint32_t outputs = options->render.output_count;
+    char *text = ARENA_NEW(arena, char, 2 * length + 2);
+    out->list = ARENA_NEW(arena, char *, length / 2 + 3 + 2 * (size_t)outputs);
+    if (!text || !out->list)
+        return err_memory(err, "the command line of a part", length);
+    const char *line = merge->command;
+    for (char *word; (word = next_word(&line, text)); text += strlen(word) + 1) {
+        out->list[out->count++] = word;
+        // After "lampyris render", since "--" may stand before the scene.
+        for (uint32_t i = 0; out->count == 2 && i < outputs; i++) {
+            out->list[out->count + 2 * (int)i] = arena_strdup(arena, "-o");
+            out->list[out->count + 2 * (int)i + 1] =
+                arena_strdup(arena, options->render.outputs[i]);
+        }
+        out->count += out->count == 2 ? 2 * (int)outputs : 0;
+    }
+    for (int i = 0; i < out->count; i++)
+        if (!out->list[i])
+            return err_memory(err, "the command line of a part", length);
+    return true;
+}
+
+// What merge was told counts where it says something.
+static bool make_options(const struct merge *merge, const struct options *options,
+                         const struct arguments *arguments, struct options *out, struct err *err)
+{
+    if (!options_parse(arguments->count, arguments->list, out, err))
+        return err_prepend(err, "%s: the command line that it keeps", merge->parts[0].path);
+    if (out->command != &commands[COMMAND_RENDER])
+        return err_set(err, ERR_INPUT, "%s: keeps the command line of something else: %s",
+                       merge->parts[0].path, merge->command);
+    if (!file_exists(out->scene.path))
+        return err_set(err, ERR_INPUT,
+                       "%s: is not here; expected merge to run in the working directory of the "
+                       "shards, which were rendered by: %s",
+                       out->scene.path, merge->command);
+    out->progress = options->progress;
+    out->json = options->json;
+    out->quiet = options->quiet;
+    out->log_level = options->log_level;
+    out->memory = options->memory;
+    out->render.half_float |= options->render.half_float;
+    if (options_given(options, OPTION_DEVICE))
+        out->device.gpu.device = options->device.gpu.device;
+    return true;
+}
+
+// Renders nothing, because the film has all samples that there are.
+static int write_picture(struct merge *merge, const struct options *options, struct err *err)
+{
+    struct arena arena = {0};
+    struct arguments arguments = {0};
+    struct options of_render = {0};
+    int code = -1;
+    merge->merged.film.emptied_at = 0;
+    merge->merged.film.next_sample = merge->planned;
+    if (make_arguments(merge, options, &arena, &arguments, err) &&
+        make_options(merge, options, &arguments, &of_render, err)) {
+        of_render.render.merged = &merge->merged;
+        code = cmd_render(&of_render);
+    }
+    options_finish(&of_render);
+    arena_finish(&arena);
+    return code >= 0 ? code : command_fail(err);
+}
+
+// --- the command ---------------------------------------------------------------------------------
+
+static bool merge_parts(struct merge *merge, const struct options *options, bool writes_picture,
+                        struct err *err)
+{
+    const char *kept = options->render.checkpoint;
+    const struct merge_params params = {
+        .paths = options->arguments,
+        .count = options->argument_count,
+        .mixed = options->merge.mixed,
+    };
+    if (kept && file_exists(kept))
+        return err_set(err, ERR_INPUT, "--checkpoint %s: exists already; expected another name",
+                       kept);
+    if ((kept && !file_check_writable(kept, err)) || !merge_open(&params, merge, err))
+        return false;
+    for (uint32_t i = 0; i < options->render.output_count; i++)
+        if (!file_inputs_check(options->render.outputs[i], err) ||
+            !file_check_distinct(options->render.outputs[i], kept, err))
+            return false;
+    if (!check_missing(merge, options, writes_picture, err) ||
+        !merge_add_films(merge, options->progress, err))
+        return false;
+    if (merge->device_count > 1)
+        compare_devices(merge);
+    return !kept || merge_write(merge, kept, err);
+}
+
+static void print_kept(struct merge *merge, const struct options *options)
+{
+    const char *samples = samples_text(&merge->samples, &merge->arena);
+    fputs("kept      ", stdout);
+    print_words(options->render.checkpoint);
+    printf(", samples %s of %" PRIu64 " a pixel, of %u parts\n", samples ? samples : "",
+           merge->planned, merge->count);
+}
+
+int cmd_merge(const struct options *options)
+{
+    const bool writes_picture = options->render.output_count > 0 || !options->render.checkpoint;
+    struct merge merge = {0};
+    struct err err = {0};
+    int code = EXIT_CODE_OK;
+    if (!merge_parts(&merge, options, writes_picture, &err)) {
+        code = command_fail(&err);
+    } else {
+        progress_end(options->progress);
+        if (options->render.checkpoint && !options->quiet && !options->json)
+            print_kept(&merge, options);
+        if (writes_picture)
+            code = write_picture(&merge, options, &err);
+    }
+    merge_finish(&merge);
+    return code;
+}

@@ -1,0 +1,234 @@
+#include "cli/shard.h"
+
+#include "base/file.h"
+#include "cli/options.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// --- what the environment says -------------------------------------------------------------------
+
+// A place among others that do the same.
+struct place {
+    uint64_t index, count; // from 0; count 0: not said
+};
+
+static bool read_number(const char *variable, uint64_t *out, struct err *err)
+{
+    const char *text = getenv(variable);
+    char *end;
+    *out = text && *text >= '0' && *text <= '9' ? strtoull(text, &end, 10) : UINT64_MAX;
+    return (*out <= UINT32_MAX && *end == '\0') ||
+           err_set(err, ERR_USAGE, "%s is \"%s\"; expected a number, or --shard I/N", variable,
+                   text ? text : "");
+}
+
+// Processes of one step, by who started it. mpirun within a job of Slurm starts its own daemons by
+// srun, whose SLURM_PROCID the processes inherit: so that is looked at last.
+static const struct {
+    const char *index, *count;
+} ranks[] = {
+    {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"}, // mpirun of Open MPI
+    {"PMI_RANK", "PMI_SIZE"},                         // of MPICH and its relatives
+    {"PMIX_RANK", "SLURM_NTASKS"},                    // srun --mpi=pmix
+    {"SLURM_PROCID", "SLURM_NTASKS"},
+};
+
+static bool read_rank(struct place *out, struct err *err)
+{
+    *out = (struct place){0, 1};
+    for (size_t i = 0; i < sizeof ranks / sizeof ranks[0]; i++)
+        if (getenv(ranks[i].index))
+            return read_number(ranks[i].index, &out->index, err) &&
+                   read_number(ranks[i].count, &out->count, err);
+    return true;
+}
+
+// A Slurm array numbers its tasks from any number on, in steps. The numbers of one that is a list
+// with gaps, as of tasks that are submitted again, do not say which task is which.
+static bool read_slurm_array(struct place *out, struct err *err)
+{
+    uint64_t id, min, max, step = 1;
+    if (!read_number("SLURM_ARRAY_TASK_ID", &id, err) ||
+        !read_number("SLURM_ARRAY_TASK_COUNT", &out->count, err) ||
+        !read_number("SLURM_ARRAY_TASK_MIN", &min, err) ||
+        !read_number("SLURM_ARRAY_TASK_MAX", &max, err) ||
+        (getenv("SLURM_ARRAY_TASK_STEP") && !read_number("SLURM_ARRAY_TASK_STEP", &step, err)))
+        return false;
+    bool is_even = out->count > 0 && step > 0 && id >= min && id <= max && (id - min) % step == 0 &&
+                   max - min == (out->count - 1) * step;
+    out->index = is_even ? (id - min) / step : 0;
+    return is_even || err_set(err, ERR_USAGE,
+                              "the array of Slurm has %" PRIu64 " tasks from %" PRIu64
+                              " to %" PRIu64 " in steps of %" PRIu64 ", of which this is %" PRIu64
+                              ": that does not say which part is whose; expected --array FROM-TO, "
+                              "or --shard I/N",
+                              out->count, min, max, step, id);
+}
+
+static bool read_array(struct place *out, struct err *err)
+{
+    *out = (struct place){0, 1};
+    if (getenv("SLURM_ARRAY_TASK_ID"))
+        return read_slurm_array(out, err);
+    if (!getenv("JOB_COMPLETION_INDEX"))
+        return true;
+    out->count = 0;
+    return read_number("JOB_COMPLETION_INDEX", &out->index, err);
+}
+
+static bool is_started_by_many(void)
+{
+    bool is = getenv("SLURM_ARRAY_TASK_ID") || getenv("JOB_COMPLETION_INDEX");
+    for (size_t i = 0; i < sizeof ranks / sizeof ranks[0]; i++)
+        is |= getenv(ranks[i].index) != NULL;
+    return is;
+}
+
+// wanted: the number of shards that the option says; 0: none.
+static bool find_place(uint64_t wanted, struct place *out, struct err *err)
+{
+    if (!is_started_by_many())
+        return err_set(
+            err, ERR_USAGE,
+            "none of SLURM_ARRAY_TASK_ID, SLURM_PROCID, OMPI_COMM_WORLD_RANK, PMI_RANK, "
+            "PMIX_RANK and JOB_COMPLETION_INDEX is set; expected to be started by Slurm, "
+            "mpirun or Kubernetes, or --shard I/N");
+    struct place array, rank;
+    if (!read_array(&array, err) || !read_rank(&rank, err))
+        return false;
+    if (array.count == 0 && (wanted == 0 || rank.count == 0 || wanted % rank.count != 0))
+        return err_set(err, ERR_USAGE,
+                       "Kubernetes sets JOB_COMPLETION_INDEX and not the number of completions; "
+                       "expected --shard auto/N");
+    if (array.count == 0)
+        array.count = wanted / rank.count;
+    *out = (struct place){array.index * rank.count + rank.index, array.count * rank.count};
+    if (out->index >= out->count || out->count > UINT32_MAX)
+        return err_set(err, ERR_USAGE,
+                       "the environment says that this is process %" PRIu64 ", from 0, of %" PRIu64
+                       "; expected a number below that, or --shard I/N",
+                       out->index, out->count);
+    return wanted == 0 || wanted == out->count ||
+           err_set(err, ERR_USAGE,
+                   "the environment says that there are %" PRIu64 " processes; expected %" PRIu64,
+                   out->count, wanted);
+}
+
+// --- the option ----------------------------------------------------------------------------------
+
+static bool parse_auto(const char *text, struct job_shard *out, struct err *err)
+{
+    char *end;
+    uint64_t wanted = 0;
+    if (*text == '/') {
+        wanted = strtoull(text + 1, &end, 10);
+        if (text[1] < '1' || text[1] > '9' || *end != '\0' || wanted > UINT32_MAX)
+            return err_set(err, ERR_USAGE, "\"auto%s\" is no number of shards; expected auto/N",
+                           text);
+    }
+    struct place place;
+    if (!find_place(wanted, &place, err))
+        return false;
+    out->index = (uint32_t)place.index + 1;
+    out->count = (uint32_t)place.count;
+    return true;
+}
+
+bool shard_parse(const char *text, struct job_shard *out, struct err *err)
+{
+    *out = (struct job_shard){0};
+    if (strncmp(text, "auto", 4) == 0 && (text[4] == '\0' || text[4] == '/'))
+        return parse_auto(text + 4, out, err);
+    const char *rest = samples_parse_range(text, &out->samples);
+    if (rest && *rest == '\0')
+        return true;
+    out->samples = (struct sample_range){0};
+    int length = 0;
+    bool is_plain = text[strspn(text, "0123456789/")] == '\0' && strlen(text) <= 19;
+    if (is_plain && sscanf(text, "%u/%u%n", &out->index, &out->count, &length) == 2 &&
+        text[length] == '\0' && out->index >= 1 && out->index <= out->count)
+        return true;
+    return err_set(err, ERR_USAGE,
+                   "\"%s\" is no shard; expected I/N with I from 1 to N, FIRST:END with the first "
+                   "sample and the one after the last, auto or auto/N",
+                   text);
+}
+
+// --- names ---------------------------------------------------------------------------------------
+
+// I and N, or FIRST and END. I has as many digits as N, so that names are in the shards' order.
+struct numbers {
+    char i[24], n[24];
+};
+
+static struct numbers numbers_of(const struct job_shard *shard)
+{
+    struct numbers numbers;
+    if (shard->count == 0) {
+        snprintf(numbers.i, sizeof numbers.i, "%" PRIu64, shard->samples.first);
+        snprintf(numbers.n, sizeof numbers.n, "%" PRIu64, shard->samples.end);
+        return numbers;
+    }
+    int digits = snprintf(numbers.n, sizeof numbers.n, "%u", shard->count);
+    snprintf(numbers.i, sizeof numbers.i, "%0*u", digits, shard->index);
+    return numbers;
+}
+
+// Replaces %i and %n. NULL when out of memory.
+static const char *fill_in(struct arena *arena, const char *name, const struct numbers *numbers)
+{
+    size_t size = 1;
+    for (const char *c = name; *c; c++)
+        size += *c == '%' ? sizeof numbers->i : 1;
+    char *out = ARENA_NEW(arena, char, size), *end = out;
+    for (; out && *name; name++) {
+        const char *number = name[0] != '%'   ? NULL
+                             : name[1] == 'i' ? numbers->i
+                             : name[1] == 'n' ? numbers->n
+                                              : NULL;
+        if (!number) {
+            *end++ = *name;
+            continue;
+        }
+        end += snprintf(end, sizeof numbers->i, "%s", number);
+        name++;
+    }
+    return out;
+}
+
+static const char *default_part(struct options *options, const struct numbers *numbers)
+{
+    const struct job_shard *shard = &options->render.shard;
+    const char *scene = path_name(options->arguments[0]), *extension = path_extension(scene);
+    size_t length = strlen(scene) - strlen(extension);
+    return arena_printf(&options->arena, "%.*s%s%s%s%s.part", (int)length, scene,
+                        *extension ? "" : ".", numbers->i, shard->count ? "-of-" : "-", numbers->n);
+}
+
+bool shard_settle(struct options *options, struct err *err)
+{
+    struct render_options *render = &options->render;
+    if (!options_given(options, OPTION_SHARD) || options->argument_count == 0)
+        return true;
+    if (!shard_parse(render->shard_text, &render->shard, err))
+        return err_prepend(err, "--shard");
+    const struct numbers numbers = numbers_of(&render->shard);
+    const bool is_named = options_given(options, OPTION_CHECKPOINT);
+    if (is_named && render->shard.count > 1 && !strstr(render->checkpoint, "%i") &&
+        strncmp(render->shard_text, "auto", 4) == 0)
+        return err_set(err, ERR_USAGE,
+                       "--checkpoint %s: every shard would write this file; expected %%i in its "
+                       "name, which stands for the shard's number",
+                       render->checkpoint);
+    render->checkpoint = is_named ? fill_in(&options->arena, render->checkpoint, &numbers)
+                                  : default_part(options, &numbers);
+    bool ok = render->checkpoint != NULL;
+    for (uint32_t i = 0; i < render->output_count; i++) {
+        render->outputs[i] = fill_in(&options->arena, render->outputs[i], &numbers);
+        ok = ok && render->outputs[i];
+    }
+    option_mark(&option_table[OPTION_CHECKPOINT], options);
+    return ok || err_memory(err, "names of outputs", 64);
+}

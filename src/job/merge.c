@@ -1,0 +1,425 @@
+#include "job/merge.h"
+
+#include "base/file_inputs.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "job/job_internal.h"
+#include "shared/aov.h"
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+// --- a part --------------------------------------------------------------------------------------
+
+// Returns the value of a line of an identity, up to its newline; NULL without such a line.
+static const char *find_value(const char *identity, const char *name)
+{
+    size_t length = strlen(name);
+    for (const char *line = identity; *line; line += strcspn(line, "\n"), line += *line == '\n')
+        if (strncmp(line, name, length) == 0)
+            return line + length;
+    return NULL;
+}
+
+static int value_length(const char *value)
+{
+    return (int)strcspn(value, "\n");
+}
+
+static bool is_within(const struct sample_range *range, const struct sample_ranges *all)
+{
+    for (uint32_t i = 0; i < all->count; i++)
+        if (range->first >= all->list[i].first && range->end <= all->list[i].end)
+            return true;
+    return false;
+}
+
+// Of what the part is to have it has what the state says, which is all but of a shard that is not
+// finished.
+static bool find_samples(const struct checkpoint *c, struct arena *arena, struct merge_part *part,
+                         struct err *err)
+{
+    const char *text = find_value(c->identity, JOB_SHARD_LINE);
+    const struct film_copy film = checkpoint_film(c);
+    if (!text || strncmp(text, "none\n", 5) == 0)
+        return err_set(err, ERR_INPUT,
+                       "%s: is the checkpoint of a whole render; expected a part of one, which "
+                       "render --shard writes",
+                       c->path);
+    if (!samples_parse(text, (size_t)value_length(text), arena, &part->wanted))
+        return err_set(err, ERR_INPUT, "%s: has no samples that can be read: \"%.*s\"", c->path,
+                       value_length(text), text);
+    part->samples = part->wanted;
+    if (part->wanted.count > 1)
+        return true;
+    struct sample_range *has = ARENA_NEW(arena, struct sample_range, 1);
+    if (!has)
+        return err_memory(err, "samples of a part", sizeof *has);
+    *has = (struct sample_range){film.emptied_at, film.next_sample};
+    part->samples = (struct sample_ranges){has, has->first < has->end};
+    return has->first <= has->end && is_within(has, &part->wanted)
+               ? true
+               : err_set(err, ERR_INPUT, "%s: holds samples that are not those of its shard",
+                         c->path);
+}
+
+// A part whose pixels have different numbers of samples can only go on.
+static bool check_even(const struct checkpoint *c, const struct merge_part *part, struct err *err)
+{
+    const struct film_copy film = checkpoint_film(c);
+    const bool is_finished = film.next_sample == part->wanted.list[part->wanted.count - 1].end;
+    if (film.pass.position == 0 && (film.next_sample % 2 == 0 || is_finished))
+        return true;
+    const struct sample_range *range = &part->wanted.list[0];
+    return err_set(
+        err, ERR_INPUT,
+        "%s: is not finished, and some pixels have more samples than others, or one half "
+        "more than the other; expected it after: %s --shard %" PRIu64 ":%" PRIu64
+        " --checkpoint %s --resume",
+        c->path, c->command, range->first, range->end, c->path);
+}
+
+static bool check_film(const struct checkpoint *c, struct err *err)
+{
+    uint64_t aovs = c->note[JOB_NOTE_AOVS];
+    uint64_t record = 16 * AOV_FILM_WORDS((uint32_t)aovs);
+    return (aovs <= UINT32_MAX && c->tile_count == 0 && c->film_bytes % record == 0 &&
+            c->block_bytes % record == 0) ||
+           err_set(err, ERR_INPUT, "%s: has a film that is no sum of samples of all pixels",
+                   c->path);
+}
+
+// --- parts that belong together ------------------------------------------------------------------
+
+static const char *const own_lines[] = {JOB_SHARD_LINE, "device=", "driver="};
+
+// The lines that all parts must have in common.
+static const char *common_identity(const char *identity, bool mixed, struct arena *arena)
+{
+    return job_identity_without(identity, own_lines, mixed ? 3 : 1, arena);
+}
+
+static bool find_device(struct merge *merge, const struct checkpoint *c, bool mixed,
+                        uint32_t *index, uint32_t *capacity, struct err *err)
+{
+    const char *device = find_value(c->identity, "device=");
+    const char *driver = find_value(c->identity, "driver=");
+    const char *name = device && driver
+                           ? arena_printf(&merge->arena, "%.*s (%.*s)", value_length(device),
+                                          device, value_length(driver), driver)
+                           : "several devices";
+    if (!device && !mixed)
+        return err_set(err, ERR_INPUT, "%s: is a sum of parts of several devices; expected --mixed",
+                       c->path);
+    if (!name)
+        return err_memory(err, "names of devices", 64);
+    for (*index = 0; *index < merge->device_count; ++*index)
+        if (strcmp(merge->devices[*index].name, name) == 0)
+            return true;
+    struct merge_device *added = arena_append(&merge->arena, &merge->devices, &merge->device_count,
+                                              capacity, sizeof *added, NULL);
+    if (!added)
+        return err_memory(err, "names of devices", sizeof *added);
+    added->name = name;
+    return true;
+}
+
+static bool check_overlaps(struct merge *merge, const struct merge_part *part, uint32_t before,
+                           struct err *err)
+{
+    struct sample_range range;
+    if (!samples_overlap(&merge->samples, &part->samples, &range))
+        return true;
+    const struct merge_part *other = merge->parts;
+    for (uint32_t i = 0; i < before; i++)
+        if (samples_overlap(&merge->parts[i].samples, &part->samples, &range)) {
+            other = &merge->parts[i];
+            break;
+        }
+    return err_set(err, ERR_INPUT,
+                   "%s: has samples %" PRIu64 ":%" PRIu64
+                   ", which %s has, too; expected every sample once",
+                   part->path, range.first, range.end, other->path);
+}
+
+static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t index, bool mixed,
+                     uint32_t *device_capacity, struct arena *scratch, struct err *err)
+{
+    struct merge_part *part = &merge->parts[index];
+    const char *before = index > 0 ? part[-1].command : "";
+    *part = (struct merge_part){
+        .path = c->path,
+        .command =
+            strcmp(before, c->command) == 0 ? before : arena_strdup(&merge->arena, c->command),
+        .planned = c->note[JOB_NOTE_SAMPLES],
+        .head_hash = c->head_hash,
+    };
+    const char *identity =
+        common_identity(c->identity, mixed, index == 0 ? &merge->arena : scratch);
+    if (!identity || !part->command)
+        return err_memory(err, "a part", strlen(c->identity));
+    if (!find_samples(c, &merge->arena, part, err) || !check_film(c, err))
+        return false;
+    if (index == 0) {
+        merge->merged.identity = identity;
+        merge->film_bytes = c->film_bytes;
+        merge->aovs = (uint32_t)c->note[JOB_NOTE_AOVS];
+    }
+    struct sample_ranges joined;
+    if (!checkpoint_compare(c->path, identity, merge->parts[0].path, merge->merged.identity, err) ||
+        !check_even(c, part, err) || !check_overlaps(merge, part, index, err) ||
+        !find_device(merge, c, mixed, &part->device, device_capacity, err) ||
+        !samples_join(&merge->samples, &part->samples, &merge->arena, &joined, err))
+        return false;
+    if (c->film_bytes != merge->film_bytes || c->note[JOB_NOTE_AOVS] != merge->aovs)
+        return err_set(err, ERR_INPUT,
+                       "%s: has a film of %" PRIu64 " bytes, but that of %s has %" PRIu64, c->path,
+                       c->film_bytes, merge->parts[0].path, merge->film_bytes);
+    merge->devices[part->device].part_count++;
+    merge->samples = joined;
+    if (part->planned > merge->planned) {
+        merge->planned = part->planned;
+        merge->command = part->command;
+    }
+    return true;
+}
+
+bool merge_open(const struct merge_params *params, struct merge *out, struct err *err)
+{
+    *out = (struct merge){.count = params->count};
+    uint32_t device_capacity = 0;
+    out->parts = ARENA_NEW(&out->arena, struct merge_part, params->count);
+    if (!out->parts)
+        return err_memory(err, "parts", params->count * sizeof *out->parts);
+    for (uint32_t i = 0; i < params->count; i++) {
+        struct arena scratch = {0};
+        struct checkpoint c = {0};
+        bool ok = file_inputs_add(params->paths[i], err) &&
+                  checkpoint_open(params->paths[i], &scratch, &c, err) &&
+                  add_part(out, &c, i, params->mixed, &device_capacity, &scratch, err);
+        checkpoint_close(&c);
+        arena_finish(&scratch);
+        if (!ok)
+            return false;
+    }
+    return out->samples.count > 0 ||
+           err_set(err, ERR_INPUT, "%s: no part has a sample yet", params->paths[0]);
+}
+
+// --- films ---------------------------------------------------------------------------------------
+
+static void add_stats(const struct render_stats *part, struct render_stats *to)
+{
+    to->render_seconds += part->render_seconds;
+    to->closest_rays += part->closest_rays;
+    to->shadow_rays += part->shadow_rays;
+    for (uint32_t i = 0; i < CLASS_COUNT; i++)
+        to->surface_hits[i] += part->surface_hits[i];
+    to->media_lost += part->media_lost;
+    to->waves += part->waves;
+    to->voided_waves += part->voided_waves;
+    to->suspended += part->suspended;
+    const struct nonfinite_stats *from = &part->nonfinite;
+    struct nonfinite_stats *sum = &to->nonfinite;
+    for (int site = 0; site < SITE_COUNT; site++)
+        sum->count[site] += from->count[site];
+    bool is_lower =
+        from->pixel < sum->pixel || (from->pixel == sum->pixel && from->sample < sum->sample);
+    if (from->recorded && (!sum->recorded || is_lower)) {
+        sum->recorded = true;
+        sum->pixel = from->pixel;
+        sum->sample = from->sample;
+        sum->site = from->site;
+        sum->bounce = from->bounce;
+    }
+}
+
+// The file is read once: each block is added when its hash has been checked.
+static bool add_film(const struct merge *merge, const struct merge_part *part, char *block,
+                     struct film_copy *to, struct err *err)
+{
+    const uint64_t record = 16 * AOV_FILM_WORDS(merge->aovs);
+    struct arena scratch = {0};
+    struct checkpoint c;
+    if (!checkpoint_open(part->path, &scratch, &c, err)) {
+        arena_finish(&scratch);
+        return false;
+    }
+    const struct film_copy film = checkpoint_film(&c);
+    const bool precedes = film.emptied_at < to->emptied_at;
+    bool ok = c.head_hash == part->head_hash ||
+              err_set(err, ERR_INPUT,
+                      "%s: was replaced while it was merged; expected a file that "
+                      "nobody writes",
+                      part->path);
+    uint64_t at = 0, bytes;
+    while (ok && (bytes = checkpoint_next_bytes(&c)) > 0) {
+        ok = checkpoint_next_block(&c, block, err);
+        if (ok)
+            film_records_add(merge->aovs, block, to->records + at, bytes / record, precedes);
+        at += bytes;
+    }
+    if (precedes)
+        to->emptied_at = film.emptied_at;
+    if (film.next_sample > to->next_sample)
+        to->next_sample = film.next_sample;
+    if (ok)
+        add_stats(&film.stats, &to->stats);
+    checkpoint_close(&c);
+    arena_finish(&scratch);
+    return ok;
+}
+
+static bool create_film(const struct merge *merge, struct arena *arena, struct film_copy *out,
+                        struct err *err)
+{
+    *out = (struct film_copy){.records = ARENA_NEW(arena, char, merge->film_bytes),
+                              .emptied_at = UINT64_MAX};
+    return out->records || err_memory(err, "the film", merge->film_bytes);
+}
+
+// What all parts of one device bring, or of any with UINT32_MAX.
+static bool add_films_of(const struct merge *merge, uint32_t device,
+                         const struct progress *progress, char *block, struct film_copy *to,
+                         uint32_t *done, struct err *err)
+{
+    struct err first = {0};
+    for (uint32_t i = 0; i < merge->count; i++) {
+        const struct merge_part *part = &merge->parts[i];
+        struct err failure = {0};
+        if (device != UINT32_MAX && part->device != device)
+            continue;
+        progress_report(progress, "Merging", (double)(*done)++ / merge->count);
+        if (progress_should_stop(progress))
+            return err_set(err, ERR_STOPPED, "stopped by a signal; nothing was written");
+        if (add_film(merge, part, block, to, &failure))
+            continue;
+        if (first.code != ERR_NONE) // the caller reports the last one
+            log_message(LOG_ERROR, "%s", first.msg);
+        first = failure;
+        if (failure.code != ERR_INPUT)
+            break;
+    }
+    if (first.code == ERR_NONE)
+        return true;
+    if (err)
+        *err = first;
+    return false;
+}
+
+// --- devices against each other ------------------------------------------------------------------
+
+// Returns the mean of one half of a pixel's channel (shared/film_sums.h), to double precision.
+static double half_mean(const uint32_t *record, uint32_t half, uint32_t channel, uint32_t samples)
+{
+    const uint32_t *sum = &record[4 * (1 + FILM_HALF_WORDS * half + channel)];
+    uint32_t digits = record[2 + half] >> FILM_DIGIT_BITS * channel & FILM_DIGITS_MASK;
+    int top = digits ? 32 - __builtin_clz(digits) : 0;
+    int64_t bins[2];
+    memcpy(bins, sum, sizeof bins);
+    double units = (double)bins[top & 1] * 0x1p32 + (double)bins[(top + 1) & 1];
+    return ldexp(units, 32 * (top - 1) + FILM_LEAST_EXPONENT) / samples;
+}
+
+static double half_luminance(const uint32_t *record, uint32_t half)
+{
+    uint32_t samples = half == 0 ? record[0] - record[0] / 2 : record[0] / 2;
+    return 0.2126 * half_mean(record, half, 0, samples) +
+           0.7152 * half_mean(record, half, 1, samples) +
+           0.0722 * half_mean(record, half, 2, samples);
+}
+
+// A quarter of the squared difference of independent halves is the variance of their mean, without
+// bias; pixels are independent of each other, so that variances add up.
+static void measure_device(const struct merge *merge, const struct film_copy *film,
+                           struct merge_device *device)
+{
+    const uint64_t record = 16 * AOV_FILM_WORDS(merge->aovs), pixels = merge->film_bytes / record;
+    double sum = 0.0, variance = 0.0;
+    for (uint64_t i = 0; i < pixels; i++) {
+        uint32_t words[4 * FILM_WORDS];
+        memcpy(words, film->records + i * record, sizeof words);
+        double a = half_luminance(words, 0), b = half_luminance(words, 1);
+        sum += 0.5 * (a + b);
+        variance += 0.25 * (a - b) * (a - b);
+    }
+    device->mean = sum / (double)pixels;
+    device->standard_error = sqrt(variance) / (double)pixels;
+}
+
+static bool add_devices(struct merge *merge, const struct progress *progress, char *block,
+                        struct err *err)
+{
+    const uint64_t record = 16 * AOV_FILM_WORDS(merge->aovs);
+    struct film_copy *sum = &merge->merged.film;
+    uint32_t done = 0;
+    bool ok = true;
+    for (uint32_t i = 0; i < merge->device_count; i++) {
+        struct arena arena = {0};
+        struct film_copy film;
+        struct err failure = {0};
+        bool is_whole = create_film(merge, &arena, &film, &failure) &&
+                        add_films_of(merge, i, progress, block, &film, &done, &failure);
+        if (is_whole) {
+            measure_device(merge, &film, &merge->devices[i]);
+            film_records_add(merge->aovs, film.records, sum->records, merge->film_bytes / record,
+                             film.emptied_at < sum->emptied_at);
+            sum->emptied_at = film.emptied_at < sum->emptied_at ? film.emptied_at : sum->emptied_at;
+            sum->next_sample =
+                film.next_sample > sum->next_sample ? film.next_sample : sum->next_sample;
+            add_stats(&film.stats, &sum->stats);
+        } else if (ok && err) {
+            *err = failure;
+        } else {
+            log_message(LOG_ERROR, "%s", failure.msg);
+        }
+        ok = ok && is_whole;
+        arena_finish(&arena);
+    }
+    return ok;
+}
+
+bool merge_add_films(struct merge *merge, const struct progress *progress, struct err *err)
+{
+    // Blocks of files have at most this many bytes, or the file is refused when it is opened.
+    char *block = memory_alloc(CHECKPOINT_BLOCK_BYTES);
+    uint32_t done = 0;
+    bool ok = block || err_memory(err, "a block of a part", CHECKPOINT_BLOCK_BYTES);
+    ok = ok && create_film(merge, &merge->merged.arena, &merge->merged.film, err) &&
+         (merge->device_count > 1
+              ? add_devices(merge, progress, block, err)
+              : add_films_of(merge, UINT32_MAX, progress, block, &merge->merged.film, &done, err));
+    memory_free(block);
+    return ok;
+}
+
+// --- the sum -------------------------------------------------------------------------------------
+
+bool merge_write(const struct merge *merge, const char *path, struct err *err)
+{
+    struct arena arena = {0};
+    struct film_copy film = merge->merged.film;
+    film.emptied_at = merge->samples.list[0].first;
+    film.next_sample = merge->samples.list[merge->samples.count - 1].end;
+    const char *samples = samples_text(&merge->samples, &arena);
+    const char *identity =
+        samples ? arena_printf(&arena, "%s" JOB_SHARD_LINE "%s\n", merge->merged.identity, samples)
+                : NULL;
+    const struct checkpoint_text text = {identity, merge->command};
+    const uint64_t note[CHECKPOINT_NOTE_WORDS] = {
+        [JOB_NOTE_SAMPLES] = merge->planned, [JOB_NOTE_AOVS] = merge->aovs};
+    bool ok = identity ? checkpoint_write_copy(&film, merge->film_bytes, merge->aovs, path, &text,
+                                               note, err)
+                       : err_memory(err, "a part", 64);
+    arena_finish(&arena);
+    return ok;
+}
+
+void merge_finish(struct merge *merge)
+{
+    if (!merge)
+        return;
+    arena_finish(&merge->merged.arena);
+    arena_finish(&merge->arena);
+    *merge = (struct merge){0};
+}

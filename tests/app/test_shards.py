@@ -1,0 +1,415 @@
+#!/usr/bin/env python3
+"""Renders pictures in shards, merges them, and compares with the picture of one process, bit by bit.
+
+Usage: test_shards.py LAMPYRIS SCENE_FOLDER [--kills N] [unittest arguments]
+"""
+import hashlib
+import json
+import os
+import random
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from program import need_device
+
+LAMPYRIS = os.path.abspath(sys.argv.pop(1))
+SCENES = os.path.abspath(sys.argv.pop(1))
+KILLS = 10
+if '--kills' in sys.argv:
+    at = sys.argv.index('--kills')
+    KILLS = int(sys.argv[at + 1])
+    del sys.argv[at:at + 2]
+SWIFTSHADER = '/usr/lib/chromium/vk_swiftshader_icd.json'
+# What tells a process which one it is.
+PLACES = re.compile(r'SLURM_|OMPI_|PMI_|PMIX_|JOB_COMPLETION')
+
+
+class Shards(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def read(self, name):
+        with open(self.path(name), 'rb') as file:
+            return file.read()
+
+    def write(self, name, data):
+        with open(self.path(name), 'wb') as file:
+            file.write(data)
+
+    def run_one(self, *arguments, **variables):
+        env = {name: value for name, value in os.environ.items() if not PLACES.match(name)}
+        return subprocess.run([LAMPYRIS, *arguments], cwd=self.folder.name, env={**env, **variables},
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300)
+
+    def command(self, *arguments, scene='cornell', size='20x18'):
+        return ['render', os.path.join(SCENES, scene + '.json'), '--size', size, *arguments]
+
+    def succeed(self, *arguments):
+        result = self.run_one(*arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def render(self, *arguments, **options):
+        return self.succeed(*self.command(*arguments, **options), '-q')
+
+    def render_shards(self, count, *arguments, **options):
+        names = [f'{i}.part' for i in range(1, count + 1)]
+        for i, name in enumerate(names, 1):
+            self.render('--shard', f'{i}/{count}', '--checkpoint', name, *arguments, **options)
+        return names
+
+    def layers(self, name):
+        """All that an EXR file has behind its attributes, which say how long it took, and behind the
+        places of its blocks."""
+        data, at = self.read(name), 8
+        while data[at]:
+            kind = data.index(b'\0', at) + 1
+            value = data.index(b'\0', kind) + 1
+            at = value + 4 + int.from_bytes(data[value:value + 4], 'little')
+        first = int.from_bytes(data[at + 1:at + 9], 'little')
+        self.assertLess(first, len(data))
+        return data[first:]
+
+    def picture(self, command, name):
+        report = json.loads(self.succeed(*command, '-o', name, '--json', '-q').stdout)
+        layers = hashlib.sha256(self.layers(name)).hexdigest()
+        return report['image_hash'], layers, report['rays'], report['spp']
+
+    def refuse(self, message, *arguments, **variables):
+        result = self.run_one(*arguments, **variables)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn(message, result.stderr)
+        self.assertEqual(result.stdout, '')
+        self.assertNotIn('z.exr', os.listdir(self.folder.name))
+        return result.stderr
+
+    def merge_at_random(self, parts, generator):
+        """Some of those that are left become one, in any order, until one is left for the picture."""
+        left = list(parts)
+        for step in range(3):
+            some = generator.sample(left, generator.randrange(1, len(left) + 1))
+            self.succeed('merge', *some, '--checkpoint', f'sum{step}', '-q')
+            left = [name for name in left if name not in some] + [f'sum{step}']
+        generator.shuffle(left)
+        picture = self.picture(['merge', *left], 'merged.exr')
+        for step in range(3):
+            os.unlink(self.path(f'sum{step}'))
+        return picture
+
+    def check_same_bits(self, count, trials, *arguments, **options):
+        whole = self.picture(self.command(*arguments, **options), 'whole.exr')
+        parts = self.render_shards(count, *arguments, **options)
+        generator = random.Random(count)
+        for trial in range(trials):
+            self.assertEqual(self.merge_at_random(parts, generator), whole, trial)
+
+
+class Bits(Shards):
+    def test_seven_shards_in_any_order_and_grouping(self):
+        self.check_same_bits(7, 6, '--spp', '57', '--aov', 'all', '--error-by', 'part,bounce,emitter')
+
+    def test_samplers_that_plan(self):
+        for sampler in ('stratified', 'grid', 'blue-noise', 'lcg'):
+            with self.subTest(sampler):
+                self.setUp()
+                self.check_same_bits(3, 1, '--spp', '36', '--sampler', sampler)
+
+    def test_methods(self):
+        for method in (['--integrator', 'direct'], ['--integrator', 'ao', '--ao-distance', '1'],
+                       ['--roulette', 'frame'], ['--filter', 'gaussian']):
+            with self.subTest(method):
+                self.setUp()
+                self.check_same_bits(3, 1, '--spp', '20', *method)
+
+    def test_materials_and_lights(self):
+        for scene in ('glass', 'classical', 'veach_mis'):
+            with self.subTest(scene):
+                self.setUp()
+                self.check_same_bits(4, 1, '--spp', '24', '--aov', 'all', scene=scene)
+
+    def test_more_samples_later(self):
+        whole = self.picture(self.command('--spp', '48'), 'whole.exr')
+        parts = self.render_shards(2, '--spp', '16')
+        self.render('--spp', '48', '--shard', '16:48')
+        self.assertEqual(self.picture(['merge', 'cornell.16-48.part', *parts], 'merged.exr'), whole)
+
+    def test_waves_of_any_size(self):
+        whole = self.picture(self.command('--spp', '40'), 'whole.exr')
+        for i, wave in enumerate(('64', '256', '4k'), 1):
+            self.render('--spp', '40', '--shard', f'{i}/3', '--wave', wave)
+        parts = [f'cornell.{i}-of-3.part' for i in (2, 3, 1)]
+        self.assertEqual(self.picture(['merge', *parts], 'merged.exr'), whole)
+
+
+class Missing(Shards):
+    def test_commands_render_what_is_missing(self):
+        whole = self.picture(self.command('--spp', '57', '--aov', 'depth'), 'whole.exr')
+        parts = self.render_shards(7, '--spp', '57', '--aov', 'depth')
+        some = [parts[i] for i in (0, 2, 3)]
+        stderr = self.refuse('samples a pixel are missing (8:16,32:57)', 'merge', *some, '-o', 'z.exr')
+        commands = re.findall(r'^lampyris (render .*)$', stderr, re.MULTILINE)
+        self.assertGreaterEqual(len(commands), 3)
+        for command in commands:
+            self.succeed(*shlex.split(command), '-q')
+        made = [name for name in os.listdir(self.folder.name) if name.startswith('cornell.')]
+        self.assertEqual(len(made), len(commands))
+        self.assertEqual(self.picture(['merge', *some, *made], 'merged.exr'), whole)
+
+    def test_partial(self):
+        parts = self.render_shards(4, '--spp', '32')
+        result = self.succeed('merge', parts[1], parts[3], '--partial', '-o', 'p.exr', '--json', '-q')
+        self.assertIn('16 of 32 samples a pixel are missing (0:8,16:24)', result.stderr)
+        self.assertEqual(json.loads(result.stdout)['spp'], 16)
+        self.assertNotIn(b'lampyris:repeat\0', self.read('p.exr'))
+        self.succeed('merge', *parts, '-o', 'whole.exr', '-q')
+        self.assertIn(b'lampyris:repeat\0', self.read('whole.exr'))
+
+    def test_a_sum_without_scene_and_device(self):
+        parts = self.render_shards(3, '--spp', '12')
+        result = self.run_one('merge', *parts[:2], '--checkpoint', 'sum', VK_DRIVER_FILES='/nowhere',
+                              VK_ICD_FILENAMES='/nowhere')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('samples 0:8 of 12 a pixel', result.stdout)
+        self.refuse('exists already', 'merge', *parts, '--checkpoint', 'sum')
+
+
+class Damage(Shards):
+    def check(self, data, *others):
+        self.write('bad.part', data)
+        return self.refuse('bad.part: ', 'merge', *others, 'bad.part', '-o', 'z.exr', '--partial')
+
+    def test_cut_files(self):
+        first, second = self.render_shards(2, '--spp', '4')
+        whole = self.read(second)
+        for length in range(0, len(whole), 997):
+            self.check(whole[:length], first)
+        self.check(whole[:-1], first)
+        self.check(whole + b'\0', first)
+
+    def test_flipped_bits(self):
+        first, second = self.render_shards(2, '--spp', '4')
+        whole, generator = self.read(second), random.Random(4)
+        places = [*range(0, 96, 5), *range(200, len(whole), 997), len(whole) - 1]
+        for place in places:
+            damaged = bytearray(whole)
+            damaged[place] ^= 1 << generator.randrange(8)
+            self.check(bytes(damaged), first)
+
+    def test_blocks_of_another_file(self):
+        """Blocks have hashes that are right of their content, but belong to another part."""
+        first, second = self.render_shards(2, '--spp', '4', size='200x100')
+        one, two = self.read(first), self.read(second)
+        self.assertEqual(len(one), len(two))
+        spliced = two[:-2000000] + one[-2000000:]
+        self.assertIn('a block of its film', self.check(spliced, first))
+
+    def test_every_damaged_part_is_named(self):
+        parts = self.render_shards(4, '--spp', '8')
+        for name in (parts[1], parts[3]):
+            self.write(name, self.read(name)[:-1] + b'x')
+        stderr = self.refuse(f'{parts[1]}: is damaged', 'merge', *parts, '-o', 'z.exr')
+        self.assertIn(f'{parts[3]}: is damaged', stderr)
+
+
+class Refused(Shards):
+    def test_parts_that_do_not_belong_together(self):
+        parts = self.render_shards(2, '--spp', '4')
+        cases = ((['--seed', '3'], 'was made with --seed=3, but 1.part has 0'),
+                 (['-D', 'film.exposure=1'], 'was made with scene of hash='),
+                 (['--max-bounces', '2'], 'was made with --max-bounces=2, but 1.part has 9'),
+                 (['--aov', 'depth'], 'was made with --aov='),
+                 (['--sampler', 'pcg'], 'was made with --sampler=pcg, but 1.part has sobol'))
+        for arguments, message in cases:
+            self.render('--spp', '4', '--shard', '2/2', '--checkpoint', 'other', *arguments)
+            self.refuse('other: ' + message, 'merge', parts[0], 'other', '-o', 'z.exr')
+            os.unlink(self.path('other'))
+        self.render('--spp', '4', '--shard', '2/2', '--checkpoint', 'other', size='20x20')
+        self.refuse('other: was made with --size=20x20', 'merge', parts[0], 'other', '-o', 'z.exr')
+
+    def test_samples_twice(self):
+        parts = self.render_shards(3, '--spp', '12')
+        self.refuse('1.part: has samples 0:4, which 1.part has, too', 'merge', *parts, parts[0])
+        self.render('--spp', '12', '--shard', '2:6', '--checkpoint', 'more')
+        self.refuse('more: has samples 2:4, which 1.part has, too', 'merge', *parts, 'more')
+        self.succeed('merge', *parts[1:], '--checkpoint', 'sum', '-q')
+        self.refuse('sum: has samples 8:12, which 3.part has, too', 'merge', parts[2], 'sum')
+
+    def test_what_is_no_part(self):
+        self.render('--spp', '4', '--checkpoint', 'whole', '-o', 'a.exr')
+        self.refuse('whole: is the checkpoint of a whole render', 'merge', 'whole')
+        self.refuse('a.exr: is not a checkpoint', 'merge', 'a.exr')
+        self.refuse('nowhere: cannot open', 'merge', 'nowhere')
+        self.refuse('.: is no regular file', 'merge', '.')
+
+    def test_goals_that_shards_cannot_have(self):
+        for arguments, message in (
+                (['--error', '0.1'], 'the error is that of all shards together'),
+                (['--time', '1'], 'must not depend on the clock'),
+                (['--adaptive', 'on', '--spp', '64'], 'shards have the same samples of all pixels'),
+                (['--frames', '3'], 'those of one picture'),
+                (['--accumulation', 'sum'], 'depend on the order of samples'),
+                (['--halves', 'contiguous'], 'every shard needs as many samples of one half'),
+                (['--pixel', '1,1'], 'exclude each other'), (['--trace', 'a.csv'], 'exclude each other'),
+                (['--spp', '4', '--shard', '1/3'], 'expected at most 2 shards'),
+                (['--spp', '8', '--shard', '4:10'], 'expected even numbers up to the 8'),
+                (['--spp', '8', '--shard', '3:6'], 'expected even numbers'),
+                (['--shard', '3/2'], 'is no shard'), (['--shard', '0/2'], 'is no shard'),
+                (['--shard', '4:4'], 'is no shard'), (['--shard', '1/2x'], 'is no shard'),
+                (['--shard', '-1/2'], 'is no shard'), (['--shard', 'auto/0'], 'is no number of shards'),
+                (['--shard', 'auto'], 'none of SLURM_ARRAY_TASK_ID')):
+            self.refuse(message, *self.command('--shard', '1/2', *arguments))
+        self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_a_scene_that_changed_or_is_not_here(self):
+        with open(os.path.join(SCENES, 'cornell.json'), 'rb') as file:
+            scene = file.read()
+        self.write('box.json', scene)
+        for i in (1, 2):
+            self.succeed('render', 'box.json', '--size', '8x8', '--spp', '4', '--shard', f'{i}/2', '-q')
+        parts = ['box.1-of-2.part', 'box.2-of-2.part']
+        self.write('box.json', scene + b'\n')
+        self.refuse('the sum of the parts: was made with scene of hash=', 'merge', *parts, '-o', 'z.exr')
+        os.unlink(self.path('box.json'))
+        self.refuse('box.json: is not here', 'merge', *parts, '-o', 'z.exr')
+        self.write('box.json', scene)
+        self.succeed('merge', *parts, '-q')
+        self.assertIn('box.exr', os.listdir(self.folder.name))
+
+    def test_parts_are_not_replaced(self):
+        parts = self.render_shards(2, '--spp', '4')
+        os.rename(self.path(parts[0]), self.path('one.exr'))
+        before = self.read('one.exr')
+        self.assertEqual(self.run_one('merge', 'one.exr', parts[1], '-o', 'one.exr').returncode, 2)
+        self.assertEqual(self.read('one.exr'), before)
+        result = self.run_one(*self.command('--spp', '4', '--shard', '2/2', '--checkpoint', parts[1]))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('exists already: expected --resume', result.stderr)
+
+
+class Auto(Shards):
+    """--shard auto: what Slurm, mpirun and Kubernetes set."""
+
+    def name(self, shard='auto', **variables):
+        before = set(os.listdir(self.folder.name))
+        result = self.run_one(*self.command('--spp', '64', '--shard', shard, '-q', size='2x2'), **variables)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        made, = set(os.listdir(self.folder.name)) - before
+        os.unlink(self.path(made))
+        return made
+
+    def array(self, task, count, low, high, step=1):
+        return {'SLURM_ARRAY_TASK_ID': str(task), 'SLURM_ARRAY_TASK_COUNT': str(count),
+                'SLURM_ARRAY_TASK_MIN': str(low), 'SLURM_ARRAY_TASK_MAX': str(high),
+                'SLURM_ARRAY_TASK_STEP': str(step)}
+
+    def test_places(self):
+        slurm = {'SLURM_PROCID': '2', 'SLURM_NTASKS': '4'}
+        ompi = {'OMPI_COMM_WORLD_RANK': '6', 'OMPI_COMM_WORLD_SIZE': '7'}
+        for variables, name in (
+                (slurm, '3-of-4'), (ompi, '7-of-7'), ({**slurm, **ompi}, '7-of-7'),
+                ({'PMI_RANK': '0', 'PMI_SIZE': '12'}, '01-of-12'),
+                ({'PMIX_RANK': '3', 'SLURM_NTASKS': '4', 'SLURM_PROCID': '3'}, '4-of-4'),
+                (self.array(0, 5, 0, 4), '1-of-5'), (self.array(11, 4, 5, 11, 2), '4-of-4'),
+                # Each task of an array is a step of several processes.
+                ({**self.array(1, 3, 0, 2), **slurm}, '07-of-12'),
+                ({**self.array(2, 3, 1, 3), 'SLURM_PROCID': '0', 'SLURM_NTASKS': '1'}, '2-of-3')):
+            self.assertEqual(self.name(**variables), f'cornell.{name}.part', variables)
+        self.assertEqual(self.name('auto/8', JOB_COMPLETION_INDEX='7'), 'cornell.8-of-8.part')
+        self.assertEqual(self.name('auto/4', **slurm), 'cornell.3-of-4.part')
+
+    def test_what_does_not_say_it(self):
+        slurm = {'SLURM_PROCID': '2', 'SLURM_NTASKS': '4'}
+        for shard, variables, message in (
+                ('auto', self.array(5, 3, 1, 7), 'does not say which part is whose'),
+                ('auto', {'SLURM_ARRAY_TASK_ID': '1'}, 'SLURM_ARRAY_TASK_COUNT is ""'),
+                ('auto', {'JOB_COMPLETION_INDEX': '1'}, 'expected --shard auto/N'),
+                ('auto/2', {'JOB_COMPLETION_INDEX': '2'}, 'process 2, from 0, of 2'),
+                ('auto/5', slurm, 'there are 4 processes; expected 5'),
+                ('auto', {'PMI_RANK': '-1', 'PMI_SIZE': '3'}, 'PMI_RANK is "-1"'),
+                ('auto', {'PMI_RANK': '3', 'PMI_SIZE': '3'}, 'process 3, from 0, of 3')):
+            self.refuse(message, *self.command('--shard', shard), **variables)
+        self.refuse('expected %i in its name', *self.command('--shard', 'auto', '--checkpoint', 'a'), **slurm)
+
+    def test_names(self):
+        slurm = {'SLURM_PROCID': '2', 'SLURM_NTASKS': '4'}
+        self.assertEqual(self.run_one(*self.command('--spp', '8', '--shard', 'auto', '-q', '--checkpoint',
+                                                    'a.%i.%n%', '-o', 'a%i.exr'), **slurm).returncode, 0)
+        self.assertEqual(set(os.listdir(self.folder.name)), {'a.3.4%', 'a3.exr'})
+
+
+class Killed(Shards):
+    def kill_after(self, seconds, arguments, number):
+        process = subprocess.Popen([LAMPYRIS, *arguments], cwd=self.folder.name,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        try:
+            _, stderr = process.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            process.send_signal(number)
+            _, stderr = process.communicate()
+        self.assertIn(process.returncode, (0, -number, 128 + number), stderr)
+        return process.returncode != 0
+
+    def test_shards_go_on(self):
+        """Shards are killed at random moments, and run again by the same command until they end."""
+        whole = self.picture(self.command('--spp', '600', '--aov', 'all'), 'whole.exr')
+        generator, kills = random.Random(9), 0
+        while kills < KILLS:
+            for i in (1, 2, 3):
+                command = self.command('--spp', '600', '--aov', 'all', '--shard', f'{i}/3', '-q',
+                                       '--checkpoint-every', '0', '--resume', '--wave', '1k')
+                for _ in range(3):
+                    number = generator.choice((signal.SIGKILL, signal.SIGTERM))
+                    if not self.kill_after(generator.uniform(0.2, 1.5), command, number):
+                        break
+                    kills += 1
+                self.succeed(*command)
+            parts = [f'cornell.{i}-of-3.part' for i in (1, 2, 3)]
+            self.assertEqual(self.picture(['merge', *parts], 'merged.exr'), whole)
+            for part in parts:
+                os.unlink(self.path(part))
+
+    def test_an_unfinished_part(self):
+        """Either its samples count and the rest is missing, or it is told how it goes on."""
+        command = self.command('--spp', '100k', '--shard', '1/2', '--checkpoint', 'a', '--checkpoint-every',
+                               '0', '-q')
+        self.assertTrue(self.kill_after(1.5, command, signal.SIGTERM))
+        self.render('--spp', '100k', '--shard', '51200:51202', '--checkpoint', 'b')
+        result = self.run_one('merge', 'a', 'b', '-o', 'z.exr')
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, '--shard 0:51200 --checkpoint a --resume|samples a pixel are missing')
+
+
+@unittest.skipUnless(os.path.exists(SWIFTSHADER), 'there is no second driver')
+class Mixed(Shards):
+    def test_two_drivers(self):
+        own = os.environ.get('VK_DRIVER_FILES', '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json')
+        if SWIFTSHADER in own:
+            self.skipTest('runs on the second driver already')
+        self.render('--spp', '64', '--shard', '1/2', '--checkpoint', 'a')
+        result = self.run_one(*self.command('--spp', '64', '--shard', '2/2', '--checkpoint', 'b', '-q'),
+                              VK_DRIVER_FILES=SWIFTSHADER, VK_ICD_FILENAMES=SWIFTSHADER)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.refuse('b: was made with device=', 'merge', 'a', 'b', '-o', 'z.exr')
+        for pair in (['a', 'b'], ['b', 'a']):
+            result = self.succeed('merge', *pair, '--mixed', '-o', 'm.exr', '--json', '-q',
+                                  '--log-level', 'note')
+            self.assertIn('the parts are of 2 devices', result.stderr)
+            apart = float(re.search(r'(\d+\.\d+) standard errors apart', result.stderr).group(1))
+            self.assertLess(apart, 3.3)
+        self.succeed('merge', 'a', '--checkpoint', 'one', '-q')
+        self.succeed('merge', 'one', 'b', '--mixed', '--checkpoint', 'sum', '-q')
+        self.refuse('sum: is a sum of parts of several devices', 'merge', 'sum', '-o', 'z.exr')
+
+
+if __name__ == '__main__':
+    need_device(LAMPYRIS)
+    unittest.main()
