@@ -32,7 +32,7 @@ const struct command commands[COMMAND_TOTAL] = {
     [COMMAND_MERGE] =
         {
             .name = "merge",
-            .summary = "merge the parts of a picture that several processes rendered",
+            .summary = "merge the parts of a picture into it",
             .arguments = "PART...",
             .description =
                 "Adds parts, which render writes with --shard, in any order and grouping, to the "

@@ -38,11 +38,16 @@ static const struct {
 static bool read_rank(struct place *out, struct err *err)
 {
     *out = (struct place){0, 1};
-    for (size_t i = 0; i < sizeof ranks / sizeof ranks[0]; i++)
-        if (getenv(ranks[i].index))
-            return read_number(ranks[i].index, &out->index, err) &&
-                   read_number(ranks[i].count, &out->count, err);
-    return true;
+    size_t i = 0, count = sizeof ranks / sizeof ranks[0];
+    while (i < count && !getenv(ranks[i].index))
+        i++;
+    if (i == count)
+        return true;
+    // A batch script of one process has the former variable alone.
+    bool is_alone = i + 1 == count && strcmp(getenv(ranks[i].index), "0") == 0 &&
+                    !getenv(ranks[i].count);
+    return is_alone || (read_number(ranks[i].index, &out->index, err) &&
+                        read_number(ranks[i].count, &out->count, err));
 }
 
 // A Slurm array numbers its tasks from any number on, in steps. The numbers of one that is a list

@@ -62,7 +62,7 @@ struct job_shard {
 
 // The film of a render that was merged from its parts.
 struct job_merged {
-    struct film_copy film; // its numbers of samples are those of a finished render; the records are
+    struct film_copy film; // the records are
                            // released when the device has them
     struct arena arena;    // of the records
     const char *identity;  // that of the parts, without the samples that they have

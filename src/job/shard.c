@@ -107,6 +107,8 @@ bool job_begin_shard(struct job *job, struct err *err)
     if (!merged)
         return true;
     merged->film.seed = r->frame.seed;
+    merged->film.emptied_at = 0;
+    merged->film.next_sample = job->samples_most; // nothing is to be rendered
     bool ok = film_copy_put(&merged->film, r, err);
     arena_finish(&merged->arena);
     merged->film.records = NULL;

@@ -59,7 +59,7 @@ def small(line):
     if command in ('render', 'converge', 'bench', 'info', 'view') and not given('pixel'):
         more.append('--size 16x12')
     if command == 'render':
-        more.append('' if given('frames', 'pixel') else '--spp 2')
+        more.append('' if given('frames', 'pixel') else '--spp 8' if given('shard') else '--spp 2')
         more.append('--time 0.05' if given('time') else '')
     elif command == 'converge':
         more.append('--replicates 3')

@@ -321,6 +321,8 @@ class Auto(Shards):
                 (self.array(0, 5, 0, 4), '1-of-5'), (self.array(11, 4, 5, 11, 2), '4-of-4'),
                 # Each task of an array is a step of several processes.
                 ({**self.array(1, 3, 0, 2), **slurm}, '07-of-12'),
+                # A batch script itself.
+                ({**self.array(2, 3, 1, 3), 'SLURM_PROCID': '0'}, '2-of-3'),
                 ({**self.array(2, 3, 1, 3), 'SLURM_PROCID': '0', 'SLURM_NTASKS': '1'}, '2-of-3')):
             self.assertEqual(self.name(**variables), f'cornell.{name}.part', variables)
         self.assertEqual(self.name('auto/8', JOB_COMPLETION_INDEX='7'), 'cornell.8-of-8.part')

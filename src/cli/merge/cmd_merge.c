@@ -192,8 +192,6 @@ static int write_picture(struct merge *merge, const struct options *options, str
     struct arguments arguments = {0};
     struct options of_render = {0};
     int code = -1;
-    merge->merged.film.emptied_at = 0;
-    merge->merged.film.next_sample = merge->planned;
     if (make_arguments(merge, options, &arena, &arguments, err) &&
         make_options(merge, options, &arguments, &of_render, err)) {
         of_render.render.merged = &merge->merged;
