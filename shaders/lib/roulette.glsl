@@ -21,7 +21,8 @@ bool survives_roulette(uint slot, inout vec3 throughput, float scale, float u)
         return true;
     float survival = frame.roulette_survival;
     if (ROULETTE == ROULETTE_THROUGHPUT)
-        survival = min(1.0, max(throughput.r, max(throughput.g, throughput.b)) * scale);
+        survival = min(1.0, ROULETTE_FACTOR * scale *
+                                max(throughput.r, max(throughput.g, throughput.b)));
     if (ROULETTE == ROULETTE_FRAME)
         u = random_4d(frame.seed, NO_PIXEL, slot_sample(slot),
                       bounce_dimension(push.bounce, DIMENSION_LIGHT)).w;

@@ -78,7 +78,10 @@
 #define NORMALS_VISIBLE 0u // those that are seen from where the path comes (Heitz 2018)
 #define NORMALS_NDF 1u     // all, by the distribution itself (Walter et al. 2007)
 
+// Paths survive with ROULETTE_FACTOR times their throughput, or surely. The factor is measured: the
+// error falls by more than the rays that it costs ("Roulette by depth" in docs/performance.md).
 #define ROULETTE_THROUGHPUT 0u
+#define ROULETTE_FACTOR 2.5
 #define ROULETTE_CONSTANT 1u // one probability for all
 #define ROULETTE_FRAME 2u    // a geometric depth for each sample number, shared by all pixels
 #define ROULETTE_OFF 3u

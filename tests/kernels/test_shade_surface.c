@@ -421,7 +421,7 @@ static double survival(const struct hit *h)
     if (!plays)
         return 1;
     return h->r->specialization.roulette == ROULETTE_THROUGHPUT
-               ? fmin(1, most)
+               ? fmin(1, ROULETTE_FACTOR * most)
                : (double)h->r->frame.roulette_survival;
 }
 
