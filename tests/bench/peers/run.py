@@ -153,9 +153,9 @@ class Comparison:
                 renderer.close()
 
     def costs(self, renderer):
-        """By turns: relMSE, and wall and processor seconds of the samples alone."""
-        rows = sorted(self.rows.select(**self.key, renderer=renderer.name, version=renderer.version),
-                      key=lambda row: row['turn'])
+        """By turns: relMSE, and wall and processor seconds of the samples alone. An earlier run may have had more turns."""
+        rows = sorted((row for row in self.rows.select(**self.key, renderer=renderer.name, version=renderer.version)
+                       if row['turn'] < self.options.turns), key=lambda row: row['turn'])
         part = self.options.spp / (self.options.spp - 1)
         result = {'relmse': [row['relmse'] for row in rows], 'load': [row['load'] for row in rows]}
         for kind in ('seconds', 'processor_seconds'):
