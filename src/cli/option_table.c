@@ -43,8 +43,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
         .group = "Picture", .commands = FOR_SCENE, .fallback = "the scene file's, else 512x512",
         .common = FOR_SCENE, .brief = "Width and height in pixels.",
-        .help = "Width and height in pixels, at most 2^31 pixels in all. The viewer has a window "
-                "of 1280x720 unless told.",
+        .help = "Width and height in pixels, at most 2^31 pixels in all. The viewer's "
+                "window has 1280x720 by default.",
         .offset = offsetof(struct options, scene.settings.width), .size = 2 * sizeof(uint32_t),
     },
     [OPTION_HALF] = {
@@ -508,7 +508,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .fallback = "three quarters of what is available",
         .help = "Host memory that scenes, pictures and hierarchies may take; a scene that needs more is "
                 "refused before it is allocated. Available is what the machine, its control groups "
-                "and ulimit leave.",
+                "and ulimit leave. K, M and G may follow the number: 8G is 8 GiB.",
         FIELD(memory),
     },
     [OPTION_REOPEN] = {

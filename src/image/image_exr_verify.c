@@ -140,7 +140,7 @@ static bool compare_block(const struct exr_verifier *verifier, struct err *err)
     for (int i = 0; i < decoder->channel_count; i++) {
         struct exr_channel channel;
         if (!exr_channel_find(verifier->params, decoder->channels[i].channel_name, &channel))
-            return err_set(err, ERR_BUG, "EXR: channel %s has no source",
+            return err_set(err, ERR_BUG, "EXR: channel %s of the file was not among those written",
                            decoder->channels[i].channel_name);
         if (!compare_channel(verifier, &channel, offset, line_bytes, err))
             return false;

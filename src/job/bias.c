@@ -154,8 +154,8 @@ static void find_arithmetic(const struct job *job, struct biases *biases)
     if (settings->sampler == SAMPLER_SINE) {
         struct job_bias *bias = next_bias(biases, "sampler");
         snprintf(bias->text, sizeof bias->text,
-                 "fractions of sines are neither uniform nor independent: means are off, and the "
-                 "error that the halves tell is not the picture's");
+                 "fractions of sines are neither uniform nor independent: means are biased, and "
+                 "the error estimated from the halves is not the picture's");
     }
     if (settings->accumulation != ACCUMULATION_BINNED) {
         struct job_bias *bias = next_bias(biases, "accumulation");

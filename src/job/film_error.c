@@ -53,7 +53,7 @@ static void take_back(const struct film_error_params *params, struct half_error 
     const struct half_error told = *error;
     const char *reason = told.reason;
     if (told.bounded && params->is_contiguous && !reason)
-        reason = "contiguous halves tell a bound alone";
+        reason = "contiguous halves give only a bound";
     if (told.bounded && params->shares_depths)
         reason = "pixels share their paths' depths";
     if (!reason)

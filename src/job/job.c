@@ -55,9 +55,10 @@ static bool check_method(const struct job *job, struct err *err)
                        "samples that is known beforehand",
                        method, goal->adaptive ? "--adaptive on" : "--error");
     if (settings->roulette == ROULETTE_FRAME && goal->error > 0.0)
-        return err_set(err, ERR_USAGE,
-                       "--roulette frame gives the paths of all pixels one depth, and --error asks "
-                       "how unlike parts of the picture are: expected only one of the two");
+        return err_set(
+            err, ERR_USAGE,
+            "--roulette frame and --error exclude each other: with one depth for all paths "
+            "of a sample, pixels are not independent, and the error has no interval");
     if (goal->frames && !goal->accumulate && settings->halves == HALVES_CONTIGUOUS)
         return err_set(
             err, ERR_USAGE,

@@ -173,8 +173,10 @@ static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t i
         return false;
     if (c->film_bytes != merge->film_bytes || c->note[JOB_NOTE_AOVS] != merge->aovs)
         return err_set(err, ERR_INPUT,
-                       "%s: has a film of %" PRIu64 " bytes, but that of %s has %" PRIu64, c->path,
-                       c->film_bytes, merge->parts[0].path, merge->film_bytes);
+                       "%s: its film takes %s, that of %s takes %s, or their layers differ; "
+                       "expected parts of the same --size and --aov",
+                       c->path, memory_print(c->film_bytes).text, merge->parts[0].path,
+                       memory_print(merge->film_bytes).text);
     merge->devices[part->device].part_count++;
     merge->samples = joined;
     if (part->planned > merge->planned) {

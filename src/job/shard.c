@@ -20,8 +20,9 @@ static bool check_goal(const struct job *job, struct err *err)
     const char *what = NULL, *why = NULL;
     if (goal->error > 0.0) {
         what = "--error";
-        why = "the error is that of all shards together, which none of them knows: expected --spp "
-              "alone, and the error that merge tells";
+        why =
+            "the error is that of all shards together, which no shard knows: expected --spp alone; "
+            "merge reports the error";
     } else if (goal->seconds > 0.0) {
         what = "--time";
         why = "which samples it has must not depend on the clock: expected --spp alone";

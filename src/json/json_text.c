@@ -85,7 +85,7 @@ static bool is_finite(struct json_text *t, double value)
     if (isfinite(value))
         return true;
     if (!t->failed)
-        err_set(t->err, ERR_INPUT, "%s: %g cannot be written down; expected a finite number",
+        err_set(t->err, ERR_INPUT, "%s: %g cannot be stored in JSON; expected a finite number",
                 t->key, value);
     t->failed = true;
     return false;

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/file_system.h"
 #include "base/hash.h"
+#include "base/memory.h"
 #include "render/adaptive.h"
 #include "shared/aov.h"
 #include <errno.h>
@@ -456,8 +457,10 @@ bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *er
 {
     if (c->film_bytes != film_copy_bytes(r))
         return err_set(err, ERR_INPUT,
-                       "%s: was made with a film of %" PRIu64 " bytes, but this run has %" PRIu64,
-                       c->path, c->film_bytes, film_copy_bytes(r));
+                       "%s: was made with a film of %s, but this run has %s; expected the same "
+                       "--size and --aov",
+                       c->path, memory_print(c->film_bytes).text,
+                       memory_print(film_copy_bytes(r)).text);
     bool has_tiles = r->specialization.features & FEATURE_TILES;
     uint32_t across = tiles_along(r->frame.width), down = tiles_along(r->frame.height);
     if (c->tile_count != (has_tiles ? across * down : 0))

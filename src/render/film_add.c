@@ -114,9 +114,10 @@ static bool can_add(const struct renderer *r, const struct film_copy *part,
                     const struct film_copy *to, struct err *err)
 {
     if (r->specialization.accumulation != ACCUMULATION_BINNED)
-        return err_set(err, ERR_INPUT,
-                       "films whose sums have an order cannot be added; expected "
-                       "--accumulation binned");
+        return err_set(
+            err, ERR_INPUT,
+            "films can be added only if their sums do not depend on the order of samples; "
+            "expected --accumulation binned");
     if (halves_are_contiguous(r))
         return err_set(err, ERR_INPUT,
                        "films whose halves are contiguous cannot be added; expected "
@@ -129,8 +130,8 @@ static bool can_add(const struct renderer *r, const struct film_copy *part,
                        part->seed, to->seed);
     if (part->emptied_at % 2 != 0 || to->emptied_at % 2 != 0)
         return err_set(err, ERR_INPUT,
-                       "films that begin with samples %llu and %llu cannot be added; expected "
-                       "even numbers",
+                       "films whose first samples are %llu and %llu cannot be added; expected even "
+                       "sample numbers",
                        (unsigned long long)part->emptied_at, (unsigned long long)to->emptied_at);
     return true;
 }

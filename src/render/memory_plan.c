@@ -418,7 +418,9 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     uint64_t smallest_part = (out->wave_slots + DISPATCH_PARTS - 1) / DISPATCH_PARTS;
     out->part_items = (uint32_t)(part > smallest_part ? part : smallest_part);
     if (out->part_items > threads)
-        return err_set(err, ERR_GPU, "a wave of %u paths needs more than %d dispatches a kernel",
+        return err_set(err, ERR_GPU,
+                       "a wave of %u paths takes more than %d dispatches of a kernel; expected a "
+                       "smaller --wave",
                        out->wave_slots, DISPATCH_PARTS);
 
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {

@@ -76,7 +76,7 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         {FEATURE_MIN_DENSITY, "paths may go on in any direction (--min-density)"},
         {FEATURE_SPLIT_LOBES, "paths do not split (--split-lobes)"},
         {FEATURE_BSDF_HITS_EMITTERS, "--mis none"},
-        {FEATURE_ENVIRONMENT, "nothing surrounds the scene"},
+        {FEATURE_ENVIRONMENT, "the scene has no environment"},
         {FEATURE_ENVIRONMENT_IMAGE, "no image surrounds the scene"},
         {FEATURE_JITTER, "all samples are at the pixels' centres"},
         {FEATURE_TEXTURES, "no material has a texture"},
@@ -155,15 +155,15 @@ static const char *kernel_reason(const struct renderer *r, uint32_t kernel)
     bool is_whitted = r->specialization.integrator == INTEGRATOR_WHITTED;
     switch (kernel) {
     case KERNEL_shade_miss:
-        return is_whitted ? "shade_whitted does this, too" : "nothing surrounds the scene";
+        return is_whitted ? "shade_whitted does this, too" : "the scene has no environment";
     case KERNEL_intersect_closest:
-        return "the scene has no surface, and nothing surrounds it";
+        return "the scene has neither a surface nor an environment";
     case KERNEL_intersect_shadow:
         return "no shadow rays are sent";
     case KERNEL_shade_ao:
-        return "--integrator is not ao, or nothing is there";
+        return "--integrator is not ao, or the scene is empty";
     case KERNEL_shade_whitted:
-        return "--integrator is not whitted, or nothing is there";
+        return "--integrator is not whitted, or the scene is empty";
     default:
         return surface_kernel_reason(r, kernel);
     }

@@ -223,8 +223,8 @@ static bool check_split(const struct settings *settings, struct err *err)
     if (settings->split_lobes == 0 || settings->directions == DIRECTIONS_BSDF)
         return true;
     return err_set(err, ERR_INPUT,
-                   "split_lobes is %u, but the directions \"%s\" are of no lobe: expected "
-                   "--directions bsdf, or --split-lobes 0",
+                   "--split-lobes %u needs --directions bsdf, but they are \"%s\", which sample no "
+                   "lobe: expected --directions bsdf, or --split-lobes 0",
                    settings->split_lobes, directions_names[settings->directions]);
 }
 

@@ -63,6 +63,6 @@ void sampling_plan_check(struct renderer *r, uint64_t samples)
     r->warned_beyond_plan = true;
     log_warn("more samples than the %llu planned: %s", (unsigned long long)planned,
              halves_are_contiguous(r)
-                 ? "the halves are unequal, and the error that they tell is no bound"
+                 ? "the halves are unequal, and their difference no longer bounds the error"
                  : "further ones have strata of their own");
 }

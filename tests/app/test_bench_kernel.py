@@ -83,7 +83,7 @@ class BenchKernel(unittest.TestCase):
         for arguments, words in [
                 (['--kernel', 'intersect_closet'], 'did you mean "intersect_closest"?'),
                 (['--kernel', 'shade'], 'expected one of generate_rays, intersect_closest'),
-                (['--kernel', 'shade_classical'], 'leaves it out'),
+                (['--kernel', 'shade_classical'], 'is not used to render'),
                 (['--kernel', 'shade_surface', '--rays', 'shadow'], 'traces none'),
                 (['--kernel', 'resolve', '--depth', '1'], 'runs once for all bounces'),
                 (['--kernel', 'intersect_closest', '--rays', 'diffuse', '--depth', '0'],

@@ -404,7 +404,7 @@ class Mixed(Shards):
         for pair in (['a', 'b'], ['b', 'a']):
             result = self.succeed('merge', *pair, '--mixed', '-o', 'm.exr', '--json', '-q',
                                   '--log-level', 'note')
-            self.assertIn('the parts are of 2 devices', result.stderr)
+            self.assertIn('the parts come from 2 devices', result.stderr)
             apart = float(re.search(r'(\d+\.\d+) standard errors apart', result.stderr).group(1))
             self.assertLess(apart, 3.3)
         self.succeed('merge', 'a', '--checkpoint', 'one', '-q')

@@ -319,7 +319,7 @@ TEST(long_leaves_bound_the_number_of_triangles)
     struct err err = {0};
     CHECK(
         !bvh_build(&params, &arena, &bvh, &err) && err.code == ERR_INPUT &&
-            strstr(err.msg, "134217728 triangles: in leaves of 3 (--bvh-leaf), at most 134217727"),
+            strstr(err.msg, "134217728 triangles are too many for leaves of 3 (--bvh-leaf)"),
         "%s", err.msg);
     arena_finish(&arena);
 }

@@ -425,7 +425,7 @@ TEST(values_that_are_refused)
     e.scene.materials[0].ior = 1e-3f;
     check_not_written(&e, saved, ERR_INPUT, "edits.materials[0].ior: 0.001 is outside [0.01, 100]");
     e.scene.materials[0].ior = NAN;
-    check_not_written(&e, saved, ERR_INPUT, "ior: nan cannot be written down");
+    check_not_written(&e, saved, ERR_INPUT, "ior: nan cannot be stored in JSON");
     e.scene.materials[0].ior = 1.5f;
     e.scene.materials[0].model = 9;
     check_not_written(&e, saved, ERR_INPUT, "edits.materials[0].type: \"unknown\" is unknown");

@@ -44,7 +44,7 @@ class Faults(Case):
                  'camera.kind is "perspective"; expected == "fish"'),
                 ('wait 9 samples\n', 'rests at its limit of 4'),
                 ('hash h.jsonl b\n', 'no picture on side b'),
-                ('timeout 0.2\nwait 3000 ms\n', 'not done after 0.2 s'),
+                ('timeout 0.2\nwait 3000 ms\n', 'the command has not finished after 0.2 s'),
                 ('check view.pause on picture\n', 'nothing but its own value has changed'),
         ):
             with self.subTest(script):

@@ -185,7 +185,8 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
     double ms;
     if (!v->job.renderer.kernels[params.kernel].pipeline) {
         if (is_first)
-            log_warn("%s: %s leaves it out", kernel_names[params.kernel], v->scene_data.path);
+            log_warn("the kernel %s is not used to render %s", kernel_names[params.kernel],
+                     v->scene_data.path);
         return true;
     }
     if (!job_record_kernel(&v->job, &params, recorded, err))
@@ -280,8 +281,8 @@ static bool check_there(const struct bench *b, const struct targets *targets, st
             there |= b->variants[i].job.renderer.kernels[targets->list[t].kernel].pipeline != NULL;
         if (!there)
             return err_set(err, ERR_USAGE,
-                           "%s: %s leaves it out; expected a kernel that \"lampyris bench\" "
-                           "without --kernel shows",
+                           "the kernel %s is not used to render %s; \"lampyris bench\" without "
+                           "--kernel lists the kernels that are",
                            kernel_names[targets->list[t].kernel], b->variants[0].scene_data.path);
     }
     return true;

@@ -1,6 +1,7 @@
 // `lampyris info`: the contents of a scene, the code that it needs, and the memory that it takes.
 #include "cli/commands.h"
 
+#include "base/memory.h"
 #include "cli/scene_options.h"
 #include "cli/sharing.h"
 #include "flatten/geometry.h"
@@ -73,7 +74,7 @@ static void print_materials(const struct scene *scene)
 
 static void print_buffer(const struct planned_buffer *buffer)
 {
-    printf("  %-12s %12" PRIu64 " bytes", buffer->name, buffer->bytes * buffer->copies);
+    printf("  %-12s %12s", buffer->name, memory_print(buffer->bytes * buffer->copies).text);
     if (buffer->parts > 1)
         printf(" (in %u bindings)", buffer->parts);
     puts(buffer->copies > 1 ? " (in several buffers)" : "");

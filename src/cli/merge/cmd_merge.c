@@ -88,8 +88,10 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
 static void compare_devices(const struct merge *merge)
 {
     const struct merge_device *one = &merge->devices[0];
-    log_warn("the parts are of %u devices: the picture is not the one of any of them, bit for bit",
-             merge->device_count);
+    log_warn(
+        "the parts come from %u devices: the picture is not bit for bit the one that any of them "
+        "would make alone",
+        merge->device_count);
     for (uint32_t i = 1; i < merge->device_count; i++) {
         const struct merge_device *other = &merge->devices[i];
         double difference = other->mean - one->mean;

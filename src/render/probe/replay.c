@@ -197,10 +197,11 @@ bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample
 {
     *out = (struct replay){0};
     if (r->specialization.split_lobes > 0)
-        return err_set(err, ERR_INPUT,
-                       "split_lobes is %u, and only paths that do not split can be told by their "
-                       "vertices: expected --split-lobes 0",
-                       r->scene->settings.split_lobes);
+        return err_set(
+            err, ERR_INPUT,
+            "--pixel follows only paths that do not split, but split_lobes is %u: expected "
+            "--split-lobes 0",
+            r->scene->settings.split_lobes);
     struct follower f = {.r = r, .arena = arena, .out = out};
     struct wave wave = {
         .first_pixel = (uint64_t)y * r->frame.width + x,

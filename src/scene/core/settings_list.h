@@ -144,8 +144,8 @@ SETTING(MIN_DENSITY, float, min_density, "min_density", "min-density", "Method",
     (REAL(0, SETTINGS_REAL_MAX), .word = "off"), .fallback = 0, .argument = "D", .unit = "1/sr",
     .label = "Least density", .drag = 4)
 SETTING(ROULETTE, uint32_t, roulette, "roulette", "roulette", "Method",
-    "Russian roulette: paths survive by their throughput, with a constant probability, or "
-    "together: each sample number has one depth for all pixels.",
+    "Russian roulette: paths survive with 2.5 times the largest component of their throughput, with "
+    "a constant probability, or together: each sample number has one depth for all pixels.",
     (CHOICE(roulette_names)), .fallback = ROULETTE_THROUGHPUT, .label = "Roulette")
 SETTING(ROULETTE_MIN_BOUNCES, uint32_t, roulette_min_bounces, "roulette_min_bounces",
     "roulette-min-bounces", "Method",

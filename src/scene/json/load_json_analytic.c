@@ -352,8 +352,9 @@ static bool move_field(const struct json_node *node, const double m[3][4], struc
     double scale;
     if (!affine_uniform_scale(m, &scale) || !(scale >= RANGE_RADIUS.min))
         return node_fail(node, err,
-                         "scales a distance field differently along its axes, or to nothing; "
-                         "expected rotation, translation and uniform scale");
+                         "is not a rotation, translation and uniform scale above %g, the only "
+                         "transforms that a distance field can have",
+                         RANGE_RADIUS.min);
     for (int i = 0; i < 3; i++) {
         affine_vector(m, shape->axes[i], shape->axes[i]);
         if (!check_edge(node, shape->axes[i], err))

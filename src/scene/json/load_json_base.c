@@ -47,7 +47,8 @@ static bool read_overrides(struct json_loader *loader, const struct json_node *l
     if (!list->value)
         return true;
     if (!path_has_extension(load->path, "json"))
-        return node_fail(list, err, "go with a .json file only; the base is %s", load->path);
+        return node_fail(list, err, "are only possible for a .json base; this base is %s",
+                         load->path);
     if (!node_check_array(list, 0, UINT32_MAX, err))
         return false;
     size_t count = json_array_size(list->value);

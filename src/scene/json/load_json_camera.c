@@ -49,7 +49,8 @@ bool load_json_direction(const struct json_node *node, const double position[3],
         if (!node_read_vector(node, "target", RANGE_COORDINATE, target, err))
             return false;
         vec3_subtract(target, position, direction);
-        return vec3_normalize(direction) || node_fail(&target_node, err, "is its own position");
+        return vec3_normalize(direction) ||
+               node_fail(&target_node, err, "is the position itself; expected another point");
     }
     const struct json_node direction_node = node_member(node, "direction");
     return vec3_make_unit(direction) ||

@@ -148,8 +148,8 @@ static bool read_scatter(struct json_loader *loader, const struct json_node *nod
     scatter->max_radius = radii[1];
     strewn->triangles = form == 1;
     if (radii[1] > scatter->disc_radius)
-        return node_fail(&radius, err, "%.9g is above the disc's radius, %.9g", radii[1],
-                         scatter->disc_radius);
+        return node_fail(&radius, err, "%.9g is above disc_radius, %.9g; expected at most that",
+                         radii[1], scatter->disc_radius);
     return read_kinds(loader, &kinds, strewn, err);
 }
 

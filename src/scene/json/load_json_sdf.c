@@ -368,8 +368,9 @@ static bool read_placement(const struct json_node *node, struct sdf_node *n, str
     return load_json_transform(&transform, n->to_parent, err) &&
            ((affine_uniform_scale(n->to_parent, &n->scale) && n->scale >= RANGE_RADIUS.min) ||
             node_fail(&transform, err,
-                      "scales a distance field differently along its axes, or to nothing; expected "
-                      "rotation, translation and uniform scale"));
+                      "is not a rotation, translation and uniform scale above %g, the only "
+                      "transforms that a distance field can have",
+                      RANGE_RADIUS.min));
 }
 
 // The packing is a surface without thickness: a shell gives it one.

@@ -229,8 +229,10 @@ static bool add_use(struct scene *scene, const struct json_node *node,
     entry->texture.flags |= uses[use] << TEXTURE_USE_SHIFT;
     if (uses[use] == TEXTURE_USE_ANISOTROPY) {
         if (material->model != MATERIAL_PRINCIPLED)
-            return node_fail(&use_node, err, "is no parameter of \"type\": \"%s\"",
-                             material_model_names[material->model]);
+            return node_fail(
+                &use_node, err,
+                "\"anisotropy\" needs a material of \"type\": \"principled\"; this one is \"%s\"",
+                material_model_names[material->model]);
         if (!node_member(owner, "anisotropic").value)
             material->anisotropic = 1.0f;
     }

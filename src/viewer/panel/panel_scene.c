@@ -166,8 +166,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
                    "As in the file, black, one colour, a clear sky, or an image.",
                    surroundings_names, &kind)) {
         if (kind == SURROUNDINGS_IMAGE && !has_image)
-            viewer_message(panel->viewer, MESSAGE_WARNING,
-                           "An image needs its file: enter its path.");
+            viewer_message(panel->viewer, MESSAGE_WARNING, "Enter the path of an image first.");
         else
             to.kind = kind;
         gui->used = to.kind == kind ? gui->used : NULL;

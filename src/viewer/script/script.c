@@ -195,7 +195,8 @@ bool script_step(struct script *script, struct viewer *viewer, struct err *err)
             continue;
         }
         if (viewer_seconds(viewer) - script->started > script->timeout_seconds) {
-            err_set(err, ERR_INPUT, "not done after %g s", script->timeout_seconds);
+            err_set(err, ERR_INPUT, "the command has not finished after %g s",
+                    script->timeout_seconds);
             return fail(script, viewer, err);
         }
         return true;
