@@ -114,8 +114,8 @@ void add_classes(uint item, uint at, uint number, uvec3 range)
     }
 }
 
-// Keeps the brightest contribution; of some that are as bright that of the lowest sample, and of
-// its first branch.
+// Keeps the brightest contribution. Of equally bright ones it keeps that of the lowest sample, and
+// of its first branch.
 void keep_brightest_sample(uint item, uint at)
 {
     uint word = at + AOV_FILM_BRIGHTEST_AT(AOVS);

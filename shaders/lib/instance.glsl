@@ -32,7 +32,8 @@ uvec4 load_instance_words(uint instance)
     return load_shapes(instance_at(instance) + 6u);
 }
 
-// The material's word of a triangle of an instance, which may have one for all.
+// Returns the material word of a triangle of an instance: the instance's own if it replaces all
+// materials, else `word`, the triangle's.
 uint instance_material(uint instance, uint word)
 {
     uint own = load_instance_words(instance).y;

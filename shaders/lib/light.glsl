@@ -269,7 +269,8 @@ light_sample sample_light(receiver r, vec4 u)
     return sample_emitter(r.position, choose_light(r, u.xw), u.yz);
 }
 
-// Of a lamp, when each is connected to. `u`: point on the emitter x, y; which of the lamp's, twice.
+// Samples a point on a lamp, for the choice that connects to each lamp. u.xy: point on the emitter;
+// u.zw: choice of an emitter of the lamp.
 light_sample sample_lamp(receiver r, uint lamp, vec4 u)
 {
     float probability;

@@ -12,8 +12,9 @@ float load_profile_value(uint at, uint index)
     return load_materials_float(at + 1u + (index >> 2u))[index & 3u];
 }
 
-// The last of count - 1 ascending values, from `first` on, that is not above x; and where x lies up
-// to the next one.
+// Returns the index of the greatest of the first count - 1 ascending values, from `first` on, that
+// is at most x; 0 if none is. `part` is the position of x between this value and the next, in
+// [0, 1].
 uint find_interval(uint at, uint first, uint count, float x, out float part)
 {
     uint low = 0u;

@@ -5,15 +5,16 @@
 #include "lib/media.glsl"
 #include "lib/random.glsl"
 
-// Stands for a pixel's number, which is less, where all pixels share a random number.
+// Takes the place of the pixel's number where all pixels share a random number. Every pixel's
+// number is less.
 const uint NO_PIXEL = 0xffffffffu;
 
-// Russian roulette: survivors carry those who are ended (Arvo and Kirk 1990), by throughput, with
-// one probability for all, or with one depth for all pixels of a sample number. That depth is
-// geometric, drawn by a chance a bounce from (seed, sample) alone.
+// Russian roulette (Arvo and Kirk 1990): a survivor's throughput is divided by its probability to
+// survive, which follows from the throughput or is constant, for each path by itself or for all
+// pixels of a sample number at once. Their common depth depends on (seed, sample) alone.
 //
-// Refraction into a medium of index n divides the throughput by n^2, and leaving it brings that
-// back: `scale` undoes it here, so that paths inside of glass do not end for it.
+// Refraction into a medium of index n divides the throughput by n^2, and refraction out of it
+// multiplies it by n^2: `scale` undoes the division here, so that it does not end paths in glass.
 bool survives_roulette(uint slot, inout vec3 throughput, float scale, float u)
 {
     if (!HAS(FEATURE_ROULETTE) || ROULETTE == ROULETTE_OFF ||

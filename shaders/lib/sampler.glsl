@@ -163,10 +163,10 @@ vec4 blue_noise(uint pixel, sequence_place place, uint dimension)
 
 #define STRATA_MAX 0xfffe0001u // 65535^2: beyond, columns x rows may not fit
 
-// A point in the cell `cell` of columns x rows, in its own of the strata that cut the cell's column
-// into as many as there are rows, and its row likewise: multi-jittered sampling (Chiu, Shirley and
-// Wang 1994), with one permutation for all columns and one for all rows (Kensler 2013). `jitter` is
-// the place in the stratum.
+// Returns a point of multi-jittered sampling (Chiu, Shirley and Wang 1994) in cell `cell` of a grid
+// of columns x rows. The column of the cell is divided into `rows` strata and its row into
+// `columns`; one permutation for all columns and one for all rows (Kensler 2013) choose the cell's
+// stratum of each. `jitter` is the place within it.
 vec2 stratum_point(uint cell, uint columns, uint rows, uvec2 keys, vec2 jitter)
 {
     uint column = cell % columns, row = cell / columns;

@@ -173,7 +173,7 @@ struct shape_point {
     vec2 at;
 };
 
-// Of a quad uniformly by solid angle, unless that is 0.
+// Samples a quad uniformly by solid angle, or by area if the solid angle is 0.
 shape_point sample_quad(shape_record shape, vec3 origin, vec2 u, out float solid_angle)
 {
     float first;

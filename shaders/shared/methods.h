@@ -75,8 +75,8 @@
 #define DIRECTIONS_POWER_COSINE 4u // about the mirrored direction
 
 // Ways to sample the normals of rough microfacets.
-#define NORMALS_VISIBLE 0u // those that are seen from where the path comes (Heitz 2018)
-#define NORMALS_NDF 1u     // all, by the distribution itself (Walter et al. 2007)
+#define NORMALS_VISIBLE 0u // by the distribution of visible normals (Heitz 2018)
+#define NORMALS_NDF 1u     // by the full distribution D (Walter et al. 2007)
 
 // Paths survive with ROULETTE_FACTOR times their throughput, or surely. The factor is measured: the
 // error falls by more than the rays that it costs ("Roulette by depth" in docs/performance.md).

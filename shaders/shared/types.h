@@ -203,12 +203,12 @@ SHARED_STATIC_ASSERT_SIZE(gpu_emitter, 16);
 
 // The buffer of a tree of emitters begins with this header; sections begin at words of four.
 struct gpu_light_tree {
-    uint root;     // a child's word; without emitters in the tree none
+    uint root;     // the root's word as a child; not defined if the tree is empty
     uint trails;   // struct gpu_light_trail, by the number of an emitter
-    uint infinite; // struct gpu_emitter: bins of those infinitely far
+    uint infinite; // struct gpu_emitter: the bins of the infinitely far emitters
     uint infinite_count;
-    float infinite_share; // probability to choose one of these
-    uint lamps;           // struct gpu_lamp, by number; with LIGHT_CHOICE_ALL only
+    float infinite_share; // probability to choose an infinitely far emitter
+    uint lamps;           // struct gpu_lamp, by number; only with LIGHT_CHOICE_ALL
     uint align_tree[2];
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light_tree, 32);
@@ -276,8 +276,8 @@ struct gpu_shadow_ray {
     float direction[3]; // not normalised: reaches to the sampled point
     uint ignore_to;
     float radiance[3];
-    float light_pdf; // solid-angle density of the sampled direction, or the probability of a light
-                     // without extent: for replay
+    float light_pdf; // solid-angle density of the sampled direction, or the selection probability
+                     // of a delta light; for replay
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 // Words of a shadow ray that the scene has. With instances there is one more: the instance on which
@@ -310,7 +310,7 @@ struct gpu_film_pixel {
 SHARED_STATIC_ASSERT_SIZE(gpu_film_pixel, 112);
 #define FILM_WORDS 7
 #define FILM_HALF_WORDS 3u // of four: the sums of a half
-// Of the layers, the digits of as many groups of four sums.
+// One word of four holds the digits of this many groups of four sums of the layers.
 #define FILM_GROUPS_A_WORD 4u
 
 struct gpu_resolved_pixel {

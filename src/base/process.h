@@ -26,7 +26,8 @@ struct process_params {
     const char *const *arguments; // the program's name first, NULL last
     FILE *in;                     // input; NULL: none
     FILE *out;                    // output
-    bool has_errors_in_out;       // its error output goes to `out`, else to ours
+    bool has_errors_in_out;       // standard error goes to `out`; false: it is inherited
+                                  // from this process
 };
 
 // Starts a program. ERR_SYSTEM.

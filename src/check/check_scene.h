@@ -26,7 +26,7 @@ struct scene_finding {
     const char *remedy;      // a sentence
     double share;            // fraction of the image that it affects, 0 to 1; NAN: not known
     const uint8_t *pixels;   // flags of affected pixels of `picture`; NULL: not known, or all
-    const char *change;      // what scene_check_fix() changes; NULL: nothing
+    const char *change;      // what "check SCENE --fix" changes; NULL: nothing
 };
 
 // The cost of a render of the scene to a given error.

@@ -124,7 +124,8 @@ static bool set_sun(struct scene *scene, double dim, struct err *err)
     return true;
 }
 
-// Makes the light black by its texels, by its factor, or only above the plane.
+// Makes the environment black by its texels (which = 0), by its factor (1), or only above the plane
+// (2).
 static bool set_black(struct scene *scene, double which, struct err *err)
 {
     if (!set_image(scene, 5, 3, which == 1.0 ? SUN_RADIANCE : 0.0, err))

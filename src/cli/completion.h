@@ -18,7 +18,7 @@ void completion_bash(const struct completion *completion);
 void completion_zsh(const struct completion *completion);
 void completion_fish(const struct completion *completion);
 
-// What may stand as the value of an option, as far as the table says it.
+// The values that can complete an option, as far as the option table knows them.
 struct completion_value {
     char words[OPTION_ARGUMENT_MAX]; // with blanks between them; "": none
     bool is_list;                    // several, with commas between them

@@ -19,7 +19,7 @@ static bool may_repeat(const struct option_def *def)
     return def->type >= VALUE_OUTPUT && def->type <= VALUE_KINDS;
 }
 
-// What completes a value: an action of _arguments.
+// Writes the action of _arguments that completes a value.
 static void action(FILE *out, const struct completion_value *value)
 {
     if (*value->words && (value->files || value->folders))

@@ -72,7 +72,7 @@ struct gpu {
     uint64_t max_storage_range;
     uint64_t max_texel_elements; // 0 without texel buffers
     uint32_t storage_count;      // storage buffers that one kernel may bind
-    uint32_t texel_count;        // uniform texel buffers likewise
+    uint32_t texel_count;        // uniform texel buffers that one kernel may bind
     uint64_t max_allocation;
     uint64_t storage_alignment; // offsets of storage ranges are multiples of this, bytes
     uint32_t max_groups;        // workgroups in x a dispatch

@@ -6,13 +6,13 @@
 
 // Properties of an id.
 struct id {
-    uint32_t value; // if it is known: 32 bits, or 0 and 1
+    uint32_t value; // the constant's value if `known`: 32 bits, or 0 or 1
     uint32_t start; // first word of a function; 0: no function
     bool known;
     bool live;    // the label or function is reachable
     bool visited; // the label has been visited
     bool dropped; // its instruction is removed
-    bool needed;  // something that stays names it
+    bool needed;  // an instruction that is kept refers to it
     bool is_bool; // a type
     bool is_int;
     bool is_bound; // a variable with a binding

@@ -1,5 +1,5 @@
-// Single-part scanline EXR, ZIP-compressed in blocks of 16 lines or not at all, of halves, floats
-// and integers.
+// Writes single-part scanline EXR files with channels of halves, floats or integers, uncompressed
+// or ZIP-compressed in blocks of 16 lines.
 #include "image/image_exr.h"
 
 #include "base/log.h"

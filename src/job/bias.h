@@ -10,7 +10,7 @@ enum { JOB_MAX_BIASES = 8 };
 struct job_bias {
     const char *kind; // the setting that it comes from
     char text[200];
-    bool is_idle; // according to counts it has not changed the image
+    bool is_idle; // counters show that it has not changed this image
 };
 
 // Returns their number. --max-bounces is not a bias, because it was requested.

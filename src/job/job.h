@@ -62,9 +62,8 @@ struct job_shard {
 
 // The film of a render that was merged from its parts.
 struct job_merged {
-    struct film_copy film; // the records are
-                           // released when the device has them
-    struct arena arena;    // of the records
+    struct film_copy film; // its records are released when the device has them
+    struct arena arena;    // holds the records
     const char *identity;  // that of the parts, without the samples that they have
     bool is_partial;       // samples are missing, and no --spp gives the same picture
 };

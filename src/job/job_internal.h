@@ -4,7 +4,7 @@
 
 #include "job/job.h"
 
-// What jobs keep in the note of a checkpoint.
+// The words that a job stores in a checkpoint's note.
 enum job_note {
     JOB_NOTE_ERROR,     // goal.error on the way to which the next look is planned, as a double
     JOB_NOTE_NEXT_LOOK, // see struct job

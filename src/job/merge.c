@@ -34,8 +34,8 @@ static bool is_within(const struct sample_range *range, const struct sample_rang
     return false;
 }
 
-// Of what the part is to have it has what the state says, which is all but of a shard that is not
-// finished.
+// Finds the samples that a part holds: all that were planned for it, unless the shard was stopped
+// before it finished.
 static bool find_samples(const struct checkpoint *c, struct arena *arena, struct merge_part *part,
                          struct err *err)
 {
@@ -280,7 +280,7 @@ static bool create_film(const struct merge *merge, struct arena *arena, struct f
     return out->records || err_memory(err, "the film", merge->film_bytes);
 }
 
-// What all parts of one device bring, or of any with UINT32_MAX.
+// Adds the films of all parts of one device; of all devices with UINT32_MAX.
 static bool add_films_of(const struct merge *merge, uint32_t device,
                          const struct progress *progress, char *block, struct film_copy *to,
                          uint32_t *done, struct err *err)

@@ -1,4 +1,4 @@
-// The images besides the radiance, as layers of an EXR file.
+// Makes the layers of an EXR file that hold AOVs, the images other than radiance.
 #ifndef LAMPYRIS_OUTPUT_LAYERS_H
 #define LAMPYRIS_OUTPUT_LAYERS_H
 

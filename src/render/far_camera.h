@@ -20,7 +20,7 @@ double far_camera_start(const struct flat_scene *flat, const struct camera *came
 enum far_fault_kind {
     FAR_FAULT_NONE,
     FAR_FAULT_SCENE, // the scene is too small in the picture to be found by samples
-    FAR_FAULT_PIXEL, // single precision cannot tell the picture's pixels apart
+    FAR_FAULT_PIXEL, // single precision cannot resolve the picture's pixels
 };
 struct far_fault {
     enum far_fault_kind kind;

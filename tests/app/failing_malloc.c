@@ -22,7 +22,7 @@ extern void *__libc_realloc(void *, size_t);
 
 static struct {
     const char *begin, *end;
-} ranges[RANGES_MAX]; // of the code whose calls count
+} ranges[RANGES_MAX]; // the code whose calls of malloc() are counted
 static int range_count;
 static atomic_long count;
 static long fail_at;

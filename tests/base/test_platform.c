@@ -10,7 +10,8 @@
 #include "base/process.h"
 #include "base/system.h"
 
-// "ä", "→" and a character beyond 16 bits, as files of users are named.
+// "ä", "→" and a character outside of the Basic Multilingual Plane, as they occur in users' file
+// names.
 #define NAME "\xc3\xa4\xe2\x86\x92\xf0\x9f\x90\x9b.txt"
 
 static struct arena arena;

@@ -1,5 +1,6 @@
 #define _GNU_SOURCE // nftw
-// Hierarchies from a folder: the same as built ones, and never a damaged one.
+// Tests hierarchies read from a cache folder: they equal those that are built, and damaged files
+// are refused.
 #include "bvh/bvh_cache.h"
 
 #include "base/file.h"

@@ -39,7 +39,8 @@ static const char usage[] =
     "  --control           fail, too, where intervals around relMSE with the pixel's own noisy\n"
     "                      value in the denominator hold as often as asked for\n";
 
-// Numbers with commas between them; 0: the text is no such list.
+// Parses numbers separated by commas. Returns how many there are; 0 if the text is not such a list,
+// or has more than `most`.
 static uint32_t parse_list(const char *text, uint32_t *out, uint32_t most)
 {
     uint32_t count = 0;

@@ -19,7 +19,7 @@ struct judge {
     float (*half_a)[3], (*half_b)[3];
     float (*picture)[3];
     float (*reference)[3];  // without the seed at hand
-    double own, own_relmse; // errors of `reference`
+    double own, own_relmse; // local relMSE and relMSE that come from the reference's own noise
 };
 
 static void find_picture(struct judge *judge)

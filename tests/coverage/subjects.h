@@ -22,7 +22,8 @@ struct studio {
     struct scene scene;
     struct renderer renderer;
 };
-// A square picture of so many pixels a side. *out is to be closed, whatever is returned.
+// Opens a renderer of a square picture of `side` x `side` pixels. Call studio_close() even if this
+// fails.
 bool studio_open(const struct subject *subject, uint32_t side, struct studio *out, struct err *err);
 void studio_close(struct studio *studio);
 

@@ -108,7 +108,8 @@ TEST(animated_weights)
     builder_accessor(&builder, UNSIGNED_BYTE_CODE, "SCALAR,'normalized':true", 4, bytes, 4);
     static const struct {
         const char *sampler;
-        double seconds, x, z; // of the first vertex: 8 * second weight, 2 * first
+        // The first vertex has x = 8 * second weight, z = 2 * first weight.
+        double seconds, x, z;
     } cases[] = {
         {"'output':14", 0, 0, 2},
         {"'output':14", 0.5, 1, 1.5},

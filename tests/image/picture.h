@@ -60,7 +60,7 @@ static inline enum err_code picture_try(const uint8_t *data, size_t size, size_t
     return err.code;
 }
 
-// The whole file reads, and none of its beginnings does.
+// Checks that the whole file can be read, and that every truncation of it is refused.
 static inline void picture_check_cuts(const uint8_t *data, size_t size)
 {
     CHECK(picture_try(data, size, 0, 0) == ERR_NONE);

@@ -363,8 +363,8 @@ static void add_principled_lobes(const struct material *m, struct chart *chart)
     }
 }
 
-// The angles of tan(theta / 2) at which a cosine's power n, of the whole or of half of the angle,
-// has fallen by e.
+// Returns tan(theta / 2) of the angle theta at which cos^n has fallen to 1 / e: n is the power of
+// the cosine of theta (Phong), or of theta / 2, the half vector's angle (Blinn-Phong).
 static double scale_of_power(const struct material *m)
 {
     double n = fmax((double)m->exponent, 1);

@@ -40,7 +40,7 @@ bool is_chosen_by_solid_angle(double solid_angle)
     return solid_angle >= 3e-4 && solid_angle <= 6.22;
 }
 
-// What is left of `v` without its part along the unit vector `axis`, unit.
+// Removes from v its component along the unit vector `axis`, and normalises the rest.
 static void across_axis(const double v[3], const double axis[3], double out[3])
 {
     for (int c = 0; c < 3; c++)

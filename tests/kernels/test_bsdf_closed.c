@@ -40,7 +40,8 @@ static bool open_plates(uint32_t count)
 
 // --- albedo --------------------------------------------------------------------------------------
 
-// Measured by quadrature in double precision; 1 - ln 2 at alpha 1 and normal incidence is exact.
+// The expected albedos were computed by quadrature in double precision; 1 - ln 2 at alpha 1 and
+// normal incidence is exact.
 TEST(ggx_albedo)
 {
     static const double alphas[4] = {0.1, 0.25, 0.5, 1}, mus[4] = {1, 0.70710678, 0.5, 0.1};

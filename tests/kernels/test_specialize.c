@@ -278,7 +278,7 @@ struct inventory {
     uint64_t features; // of the scene; emitters from bit 32 on
     uint32_t kernels;  // bits by enum kernel_id: pipelines
     uint32_t buffers;  // bits by binding: VkBuffers
-    uint32_t planned;  // bits by binding: in the memory plan
+    uint32_t planned;  // a bit for each binding that the memory plan has
     uint64_t queue_rows, plan_bytes;
 };
 

@@ -76,7 +76,8 @@ static void check_forecasts(double times)
         double truth = mean_square(film.sum, film.samples);
         forecast_find_error(&params, &forecast);
         struct forecast again;
-        params.spread = sqrt(2.0 / VALUES); // of the looks: their intervals then tell nothing new
+        params.spread = sqrt(2.0 / VALUES); // relative deviation of the looks: their intervals
+                                            // already imply it
         params.error = (struct interval){last.error, last.error, last.error};
         forecast_find_error(&params, &again);
         CHECK(fabs(again.slope.low - forecast.slope.low) < 1e-6, "%g", again.slope.low);

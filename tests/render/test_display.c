@@ -345,15 +345,16 @@ static void show_parts(const struct parts *parts)
     stage_close(&s);
 }
 
-// A film in several buffers, in more than one submission takes, and linear pictures that are no
-// texels: the same pixels.
+// Films in several buffers, drawings in several submissions, and linear pictures without texel
+// buffers all give the same pixels.
 TEST(parts)
 {
     static const struct parts parts[] = {
         {{.storage_range = 1u << 16}, "{\"width\": 61, \"height\": 47}"},
         {{.storage_range = 100000, .no_texel = true}, "{\"width\": 160, \"height\": 120}"},
         {{.texel_elements = 4096}, "{\"width\": 61, \"height\": 47}"},
-        // Workgroups of 3 ms on a device that is lost after 250 ms: more than one submission.
+        // A workgroup takes 3 ms, and the device is lost after 250 ms: drawing takes several
+        // submissions.
         {{.group_ns = 3000000, .watchdog_ms = 250}, "{\"width\": 160, \"height\": 120}"},
     };
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)

@@ -161,7 +161,8 @@ static void finish(struct fixture *f)
 
 // --- rays ----------------------------------------------------------------------------------------
 
-// From around the scene, or from far away, to somewhere in it. Coordinates of the flat scene.
+// Returns a ray from around the scene, one time in ten from far away, to a point in it. Coordinates
+// are those of the flat scene.
 static struct bvh_ray make_ray(const struct flat_scene *flat, const double center[3])
 {
     struct bvh_ray ray = {.t_max = INFINITY, .ignore = {UINT32_MAX, UINT32_MAX}};

@@ -77,7 +77,8 @@ TEST(radius_and_normals)
     bool is_made = make_blob(&scene, 100000, &index, &err);
     REQUIRE(is_made, "%s", err.msg);
     const struct mesh *mesh = &scene.meshes[index];
-    // The mean radius over solid angle: each triangle's spans n . p / |p|^3 of it, nearly.
+    // The mean radius over solid angle. A triangle with area A, normal n and centre p subtends
+    // about A (n . p) / |p|^3.
     double solid_angle = 0.0, mean = 0.0, worst = 1.0, smallest = INFINITY, largest = 0.0;
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         double area[3], center[3] = {0.0, 0.0, 0.0};

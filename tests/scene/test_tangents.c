@@ -90,7 +90,8 @@ static void cube_corner(int f, int c, float position[3], float uv[2])
     int axis = f / 2, side = f % 2;
     float s = c == 1 || c == 2 ? 1 : 0, t = c >= 2 ? 1 : 0;
     position[axis] = (float)side;
-    position[(axis + 1) % 3] = side ? s : 1 - s; // u grows with it, or against it
+    position[(axis + 1) % 3] = side ? s : 1 - s; // u grows along the axis on side 1,
+                                                 // and against it on side 0
     position[(axis + 2) % 3] = t;
     uv[0] = s;
     uv[1] = 1 - t;

@@ -7,9 +7,9 @@
 #include <time.h>
 
 struct task {
-    atomic_int *started; // how many have
-    atomic_bool *gate;   // the job waits until it is open; NULL: none
-    int number;          // of those started before it
+    atomic_int *started; // tasks that have started
+    atomic_bool *gate;   // the task waits until this is true; NULL: it does not wait
+    int number;          // tasks that had started before this one
     bool fails;
     bool is_signal_blocked;
 };

@@ -33,7 +33,8 @@ static struct probe_ray ray_to(const struct placed_light *light, uint32_t axis)
     return ray;
 }
 
-// Records a hit if the light is in its plane, within the rounding of both points.
+// Records a hit if the light lies in the plane of the surface hit, within the rounding of both
+// points.
 static void look_at_hit(const struct survey *survey, const struct probe_ray *ray,
                         const struct probe_hit *hit, struct placed_light *light)
 {

@@ -80,8 +80,8 @@ struct bench {
     struct bench_seconds seconds;
     double load;                  // load of the machine before the run: runnable threads; NAN: not
                                   // known
-    bool differs;                 // images that must be equal differ:
-    struct err difference;        // which of them
+    bool differs;                 // images that must be equal differ
+    struct err difference;        // says which of them
     json_t *baseline;             // NULL: none was given
     struct bench_change *changes; // since the baseline
     uint32_t change_count;

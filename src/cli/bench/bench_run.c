@@ -144,7 +144,7 @@ double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
     }
 }
 
-// Of a slot, where a vertex writes them.
+// Returns the bytes of shadow rays that a vertex writes for one slot.
 static double bytes_of_shadow_rays(const struct renderer *r, uint32_t bounce)
 {
     double others = (double)wave_shadow_launches(r, bounce + 1) - 1.0;

@@ -14,7 +14,7 @@ struct compared {
     const char *path;
     double value[METRIC_TOTAL];
     double measured[METRIC_TOTAL]; // including the reference's noise
-    struct error_intervals error;  // 95 %, without the reference's noise, too
+    struct error_intervals error;  // 95 % intervals, also without the reference's noise
     uint32_t max_pixel[2];
     bool is_equal; // bit for bit
     bool passed;

@@ -84,7 +84,7 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
 
 // --- devices -------------------------------------------------------------------------------------
 
-// Whether the devices' pictures have the same mean, by their halves' differences.
+// Compares the devices' mean luminances, with standard errors from the half-buffers.
 static void compare_devices(const struct merge *merge)
 {
     const struct merge_device *one = &merge->devices[0];
@@ -96,7 +96,7 @@ static void compare_devices(const struct merge *merge)
         const struct merge_device *other = &merge->devices[i];
         double difference = other->mean - one->mean;
         double error = hypot(other->standard_error, one->standard_error);
-        // Of a normal distribution 3.3 standard errors are exceeded once in 1000 times.
+        // A normal distribution exceeds 3.3 standard errors once in 1000 times.
         bool differs = fabs(difference) > 3.3 * error;
         log_message(
             differs ? LOG_WARN : LOG_INFO,
@@ -162,7 +162,7 @@ static bool make_arguments(const struct merge *merge, const struct options *opti
     return true;
 }
 
-// What merge was told counts where it says something.
+// Options given to merge take precedence over those stored in the part.
 static bool make_options(const struct merge *merge, const struct options *options,
                          const struct arguments *arguments, struct options *out, struct err *err)
 {

@@ -365,7 +365,7 @@ static void bound_shape(const struct flat_shape *shape, struct light_bounds *out
     out->two_sided = is_flat;
 }
 
-// Returns the angle over which a spot's light falls off, and a little more for rounding.
+// Returns the angle over which a spot's light falls off, widened by 1e-3 for rounding.
 static double spot_fall(const struct light *light)
 {
     return fmin((double)light->outer_angle - (double)light->inner_angle + 1e-3, 0.5 * M_PI);

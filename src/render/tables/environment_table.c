@@ -100,8 +100,9 @@ static bool is_bilinear(const struct environment_table *table)
     return table->filter == ENVIRONMENT_FILTER_BILINEAR;
 }
 
-// Returns the rows of words. For texels there are as many rows of bins that a sampler selects from;
-// for interpolated nodes these are the rows of cells between the rows of nodes.
+// Returns the number of rows of words: `height` for nearest filtering, `height` + 2 for bilinear,
+// which has a row of nodes at each pole. The sampler chooses among the rows of texels, or among the
+// height + 1 rows of cells between rows of nodes (bin_rows()).
 static uint64_t word_rows(const struct environment_table *table, uint32_t height)
 {
     return (uint64_t)height + (is_bilinear(table) ? 2 : 0);

@@ -42,8 +42,9 @@ struct setting {
     const char *option;   // without the dashes; NULL: only scene files have it
     const char *group;    // group of the option in the help
     const char *help;     // sentences, with the unit
-    const char *brief;    // a line of it, for options that matter most; NULL: none of them
-    bool changes_samples; // of the film; else how many it has, or how it is shown
+    const char *brief;    // one line for --help; NULL: the option is in --help-all alone
+    bool changes_samples; // changes the values of samples; false: changes only their number or how
+                          // the film is shown
     double fallback;      // the default
     // The meaning of the word that stands in place of a number, or of the least number if there is
     // no word; NULL: there is no special meaning.

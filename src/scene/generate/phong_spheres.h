@@ -12,8 +12,8 @@
 struct phong_spheres {
     uint32_t count, seed;            // count: spheres that are tried
     double min_radius, max_radius;   // 0 < min <= max
-    double disc_radius;              // of the disc about the origin in the plane y = 0 on which
-                                     // they stand
+    double disc_radius;              // radius of the disc in the plane y = 0, about the origin,
+                                     // on which the spheres stand
     const struct progress *progress; // NULL: no listener
 };
 

@@ -552,7 +552,7 @@ void edit_end_group(struct viewer *viewer)
     viewer->document.history->is_group = viewer->document.history->is_open = false;
 }
 
-// Changes that end where they began are not a step.
+// Closes the open step. A step that ends with the value it began with is removed from the history.
 void edit_close(struct viewer *viewer)
 {
     struct history *history = viewer->document.history;

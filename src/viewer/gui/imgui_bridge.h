@@ -94,8 +94,9 @@ void im_scroll_here(void); // scrolls the last item to the centre
 // The last item, and its interaction with mouse and keys.
 struct im_item {
     struct im_rect box, clip;
-    bool is_hovered;                                            // also if it is disabled
-    bool is_active, was_activated, was_deactivated, was_edited; // edited: before it was deactivated
+    bool is_hovered; // true for a disabled item, too
+    // was_edited: was deactivated after an edit
+    bool is_active, was_activated, was_deactivated, was_edited;
     bool is_double_clicked, has_control;
     bool is_dragged;
     float drag; // mouse movement since the last frame; a tenth of it with Shift
