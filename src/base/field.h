@@ -18,11 +18,11 @@ enum field_type {
 struct field {
     const char *key; // in scene files
     enum field_type type;
-    size_t offset, size;      // of the member, in bytes
+    size_t offset, size;      // place and size of the member, in bytes
     uint32_t count;           // number of elements of an array; 0: the member is no array
-    double min, max;          // of a number
+    double min, max;          // range of a number
     bool open;                // the bounds themselves are outside
-    const char *const *words; // of a choice, in the order of its values; ended by NULL
+    const char *const *words; // words of a choice, in the order of its values; ended by NULL
     uint32_t mask;            // the adjacent bits that a switch or choice is; 0: the whole member
     // The word that may replace a number, or NULL. It stands for word_value; or, if there is a
     // flag, it sets the uint32_t at this offset to 1, which a number sets to 0.

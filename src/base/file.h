@@ -26,7 +26,7 @@ bool file_read_own(struct arena *arena, const char *path, size_t max_bytes, stru
 
 // How to interpret a path that is written inside a file.
 struct file_reference {
-    const char *folder;  // of the file that names the path
+    const char *folder;  // folder of the file that names the path
     bool percent_decode; // decode %XX first, as URIs want it; a malformed escape or %00 is refused
     bool allow_outside;  // the path may lead anywhere
 };
@@ -79,7 +79,7 @@ struct file_writer {
     bool direct;          // a device or pipe: there is no temporary file
     uint8_t *block;       // bytes that wait to be written
     size_t block_bytes;
-    struct hash128 sum; // of the blocks before it
+    struct hash128 sum; // hash of the blocks before it
 };
 
 // Creates the temporary file: so an unwritable folder is found out before any work is done.

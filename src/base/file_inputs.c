@@ -8,7 +8,7 @@
 
 struct file_input {
     char *path;
-    uint64_t hash; // of the path, for a fast search
+    uint64_t hash; // hash of the path, for a fast search
     bool is_own;   // the run may replace it under this path
 };
 

@@ -26,8 +26,7 @@ enum file_kind {
 
 struct file_status {
     enum file_kind kind;
-    unsigned
-        permissions; // of owner, group and others, as chmod(1) has them; 0 where there are none
+    unsigned permissions; // bits of owner, group and others, see chmod(1); 0 where there are none
     uint64_t size;
     uint64_t device, number; // which tell files apart
     uint64_t changed_ns;     // when its content changed: comparable with clock_wall_ns()

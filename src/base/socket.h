@@ -16,7 +16,7 @@ struct connection {
     bool (*is_abandoned)(void *context);
     void *context;
     bool has_address;                 // the host's name is known
-    char reason[SOCKET_REASON_BYTES]; // of the last failure
+    char reason[SOCKET_REASON_BYTES]; // reason of the last failure
 };
 
 #define CONNECTION_NONE ((intptr_t)-1)

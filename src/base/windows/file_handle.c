@@ -41,7 +41,7 @@ int file_handle_open(const char *path)
 
 int file_handle_create(const char *path, unsigned permissions)
 {
-    (void)permissions; // of the folder, as all of its files have them
+    (void)permissions; // files inherit those of their folder
     return open_wide(path, GENERIC_READ | GENERIC_WRITE | DELETE, SHARE_ALL, CREATE_NEW,
                      FILE_ATTRIBUTE_NORMAL);
 }
