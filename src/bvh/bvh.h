@@ -92,14 +92,14 @@ struct bvh_stats {
     // visited (including the root) and 1 for each primitive tested, whatever costs were used for
     // the build. Computed with the boxes as stored in the nodes.
     double sah_cost;
-    uint32_t depth; // of the wide tree; a single root has 1
+    uint32_t depth; // depth of the wide tree; a single root has 1
     // The greatest number of children (inner ones and leaves) that can be pending besides the
     // current one, when a traversal continues with any of a node's children and defers the other
     // three: the maximum over all orders and rays.
     uint32_t stack_entries;
     uint32_t node_count, leaf_count; // leaves: child words, of one primitive or more
-    uint64_t bytes;                  // of nodes and triangle_order
-    double build_seconds;            // of building, or of loading from a cache
+    uint64_t bytes;                  // bytes of nodes and triangle_order
+    double build_seconds;            // time to build it, or to load it from a cache
     double cached_seconds;           // build time of a cached hierarchy; 0: not from a cache
 };
 
@@ -129,7 +129,7 @@ struct bvh_params {
     uint32_t triangle_count;
     const struct bvh_box *shape_boxes; // boxes of analytic shapes (conservative)
     uint32_t shape_count;
-    const struct bvh_box *instance_boxes; // of instances: leaves that lead to another tree
+    const struct bvh_box *instance_boxes; // boxes of instances: leaves that lead to another tree
     uint32_t instance_count;
     struct bvh_method method;
     unsigned threads;                // 0: all

@@ -29,7 +29,7 @@ struct bvh_range {
     uint32_t first, count;
     uint32_t capacity; // places from `first`: count, and more where triangles may be cut in two
     uint32_t node;     // position of its root
-    uint32_t depth;    // of that root; the tree's root has 0
+    uint32_t depth;    // depth of that root; the tree's root has 0
     uint32_t side;     // the buffer that holds the primitives
 };
 
@@ -83,7 +83,7 @@ static inline float bvh_centroid(const struct bvh_box *box, int axis)
 struct bvh_binary_params {
     struct bvh_primitive *primitives; // count of them, and room for capacity; reordered
     uint32_t count;                   // at least 1
-    uint32_t capacity;                // of leaves; more than count only with BVH_SPLIT_SPATIAL
+    uint32_t capacity; // room for leaves; more than count only with BVH_SPLIT_SPATIAL
     const struct bvh_params *geometry;
     uint32_t depth_limit; // at least the binary logarithm of count, rounded up
     unsigned threads;     // at least 1

@@ -24,8 +24,8 @@ struct header {
     char magic[8];
     uint32_t version;
     uint32_t byte_order; // BYTE_ORDER_MARK as the writer has it
-    struct hash128 key;  // of the input of the build
-    struct hash128 sum;  // of the nodes, triangle_order and the members below
+    struct hash128 key;  // hash of the build's input
+    struct hash128 sum;  // hash of the nodes, triangle_order and the members below
     uint32_t format;     // enum bvh_format
     uint32_t node_count, triangle_count, reference_count;
     struct bvh_stats stats;

@@ -64,7 +64,7 @@ struct optimizer {
     struct bvh_binary_node *nodes; // in any order; the root stays first
     uint32_t *parents;
     struct candidate *candidates;
-    uint32_t *histogram;              // of waste
+    uint32_t *histogram;              // histogram of waste
     struct search *searches;          // BATCH of them
     const struct candidate *searched; // the first candidate of the batch
     uint32_t node_count;

@@ -7,7 +7,7 @@ struct validator {
     const struct bvh_params *params;
     uint8_t *node_seen, *place_seen, *shape_seen, *instance_seen;
     uint8_t *triangle_places; // 0, 1, or 2 for more
-    struct bvh_box *bounds;   // of the primitives below each node
+    struct bvh_box *bounds;   // bounds of the primitives below each node
     bool has_parts;           // some triangle has several places
     struct err *err;
 };
