@@ -29,7 +29,7 @@ union bsdf_item {
         float pdf;
         float unused[12];
     } eval;
-    float out[16]; // of all variants
+    float out[16]; // the words of any of these
 };
 
 #endif

@@ -31,7 +31,7 @@ struct closed_form {
     double scale;                       // factor on all lengths, see scaled_scene.h; 0: 1
     // Adds what scene files cannot express, such as meshes; NULL: nothing.
     bool (*prepare)(struct scene *scene, double parameter, struct err *err);
-    enum instancing instancing; // of the scene's meshes
+    enum instancing instancing; // instancing of the scene's meshes
 };
 
 // A row of the table: FUNCTION_is is the text of the formula that FUNCTION computes.
@@ -55,9 +55,9 @@ struct closed_form_trial {
     const struct closed_form *form;
     enum light_estimator estimator;
     uint32_t light_choice; // LIGHT_CHOICE_*
-    uint32_t first_seed;   // of its replicates; other forms use others, to be independent
+    uint32_t first_seed;   // seed of its first replicate; other forms use others, to be independent
     uint64_t samples;      // per replicate; 0: as many as reach the half-width
-    double half_width_max; // of the 95 % confidence interval, relative to the value
+    double half_width_max; // half the width of the 95 % confidence interval, relative to the value
 };
 
 // All values are relative to the expected ones, by channel. For a form without variance they are

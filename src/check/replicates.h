@@ -18,7 +18,7 @@ struct measurement {
     uint32_t count;
     void (*measure)(const struct film_image *film, double *values);
 };
-extern const struct measurement MEASURE_MEAN; // of the whole image: 3 channels
+extern const struct measurement MEASURE_MEAN; // measures the mean of the whole image: 3 channels
 // Sums over channels and pixels of 2 x 2 and of 4 x 4 tiles in rows from the top, then of the whole
 // image: the channels have the same errors.
 extern const struct measurement MEASURE_2X2_TILES, MEASURE_4X4_TILES;

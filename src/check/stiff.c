@@ -182,7 +182,8 @@ static bool add_leaning(struct scene *scene, struct err *err)
     mesh->normals = arena_alloc(&scene->arena, mesh->vertex_count, sizeof *mesh->normals);
     if (!mesh->normals)
         return err_memory(err, "normals", mesh->vertex_count);
-    const float sine = sinf(1.22173f) * sqrtf(0.5f), cosine = cosf(1.22173f); // of 70 degrees
+    const float sine = sinf(1.22173f) * sqrtf(0.5f),
+                cosine = cosf(1.22173f); // sine and cosine of 70 degrees
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         for (int k = 0; k < 2; k++) {
             mesh->positions[i][k] = corners[i][k];

@@ -330,7 +330,7 @@ static bool build_furnace(struct survey *survey, uint32_t *next, struct furnace 
 }
 
 struct gain {
-    double most, noise; // of a ring: its reflectance, and the standard error of that
+    double most, noise; // reflectance of a ring, and the standard error of that
     uint32_t ring;
 };
 

@@ -92,7 +92,7 @@ static bool is_small_lamp(const struct survey *survey, uint32_t object, const st
 
 struct coarse {
     uint32_t count, first;
-    double extent, farthest; // of the first object
+    double extent, farthest; // measures of the first object
     bool *marked;            // flags of all objects
 };
 

@@ -21,7 +21,8 @@ enum aim {
 // A target of shadow rays.
 struct target {
     bool is_delta;   // a light of the scene without extent
-    bool is_common;  // of the environment: scattered paths find it about as often as shadow rays do
+    bool is_common;  // is part of the environment: scattered paths find it about as often as shadow
+                     // rays do
     uint32_t light;  // index in the scene, or SCENE_NONE
     uint32_t source; // index in survey->is_reached
     double power;    // as in emitter_power.h, of all surfaces that it represents; 0 for texels

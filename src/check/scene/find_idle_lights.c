@@ -22,7 +22,8 @@
 
 // The distribution of shadow rays over light sources.
 struct rays {
-    double *parts; // of all shadow rays; of power for a light tree, which uses the distance, too
+    double *parts; // parts of all shadow rays; parts of power for a light tree, which uses the
+                   // distance, too
     bool *idle;    // flags of those that contribute no light
     bool by_tree;  // at all vertices, or at those after the first ones, which connect to all lamps
 };

@@ -15,13 +15,13 @@
 enum loss_kind { LOSS_LEFT, LOSS_OPEN, LOSS_NESTED, LOSS_KINDS };
 // The losses of one object.
 struct losses {
-    uint32_t material; // of the first surface
-    uint32_t count;    // of pixels
-    uint32_t last;     // of them, plus 1
+    uint32_t material; // material of the first surface
+    uint32_t count;    // number of pixels
+    uint32_t last;     // last of these pixels, plus 1
 };
 // Losses along the lines of sight, or along the paths that continue from their ends.
 struct ways {
-    struct losses *losses[LOSS_KINDS]; // of all objects
+    struct losses *losses[LOSS_KINDS]; // losses of all objects
     uint32_t *lost;                    // by each pixel: the kinds, as bits
     uint32_t *told;                    // the same, without losses of objects in `named`
     const bool *named;                 // objects that another finding has named already; NULL: none

@@ -49,10 +49,11 @@ static double mirror_reflectance(const struct material *material)
 struct mirrored {
     const struct light **lights; // delta lights
     uint32_t count;
-    struct sightline *scattered, *onwards; // of a round: from places, and from mirrors to lights
-    uint32_t *places;                      // at which lines of either kind started
-    double *sent;                          // by the light at the end of each line onwards
-    double light;                          // sum over all lines that arrive
+    struct sightline *scattered,
+        *onwards;     // those of a round: from places, and from mirrors to lights
+    uint32_t *places; // at which lines of either kind started
+    double *sent;     // by the light at the end of each line onwards
+    double light;     // sum over all lines that arrive
     uint32_t arrived;
     struct sighting mirror; // the first one that was hit
     uint8_t *touched;

@@ -93,7 +93,7 @@ static bool list_outliers(struct survey *survey, const float *samples, const uin
 
 struct tail {
     double index;
-    double end_index; // of the TAIL_END brightest samples only
+    double end_index; // end of the TAIL_END brightest samples only
     double part;      // share of the sum of squares of all samples
 };
 
@@ -162,7 +162,8 @@ static double brightest_emitted(const struct scene *scene)
 static bool has_met_bound(const struct survey *survey, const struct outlier *first,
                           const struct tail *tail)
 {
-    double mean = survey_mean_light(survey, survey->job.film.mean); // of the outlook
+    double mean =
+        survey_mean_light(survey, survey->job.film.mean); // mean light in the outlook's film
     return tail->end_index * (1.0 - 1.96 / sqrt(TAIL_END)) >= 2.0 ||
            (has_bound(survey) &&
             first->excess * mean >= BOUND_MET * brightest_emitted(survey->scene));
@@ -266,7 +267,7 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
 
 static bool is_black(const struct survey *survey, const float *samples, size_t count)
 {
-    const struct film_image *film = &survey->job.film; // of the outlook
+    const struct film_image *film = &survey->job.film; // the outlook's film
     for (size_t i = 0; i < survey->line_count; i++)
         if (luminance(film->mean[i]) > 0.0)
             return false;

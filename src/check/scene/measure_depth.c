@@ -18,7 +18,7 @@ static bool render_at(struct survey *survey, uint32_t depth, double **out, struc
 }
 
 struct cut {
-    double part;        // of all light: the share that is missing
+    double part;        // fraction of all light that is missing
     double least, most; // the share minus and plus two standard errors
 };
 

@@ -24,7 +24,7 @@ struct small_lamps {
     uint32_t *at;   // for each pixel: index in `unseen` plus 1; 0: none
     uint32_t *open; // a stack of pixels whose neighbours are not yet visited
     bool *known;
-    uint32_t count;   // of lamps
+    uint32_t count;   // number of lamps
     double least;     // share of a pixel that a lamp covers, at its maximum
     double brightest; // luminance of the brightest radiance
 };
