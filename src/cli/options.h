@@ -21,8 +21,8 @@ struct command;
 struct progress;
 
 #define OPTIONS_ARGUMENTS_MAX 16     // but of merge
-#define OPTIONS_PARTS_MAX UINT32_MAX // of merge
-#define OPTION_TIME_MAX 1e9          // of --time, seconds
+#define OPTIONS_PARTS_MAX UINT32_MAX // parts that merge takes
+#define OPTION_TIME_MAX 1e9          // greatest value of --time, seconds
 
 // The order is that of option_table, which is the order of the help.
 enum option_id {
@@ -167,10 +167,10 @@ struct option_def {
     const char *help;     // sentences, with units
     const char *group;    // heading in the help
     unsigned commands;    // bit 1 << enum command_id for each command that takes it
-    unsigned common;   // of these, the commands whose --help has it; a setting: those with a brief
-    const char *brief; // the line that --help says of it, where it does
-    bool is_for_tests; // manual pages and tests/README.md alone have it, no help
-    size_t offset, size;           // of the field in struct options
+    unsigned common; // the commands among these whose --help has it; a setting: those with a brief
+    const char *brief;             // the line that --help says of it, where it does
+    bool is_for_tests;             // manual pages and tests/README.md alone have it, no help
+    size_t offset, size;           // place and size of the field in struct options
     const struct setting *setting; // says what is not set here; NULL: it is no setting
 };
 
@@ -214,7 +214,7 @@ struct render_options {
     const char *checkpoint;    // NULL: none is written
     double checkpoint_seconds; // between two checkpoints
     bool resume;
-    const char *shard_text; // of --shard; NULL: none
+    const char *shard_text; // text given to --shard; NULL: none
     struct job_shard shard;
     struct job_merged *merged; // set by merge: the film of the picture to be written; else NULL
     uint32_t reopens;          // how often a lost device is reopened

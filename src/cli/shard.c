@@ -30,7 +30,7 @@ static const struct {
     const char *index, *count;
 } ranks[] = {
     {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"}, // mpirun of Open MPI
-    {"PMI_RANK", "PMI_SIZE"},                         // of MPICH and its relatives
+    {"PMI_RANK", "PMI_SIZE"},                         // set by MPICH and its relatives
     {"PMIX_RANK", "SLURM_NTASKS"},                    // srun --mpi=pmix
     {"SLURM_PROCID", "SLURM_NTASKS"},
 };

@@ -20,9 +20,9 @@ enum bench_row_kind {
 struct bench_row {
     enum bench_row_kind kind;
     const char *name;      // unique in its variant: the kernel's name, "waiting", ...
-    enum kernel_id kernel; // of BENCH_KERNEL, BENCH_ALONE
-    const char *rays;      // of BENCH_ALONE: "primary", ...; else NULL
-    uint32_t depth;        // of BENCH_ALONE
+    enum kernel_id kernel; // only for BENCH_KERNEL, BENCH_ALONE
+    const char *rays;      // for BENCH_ALONE: "primary", ...; else NULL
+    uint32_t depth;        // only for BENCH_ALONE
     double *ms;            // one value per repetition; NAN if the device has no timestamps
     // These are the same in every repetition.
     uint64_t launches, items; // 0: not counted
@@ -31,9 +31,9 @@ struct bench_row {
     uint64_t nodes, primitives;
 
     // These are computed from the times.
-    struct interval median; // of ms
+    struct interval median; // median of ms
     struct interval ratio;  // the first variant's ms divided by these, paired: above 1 is faster
-    double share;           // of the wall clock; NAN for BENCH_ALONE
+    double share;           // fraction of the wall clock; NAN for BENCH_ALONE
 };
 
 // The work of the kernels for one bounce in a repetition.
@@ -52,7 +52,7 @@ struct bench_variant {
     uint32_t bounce_count;                     // 1 + the last bounce with any work
     double load_seconds;                       // the renderer's stats have the rest of the start-up
                                                // time
-    double warm_up_ms, counting_ms;            // of the two repetitions that are not timed
+    double warm_up_ms, counting_ms;            // time of the two repetitions that are not timed
     uint64_t closest_rays, shadow_rays, paths; // per repetition
     uint64_t image_hash;                       // as reported by render; 0: there is no image
     bool differs;                              // some repetition gave another image
@@ -76,7 +76,7 @@ struct bench {
     uint32_t variant_count;
     uint32_t repeats, repeats_done; // fewer when a signal stopped it
     bool stopped;
-    struct err failure; // of the device, after the first repetition
+    struct err failure; // an error of the device, after the first repetition
     struct bench_seconds seconds;
     double load;                  // load of the machine before the run: runnable threads; NAN: not
                                   // known

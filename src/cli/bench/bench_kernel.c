@@ -148,7 +148,7 @@ bool bench_check_kernel(const struct bench_options *options, struct err *err)
 struct contest {
     struct bench *b;
     const struct target *target;
-    uint32_t index;                    // of the rows
+    uint32_t index;                    // index of the row
     struct kernel_recording *recorded; // one per variant
     double from, to;                   // range of the total progress
 };

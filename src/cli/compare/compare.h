@@ -31,7 +31,7 @@ struct comparison {
     struct compared pictures[OPTIONS_ARGUMENTS_MAX]; // in the order of the command line
     uint32_t count;
     bool passed;
-    struct html_page page; // of --report, as is the viewer
+    struct html_page page; // the page of --report; so is the viewer
     struct html_viewer viewer;
 };
 

@@ -74,7 +74,7 @@ struct converge_curve {
     struct interval *ratios;        // ratios of efficiencies to those of each curve of the scene
     struct converge_target targets[CONVERGE_TARGETS];
     struct error_sources pooled; // the sources of all replicates combined
-    uint64_t image_hash;         // of the first replicate's image
+    uint64_t image_hash;         // hash of the first replicate's image
     const char *command;         // the command that renders that image
 };
 
@@ -92,7 +92,7 @@ struct converge {
     uint32_t point_count, replicate_count;
     uint32_t replicates_done; // fewer when a signal stopped it
     bool stopped;
-    struct err failure; // of the device, after the first replicate
+    struct err failure; // an error of the device, after the first replicate
 };
 
 static inline struct converge_sample *converge_at(const struct converge *c,
