@@ -24,7 +24,7 @@ enum instance_use { INSTANCE_SKIPPED, INSTANCE_HIDDEN, INSTANCE_FLATTENED, INSTA
 struct census {
     struct mesh_use *meshes;
     uint8_t *instances;   // enum instance_use
-    struct bounds bounds; // of everything in the world; not tight for shared meshes
+    struct bounds bounds; // bounds of everything in the world; not tight for shared meshes
     uint64_t world_triangle_count, shared_triangle_count;
     uint32_t shared_count; // meshes
     uint32_t placed_count; // instances of them

@@ -35,7 +35,7 @@ struct search {
     const struct flat_scene *flat;
     struct arena *scratch;
     struct part *parts;
-    uint32_t *parents; // of parts
+    uint32_t *parents; // parents of parts
     uint32_t part_count, part_capacity, parent_count, parent_capacity;
     struct lamp_triangle *triangles; // `lamp`: for now the part
     uint32_t triangle_count, triangle_capacity;

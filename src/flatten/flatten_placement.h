@@ -8,7 +8,7 @@
 struct placement {
     const struct mesh *mesh;
     const struct instance *instance;
-    double origin[3];     // of the flat scene
+    double origin[3];     // origin of the flat scene
     double scale;         // likewise
     double normals[3][3]; // inverse transpose up to a positive factor
     bool is_mirrored;

@@ -13,7 +13,7 @@ void flatten_follow_camera(const struct flatten_params *params, const struct cen
 struct coarse_objects {
     uint32_t count;
     char first[128];                   // names the first one
-    double extent, farthest, place[3]; // of the first, in metres
+    double extent, farthest, place[3]; // measures of the first one, in metres
 };
 
 // Adds an object to them if single precision does not resolve it about the flat scene's origin.
