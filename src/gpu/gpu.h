@@ -89,7 +89,7 @@ struct gpu {
     bool lost;                    // VK_ERROR_DEVICE_LOST was seen
     bool out_of_memory;           // VK_ERROR_OUT_OF_DEVICE_MEMORY; whoever goes on takes it back
     bool abandoned;               // it may still be working, so nothing is destroyed any more
-    uint64_t allocated_bytes, peak_bytes; // of buffers, including staging, and images
+    uint64_t allocated_bytes, peak_bytes; // bytes of buffers, including staging, and of images
 
     struct gpu_layout *layouts; // the first one made, which stands last, has no bindings
     VkPipelineCache pipeline_cache;

@@ -21,7 +21,7 @@ struct gpu_draw {
 
 struct gpu_drawing {
     const struct gpu_vertex *vertices;
-    const uint16_t *indices; // of triangles, relative to each draw's first_vertex
+    const uint16_t *indices; // corners of triangles, relative to each draw's first_vertex
     const struct gpu_draw *draws;
     uint32_t vertex_count, index_count, draw_count;
 };
