@@ -12,7 +12,7 @@
 #define BINS ((STOPS_MAX - STOPS_MIN) * STEPS)
 
 #define LEAVES_OUT 20 // one in so many pixels may be brighter
-#define WHITE 0.5     // of the display maximum: a stop is left for glints
+#define WHITE 0.5     // part of the display maximum: a stop is left for glints
 
 static uint64_t count_luminances(const struct image *image, uint64_t *bins)
 {

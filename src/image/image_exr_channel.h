@@ -13,7 +13,7 @@ struct exr_channel {
     char name[EXR_NAME_MAX_BYTES + 1]; // cut off where it would be longer
     bool is_name_too_long;
     exr_pixel_type_t type;
-    const char *values; // of the first pixel, 32 bits each
+    const char *values; // the first pixel's value; each has 32 bits
     size_t stride;      // from pixel to pixel, bytes
 };
 

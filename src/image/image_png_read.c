@@ -17,7 +17,7 @@ struct png_reader {
     struct pixels *out;
     struct err *err;
     bool reported;             // err is filled in already
-    unsigned components, bits; // of the lines: 3 or 4, 8 or 16
+    unsigned components, bits; // format of the lines: 3 or 4 components of 8 or 16 bits
     size_t row_bytes;
     png_bytep bytes;
     png_bytepp rows;
