@@ -20,13 +20,14 @@ uint32_t error_kind_aov(enum error_kind kind);
 struct bright_path {
     uint32_t x, y, sample;
     uint32_t scattering_events;
-    uint32_t emitter;   // of the classes of ERROR_BY_EMITTER
+    uint32_t emitter;   // number of the emitter's class in ERROR_BY_EMITTER
     bool is_connection; // found by a shadow ray; else by a ray that met the emitter
     float radiance[3];  // as it was added to the sample's
     // How far it is above the pixel's mean, against the brightness around the pixel as the error
     // has it: the root of the mean over channels of (x - M)^2 / (L^2 + 1e-2), x above M.
     double excess;
-    double share; // of the picture's error, that is in its pixel; NAN where there is no error
+    double share; // fraction of the picture's error that is in this pixel; NAN if the picture has
+                  // no error
 };
 
 struct error_sources {

@@ -89,7 +89,7 @@ struct job_params {
     struct job_shard shard;
     struct job_merged *merged; // the film is this one, and nothing is left to be rendered; or NULL
     const char *command;       // the command line, which checkpoints keep; NULL: none
-    const struct reference *reference; // of the image's size; must outlive the job. NULL: none
+    const struct reference *reference; // must have the image's size and outlive the job; NULL: none
     bool keeps_trace;                  // rows at doubling numbers of samples
     // How often a device that is lost during job_run() is reopened: only the job may use it then.
     // 0: never.
@@ -120,7 +120,7 @@ enum job_end {
 // An error estimate during the render.
 struct job_look {
     double samples, seconds; // per pixel; rendering time
-    double confidence;       // of error.at_most; 0: the default
+    double confidence;       // confidence of error.at_most; 0: the default
     struct half_error error;
 };
 
@@ -163,7 +163,7 @@ struct job_rescue {
     struct arena arena;
     struct film_image film;   // no pixels before the first copy
     struct film_state copied; // after the rescue, of the job's film
-    struct film_state read;   // of the job's film as read last
+    struct film_state read;   // state of the job's film when it was last read
     bool is_read;             // whether there is one
     double copied_at;         // seconds of rendering
     double worst_seconds;     // greatest time of a copy
@@ -190,11 +190,11 @@ struct job {
     uint64_t samples_most;  // limit of samples per pixel, on average; of a shard, its end
     uint64_t samples_first; // the first one, but 0 of a shard alone
     uint32_t round_samples; // with `adaptive`: samples of a round of the plan, on average
-    struct tile_plan plan;  // of the tiles; empty until the pilot has ended
+    struct tile_plan plan;  // the tiles' plan; empty until the pilot has ended
 
     // Records.
     struct job_seconds seconds;
-    double *frames_ms; // of each frame rendered
+    double *frames_ms; // rendering time of each frame
     uint32_t frame_count, frame_capacity;
     struct job_look *looks; // for goal.error
     uint32_t look_count, look_capacity;
@@ -248,7 +248,7 @@ uint32_t job_reference_seed(uint32_t seed);
 // The time of samples, measured with samples that are not part of an image.
 struct job_speed {
     uint64_t samples; // per pixel
-    double seconds;   // of rendering; 0: not known
+    double seconds;   // rendering time; 0: not known
 };
 // Compiles, as drivers do at the first dispatch; then measures for this time, unless 0. job_begin()
 // resets the film.
@@ -321,7 +321,7 @@ struct job_estimate {
     struct arena arena;
     struct film_image film;
     struct film_error_params params;
-    uint32_t aovs; // of the renderer
+    uint32_t aovs; // the renderer's AOV_*
     struct half_error error;
     struct error_sources sources;
 };

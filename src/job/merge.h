@@ -38,8 +38,8 @@ struct merge {
     uint32_t count;
     struct merge_device *devices;
     uint32_t device_count;
-    const char *command;          // of the part of the largest render
-    struct sample_ranges samples; // of all parts
+    const char *command;          // the command of the part with the largest render
+    struct sample_ranges samples; // the samples of all parts together
     uint64_t planned;             // samples per pixel of the largest render
     uint64_t film_bytes;
     uint32_t aovs; // that the device had
