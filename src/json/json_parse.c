@@ -20,7 +20,7 @@ struct parse {
 
 _Static_assert(sizeof(struct block) % 16 == 0, "what follows is aligned as malloc's memory is");
 
-static _Thread_local struct parse *current; // of this thread; NULL: it does not parse
+static _Thread_local struct parse *current; // what this thread parses; NULL: nothing
 static _Atomic bool lost;
 
 static void *allocate(size_t bytes)
