@@ -33,7 +33,7 @@ static double unseen_factor(size_t pictures)
 }
 
 struct difference {
-    double sum[3];   // of a channel, while it has one sign
+    double sum[3];   // sum of a channel, while it has one sign
     double absolute; // over all values, where it has either
     double largest;  // part of one picture's or one reference half's pixel in it
 };

@@ -18,8 +18,8 @@
 #define ERROR_BY_CLASSES_MAX 8
 
 struct error_by_params {
-    const struct half_error_params *halves; // of the image
-    const double (*weights)[3];             // of metrics_half_error_weights()
+    const struct half_error_params *halves; // the half-buffers of the image
+    const double (*weights)[3]; // the weights that metrics_half_error_weights() computes
     // The half-buffers of the classes: those of class k at pixel p have the index p * stride + k.
     // k < count, which is at most ERROR_BY_CLASSES_MAX.
     const float (*class_a)[3], (*class_b)[3];

@@ -23,7 +23,7 @@ struct forecast_params {
     // At doubling numbers of samples, in ascending order; errors above 0.
     const struct forecast_look *looks;
     size_t count;
-    struct interval error; // of the current image, without the remaining part
+    struct interval error; // error of the current image, without the remaining part
     double times;          // factor on the number of samples; 0: twice
     // The relative standard deviation of the errors of such images over seeds, and the number of
     // values in its estimate (half_error); without these: any number. The next samples bring the
@@ -42,7 +42,7 @@ enum forecast_basis {
 };
 
 struct forecast {
-    struct interval error; // of the image with `times` as many samples
+    struct interval error; // error of the image with `times` as many samples
     enum forecast_basis basis;
     struct interval slope;
     size_t looks; // number of estimates in the slope
@@ -57,7 +57,7 @@ struct forecast_bias_params {
     const float (*half_a)[3]; // two independent halves of a picture
     const float (*half_b)[3];
     const float (*reference)[3];
-    const float (*means)[3]; // of it: of metrics_local_means()
+    const float (*means)[3]; // metrics_local_means() of `reference`
     uint32_t width, height;
     // Its own noise: its halves, NULL if not known, and its value as local relMSE, then 0.
     const float (*reference_halves[2])[3];

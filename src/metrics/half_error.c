@@ -93,9 +93,9 @@ struct tile {
     double relmse_most;
     double squared;
     double pixels;            // finite ones
-    struct variance up, down; // of `error`
+    struct variance up, down; // variances of `error`
     struct variance spread;   // for the deviation over seeds, see forecast.c
-    struct variance relmse;   // of `relmse_most`
+    struct variance relmse;   // variance of `relmse_most`
     double unseen;            // the greatest error that a unit of light may add
     struct small_lights small_lights;
     double brightest; // the greatest |A - B|
@@ -108,7 +108,8 @@ struct estimator {
     struct tile *tiles;
     struct local_window *windows; // one a thread
     unsigned threads;
-    double (*weights)[3]; // of pixels, if they are requested instead of the tiles; else NULL
+    double (
+        *weights)[3]; // weights of pixels, if they are requested instead of the tiles; else NULL
 };
 
 static uint32_t tiles_along(uint32_t length, uint32_t side)

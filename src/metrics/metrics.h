@@ -19,7 +19,7 @@ struct metrics {
     double rmse;   // its square root
     double relmse; // mean (x - r)^2 / (r^2 + 1e-2), per channel
     double smape;  // mean 2 |x - r| / (|x| + |r| + 1e-6), per channel; rewards what is too dark
-    double psnr;   // of display values: metrics_psnr without exposure
+    double psnr;   // metrics_psnr() of display values without exposure
     double max;    // greatest |x - r|
     uint64_t max_pixel; // its pixel index
     uint64_t nonfinite; // pixels with a non-finite value in either image, left out of the above
@@ -94,7 +94,7 @@ struct small_light {
     float radius;      // pixels from there in which samples may meet it: its own size, filter, lens
     float part;        // the total fraction of a pixel that it covers, which is the fraction of a
                        // pixel's samples that would hit it if it were all in this one
-    float radiance[3]; // of a sample that hits it
+    float radiance[3]; // radiance of a sample that hits it
 };
 
 // Light that may still be missing in an image; all 0: nothing is known.
@@ -118,7 +118,7 @@ struct half_error_params {
     // halves of a pixel must have the same number (or differ by one, if there are many).
     uint64_t samples;
     const uint32_t *counts; // a pixel's samples, where they differ; NULL: `samples` of each
-    double confidence;      // of the interval, in [0.5, 1); 0: 0.95
+    double confidence;      // confidence of the interval, in [0.5, 1); 0: 0.95
     struct unseen_light unseen;
 };
 
