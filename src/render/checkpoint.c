@@ -21,7 +21,7 @@ struct header {
     uint32_t version, byte_order;
     uint64_t head_bytes; // what stands before the film, without its hash
     uint64_t file_bytes, identity_bytes, command_bytes, film_bytes;
-    uint32_t block_bytes; // of the film, whole records
+    uint32_t block_bytes; // bytes of the film in a block: whole records
     uint32_t state_count, tile_count;
     uint32_t is_zero; // fills the header to a multiple of 8 bytes
 };

@@ -24,7 +24,7 @@ enum far_fault_kind {
 };
 struct far_fault {
     enum far_fault_kind kind;
-    double extent, distance; // of the scene, in metres
+    double extent, distance; // the scene's size and distance, in metres
     double pixels;           // the number that the scene is across
     double pixel, direction; // angular size of a pixel, and of the step between directions, radians
 };

@@ -6,7 +6,7 @@
 #include "render/render.h"
 
 struct film_copy {
-    char *records;  // of all film buffers, one after the other; NULL: the film is empty
+    char *records;  // records of all film buffers, one after the other; NULL: the film is empty
     uint32_t *done; // samples of each tile so far; NULL without tiles
     uint32_t seed;
     uint64_t next_sample, round_target, emptied_at;

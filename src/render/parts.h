@@ -20,7 +20,7 @@ struct part {
     uint32_t id; // a bit of its specialization constant; for a kernel or a buffer its number
     const char *name;
     bool is_kept;
-    uint64_t bytes; // of a buffer: the size that it has, or would have
+    uint64_t bytes; // size of a buffer, which it has or would have
 };
 
 typedef void (*part_fn)(void *context, const struct part *part);

@@ -19,7 +19,7 @@ struct projected {
     double x, y;         // pixels from the upper left corner of the picture, also outside of it
     double depth;        // along the line of sight; for panoramas the distance
     double origin[3];    // origin of the ray to it
-    double direction[3]; // of that ray; a unit vector
+    double direction[3]; // direction of that ray; a unit vector
     double distance;     // distance from that origin
     double pixel_area;   // area of a pixel at that distance, across the ray
     double pixel_size;   // its shorter side

@@ -91,7 +91,7 @@ struct render_stats {
     double bounce_ms[STATS_BOUNCES][KERNEL_COUNT];
     struct host_stats host;
     uint64_t closest_rays, shadow_rays;
-    uint64_t steps[STEPS_COUNT];        // of these rays through the BVH; see wave_count_steps
+    uint64_t steps[STEPS_COUNT];        // steps of these rays through the BVH; see wave_count_steps
     uint64_t surface_hits[CLASS_COUNT]; // by class; all in the first without FEATURE_CLASSES
     uint64_t paths;                     // paths that reached the film
     uint64_t sparse;                    // paths, or branches of them, ended by --min-density
@@ -122,7 +122,7 @@ struct tiles {
     uint32_t across, count;
     uint32_t *counts, *done; // by tile: samples in a round, and in all finished passes
     uint64_t total;          // samples of all pixels in a round
-    uint32_t *pixels, *first_samples, list_length; // of the wave in flight
+    uint32_t *pixels, *first_samples, list_length; // the lists of the wave in flight
 };
 
 // The emitters that the camera sees directly: see probe/in_view.h.
@@ -146,7 +146,7 @@ struct other_wave {
 // A batch of paths, pixel_count << sample_shift samples: at most plan.wave_samples.
 struct wave {
     uint32_t film_chunk;
-    uint64_t first_pixel; // of the image; with tiles this and first_sample are in lists instead
+    uint64_t first_pixel; // in the image; with tiles this and first_sample are in lists instead
     uint32_t pixel_count;
     uint32_t sample_shift;
     uint64_t first_sample;
@@ -163,7 +163,7 @@ struct wave_ahead {
 // The kernel and the bounce before a timestamp.
 struct mark {
     uint8_t kernel, bounce;
-    uint32_t first, items; // of the dispatch; 0 items: it does little work
+    uint32_t first, items; // the dispatch's first item and its items; 0 items: it does little work
 };
 
 struct renderer {
@@ -285,7 +285,7 @@ struct film_image {
     float (*half_a)[3]; // over the even samples
     float (*half_b)[3]; // over the odd ones; (0,0,0) with one sample
     uint32_t *samples;
-    uint64_t least_samples, most_samples; // of a pixel
+    uint64_t least_samples, most_samples; // least and most samples of a pixel
     uint64_t unsampled;                   // number of pixels without a sample
     uint64_t dropped;                     // number of samples that lost a non-finite contribution
     struct film_aovs aovs;

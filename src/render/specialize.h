@@ -15,13 +15,13 @@ struct specialization {
     uint32_t features; // FEATURE_*
     uint32_t workgroup;
     uint32_t stack_entries;
-    uint32_t iteration_budget; // of one lane; see specialize.c
+    uint32_t iteration_budget; // iterations of one lane; see specialize.c
     uint32_t interleave;
     uint32_t lobes;                                       // LOBE_*
     uint32_t queues;                                      // bits of the queues that exist
     uint32_t emitters;                                    // EMITTER_*
     uint32_t aovs;                                        // AOV_*
-    uint32_t integrator, sampler, halves, filter, camera; // of shared/methods.h
+    uint32_t integrator, sampler, halves, filter, camera; // constants of shared/methods.h
     uint32_t light_choice;                                // never LIGHT_CHOICE_AUTO
     uint32_t light_rays;                                  // shadow rays that a vertex sends at most
     uint32_t mis, directions, roulette;

@@ -40,7 +40,7 @@ struct records {
     const struct upload_params *p;
     // Writes the record of the triangle at a place of the leaf order; the record is zeroed.
     void (*fill)(const struct records *records, uint32_t place, void *out);
-    uint32_t bytes;           // of a record
+    uint32_t bytes;           // size of a record
     const uint32_t *emitters; // emitter number of each place
     char *piece;
     uint32_t first; // first place of the piece

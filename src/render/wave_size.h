@@ -15,15 +15,15 @@
 // another size.
 struct wave_size {
     bool is_on;
-    uint32_t now;                   // samples of a wave: the fastest size known
-    uint32_t most;                  // the most that the buffers hold
-    uint32_t other;                 // the size on trial; 0: none
-    bool grows;                     // whether the next trial is of a larger size
-    uint32_t stretch;               // of the trial, 0 to 2; or stretches left until the next trial
-    uint32_t pause;                 // stretches between two trials
-    uint64_t samples;               // of the present stretch
-    double ns, rays;                // of the present stretch
-    double ns_a_ray[3];             // of the trial's stretches
+    uint32_t now;       // samples of a wave: the fastest size known
+    uint32_t most;      // the most that the buffers hold
+    uint32_t other;     // the size on trial; 0: none
+    bool grows;         // whether the next trial is of a larger size
+    uint32_t stretch;   // stretch of the trial, 0 to 2; or stretches left until the next trial
+    uint32_t pause;     // stretches between two trials
+    uint64_t samples;   // samples in the present stretch
+    double ns, rays;    // time and rays of the present stretch
+    double ns_a_ray[3]; // time of a ray in each of the trial's stretches
     uint32_t least_used, most_used; // the smallest and the largest size used
 };
 

@@ -36,7 +36,7 @@ enum {
 struct candidate {
     uint64_t pixel;
     struct emitter_part emitter;
-    float part;   // of a pixel
+    float part;   // fraction of a pixel
     float radius; // see struct small_light
 };
 
@@ -44,8 +44,8 @@ struct candidate {
 struct group {
     struct small_light light;
     uint64_t pixel;
-    size_t first, count; // of the candidates
-    double brightness;   // of all its light
+    size_t first, count; // the candidates' first and number
+    double brightness;   // brightness of all its light
     double free;         // fraction of its probes that reached it
 };
 

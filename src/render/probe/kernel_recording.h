@@ -28,7 +28,7 @@ struct kernel_recording {
     uint32_t launches; // number of shadow rays of a slot; else 1
     uint64_t items;    // in all launches; 0: no path gets that far, and nothing can be run
     uint64_t bytes;    // size of the kept state on the device
-    uint64_t hash;     // of the output in the render itself, without the order of queues
+    uint64_t hash;     // hash of the output in the render itself, without the order of queues
     struct gpu_buffer kept[BINDING_COUNT]; // the buffers that the kernel writes
 };
 

@@ -44,7 +44,7 @@ struct replay_vertex {
 struct replay {
     struct replay_vertex *vertices;
     uint32_t vertex_count;
-    float radiance[3]; // of the sample
+    float radiance[3]; // radiance of the sample
     bool dropped;      // a contribution was not finite and was left out
 };
 

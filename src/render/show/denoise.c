@@ -14,7 +14,7 @@
 #include "denoise_variance.spv.h"
 #include "denoise_wavelet.spv.h"
 
-#define WORD_BYTES 16u // of a pixel, in each buffer
+#define WORD_BYTES 16u // bytes for a pixel, in each buffer
 
 // The buffers of a view, which become the history of the next view.
 struct layers {

@@ -41,7 +41,7 @@ struct denoise_motion {
 struct denoise_call {
     const struct renderer *renderer; // between two calls of renderer_render
     const struct camera *camera;     // the film's camera
-    uint32_t iterations;             // of the wavelet filter, 1 to 5; 0: 5
+    uint32_t iterations;             // levels of the wavelet filter, 1 to 5; 0: 5
     bool temporal; // reproject the history when the camera moves; else use the film alone
     // The scene differs from the history's: history counts only where its light is still that of
     // the film. Objects that moved since then carry it along; at most DENOISE_MOTIONS_MAX.

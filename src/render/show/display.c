@@ -134,7 +134,7 @@ struct side {
     const struct display_side *call;
     struct display_pictures *pictures;
     const struct display_call *draw;
-    const struct linear *picture, *kept; // of the size on the screen; kept: NULL for none
+    const struct linear *picture, *kept; // have the size on the screen; kept: NULL for none
 };
 
 static uint32_t wanted_width(const struct side *side)

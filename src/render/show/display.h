@@ -25,8 +25,8 @@ struct display_call {
     uint32_t shown;      // SHOWN_*; needs the AOVs of display_aovs
     float exposure_stops;
     enum tone_curve tone;
-    double range[2];        // of false colours; range[1] <= range[0]: found from the picture
-    uint32_t width, height; // of the output, in pixels
+    double range[2];        // range of false colours; range[1] <= range[0]: found from the picture
+    uint32_t width, height; // size of the output, in pixels
     uint32_t picture[4];    // rectangle of the picture in it: x, y, width, height; black around it
     bool nearest;           // show pixels of a smaller picture as squares, without interpolation
     // Where the film of a side has no sample yet, show the picture kept by display_keep, if any.

@@ -25,8 +25,8 @@ struct sized {
 
 // The pictures of one side.
 struct display_pictures {
-    struct linear film; // of its own size; the chunks of a film follow each other
-    struct sized sized; // of the size on the screen, if that differs
+    struct linear film; // has its own size; the chunks of a film follow each other
+    struct sized sized; // has the size on the screen, if that differs
     struct linear kept, kept_next;
     struct sized kept_sized;
     struct gpu_buffer sources; // see DISPLAY_BINDING_SOURCES

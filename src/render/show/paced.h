@@ -13,7 +13,7 @@ struct paced {
     struct gpu *gpu;
     struct gpu_commands commands;
     struct pace pace;
-    struct paced_mark marks[GPU_MAX_TIMESTAMPS]; // of the present submission
+    struct paced_mark marks[GPU_MAX_TIMESTAMPS]; // marks of the present submission
     uint32_t mark_count;
     double ns[PACE_KERNELS]; // time of each kernel since paced_begin; 0 without timestamps
 };

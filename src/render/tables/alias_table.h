@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 struct alias_bin {
-    float threshold; // of a uniform within the bin: below it the bin itself, else its alias
+    float threshold; // uniform numbers below it choose the bin itself, others its alias
     uint32_t alias;
 };
 

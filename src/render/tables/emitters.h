@@ -35,7 +35,7 @@ struct emitters {
     float environment_floor;  // luminance: shadow rays sample the image's radiance above it
     float reach;              // length of shadow rays to infinitely far emitters
     double total_power;       // see emitter_power.h; set when emitters are chosen by power
-    double build_seconds;     // of the tree
+    double build_seconds;     // time to build the tree
 };
 
 struct shading_tables_params;

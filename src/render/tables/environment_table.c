@@ -124,7 +124,7 @@ uint64_t environment_table_words(const struct environment_table *table)
 struct build {
     const struct environment_table *table;
     struct environment image;
-    uint32_t rows;    // of bins
+    uint32_t rows;    // rows of bins
     float pole[2][3]; // the radiance at the zenith and at the nadir
     uint32_t (*words)[4];
     double *row_weights; // NULL: the image is not sampled

@@ -30,7 +30,7 @@ struct layer {
 
 struct builder {
     struct layer lamps, emitters;
-    const uint32_t *lamp_first; // of each lamp and one beyond: its first emitter in the order
+    const uint32_t *lamp_first; // for each lamp and one beyond: its first emitter in the order
     const uint32_t *primitives;
     double total_power;
     struct light_tree *tree;

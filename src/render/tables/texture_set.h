@@ -10,10 +10,10 @@
 struct texture_set {
     struct gpu_texture *records; // one for each of scene->textures; zeroed where unused
     uint32_t *images;            // indices of the scene's images that are uploaded, in their order
-    uint64_t *offsets;           // of these images, in units of 16 bytes
+    uint64_t *offsets;           // offsets of these images, in units of 16 bytes
     uint32_t image_count;
-    uint64_t texel_bytes; // of all uploaded images
-    uint64_t saved_bytes; // of images that are unused or equal to others
+    uint64_t texel_bytes; // bytes of all uploaded images
+    uint64_t saved_bytes; // bytes of images that are unused or equal to others
 };
 
 // Builds the set in `arena`. ERR_INPUT for more texels than a 32-bit offset can address.
