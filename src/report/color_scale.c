@@ -12,7 +12,7 @@ static const float background[3] = {0.2f, 0.2f, 0.2f}, ink[3] = {0.9f, 0.9f, 0.9
 
 struct canvas {
     struct image *image;
-    uint32_t top, unit; // of the strip below the image
+    uint32_t top, unit; // place of the strip below the image
 };
 
 // x in pixels; y and height in units from the strip's top.

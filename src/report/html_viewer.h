@@ -8,7 +8,7 @@
 #include <jansson.h>
 
 struct html_viewer_params {
-    uint32_t width, height; // of every picture
+    uint32_t width, height; // size of every picture
     uint32_t count;         // pictures, the reference among them
     float exposure_stops;   // at the beginning
     enum tone_curve tone;   // the same; the page has TONE_NONE and TONE_ACES, and takes the former
@@ -18,19 +18,19 @@ struct html_viewer_params {
 struct html_viewer_picture {
     const char *label, *title; // short, and the whole name
     const float (*pixels)[3];
-    bool is_reference;            // of one at most: what the errors are against
+    bool is_reference;            // errors are measured against it; true for at most one picture
     const float *flip, *hdr_flip; // maps of FLIP; both, or both NULL
 };
 
 struct html_viewer {
     struct html_page *page;
     json_t *spec, *pictures; // what viewer.js reads; the pictures' entries in it
-    uint32_t width, height;  // of what the page shows
+    uint32_t width, height;  // size of the pictures as the page shows them
     uint32_t reduction;      // pixels a side of which each pixel in the page is the mean; 1: none
     uint32_t bits;           // a component in the page: 16 (halves) or 32 (floats)
     uint32_t digits;         // decimal ones that a component has in the page: 9, 4 or 3
     uint32_t source_width;
-    uint32_t number; // of this viewer in the page
+    uint32_t number; // the viewer's number in the page
 };
 
 // Pictures stand in the page as 32-bit floats where all of them together are small, as halves
