@@ -213,8 +213,8 @@ struct scene {
                                           // `next`, see ies.h
     struct environment environment;
     struct settings settings; // the defaults, overridden by the file
-    uint64_t hash;            // of the bytes of the file and of all files that it names, and of the
-                              // overrides
+    uint64_t hash; // hash of the bytes of the file and of all files that it names, and of the
+                   // overrides
     // The loader's remarks on what it added or changed, for the report: "no camera in the file:
     // framed from the front"
     const char **notes;

@@ -19,7 +19,7 @@
 struct material_parameter {
     const char *name;      // in scene files: "base_color"
     uint32_t first, count; // PARAMETER_*, 1 or 3 components
-    float min, max;        // of each component
+    float min, max;        // range of each component
     float fallback;        // default of each component
     uint32_t models;       // bits 1 << MATERIAL_*: the models that use it
     const char *help;      // one sentence, with the unit
@@ -100,11 +100,11 @@ struct texture_image {
     bool has_alpha;         // some texel has an alpha below 1
     bool is_missing;        // the file is missing: one pink texel stands in for it
     const void *texels;     // row 0 at the top
-    float mean[4];          // of all texels
+    float mean[4];          // mean of all texels
     float greatest;         // greatest component of all texels
     uint64_t zeroed;        // number of texels that were negative or not finite, and were set to
                             // black
-    uint64_t hash;          // of the file's bytes and of the parameters of decoding
+    uint64_t hash;          // hash of the file's bytes and of the parameters of decoding
 };
 
 // One use of an image by a material: the texture transform and what the texels scale.

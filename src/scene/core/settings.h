@@ -99,6 +99,6 @@ extern const char *const directions_names[];
 extern const char *const roulette_names[];
 extern const char *const normals_names[];
 extern const char *const tone_names[];
-extern const char *const camera_names[]; // of struct camera.kind
+extern const char *const camera_names[]; // names of the values of struct camera.kind
 
 #endif

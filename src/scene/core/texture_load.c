@@ -68,7 +68,7 @@ struct texture_file {
     const char *name;
     const void *data;
     size_t size;
-    uint64_t hash; // of the bytes and of the parameters of decoding
+    uint64_t hash; // hash of the bytes and of the parameters of decoding
 };
 
 static bool find_image(const struct scene *scene, uint64_t hash, uint32_t *index)

@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #define GLTF_NONE UINT32_MAX             // no index
-#define GLTF_MAX_COUNT (UINT32_MAX - 1u) // of elements: indices are 32-bit, GLTF_NONE is taken
+#define GLTF_MAX_COUNT (UINT32_MAX - 1u) // most elements: indices are 32-bit, GLTF_NONE is taken
 
 // The document's arrays of objects.
 enum gltf_list {

@@ -21,7 +21,7 @@ struct gltf_material {
 
 struct gltf_material_reader {
     struct gltf_load *load;
-    const struct json_node *node; // of the material
+    const struct json_node *node; // the material's JSON object
     struct gltf_material *state;
     struct material *material; // no other material is added while it is read
 };

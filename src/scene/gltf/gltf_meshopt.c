@@ -7,7 +7,7 @@
 enum mode { ATTRIBUTES, TRIANGLES, INDICES };
 enum filter { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL };
 
-#define MAX_STRIDE 256 // of mode ATTRIBUTES
+#define MAX_STRIDE 256 // greatest stride of mode ATTRIBUTES
 
 struct compressed {
     struct json_node node; // the extension's object

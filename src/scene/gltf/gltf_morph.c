@@ -109,7 +109,7 @@ struct sum {
     enum gltf_attribute attribute;
     uint32_t vertex_count, width;
     double *numbers; // vertex_count * width; NULL until a target changes them
-    float *scratch;  // of the same size
+    float *scratch;  // room for as many numbers
 };
 
 static bool open_sum(struct gltf_load *load, const float *base, struct sum *sum, struct err *err)

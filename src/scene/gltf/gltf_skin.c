@@ -113,7 +113,7 @@ struct blend {
     double (*transforms)[3][4];
     double *totals; // sums of weights
     uint32_t *joints;
-    float *weights; // of one set: four per vertex
+    float *weights; // weights of one set: four per vertex
 };
 
 static bool no_blend_memory(struct gltf_load *load, const struct blend *blend, struct err *err)

@@ -17,7 +17,7 @@ struct json_loader {
     struct scene *scene;
     const struct scene_load_params *params;
     scene_load_fn load_base;
-    const char *folder;      // of the scene file
+    const char *folder;      // folder of the scene file
     const json_t *trusted;   // array of the values given with -D: paths in them come from the user
                              // and are trusted
     json_t *material_names;  // object: index of each named material

@@ -11,7 +11,7 @@
 // The memory of an element of the list. It is a lower bound: only what is certain counts in files
 // that name others, and in spheres that may not find a place.
 struct needs {
-    uint64_t bytes;   // of meshes
+    uint64_t bytes;   // bytes of meshes
     uint64_t passing; // temporary memory
     uint64_t instances, shapes;
     // Capacity that is reserved in addition, which may stay unused.

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-#define DEPTH_MOST 64 // of the tree
+#define DEPTH_MOST 64 // greatest depth of the tree
 #define LIST_MOST SDF_CODE_MAX
 #define BALLS_MOST (4 * (SDF_CODE_MAX - 1))
-#define COUNTS_MOST 1000000001 // of cells: single precision does not distinguish more
+#define COUNTS_MOST 1000000001 // most cells: single precision does not distinguish more
 
 struct reader {
     struct scene *scene;

@@ -21,13 +21,14 @@ struct scene_pose {
 };
 
 struct scene_write_params {
-    const char *path;                     // of the new file; an existing one is replaced atomically
+    const char *path;                     // the new file; an existing one is replaced atomically
     const struct scene_load_params *load; // the parameters that loaded `before`
     const struct scene *before;           // as scene_load left it: see scene_snapshot
     const struct scene *scene;            // the same, edited
     const struct camera *camera;          // becomes the file's first; NULL: scene->cameras[0]
     const struct settings *settings;      // NULL: the scene's
-    const struct scene_pose *pose;        // of `before` and `scene`; NULL: the pose as loaded
+    const struct scene_pose
+        *pose; // the pose that `before` and `scene` have; NULL: the pose as loaded
     // Receives whether the file names others outside of its folder, so that it loads with
     // allow_outside_paths only; or NULL. A comment in the file says so, too.
     bool *is_outside;

@@ -29,7 +29,7 @@ struct obj_parser {
     struct text_reader text, start; // the current position, and the start of the file
     uint32_t default_material;      // SCENE_NONE: not made yet
     bool allow_outside_paths;
-    struct obj_counts counts; // of the whole file
+    struct obj_counts counts; // counts for the whole file
     struct obj_counts seen;   // by the second pass so far
     struct mtl_library library;
     struct err missing_library; // why the first missing library could not be read
@@ -42,8 +42,8 @@ struct obj_parser {
     double (*exact)[3]; // positions before rounding, if they are needed
     float (*normals)[3];
     float (*uvs)[2];
-    float (*colors)[4];              // of positions; NULL in a file without
-    uint32_t (*indices)[3];          // of positions
+    float (*colors)[4];              // colours of positions; NULL in a file without
+    uint32_t (*indices)[3];          // indices of positions
     uint32_t (*normal_indices)[3];   // NULL in a file without normals
     uint32_t (*uv_indices)[3];       // NULL in a file without texture coordinates
     uint32_t *triangle_material;     // NULL in a file without usemtl

@@ -19,7 +19,7 @@ struct ply_parser {
     struct scene *scene;
     struct arena scratch;
     struct text_reader text; // a byte position in binary files
-    const char *start;       // of the file
+    const char *start;       // start of the file
     struct ply_header header;
     // The place that is being read, for messages.
     const struct ply_element *element;

@@ -20,7 +20,7 @@ struct tangent_work {
     const struct mesh *mesh;
     const float (*uvs)[2];
     uint32_t corner_count;
-    uint8_t *flags;   // of each triangle
+    uint8_t *flags;   // flags for each triangle
     uint32_t *weld;   // for each corner, the first corner that is the same vertex
     uint32_t *across; // for each corner, the triangle on the other side of its edge, or
                       // TANGENT_NONE
@@ -29,7 +29,7 @@ struct tangent_work {
     // A hash table of corners: chains begin at heads[hash & mask] and are in ascending order.
     uint32_t *heads, *next;
     uint32_t mask;
-    uint32_t *stack;                 // of triangles
+    uint32_t *stack;                 // numbers of triangles
     const struct progress *progress; // NULL: no listener
     uint64_t steps;                  // loop iterations so far
     bool is_stopped;                 // stopped by the listener: the results are incomplete

@@ -5,7 +5,7 @@
 
 #include "scene/core/scene.h"
 
-#define IES_ANGLES_MAX 4096      // of each kind, vertical and horizontal
+#define IES_ANGLES_MAX 4096      // angles of each kind, vertical and horizontal
 #define IES_VALUES_MAX (1 << 22) // values in a file
 
 // Lumens of one watt at the wavelength of the greatest luminous efficacy (683.002 lm/W by the

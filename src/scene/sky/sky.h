@@ -18,7 +18,7 @@
 struct sky {
     double turbidity;        // how hazy, from SKY_TURBIDITY_MIN (clear) to SKY_TURBIDITY_MAX
     double sun_direction[3]; // unit, towards the sun; y >= 0
-    double ground_albedo[3]; // of the ground below the horizon, 0 to 1
+    double ground_albedo[3]; // albedo of the ground below the horizon, 0 to 1
     bool has_sun;            // the sun's disc is visible and a light; the sky is lit by it either
                              // way
     double sun_diameter;     // diameter of the disc, radians
