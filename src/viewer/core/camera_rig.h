@@ -12,8 +12,8 @@ struct camera_rig {
     uint32_t mode;
     double up[3];         // unit vector; the axis about which the view rotates
     double target[3];     // centre of orbits; the point at which the camera looks
-    double speed;         // of flying, metres per second; > 0
-    double revolve_speed; // of the automatic revolution, degrees per second
+    double speed;         // flying speed, metres per second; > 0
+    double revolve_speed; // speed of the automatic revolution, degrees per second
     bool revolves;
     double look_degrees; // degrees per pixel of mouse movement
 };

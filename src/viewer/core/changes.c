@@ -14,7 +14,7 @@
 // Seconds after the last change at which the image counts as resting: the steps of a hand on the
 // mouse follow faster.
 #define REST_SECONDS 0.15
-#define SPEED_PART 0.5 // of the distance to the target, per second
+#define SPEED_PART 0.5 // part of the distance to the target, per second
 
 uint32_t viewer_aovs(const struct shown *shown)
 {

@@ -38,7 +38,7 @@ struct document {
     struct arena surroundings_arena;
     struct geometry geometry;
     struct rebuild rebuild;
-    struct pose pose;                    // of an animation
+    struct pose pose;                    // the animation's pose
     double bounds_min[3], bounds_max[3]; // bounds of the scene; min > max: it is empty
     struct history *history;
 

@@ -7,12 +7,12 @@
 #include <stdint.h>
 
 struct frame_budget {
-    double target_ms;     // of a whole frame
+    double target_ms;     // time of a whole frame
     double ms_per_sample; // per sample of one pixel, a running mean; 0: not known yet
     double ms_per_small;  // the same for small images, whose dispatches cost more per sample; 0:
                           // not known
     double ms_per_pixel;  // cost per pixel of per-frame passes (denoising); 0: none
-    double overhead_ms;   // of a frame in addition to rendering: display, panel, presenting
+    double overhead_ms;   // time of a frame in addition to rendering: display, panel, presenting
     uint32_t shrink;      // the picture's sides are divided by this while the camera moves; >= 1
 };
 

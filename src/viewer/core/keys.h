@@ -27,7 +27,7 @@ struct keys {
     bool buttons[3];
     enum drag drag;
     int drag_button;
-    double x, y; // of the mouse, pixels
+    double x, y; // position of the mouse, pixels
     double pressed_x, pressed_y;
     double look[2], pan[2], dolly; // since the last frame
     double clicked_seconds;        // clock of the last click, for double clicks

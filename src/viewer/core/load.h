@@ -16,7 +16,7 @@ bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, 
 struct geometry_params viewer_geometry_params(const struct viewer *viewer,
                                               const struct scene *scene,
                                               const struct camera *camera);
-void viewer_find_bounds(struct viewer *viewer); // of the current geometry
+void viewer_find_bounds(struct viewer *viewer); // bounds of the current geometry
 // Restores the scene's camera. A framed camera is fitted to the current image and orbits the centre
 // of the scene.
 void viewer_go_home(struct viewer *viewer);

@@ -17,7 +17,7 @@ struct object_frames {
 // For one side of the image.
 struct motion {
     struct object_frames now, past; // those of its renderer, and those of the history
-    struct denoise_motion list[DENOISE_MOTIONS_MAX]; // of the objects that moved in between
+    struct denoise_motion list[DENOISE_MOTIONS_MAX]; // objects that moved between them
     uint32_t count;
     bool has_changed; // the renderer is not the one of the history
 };

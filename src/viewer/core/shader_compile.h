@@ -19,10 +19,10 @@ struct shader_code {
 
 // The state of a kernel after its last compilation.
 struct shader_unit {
-    const char *name; // of its file, without ".comp"
+    const char *name; // name of its file, without ".comp"
     char *files;      // files that were read, each path ended by NUL, the list by an empty path;
                       // NULL: not known
-    uint64_t hash;    // of these files
+    uint64_t hash;    // hash of these files
 };
 
 enum shader_outcome { SHADER_UNCHANGED, SHADER_COMPILED, SHADER_FAILED };
@@ -34,7 +34,7 @@ struct shader_result {
 };
 
 struct shader_job {
-    const char *folder; // of the sources; absolute
+    const char *folder; // folder of the sources; absolute
     bool ballot;        // the variant
     const struct shader_unit *units;
     uint32_t count;

@@ -26,7 +26,7 @@ struct shell {
     const struct options *options;
     struct window window;
     struct gui gui;
-    struct gpu_drawing drawing; // of the panel, for the current frame
+    struct gpu_drawing drawing; // the panel's, for the current frame
     struct panel *panel;
     bool is_panel_shown;
     struct worker *worker;
@@ -34,12 +34,12 @@ struct shell {
     struct reload *reload;
     struct watch *watch; // NULL without --watch
 
-    struct progress progress; // of long work: shows it in the window, and stops it when the window
-                              // is closed
+    struct progress progress; // progress of long work: shows it in the window, and stops it when
+                              // the window is closed
     double progress_seconds;  // clock: when progress was shown last
     bool puts_off; // events, tasks or the panel are being processed: scenes are opened afterwards
     bool wants_quit;
-    int exit_code; // of the error that ended it, EXIT_CODE_*
+    int exit_code; // EXIT_CODE_* of the error that ended it
 
     uint64_t start_ns, frame_ns; // clock; frame_ns: of the current frame
     double frame_seconds;        // duration of the last frame, including waiting

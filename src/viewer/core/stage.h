@@ -32,14 +32,15 @@ struct frame_stats {
     double frame_ms; // total time of the last frame
     double render_ms, denoise_ms, display_ms, panel_ms, present_ms;
     uint64_t frames;
-    double kernel_ms[KERNEL_COUNT];             // per frame, a running mean
-    double rays_per_second, samples_per_second; // of single pixels; over the last half second
+    double kernel_ms[KERNEL_COUNT]; // per frame, a running mean
+    // Rays, and samples of single pixels, over the last half second.
+    double rays_per_second, samples_per_second;
 };
 
 // Times of all frames of a kind, for the report at the end.
 struct frame_times {
     float *ms;
-    uint32_t count, capacity; // of the first frames, up to the capacity
+    uint32_t count, capacity; // number of the first frames' times, up to the capacity
 };
 
 // Counts since the last update of the rates.
@@ -53,7 +54,7 @@ struct stage {
     struct swapchain swapchain;
     struct gpu_screen screen;
     struct display display;
-    uint32_t recoveries; // of lost devices
+    uint32_t recoveries; // how often a lost device was recovered
 
     struct view sides[VIEWER_SIDES];
     uint32_t side_count;
@@ -75,7 +76,7 @@ struct stage {
 
     struct progress frame_progress; // stops renderers at the end of the frame's time
     uint64_t render_until_ns;       // clock time of that
-    double frame_samples;           // of single pixels, in the current frame
+    double frame_samples;           // samples of single pixels in the current frame
     double render_seconds;          // sum over all frames
     struct frame_stats stats;
     struct frame_rate rate;

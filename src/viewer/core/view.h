@@ -46,7 +46,7 @@ struct view {
     struct job_look looks[VIEW_LOOKS_MAX];
     uint32_t look_count;
     double next_look;             // samples at which the error is estimated next
-    struct error_sources sources; // of the newest error estimate
+    struct error_sources sources; // sources in the newest error estimate
 };
 
 struct viewer;

@@ -14,7 +14,7 @@ struct saved_view {
 };
 
 struct viewpoint {
-    struct camera camera;  // of all sides
+    struct camera camera;  // the camera that all sides share
     uint32_t camera_index; // the camera of the scene with which it began
     struct camera_rig rig;
     bool wants_target; // the rig's target is to be found in the first image

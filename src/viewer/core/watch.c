@@ -21,7 +21,7 @@ struct watched {
 
 struct watch {
     struct watched scene, shaders;
-    uint64_t scene_hash; // of the scene whose files are watched
+    uint64_t scene_hash; // hash of the scene whose files are watched
     char scene_path[SURROUNDINGS_PATH_MAX];
     double looked_seconds;
 };

@@ -13,7 +13,7 @@
 // Size of the font, points: about forty letters fit into a panel of 320 points.
 #define FONT_POINTS 13.0f
 #define PANEL_POINTS 340.0f
-#define PANEL_PART 0.4f // of the window's width, at most
+#define PANEL_PART 0.4f // part of the window's width, at most
 #define HELP_LINES 3.0f
 
 // --- life ----------------------------------------------------------------------------------------

@@ -29,7 +29,7 @@ enum gui_kind {
     GUI_COLOR,  // "R,G,B"
     GUI_VECTOR, // "X,Y,Z"
     GUI_TEXT,
-    GUI_ROW, // of a list: "on" where it is the chosen one
+    GUI_ROW, // row of a list: "on" if it is the chosen one
 };
 
 // A control of the frame, as it was drawn.
@@ -47,7 +47,7 @@ struct gui_item {
 };
 
 struct gui {
-    struct gui_item items[GUI_ITEMS_MAX]; // of the last finished frame
+    struct gui_item items[GUI_ITEMS_MAX]; // the controls of the last finished frame
     uint32_t item_count;
     bool wants_mouse, wants_keys; // the panel receives these events, and the camera must not
     bool is_busy;                 // a widget is being dragged or typed into
@@ -55,11 +55,11 @@ struct gui {
                                   // its controls
     const char *used; // id of the control that changed a value last; the caller sets it to NULL
                       // before a row of controls that edit a copy
-    const char *hovered_help; // of the control under the mouse, or NULL
+    const char *hovered_help; // help of the control under the mouse, or NULL
     bool is_floating;         // set by the caller: a window inside the window, not beside the image
     float width;              // part of the window's width that the panel takes; 0 hidden or
                               // floating
-    float place[4];           // of the panel: left, top, right, bottom, pixels; 0 while hidden
+    float place[4];           // the panel's left, top, right, bottom, pixels; 0 while hidden
     struct gui_state *own;    // see gui_state.h
 };
 
@@ -67,7 +67,7 @@ bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels
 // Writes a control's help and, for a number, its range.
 void gui_item_help(const struct gui_item *item, char out[GUI_HELP_MAX]);
 void gui_finish(struct gui *gui);                       // accepts NULL and {0}
-void gui_atlas(struct gui *gui, struct gpu_atlas *out); // of the font; lives as long as the gui
+void gui_atlas(struct gui *gui, struct gpu_atlas *out); // the font's; lives as long as the gui
 void gui_event(struct gui *gui, const struct event *event);
 // Returns the panel's width, pixels, in a window of that width when it is not hidden.
 float gui_panel_width(const struct gui *gui, uint32_t window_width);
@@ -101,7 +101,7 @@ bool gui_group_begin(struct gui *gui, const char *id, const char *label, const c
                      bool open_at_first);
 void gui_group_end(struct gui *gui);
 void gui_enabled(struct gui *gui,
-                 bool enabled); // of those that follow, until a group begins or ends
+                 bool enabled); // for the controls that follow, until a group begins or ends
 // Returns whether the current controls are drawn: otherwise texts need not be formatted.
 bool gui_is_drawn(const struct gui *gui);
 void gui_same_line(struct gui *gui);

@@ -25,7 +25,7 @@ static void draw_bar(const struct gui_state *own, const struct gui_bar *bar, con
     const struct im_place now = im_now();
     const struct im_vec at = now.cursor;
     float width = now.room, line = now.line, number = im_text_width("000.00 ms");
-    float least = 16.0f * own->scale; // of the bar
+    float least = 16.0f * own->scale; // least width of the bar
     float left = at.x + fmaxf(fminf(labels, width - number - least), 0.0f);
     float room = fmaxf(at.x + width - number - left, 1.0f);
     char text[64];

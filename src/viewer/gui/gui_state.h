@@ -46,7 +46,7 @@ struct gui_state {
 
     struct gui_wish wishes[GUI_WISHES_MAX];
     uint32_t wish_count;
-    char result[512]; // of the last frame; "" if all succeeded
+    char result[512]; // result of the last frame; "" if all succeeded
 
     char reveal[GUI_ID_MAX]; // id to scroll to
     uint32_t reveal_frames;  // frames left for that

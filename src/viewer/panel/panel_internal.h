@@ -22,7 +22,7 @@ struct panel_filter {
 
 // The point about which an object rotates, as computed last.
 struct panel_middle {
-    uint64_t hash; // of the scene; 0: not computed
+    uint64_t hash; // hash of the scene; 0: not computed
     uint32_t object;
     double transform[3][4], middle[3];
 };
@@ -62,7 +62,7 @@ bool panel_direction(struct panel *panel, const char *id, const char *help, cons
 // A list with a filter.
 struct panel_list {
     const char *id;   // "materials": rows are "materials.0" …
-    const char *help; // of a row
+    const char *help; // help of a row
     uint32_t count, height;
     void (*name)(void *context, uint32_t row, char out[PANEL_NAME_MAX]);
     // Draws an element in front of a row's name; or NULL.
@@ -89,6 +89,7 @@ void panel_scene(struct panel *panel, struct document *document);
 void panel_surroundings(struct panel *panel, const struct document *document);
 void panel_lights(struct panel *panel, struct document *document);
 void panel_materials(struct panel *panel, struct document *document);
-void panel_place(struct panel *panel, const struct document *document); // of the chosen object
+void panel_place(struct panel *panel,
+                 const struct document *document); // place of the chosen object
 
 #endif

@@ -141,7 +141,7 @@ static void error_curves(struct panel *panel, const struct stage *stage)
 
 struct left_out {
     struct arena *arena;
-    const char *kind; // of the text that grows
+    const char *kind; // kind of the text that grows
     const char *text;
     struct gui *gui;
     uint64_t bytes;

@@ -62,7 +62,7 @@ struct command_line {
     uint32_t line;
     const char *texts[COMMAND_TEXTS]; // files, ids, values
     double numbers[COMMAND_NUMBERS];
-    int code; // of a key (GLFW's) or of a button
+    int code; // code of a key (GLFW's) or of a button
     uint32_t modifiers;
     enum press press;
     enum wait_unit unit;

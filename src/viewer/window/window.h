@@ -49,13 +49,13 @@ struct window_events {
 
 struct window {
     struct GLFWwindow *handle; // NULL: headless
-    uint32_t width, height;    // of the framebuffer, pixels; never 0
+    uint32_t width, height;    // size of the framebuffer, pixels; never 0
     float scale;               // pixels per point of text: 2 on many high-resolution displays
     double pixels_per_unit[2]; // framebuffer pixels per unit of GLFW's screen coordinates
     bool is_minimised;         // nothing is drawn
     bool should_close;
     bool is_captured;     // the mouse rotates the view: it is hidden and not confined
-    struct event *events; // of the last window_poll
+    struct event *events; // events that the last window_poll() found
     uint32_t event_count;
     // One holds `events`, the other collects events until the next window_poll.
     struct window_events queues[2];
@@ -64,7 +64,7 @@ struct window {
 
 struct window_params {
     const char *title;
-    uint32_t width, height; // of the framebuffer
+    uint32_t width, height; // size of the framebuffer, pixels
     bool headless;
 };
 
