@@ -66,8 +66,8 @@ bool is_told_by_halves(ivec2 pixel, float variance)
 
 struct past {
     vec3 light;
-    float samples; // of each of the taps that fit
-    float part;    // of these
+    float samples; // samples of each of the taps that fit
+    float part;    // part of these taps
     float same;    // of these, that of the very pixel, if its random numbers are the film's
     float squares; // sum of the taps' squared parts
     float deviation, freedom;

@@ -17,7 +17,7 @@ struct taps {
     uint count;
     uint step;
     float head;
-    float body; // of each between head and tail
+    float body; // body of each between head and tail
     float tail;
 };
 

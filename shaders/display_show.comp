@@ -43,7 +43,7 @@ vec3 false_color(float value, float share)
     if (SHOWS(SHOWN_LOGARITHMIC))
         mean = log2(max(mean, 1.17549435e-38)); // the least float that is not denormal
     float level = (mean - push.range_low) * push.range_scale;
-    level = level > 0.0 ? min(level, 1.0) : 0.0; // of NaN, too
+    level = level > 0.0 ? min(level, 1.0) : 0.0; // NaN becomes 0
     return share * srgb_from_linear(load_palette(uint(level * PALETTE_LAST + 0.5)).rgb);
 }
 

@@ -5,7 +5,7 @@
 #define BVH_LEAF 0x80000000u
 #define BVH_LEAF_SHAPE 0x40000000u
 #define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | 0x20000000u)
-#define BVH_LEAF_INDEX 0x1fffffffu // of a shape or an instance
+#define BVH_LEAF_INDEX 0x1fffffffu // number of a shape or an instance
 // A leaf of triangles: how many come after the first one, above the bits of that one's index.
 #define BVH_LEAF_ONE_MORE (1u << LEAF_INDEX_BITS)
 #define BVH_LEAF_MORE (BVH_LEAF_SHAPE - BVH_LEAF_ONE_MORE)

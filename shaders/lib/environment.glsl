@@ -35,8 +35,8 @@ float versine_turns(float turns)
 // small angles have all their digits; then `part` is, too.
 struct environment_place {
     uvec2 cell;
-    vec2 part;  // of the way to the right and to the next row, by angle
-    float down; // of the way to the next row, by solid angle
+    vec2 part;  // fraction of the way to the right and to the next row, by angle
+    float down; // fraction of the way to the next row, by solid angle
 };
 
 // 1 - cos of the angle between the nearer pole and nodes of a row.

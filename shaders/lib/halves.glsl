@@ -7,7 +7,7 @@
 
 struct sequence_place {
     uint sequence; // 0 or 1
-    uint index;    // of the sample in it
+    uint index;    // index of the sample in it
     uint count;    // samples that are planned for it; 0: not known
 };
 

@@ -130,7 +130,7 @@ struct round_ray {
     vec3 f;          // from the axis to the origin
     vec3 d;          // the direction, less what is along the axis
     float a, b;      // d.d, -f.d
-    vec2 t;          // of the crossings, in order
+    vec2 t;          // distances of the crossings, in order
     bool misses;     // or leaves
     bool is_along;   // the axis: it is inside or outside for good
 };

@@ -14,7 +14,7 @@ struct light_sample {
                 // irradiance of a surface that faces it, and `pdf` that of the choice alone
     bool infinite;     // infinitely far, whatever the length of to_light
     uint material;     // word of a primitive's
-    vec2 barycentrics; // of the point on a triangle; on a shape see struct crossings
+    vec2 barycentrics; // the point on a triangle; on a shape see struct crossings
 };
 
 float pdf_area_to_solid_angle(float density, float distance, float cos_light)

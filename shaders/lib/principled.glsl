@@ -17,21 +17,21 @@ struct principled {
     float eta; // 1 where the indices match
     float metallic;
     float transmission; // times 1 - metallic
-    vec3 f0;            // of the dielectric, as asked for
-    float f0_index;     // of eta
+    vec3 f0;            // f0 of the dielectric, as asked for
+    float f0_index;     // f0 by eta
     float specular_weight;
     bool is_mixed; // Fresnel's equations and Schlick's, times the specular colour
     vec3 specular_scale; // that colour
-    vec3 f0_metal;       // of Schlick's
+    vec3 f0_metal;       // f0 of Schlick's Fresnel
     float film; // iridescence; 0 where the film's index is below the medium's in front
     float film_index;
     float film_thickness;
     vec3 compensation; // M
     vec3 through_compensation; // M_t
     bool tries_again;          // where a sample of the base ends on another microfacet
-    float tries_scale;         // of the base's density then
+    float tries_scale;         // factor on the base's density then
     float reflects_more;       // the part of what Fresnel's equations let through that reflects
-    vec3 tint;         // of what goes through
+    vec3 tint;         // tint of what goes through
     bool is_delta;
     bool thin;
     bool separable;
@@ -49,7 +49,7 @@ struct principled {
     float fibre_albedo; // E_charlie(wo)
     float fibre_layer;  // what is over the fibres lets through: 1, or C
     float coat;
-    float coat_alpha; // of D
+    float coat_alpha; // alpha of D
     bool coat_ggx;
     bool coat_delta;
     bool coat_exact;

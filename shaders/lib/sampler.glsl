@@ -123,7 +123,7 @@ vec4 sobol(uint pixel, sequence_place place, uint dimension)
 
 // --- blue noise ----------------------------------------------------------------------------------
 
-#define TILE_BITS 8u // of the coordinates in a tile of pixels that share one sequence
+#define TILE_BITS 8u // bits of the coordinates in a tile of pixels that share one sequence
 
 uint spread_bits(uint x)
 {

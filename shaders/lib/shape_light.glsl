@@ -89,7 +89,7 @@ bool is_convex_light(uint kind)
 // from inside nothing.
 struct shape_sight {
     bool is_outside;
-    vec3 areas;  // of a box's faces across each axis; of a cylinder's side and caps
+    vec3 areas;  // areas of a box's faces across each axis; of a cylinder's side and caps
     vec3 place;  // of the place, from the centre: along a box's axes; from a cylinder's axis, unit
     float along; // a cylinder's axis
     float arc;   // half of the angle round the axis that is seen of a cylinder's side from outside,

@@ -215,7 +215,7 @@ void surface_of_quad(shape_record shape, vec2 at, inout surface s)
 // The normal outwards where a ray that starts on a shape does so.
 vec3 shape_normal_at(shape_record shape, vec3 point)
 {
-    vec3 normal = shape.axis; // of discs and planes
+    vec3 normal = shape.axis; // normal of discs and planes
     vec3 f = point - shape.center;
     if (IS_KIND(shape.kind, SHAPE_KIND_SPHERE))
         normal = normalize(f);

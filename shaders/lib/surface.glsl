@@ -33,7 +33,7 @@ vec3 normalize_any(vec3 v)
 struct placement {
     bool exists;            // else it is in the world itself
     instance_inverse inverse;
-    mat3 rows;              // of the way to the world, as columns
+    mat3 rows;              // rows of the way to the world, as columns
     uvec4 words;
 };
 

@@ -13,8 +13,8 @@ struct surface {
     vec3 normal_geometric; // unit, towards the ray's origin
     vec3 normal_shading;   // unit, on the same side
     uint material;         // word
-    float radius; // of a sphere; 0 otherwise
-    vec3 center;  // of a sphere
+    float radius; // radius of a sphere; 0 otherwise
+    vec3 center;  // centre of a sphere
     bool front;   // seen from where corners run counter-clockwise, or from outside
     // With HAS_TANGENT: unit, not always orthogonal to the shading normal, and the sign of the
     // bitangent sign * cross(normal_shading, tangent). Turned round together with that normal, so

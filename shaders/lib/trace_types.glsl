@@ -8,7 +8,7 @@ struct trace_ray {
     vec3 origin;
     vec3 direction;
     uint ignore_a, ignore_b; // primitive words: where it starts, and what it is sent to
-    uint start_instance;     // of which the first one is; the second one is in the world
+    uint start_instance;     // instance of the first one; the second one is in the world
     uvec4 alpha; // key of the random decisions at blended surfaces: see lib/alpha.glsl
 };
 

@@ -21,8 +21,8 @@ struct left_plane {
     vec3 normal; // not normalised
     bool exists;
     vec3 point; // with instances
-    uint id;    // of the triangle, where one may be in several places
-    uint target_id; // of the one that the ray is sent to
+    uint id;    // id of the triangle, where one may be in several places
+    uint target_id; // id of the primitive that the ray is sent to
     bool target_is_small;
     uint target_lamp; // then the lamp that it is of
     vec3 target_normal, target_point; // with small triangles; the normal is 0 where there is none

@@ -13,7 +13,7 @@
 struct whitted_surface {
     vec3 diffuse;   // kd
     vec3 highlight; // ks
-    float exponent; // of the highlight
+    float exponent; // exponent of the highlight
     vec3 reflected; // kr
     vec3 refracted; // kt, the scale of radiance by refraction included
     vec3 onwards;   // the refracted direction, local
@@ -266,7 +266,7 @@ const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits tell a
 struct whitted_ray {
     vec3 origin;
     uint ignore;
-    uint instance; // of which that is
+    uint instance; // instance of `ignore`
     vec3 direction;
     uint depth;
     uint pending;

@@ -67,7 +67,7 @@
 #define BRIGHTEST_BOUNCE_MASK 0xffffffu // scattering events
 #define BRIGHTEST_SITE_SHIFT 24         // SITE_*
 #define BRIGHTEST_EMITTER_SHIFT 28      // BY_EMITTER_*
-#define BRIGHTEST_FIELD_MASK 15u        // of the last two
+#define BRIGHTEST_FIELD_MASK 15u        // for the last two
 
 // Records in words of four: of a slot, the radiance first, of the film behind gpu_film_pixel (sums,
 // then their digits), and of what is read back behind gpu_resolved_pixel. The classes and the

@@ -11,7 +11,7 @@
 #define BINDING_MATERIALS 4   // struct gpu_material_header, then the sections it names
 #define BINDING_EMITTERS 5    // struct gpu_emitter
 #define BINDING_ENVIRONMENT 6 // see render/tables/environment_table.h
-#define BINDING_TEXELS 7      // of all textures
+#define BINDING_TEXELS 7      // texels of all textures
 #define BINDING_PATHS 8       // struct gpu_path, one a slot of the wave
 #define BINDING_SHADOW_RAYS 9 // struct gpu_shadow_ray, one a slot
 #define BINDING_RADIANCE 10   // what a slot's path has gathered: vec4, and see aov.h
@@ -63,7 +63,7 @@
 #define CONSTANT_PART_SHIFT 23 // a part has 2^this words of four
 #define CONSTANT_ENVIRONMENT_FILTER 24
 #define CONSTANT_PIXEL_SAMPLING 25
-#define CONSTANT_LEAF_INDEX_BITS 26 // of the word of a leaf of triangles: see bvh/bvh.h
+#define CONSTANT_LEAF_INDEX_BITS 26 // bits in the word of a leaf of triangles: see bvh/bvh.h
 #define CONSTANT_NORMALS 27
 #define CONSTANT_RADIANCE_SCALING 28 // whether refraction scales radiance
 #define CONSTANT_ACCUMULATION 29
@@ -105,7 +105,7 @@
 #define FEATURE_UV0 (1u << 19)
 #define FEATURE_UV1 (1u << 20)
 #define FEATURE_TANGENTS (1u << 21)
-#define FEATURE_COLORS (1u << 22) // of vertices: they scale base colour and opacity
+#define FEATURE_COLORS (1u << 22) // colours of vertices: they scale base colour and opacity
 #define FEATURE_ALPHA (1u << 23)  // some material has opacity < 1
 // These depend on the device rather than on the scene.
 #define FEATURE_TEXEL_SCENE (1u << 24) // scene buffers are read as texel buffers
@@ -131,7 +131,7 @@
 #define GEOMETRY_SDFS (1u << 7)      // signed distance fields
 #define GEOMETRY_SHAPES ((1u << 8) - 1u)
 #define GEOMETRY_LARGE_SPHERES (1u << 8)    // whose equation needs more digits than a float has
-#define GEOMETRY_INSTANCES (1u << 9)        // of meshes with a BVH of their own
+#define GEOMETRY_INSTANCES (1u << 9)        // instances of meshes with a BVH of their own
 #define GEOMETRY_DUPLICATES (1u << 10)      // some triangle stands in more than one leaf
 #define GEOMETRY_SMALL_TRIANGLES (1u << 11) // some are too small for where they are
 #define GEOMETRY_END (1u << 12)

@@ -16,9 +16,9 @@
 #define CHECK_SINE 7u          // sin(a), cos(a)
 #define CHECK_TURNS 8u         // cos_sin_turns(a)
 #define CHECK_DENORMALS 9u     // a b
-#define CHECK_INTEGERS 10u    // of the words: high and low of a product, reversed bits, highest bit
-#define CHECK_HALVES 11u      // the halves in the first word, as floats
-#define CHECK_CONVERSIONS 12u // the first word as a float, floor(b), uint(c)
+#define CHECK_INTEGERS 10u     // words: high and low of a product, reversed bits, highest bit
+#define CHECK_HALVES 11u       // the halves in the first word, as floats
+#define CHECK_CONVERSIONS 12u  // the first word as a float, floor(b), uint(c)
 
 // Threads.
 #define CHECK_LOOP 0u          // the turns of a loop of `count` turns

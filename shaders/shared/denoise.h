@@ -33,7 +33,7 @@
 
 #define DENOISE_WORKGROUP 64u // threads, for a square of pixels
 #define DENOISE_TILE 8u       // its side
-#define DENOISE_LEVELS 5u     // of the wavelet, at most
+#define DENOISE_LEVELS 5u     // levels of the wavelet, at most
 
 // Specialization constants.
 #define DENOISE_CONSTANT_TEXEL 0   // 1: buffers are read as texel buffers
@@ -77,7 +77,7 @@
 // A camera as both ways of projecting need it; rays are relative to the film's camera, so that far
 // from the origin nothing is lost.
 struct gpu_denoise_view {
-    VEC3(position); // of the film's camera: 0
+    VEC3(position); // position of the film's camera: 0
     uint kind;      // CAMERA_*
     VEC3(forward);  // unit
     uint width;
@@ -119,10 +119,10 @@ struct gpu_denoise {
 };
 
 struct gpu_denoise_push {
-    uint first_group; // of this part of a split dispatch
-    uint first_pixel; // of the film's chunk that is bound
+    uint first_group; // first workgroup of this part of a split dispatch
+    uint first_pixel; // first pixel of the film's chunk that is bound
     uint pixel_count; // in it
-    uint step;        // of the wavelet's level, pixels
+    uint step;        // step of the wavelet's level, pixels
 };
 
 SHARED_STATIC_ASSERT_SIZE(gpu_denoise_view, 96);

@@ -14,7 +14,7 @@
 #define SHOWN_MATERIALS 5u
 #define SHOWN_SAMPLES 6u
 #define SHOWN_VARIANCE 7u
-#define SHOWN_STEPS 8u // of the camera ray's traversal: the heat map
+#define SHOWN_STEPS 8u // steps of the camera ray's traversal: the heat map
 #define SHOWN_EMISSION 9u
 #define SHOWN_DIRECT 10u
 #define SHOWN_INDIRECT 11u
@@ -52,7 +52,7 @@
 #define DISPLAY_CONSTANT_WORKGROUP 0
 #define DISPLAY_CONSTANT_SHOWN 1
 #define DISPLAY_CONSTANT_FLAGS 2 // DISPLAY_*
-#define DISPLAY_CONSTANT_AOVS 3  // of the film
+#define DISPLAY_CONSTANT_AOVS 3  // the film's
 #define DISPLAY_CONSTANT_HALVES 4
 #define DISPLAY_CONSTANT_TONE 5 // enum tone_curve
 #define DISPLAY_CONSTANT_COUNT 6
@@ -76,7 +76,7 @@
 #define DISPLAY_TONE_AGX 3u
 
 struct gpu_display_push {
-    uint first_item; // of this dispatch
+    uint first_item; // first item of this dispatch
     uint items;      // in all
     // display_read: of the chunk, of the film; what renderer's frame says; what SOURCES has
     uint first_pixel;
@@ -86,11 +86,11 @@ struct gpu_display_push {
     uint from_first, from_count;
     uint from_width;
     uint to_width;
-    uint first_row; // of TO
+    uint first_row; // first row of TO
     uint is_added;  // to what is there
     // display_show
-    uint width, height; // of all
-    uint left, top;     // of the picture in it
+    uint width, height; // size of all
+    uint left, top;     // place of the picture in it
     uint picture_width, picture_height;
     uint split; // the picture's column where the second side begins
     float gain;

@@ -38,7 +38,7 @@
 #define DISTRIBUTION_PHONG 2u
 #define DISTRIBUTION_COUNT 3u
 #define MATERIAL_MASKING_SHIFT 18 // 3 bits
-#define MASKING_SMITH 0u          // of the distribution (exact for GGX and Beckmann)
+#define MASKING_SMITH 0u          // the distribution's own (exact for GGX and Beckmann)
 #define MASKING_SCHLICK_GGX 1u    // k = alpha / 2
 #define MASKING_LH 2u // G / (4 n.l n.v) ~ 1 / (4 (l.h)^2), Kelemen and Szirmay-Kalos 2001
 // Walter et al. 2007: Beckmann's rational G1; Phong's through a = sqrt(alpha_p / 2 + 1) /
@@ -48,7 +48,7 @@
 #define MASKING_SCHLICK_REMAPPED 5u   // k = (roughness + 1)^2 / 8, Karis 2013
 #define MASKING_RATIONAL_UNBOUNDED 6u // the rational G1 with any distribution; may gain energy
 #define MASKING_COUNT 7u
-#define MATERIAL_EXACT_FRESNEL (1u << 21) // of ior, instead of Schlick's
+#define MATERIAL_EXACT_FRESNEL (1u << 21) // by ior, instead of Schlick's
 #define MATERIAL_UNCOUPLED (1u << 22)     // the base has 1 - F(wo.h) instead of both sides' 1 - F
 #define MATERIAL_MIXED_FRESNEL (1u << 23) // exact and Schlick's, by metallic, coloured
 #define MATERIAL_EXACT_COAT (1u << 24)    // the coat's Fresnel is that of index 1.5, not Schlick's
@@ -146,8 +146,8 @@
 #define LOBE_SEPARABLE (1u << 22)
 #define LOBE_BURLEY (1u << 23)    // principled that is mixed as Burley does
 #define LOBE_GLTF (1u << 24)      // principled that is mixed as glTF says
-#define LOBE_MASKINGS (1u << 25)  // of microfacet: MASKING_SCHLICK and those after it
-#define LOBE_UNCOUPLED (1u << 26) // of microfacet: MATERIAL_UNCOUPLED
+#define LOBE_MASKINGS (1u << 25)  // microfacets with MASKING_SCHLICK or those after it
+#define LOBE_UNCOUPLED (1u << 26) // microfacets with MATERIAL_UNCOUPLED
 #define LOBE_MIXED_FRESNEL (1u << 27)
 #define LOBE_EXACT_COAT (1u << 28)
 #define LOBE_END (1u << 29)

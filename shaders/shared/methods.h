@@ -37,7 +37,7 @@
 
 // Ways to place a sample in its pixel's filter; only these two dimensions are affected.
 #define PIXEL_SAMPLING_SAMPLER 0u    // as the sampler says
-#define PIXEL_SAMPLING_CENTRE 1u     // of the pixel
+#define PIXEL_SAMPLING_CENTRE 1u     // the pixel's centre
 #define PIXEL_SAMPLING_GRID 2u       // at the centres of strata
 #define PIXEL_SAMPLING_RANDOM 3u     // independent
 #define PIXEL_SAMPLING_STRATIFIED 4u // at random in strata
@@ -58,7 +58,7 @@
 #define LIGHT_CHOICE_AUTO 0u // a setting only: see render/tables/light_choice.h
 #define LIGHT_CHOICE_UNIFORM 1u
 #define LIGHT_CHOICE_POWER 2u
-#define LIGHT_CHOICE_ALL 3u  // of each lamp one: CONSTANT_LIGHT_VERTICES; beyond, by the tree
+#define LIGHT_CHOICE_ALL 3u  // one of each lamp: CONSTANT_LIGHT_VERTICES; beyond, by the tree
 #define LIGHT_CHOICE_TREE 4u // by what they may send here, through a light BVH
 
 // Weights of the two techniques that find emitters.

@@ -35,7 +35,7 @@ typedef uint32_t uint;
 // Three words of four; w's carry what shading needs, so that no index leads elsewhere.
 struct gpu_triangle {
     float v0[3];
-    uint id; // of the flat scene: decides between hits at equal distance
+    uint id; // id in the flat scene: decides between hits at equal distance
     float v1[3];
     uint material; // a material word, see below
     float v2[3];
@@ -48,9 +48,9 @@ SHARED_STATIC_ASSERT_SIZE(gpu_triangle, 48);
 // the lamp's own.
 struct gpu_small_triangle {
     float v0[3];
-    uint first; // of its lamp's, which stand beside each other
+    uint first; // first triangle of its lamp, whose triangles are adjacent
     float edge1[3];
-    uint count; // of its lamp's
+    uint count; // number of its lamp's triangles
     float edge2[3];
     uint emitter; // as of triangles
 };
@@ -101,8 +101,8 @@ struct gpu_instance {
     float to_world[3][4];
     uint root;     // node
     uint material; // word, in place of the triangles' own; or NO_MATERIAL
-    uint id;    // of the flat scene: decides between hits at equal distance, before triangles' ids
-    uint flags; // INSTANCE_*
+    uint id;       // id in the flat scene: at equal distances decides before triangles' ids
+    uint flags;    // INSTANCE_*
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_instance, 112);
 #define INSTANCE_WORDS 7
@@ -115,7 +115,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_instance, 112);
 #define MATERIAL_CLASS_SHIFT 24 // 2 bits
 #define MATERIAL_CLASS_MASK 3u
 #define MATERIAL_WORD_ALPHA (1u << 27)
-#define MATERIAL_WORD_EDGES (1u << 28) // of a triangle: v1 and v2 are edges from v0
+#define MATERIAL_WORD_EDGES (1u << 28) // a triangle whose v1 and v2 are edges from v0
 
 // The materials' buffer: this header, then struct gpu_material for each material, and the sections
 // that begin at these words of four.
@@ -125,18 +125,18 @@ struct gpu_material_header {
     uint media;        // struct gpu_medium; medium m is record m - 1
     uint albedos;      // the tables of lib/albedo.glsl
     uint camera_media; // the stack of media that camera rays start in, see lib/media.glsl
-    float camera_ior;  // of the one they start in
+    float camera_ior;  // index of refraction of the medium that they start in
     uint suns;         // struct gpu_sun
     uint sun_count;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_material_header, 32);
-#define MATERIAL_HEADER_WORDS 2 // of four
+#define MATERIAL_HEADER_WORDS 2 // words of four
 
 struct gpu_material {
     uint model_flags;   // MATERIAL_*
-    uint first_texture; // of its textures, which are adjacent
+    uint first_texture; // first of its textures, which are adjacent
     uint texture_count;
-    uint medium; // of its inside; 0: none
+    uint medium; // medium inside of it; 0: none
     float parameter[PARAMETER_COUNT];
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_material, 192);
@@ -170,7 +170,7 @@ struct gpu_light {
     float direction[3]; // unit, in which light travels: spot, directional
     float pick_probability;
     float radiant[3];    // point, spot: radiance * length^2; directional: irradiance, W/m^2
-    float inverse_range; // of that beyond which there is no light, 1/length; 0: unlimited
+    float inverse_range; // 1 / the distance beyond which there is no light, 1/length; 0: unlimited
     float spot_scale, spot_offset; // falloff: clamp(offset - scale * (1 - cos), 0, 1)^2
     float reach;                   // directional: the length of shadow rays
     float versine; // directional: 1 - cos of the angular radius of a sun; 0: without extent
@@ -219,7 +219,7 @@ struct gpu_light_bounds {
     float center[3];
     float radius;
     uint axis;    // octahedral
-    uint cosines; // of theta_o in bits 0-15, theta_e in 16-30, each from -1 to 1; LIGHT_TWO_SIDED
+    uint cosines; // theta_o in bits 0-15, theta_e in 16-30, each from -1 to 1; LIGHT_TWO_SIDED
     float power;  // as a part of all
     uint child;   // a pair's number, or LIGHT_LEAF and the word of a primitive
 };
@@ -242,7 +242,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_light_trail, 16);
 // A lamp: emitters that hang together, or one that stands alone, or is infinitely far.
 struct gpu_lamp {
     uint child; // that all its emitters are below
-    uint depth; // of that: bits of a trail; LIGHT_NOWHERE: it sends nothing
+    uint depth; // depth of this child: bits of a trail; LIGHT_NOWHERE: it sends nothing
     uint align_lamp[2];
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_lamp, 16);
@@ -255,7 +255,7 @@ struct gpu_path {
     float bsdf_pdf; // solid-angle density that chose the direction; 0: camera or perfectly specular
     float throughput[3];
     uint media; // the stack of media it is in, see lib/media.glsl
-    float t;    // of the hit; not valid for misses
+    float t;    // distance of the hit; not valid for misses
     float u, v;
     uint primitive;
 };
@@ -309,7 +309,7 @@ struct gpu_film_pixel {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_film_pixel, 112);
 #define FILM_WORDS 7
-#define FILM_HALF_WORDS 3u // of four: the sums of a half
+#define FILM_HALF_WORDS 3u // words of four: the sums of a half
 // One word of four holds the digits of this many groups of four sums of the layers.
 #define FILM_GROUPS_A_WORD 4u
 
@@ -346,7 +346,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 #define STEPS_COUNT 4
 
 #define CLAMP_UNITS 1024.0f
-#define CLAMP_UNITS_MOST 2.74877907e11f // of one contribution, 2^38: a wave's sum stays below 2^64
+#define CLAMP_UNITS_MOST 2.74877907e11f // for one contribution, 2^38: a wave's sum stays below 2^64
 
 struct gpu_dispatch {
     uint x, y, z;
@@ -390,7 +390,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_counters, 12288);
 #define SORT_CELL_BITS 3
 #define SORT_KEYS (8 << 3 * SORT_CELL_BITS) // 8 octants of so many cells
 struct gpu_sort {
-    uint count[SORT_KEYS]; // of the rays that have a key; 0 when no sort is under way
+    uint count[SORT_KEYS]; // rays that have a key; 0 when no sort is under way
     uint place[SORT_KEYS]; // in the sorted queue, of the next ray that has it
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_sort, 32768);
@@ -398,12 +398,12 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sort, 32768);
 // Push constants: what changes from dispatch to dispatch.
 struct gpu_push {
     uint bounce;
-    uint first_pixel; // of the image, of this wave
-    uint pixel_count; // of this wave
+    uint first_pixel; // number in the image of this wave's first pixel
+    uint pixel_count; // pixels of this wave
     uint first_sample;
     uint sample_shift; // a wave holds pixel_count << sample_shift paths, a pixel's samples adjacent
     uint queue;        // that the kernel consumes, or a mask for prepare_dispatch
-    uint first_item;   // of the queue, for this part of a split dispatch
+    uint first_item;   // first item in the queue, for this part of a split dispatch
     uint part_items;   // items a part has at most
     uint film_first_pixel; // pixel that the bound range of the film begins with
     uint light_ray;        // which of a slot's shadow rays
@@ -424,28 +424,28 @@ struct gpu_frame {
     uint max_bounces;
     VEC3(environment);     // radiance, or the factor on the image's
     uint environment_size; // width in bits 0-15, height in 16-31
-    float environment_cos; // of the angle by which it is turned about +Y
+    float environment_cos; // cosine of the angle by which it is turned about +Y
     float environment_sin;
     float environment_pick; // the probability to connect to it, where that does not depend on where
     uint emitter_count;
     uint wave_slots;   // capacity of a queue and of the path arrays
     uint samples;      // a pixel, as planned; 0: not known
     uint nee_depth;    // vertices that send shadow rays
-    float clamp_limit; // of a contribution's largest component
+    float clamp_limit; // limit for a contribution's largest component
     uint roulette_min_bounces;
-    uint roulette_max_bounces; // of ROULETTE_FRAME: its cap
+    uint roulette_max_bounces; // cap of the depth with ROULETTE_FRAME
     float roulette_survival;
-    float direction_exponent; // of DIRECTIONS_POWER_COSINE
+    float direction_exponent; // only for DIRECTIONS_POWER_COSINE
     float lens_radius;
     float focus_distance; // from the camera to the plane in focus
-    float lens_rotation;  // of the aperture's blades, radians
+    float lens_rotation;  // rotation of the aperture's blades, radians
     uint lens_blades;     // 0: round
     float filter_radius;  // pixels
     float ao_distance;
     float metre;             // metres a unit of length: a power of two
     float environment_reach; // the length of shadow rays to it
     VEC3(ambient);           // INTEGRATOR_WHITTED: what is around the scene, on average
-    uint pending_rays;       // of INTEGRATOR_WHITTED: entries of a slot's stack
+    uint pending_rays;       // INTEGRATOR_WHITTED: entries of a slot's stack
     uint instances;          // words of four at which sections of the shapes' buffer begin
     uint sdfs;
     uint sdf_code;
@@ -454,10 +454,10 @@ struct gpu_frame {
     float lens_at_start;     // how large the lens is there: 1 - camera_start / focus_distance
     uint small_triangles;    // as `instances`
     uint pixel_strata;       // a side of a pixel, of PIXEL_SAMPLING_GRID and _STRATIFIED
-    float mis_exponent;      // of MIS_POWER_ANY
-    float min_density;       // of a direction, 1/sr, with FEATURE_MIN_DENSITY
+    float mis_exponent;      // only for MIS_POWER_ANY
+    float min_density;       // least density of a direction, 1/sr, with FEATURE_MIN_DENSITY
     uint split_lobes;        // vertices at which paths split, with FEATURE_SPLIT_LOBES
-    float environment_floor; // of the luminance that its image is sampled by
+    float environment_floor; // subtracted from the luminances that its image is sampled by
     uint align_frame;
     VEC3(cells_begin); // where rays are sorted by cells: the scene's lowest corner,
     uint align_cells;
