@@ -15,7 +15,7 @@
 #define NAME "\xc3\xa4\xe2\x86\x92\xf0\x9f\x90\x9b.txt"
 
 static struct arena arena;
-static char *folder; // of each test, made before it and empty after it
+static char *folder; // each test's, made before it and empty after it
 
 static const char *in_folder(const char *name)
 {

@@ -55,7 +55,7 @@ static int measure(const char *name, const struct mesh *mesh, struct bvh_method 
         struct err err;
         struct bvh_params params = mesh_params(mesh);
         params.method = method;
-        clock_t start = clock(); // of all threads: on a machine in use it says more
+        clock_t start = clock(); // clock of all threads: on a machine in use it says more
         if (!bvh_build(&params, &arena, &bvh, &err)) {
             fprintf(stderr, "%s: %s\n", name, err.msg);
             return 1;

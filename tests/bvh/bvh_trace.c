@@ -72,7 +72,7 @@ struct tracer {
     struct slab_ray slab;
     struct shear_ray shear;
     uint32_t instance;  // UINT32_MAX: in the world
-    double interval[2]; // of t within the instance's box
+    double interval[2]; // range of t within the instance's box
 };
 
 static struct tracer tracer_for(const struct bvh_trace_scene *scene, const struct bvh_ray *ray)

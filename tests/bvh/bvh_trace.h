@@ -28,7 +28,7 @@ typedef double (*bvh_shape_fn)(const void *context, uint32_t shape, const struct
 struct bvh_trace_instance {
     double to_object[3][4]; // from the world to the tree's space, as exact as is known
     uint32_t root;
-    uint32_t first_triangle, triangle_count; // of the tree: for bvh_trace_brute_force() alone
+    uint32_t first_triangle, triangle_count; // the tree's: for bvh_trace_brute_force() alone
 };
 
 struct bvh_trace_scene {

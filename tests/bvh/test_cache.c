@@ -17,7 +17,7 @@ struct fixture {
     struct mesh mesh;
     struct bvh_params params;
     struct bvh built;
-    char *path; // of its file
+    char *path; // path of its file
 };
 
 static _Atomic unsigned warnings;

@@ -18,7 +18,7 @@ struct scene {
     struct mesh mesh;
     struct bvh_params params;
     struct bvh bvh[WAYS];
-    struct bvh_trace_scene trace; // of the first one
+    struct bvh_trace_scene trace; // the first one's
 };
 
 static void scene_build(struct scene *scene)

@@ -54,7 +54,7 @@ static const struct {
 
 struct cell {
     uint32_t runs, ended, wrong, looks;
-    double *ratios; // of samples to those of hindsight; INFINITY where it did not end
+    double *ratios; // samples over those of hindsight; INFINITY where it did not end
     uint32_t told[FORECASTS], held[FORECASTS];
 };
 

@@ -15,7 +15,7 @@ struct judge {
     bool misses;
     uint64_t values;
     double *sum, *square;    // of the pictures with the most samples
-    float (*local_means)[3]; // of `reference`
+    float (*local_means)[3]; // metrics_local_means() of `reference`
     float (*half_a)[3], (*half_b)[3];
     float (*picture)[3];
     float (*reference)[3];  // without the seed at hand

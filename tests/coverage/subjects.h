@@ -6,7 +6,7 @@
 
 struct subject {
     const char *name, *path; // from the source root
-    const char *key, *value; // of an override; NULL: none
+    const char *key, *value; // an override; NULL: none
 };
 
 typedef bool (*subject_fn)(void *context, const struct subject *subject, struct err *err);

@@ -9,7 +9,7 @@ enum { SIDE = 20, VERTICES = SIDE * SIDE, INDICES = 6 * (SIDE - 1) * (SIDE - 1) 
 // A wavy grid.
 struct grid {
     float positions[VERTICES][3];
-    float normals[VERTICES][4]; // of unit length; the last is 0
+    float normals[VERTICES][4]; // normals of unit length; the last is 0
     uint32_t indices[INDICES];
 };
 
@@ -211,7 +211,7 @@ TEST(octahedral_normals)
         struct err err;
         bool ok = load_file(&file, lists, &scene, &err);
         CHECK(ok, "%s", err.msg);
-        float tolerance = stride == 4 ? 0.02f : 0.002f; // of 8 and 12 bits
+        float tolerance = stride == 4 ? 0.02f : 0.002f; // tolerances of 8 and 12 bits
         for (uint32_t v = 0; ok && v < VERTICES; v++)
             for (int i = 0; i < 3; i++)
                 CHECK(fabsf(scene.meshes[0].normals[v][i] - grid.normals[v][i]) < tolerance,

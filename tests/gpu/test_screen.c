@@ -101,7 +101,7 @@ static double area(const float a[2], const float b[2], const double c[2])
 }
 
 struct picture {
-    double rgba[WIDTH * HEIGHT][4]; // of 255
+    double rgba[WIDTH * HEIGHT][4]; // each 0 to 255
     bool is_on_edge[WIDTH * HEIGHT];
 };
 

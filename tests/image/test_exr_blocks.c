@@ -6,7 +6,7 @@
 #include <zlib.h>
 
 enum {
-    LINES = 16, // of a block
+    LINES = 16, // lines of a block
     MOST_BYTES = 4096,
     MOST_CHANNELS = 9,
     MOST_PIXELS = 64,

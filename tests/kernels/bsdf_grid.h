@@ -11,7 +11,7 @@ struct configuration {
     char name[160];
     struct material material; // its name is `name`
     float wo[3];
-    double angle; // of wo, degrees
+    double angle; // angle of wo, degrees
     float eta;
     struct bsdf_choices choices;
 };

@@ -15,7 +15,7 @@ enum { REFERENCE_MAX_DELTAS = 4 };
 struct reference_delta {
     double wi[3];
     double probability;
-    double weight[3]; // of a sample of it
+    double weight[3]; // weight of a sample of it
     bool transmitted;
 };
 

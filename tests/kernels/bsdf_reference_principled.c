@@ -22,7 +22,7 @@ struct principled_state {
     double coat, coat_alpha[2], coat_layer, base_layer;
     bool coat_ggx, coat_delta;
     double p_fibre, p_coat, p_base, p_diffuse, p_through;
-    double albedo_burley[DIFFUSE_NODES + 1]; // of d_burley, by the cosine
+    double albedo_burley[DIFFUSE_NODES + 1]; // albedo of d_burley, by the cosine
 };
 
 static double weight5(double cosine)

@@ -9,7 +9,7 @@
 
 struct sampler_setup {
     struct setup setup;
-    uint32_t sampler, halves, filter; // of the next run
+    uint32_t sampler, halves, filter; // methods of the next run
     uint32_t seed, samples;           // samples: planned
     float filter_radius;
     uint32_t pixel_sampling, pixel_strata;

@@ -13,7 +13,7 @@ struct sdf_program {
     const char *name;
     struct gpu_sdf_instruction code[SDF_TEST_CODE];
     uint32_t count;
-    double half;      // of its box's edges
+    double half;      // half of its box's edges
     double magnitude; // 0: twice the box's half
     bool is_fractal;  // gradients depend on where they are taken
     bool is_cut;      // by its box: the surface is open there

@@ -19,11 +19,11 @@ struct spirv_member {
 struct spirv_id {
     const char *name;
     uint32_t opcode;             // that made it: OpTypeStruct, …
-    uint32_t element;            // of arrays and vectors: the type's id
-    uint32_t length;             // of arrays: the constant's id
-    uint32_t value;              // of 32-bit constants; of vectors: how many components
-    uint32_t stride;             // of arrays: ArrayStride, 0 without
-    uint32_t member_count;       // of structures
+    uint32_t element;            // arrays and vectors: the type's id
+    uint32_t length;             // arrays: the constant's id
+    uint32_t value;              // 32-bit constants: the value; vectors: how many components
+    uint32_t stride;             // arrays: ArrayStride, 0 without
+    uint32_t member_count;       // structures: members
     struct spirv_member *member; // SPIRV_MAX_MEMBERS, of structures and what has member names
 };
 

@@ -203,7 +203,7 @@ static const char *const integrand_names[INTEGRANDS] = {
 
 struct point {
     double mu, alpha, eta, roughness;
-    double anisotropic, phi; // of interfaces that also refract: wo's azimuth
+    double anisotropic, phi; // only for interfaces that also refract: wo's azimuth
 };
 
 static double weight5(double cosine)

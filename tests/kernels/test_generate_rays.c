@@ -30,7 +30,7 @@ static void camera_direction(const struct camera *camera, double x, double y, do
 
 struct expected {
     uint32_t pixel, sample;
-    double inside[2]; // of the pixel
+    double inside[2]; // position inside the pixel
 };
 
 static struct expected expect(const struct renderer *r, uint32_t slot)

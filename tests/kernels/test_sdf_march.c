@@ -70,7 +70,7 @@ static void trace(struct renderer *r)
 // A ray in the field's own space, metres; where it is within the box, and how far off it may be.
 struct field_ray {
     double origin[3], direction[3], begin, end;
-    double metres; // of the field a unit of t
+    double metres; // metres of the field for a unit of t
     double slack;
 };
 
@@ -130,7 +130,7 @@ static double crossing(const struct sdf *sdf, const struct field_ray *ray, doubl
 }
 
 struct counts {
-    uint32_t hits, inside;              // of rays: that hit; that began inside
+    uint32_t hits, inside;              // numbers of rays that hit; that began inside
     uint32_t off, through, missed, far; // wrong: not on the surface; behind another; none; outside
     double worst;                       // distance from the surface, in slacks
 };

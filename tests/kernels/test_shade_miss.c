@@ -93,7 +93,7 @@ TEST(axes_see_their_texels)
 {
     static const struct {
         float direction[3];
-        uint32_t texel; // of 8 x 4
+        uint32_t texel; // number in 8 x 4 texels
     } axes[] = {
         // The horizon is the upper edge of row 2; a half pixel to each side keeps off the edges.
         {{1, -0.1f, 0.1f}, 2 * 8 + 4},  {{0.1f, -0.1f, 1}, 2 * 8 + 5},

@@ -133,9 +133,9 @@ struct hit {
     const struct renderer *r;
     uint32_t slot;
     struct surface_point s;
-    double origin[3], direction[3], throughput[3]; // of the path
+    double origin[3], direction[3], throughput[3]; // the path's
     double u_light[4], u_bsdf[4];
-    double normal_error; // of shading normals: octahedral codes, see test_precision
+    double normal_error; // error of shading normals: octahedral codes, see test_precision
     bool interpolated;   // the shading normal is, and may not be the geometric one
 };
 
@@ -478,7 +478,8 @@ static void check_next_path(const struct hit *h)
 {
     const struct gpu_path *path = &after[h->slot];
     double direction[3], mirrored[3], q = survival(h);
-    double pdf, part = 1, relative = 1e-6; // of the reflectance that this direction stands for
+    double pdf, part = 1,
+                relative = 1e-6; // part: fraction of the reflectance that this direction stands for
     uint32_t directions = h->r->specialization.directions;
     bool fits = directions == DIRECTIONS_BSDF || directions == DIRECTIONS_COSINE;
     for (int c = 0; c < 3; c++)

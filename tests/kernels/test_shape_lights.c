@@ -45,12 +45,12 @@ static double whole_area(const struct exact_shape *s)
 
 // The faces of a shape on which points are sampled from one place.
 struct aim {
-    double area[FACES]; // of what is aimed at
-    double whole;       // of these
+    double area[FACES]; // areas of the faces aimed at
+    double whole;       // sum of these areas
     double axis[3];     // a cylinder's: two directions across it, the first one from which its side
     double across[2][3]; // is seen
     double arc;          // half of the angle round the axis
-    double solid_angle;  // of a quad whose points are chosen by it; else 0
+    double solid_angle;  // solid angle of a quad whose points are chosen by it; else 0
 };
 
 // The solid angle of part of a quad, from x[0] to x[1] and y[0] to y[1] of -1 ... 1 along its edges,

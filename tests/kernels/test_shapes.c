@@ -16,10 +16,10 @@ static double rounding;
 #define ROUNDING rounding
 
 enum {
-    SHAPES = 126, // of three worlds each a third
+    SHAPES = 126, // a third in each of three worlds
     RAYS = 1024,  // a shape
     ITEMS = SHAPES * RAYS,
-    MODES = 8, // of rays
+    MODES = 8, // modes of rays
 };
 
 static const struct routine leave = {shapes_spirv, sizeof shapes_spirv, ROUTINE_LEAVE_SHAPE};
@@ -236,11 +236,11 @@ static enum verdict judge(const struct range *r, double t, double slack)
 // --- a kind --------------------------------------------------------------------------------------
 
 struct tally {
-    uint32_t hits, rounded, wrong;         // of rays from anywhere
+    uint32_t hits, rounded, wrong;         // rays from anywhere
     uint32_t loose, beyond;                // errors of points that are too large, or too small
-    uint32_t wrong_side, met_again;        // of rays that leave
-    uint32_t far_found, far_rounded, lost; // of rays that go in
-    uint32_t plain, plain_rounded;         // of shapes and rays that nothing is the matter with
+    uint32_t wrong_side, met_again;        // rays that leave
+    uint32_t far_found, far_rounded, lost; // rays that go in
+    uint32_t plain, plain_rounded;         // shapes and rays that nothing is the matter with
     bool is_shown;                         // a ray that went wrong
 };
 

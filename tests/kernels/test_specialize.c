@@ -37,7 +37,7 @@ enum {
     UVS = TRAIT(22),           // the quad has two sets
     COLORS = TRAIT(23),        // and colours
     BRUSHED_QUAD = TRAIT(24),  // it is anisotropic
-    TEXTURE = TRAIT(25),       // of halves, on all surfaces
+    TEXTURE = TRAIT(25),       // a texture of halves, on all surfaces
     FLOAT_TEXTURE = TRAIT(26), // another, of floats
     TEXTURE_1 = TRAIT(27),     // another, over the second coordinates
     NORMAL_MAP = TRAIT(28),
@@ -275,7 +275,7 @@ static void make_scene(uint64_t has, struct scene *scene)
 
 // The parts of a renderer that were made for a scene.
 struct inventory {
-    uint64_t features; // of the scene; emitters from bit 32 on
+    uint64_t features; // the scene's; emitters from bit 32 on
     uint32_t kernels;  // bits by enum kernel_id: pipelines
     uint32_t buffers;  // bits by binding: VkBuffers
     uint32_t planned;  // a bit for each binding that the memory plan has
@@ -519,7 +519,7 @@ TEST(no_feature_is_forgotten)
     (FEATURE_CLASSES | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |             \
      FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA |               \
      FEATURE_NORMAL_MAPS | FEATURE_TILES)
-#define OTHER_KERNELS (BIT(KERNEL_shade_ao) | BIT(KERNEL_shade_whitted)) // of other integrators
+#define OTHER_KERNELS (BIT(KERNEL_shade_ao) | BIT(KERNEL_shade_whitted)) // other integrators
 #define SORT_KERNELS (BIT(KERNEL_sort_count) | BIT(KERNEL_sort_scan) | BIT(KERNEL_sort_scatter))
 #define CLASS_KERNELS (((1u << CLASS_COUNT) - 1u) << KERNEL_shade_diffuse)
 

@@ -95,9 +95,9 @@ static struct counts trace(struct renderer *r, enum kernel_id kernel, const stru
 struct rays {
     struct probe_ray sure[RAYS], other[RAYS];
     uint32_t sure_count, other_count;
-    struct counts exact;       // of the sure ones
-    struct counts least, most; // of the others
-    struct counts reference;   // of the others, by the CPU's own traversal
+    struct counts exact;       // counts of the sure rays
+    struct counts least, most; // counts of the others
+    struct counts reference;   // counts of the others, by the CPU's own traversal
 };
 
 static void sort_ray(const struct renderer *r, const struct reference *reference, bool shadow,

@@ -27,14 +27,14 @@ TEST(unused_images_stay_away_and_equal_ones_are_there_once)
     uint32_t equal = add_image(scene, 5, 3, false, 1);
     uint32_t floats = add_image(scene, 4, 4, true, 2); // 256 bytes
     uint32_t other = add_image(scene, 5, 3, false, 3); // 128 bytes
-    add_image(scene, 64, 64, true, 4);                 // of no texture
+    add_image(scene, 64, 64, true, 4);                 // no texture has it
     uint32_t unused = add_image(scene, 32, 32, true, 5);
     add_texture(scene, halves, SCALES_BASE);
     add_texture(scene, equal, SCALES_BASE | TEXTURE_UV1);
     add_texture(scene, floats, SCALES_BASE | TEXTURE_NEAREST);
     add_texture(scene, floats, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT);
     add_texture(scene, other, SCALES_BASE);
-    add_material(scene, &m); // of no triangle
+    add_material(scene, &m); // no triangle has it
     add_texture(scene, unused, SCALES_BASE);
     add_square(scene, used);
     open_setup(&setup);

@@ -230,7 +230,7 @@ static struct judgement judge_sphere(const struct flat_shape *shape, const struc
     for (int c = 0; c < 3; c++)
         closest[c] = f[c] + middle * ray->direction[c];
     double near = vec3_norm(closest), far = vec3_norm(f);
-    double offset = 20 * ROUNDING * far; // of the closest point
+    double offset = 20 * ROUNDING * far; // error of the closest point
     double chord2 = radius * radius - near * near;
     double chord2_error =
         offset * (2 * near + offset) + 4 * ROUNDING * (radius * radius + near * near);

@@ -10,7 +10,7 @@
 // The CPU reference on a renderer's own geometry.
 struct reference {
     const struct flat_scene *flat;
-    struct bvh_box *boxes; // of the shapes
+    struct bvh_box *boxes; // boxes of the shapes
     struct bvh_trace_instance *instances;
     struct bvh_params geometry;
     struct bvh_trace_scene scene;

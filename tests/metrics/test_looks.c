@@ -33,7 +33,7 @@ static double pareto_noise(uint64_t *random)
 // A gray picture of one true value everywhere, as it grows.
 struct run {
     uint64_t random;
-    double sum[2][PIXELS]; // of each half
+    double sum[2][PIXELS]; // sums of each half
     uint64_t samples;
 };
 

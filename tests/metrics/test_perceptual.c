@@ -267,7 +267,7 @@ TEST(exposures)
     for (int c = 0; c < 3; c++)
         reference[3][c] = bright;
     memcpy(image, reference, sizeof image);
-    image[5][0] = NAN; // of no account
+    image[5][0] = NAN; // does not count
     struct picture_pair p = pair();
     struct flip_exposures found;
     CHECK(metrics_flip_exposures(&p, NULL, &found));

@@ -22,7 +22,7 @@ struct made_film {
     struct scene scene;
     struct renderer renderer; // whose film is overwritten
     uint32_t width, height;
-    float (*picture)[4]; // of the last film_denoise
+    float (*picture)[4]; // picture of the last film_denoise
 };
 
 bool film_open(struct gpu *gpu, uint32_t width, uint32_t height, struct made_film *out,

@@ -117,7 +117,7 @@ static const char caustic_scene[] = "tests/render/scenes/caustic.json";
 static const struct scene_override spiky[] = {SMALL_LAMP, {"settings.nee", "false"}, {0}};
 static const struct scene_override smooth[] = {SMALL_LAMP, {0}};
 
-enum { BIAS_TILES = 9 }; // of 48 x 48 pixels
+enum { BIAS_TILES = 9 }; // tiles of 48 x 48 pixels
 
 // The samples that a replicate gave to a tile, and the tile's result.
 struct tile_results {

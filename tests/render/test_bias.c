@@ -11,8 +11,8 @@ enum { REPLICATES = 16, REFERENCE_FACTOR = 100, OVERRIDES = 8, SEEDS = 500 };
 struct method {
     const char *name, *path, *width, *height;
     uint32_t samples;
-    struct scene_override scene[OVERRIDES];  // of the reference, too
-    struct scene_override varied[OVERRIDES]; // of the method alone
+    struct scene_override scene[OVERRIDES];  // settings of the reference, too
+    struct scene_override varied[OVERRIDES]; // settings of the method alone
 };
 
 static const struct method methods[] = {

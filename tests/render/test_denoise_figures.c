@@ -12,7 +12,7 @@ struct case_of_scene {
     const char *name, *path, *width, *height;
     bool painted;
     uint32_t reference;    // samples
-    double limits[COUNTS]; // of the denoised relMSE as a part of the film's
+    double limits[COUNTS]; // limits for the denoised relMSE as a part of the film's
 };
 
 // Tiles on all that is white: squares of two colours, and lines a texel wide.

@@ -565,7 +565,7 @@ TEST(what_moved_is_followed)
 // fourth row lies the pixel that differs.
 struct noisy {
     bool is_past;
-    float past_normal[3]; // of the pixels that differ
+    float past_normal[3]; // normal of the pixels that differ
     uint32_t past_samples;
 };
 

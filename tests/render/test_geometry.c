@@ -173,7 +173,7 @@ TEST(sharing_changes_no_bit)
     REQUIRE_OK(geometry_create(
         &(struct geometry_params){.scene = &scene, .instancing = INSTANCING_ON}, &geometry, &err));
     params.geometry = &geometry;
-    params.instancing = INSTANCING_OFF; // of no account
+    params.instancing = INSTANCING_OFF; // has no effect
     REQUIRE_OK(renderer_create(&params, &first, &err));
     REQUIRE_OK(renderer_create(&params, &second, &err));
     CHECK(first.flat.triangles == second.flat.triangles && first.bvh.nodes == geometry.bvh.nodes,

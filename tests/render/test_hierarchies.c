@@ -33,7 +33,7 @@ enum { WAYS = sizeof ways / sizeof *ways };
 struct picture {
     struct film_image film;
     struct bvh_stats stats;
-    uint64_t order_hash; // of the triangles in the tree, and its nodes' number
+    uint64_t order_hash; // hash of the triangles in the tree, and of its nodes' number
     uint32_t duplicates;
 };
 

@@ -19,7 +19,7 @@ struct held {
     uint8_t push[GPU_PUSH_BYTES];
     uint32_t push_bytes;
     uint32_t groups[3];
-    VkBuffer arguments; // of an indirect one, or VK_NULL_HANDLE
+    VkBuffer arguments; // arguments of an indirect one, or VK_NULL_HANDLE
     VkDeviceSize offset;
 };
 

@@ -7,7 +7,7 @@
 #include <inttypes.h>
 
 #define SAMPLES 4u
-#define SIDE 32u // of the pictures
+#define SIDE 32u // side of the pictures
 
 // One light close above a floor, as a file would give it.
 static bool load_floor(enum light_estimator estimator, struct scene *scene, struct err *err)

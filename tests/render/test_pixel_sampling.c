@@ -44,7 +44,7 @@ static struct average average(const double *values)
 struct expectation {
     uint32_t pixel_sampling, halves;
     uint64_t samples;
-    double mean, variance; // of a pixel
+    double mean, variance; // mean and variance of a pixel
 };
 
 static const double light[3] = {1, 2, 4};
@@ -96,7 +96,7 @@ TEST(edge)
 {
     // The last of four rows of strata shines, and a fifth of the third one.
     const double third = SHARE * STRATA - 1;
-    const double between = (1 + third * third) / 4 - SHARE * SHARE; // of the rows' means
+    const double between = (1 + third * third) / 4 - SHARE * SHARE; // variance of the rows' means
     const double within = third * (1 - third) / 4;
     const double grid = 0.25 * 0.75;
     const double random = SHARE * (1 - SHARE);

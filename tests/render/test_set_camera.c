@@ -5,7 +5,7 @@
 #include "shared/methods.h"
 #include <math.h>
 
-#define ROOM_WIDTH 48u // of the largest picture
+#define ROOM_WIDTH 48u // width of the largest picture
 #define ROOM_HEIGHT 32u
 #define SAMPLES 3u // not a power of two: passes of several sizes
 
@@ -14,7 +14,7 @@ struct look_case {
     struct gpu_limit_overrides limits;
     uint32_t sampler, halves, integrator, camera_kind, aovs;
     bool lens, compile_all, validation;
-    double inside[3]; // of something transparent; y 0: nowhere
+    double inside[3]; // point inside something transparent; y 0: nowhere
 };
 
 #define ALL_AOVS (AOV_END - 1u)

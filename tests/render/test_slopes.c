@@ -91,7 +91,7 @@ static double slope_without(struct pictures *pictures, uint32_t left_out)
 }
 
 struct slope {
-    double value, half_width; // of its 95 % interval: jackknife over seeds
+    double value, half_width; // half width of its 95 % interval: jackknife over seeds
 };
 
 static struct slope find_slope(struct pictures *pictures)

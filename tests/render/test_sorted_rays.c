@@ -15,7 +15,7 @@ struct setup {
     struct renderer r;
     struct arena arena;
     // While a queue is sorted.
-    uint32_t *slots; // of its rays, before
+    uint32_t *slots; // slots of its rays, before
     uint32_t ray_count, sorted_queue;
     // So far.
     uint32_t sorted_queues, near_borders, compared;

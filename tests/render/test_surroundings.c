@@ -26,7 +26,7 @@ struct form {
                      struct err *err);
     double parameter;
     double normal[3];
-    double rotation;   // of the environment, radians
+    double rotation;   // rotation of the environment, radians
     unsigned alone;    // which estimators besides MIS find the light in reasonable time
     uint32_t filter;   // ENVIRONMENT_FILTER_*
     bool by_luminance; // ESTIMATOR_MIS is held against it in the short test, too

@@ -29,7 +29,7 @@ struct bench {
     bool has_twice;   // an id twice
     uint32_t fillers; // lines above the last group
     uint32_t rows, row_calls;
-    uint32_t width, height; // of the window; 0: BENCH_WIDTH and BENCH_HEIGHT
+    uint32_t width, height; // size of the window; 0: BENCH_WIDTH and BENCH_HEIGHT
 };
 
 // The ranges of the controls.
