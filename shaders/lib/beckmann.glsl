@@ -125,7 +125,7 @@ float rational_g1(vec3 w, float alpha)
 // Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", eq. 19. His own k =
 // sqrt(2 / pi) alpha fits Smith's function for Beckmann's distribution; Karis 2013, "Real Shading
 // in Unreal Engine 4", takes k = alpha / 2, which meets GGX's G1 at grazing incidence, and for
-// lights without extent (roughness + 1)^2 / 8. None of the three is below alpha / 2 where alpha =
+// delta lights (roughness + 1)^2 / 8. None of the three is below alpha / 2 where alpha =
 // roughness^2, so that this G1 is never above GGX's.
 float schlick_g1(vec3 w, float k)
 {

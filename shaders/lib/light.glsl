@@ -1,4 +1,4 @@
-// Next-event estimation: sampling a point on an emitter or a light without extent, and the density
+// Next-event estimation: sampling a point on an emitter or a delta light, and the density
 // with which that would have happened. sample_light and pdf_light must agree for the weights of MIS
 // to sum to one.
 #ifndef LIGHT_GLSL

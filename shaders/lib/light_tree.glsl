@@ -63,7 +63,7 @@ float light_importance(uint at, receiver r)
     float cos_received = cos_difference(sin_from_cos(cos_n), cos_n, sin_b, cos_b);
     if (r.normal != vec3(0.0))
         importance *= max(0.0, cos_received);
-    // A point that a light without extent is in: any finite share will do.
+    // A point at which there is a delta light: any finite share will do.
     return importance * uintBitsToFloat(word.z) / max(max(distance2, radius2), 1.17549435e-38);
 }
 

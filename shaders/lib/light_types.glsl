@@ -10,7 +10,7 @@ struct light_sample {
     float pdf;      // per solid angle at the reference point, the choice of the emitter included
     vec3 radiance;
     uint primitive;
-    bool delta; // without extent: nothing else finds it, so that its weight is 1; `radiance` is the
+    bool delta; // a delta light: nothing else finds it, so that its weight is 1; `radiance` is the
                 // irradiance of a surface that faces it, and `pdf` that of the choice alone
     bool infinite;     // infinitely far, whatever the length of to_light
     uint material;     // word of a primitive's

@@ -140,9 +140,9 @@
 #define EMITTER_TRIANGLES (1u << 0)
 #define EMITTER_SPHERES (1u << 1)
 #define EMITTER_DISCS (1u << 2)
-#define EMITTER_LIGHTS (1u << 3)      // point, spot and directional lights without extent
+#define EMITTER_LIGHTS (1u << 3)      // delta lights: point, spot and directional
 #define EMITTER_SUNS (1u << 4)        // directional lights with an angular diameter
-#define EMITTER_PROFILES (1u << 5)    // lights without extent have profiles
+#define EMITTER_PROFILES (1u << 5)    // delta lights have profiles
 #define EMITTER_ENVIRONMENT (1u << 6) // its image
 #define EMITTER_QUADS (1u << 7)
 #define EMITTER_BOXES (1u << 8)

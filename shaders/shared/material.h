@@ -75,7 +75,7 @@
 #define PARAMETER_OPACITY 3
 #define PARAMETER_EMISSION 4
 // Density, a unit area, with which next-event estimation picks a point on an emitter of this
-// material: luminance / sum of (luminance * area) over all emitters, where a light without extent
+// material: luminance / sum of (luminance * area) over all emitters, where a delta light
 // counts by its power over 2 pi. 0: never picked. Set at upload.
 #define PARAMETER_PICK_DENSITY 7
 #define PARAMETER_ANISOTROPIC 8
@@ -108,7 +108,7 @@
 #define PARAMETER_ALPHA_CUTOFF 43
 #define PARAMETER_COUNT 44
 
-// Lights without extent.
+// Delta lights.
 #define LIGHT_POINT 0u
 #define LIGHT_SPOT 1u
 #define LIGHT_DIRECTIONAL 2u

@@ -26,7 +26,7 @@ typedef uint32_t uint;
 #define NORMAL_FLAT 0x80008000u // gpu_normals.n0 of a triangle without shading normals
 // A primitive word: a shape's index with this bit, or a triangle's place in leaf order.
 #define PRIMITIVE_SHAPE 0x40000000u
-// A light without extent: its index with this bit. Never hit, so that shadow rays may ignore it.
+// A delta light: its index with this bit. It is never hit, so that shadow rays may ignore it.
 #define PRIMITIVE_LIGHT 0x20000000u
 // This word stands for the environment as an emitter.
 #define PRIMITIVE_ENVIRONMENT 0x10000000u
@@ -173,7 +173,7 @@ struct gpu_light {
     float inverse_range; // 1 / the distance beyond which there is no light, 1/length; 0: unlimited
     float spot_scale, spot_offset; // falloff: clamp(offset - scale * (1 - cos), 0, 1)^2
     float reach;                   // directional: the length of shadow rays
-    float versine; // directional: 1 - cos of the angular radius of a sun; 0: without extent
+    float versine; // directional: 1 - cos of the angular radius of a sun; 0: a delta light
     // Point, spot: see lib/profile.glsl.
     float profile_x[3]; // unit, orthogonal to the direction
     uint profile;       // its first word of four in the materials' buffer; 0: none

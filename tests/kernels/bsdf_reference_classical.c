@@ -131,7 +131,7 @@ static double masking(const struct reference *r, const double wi[3], double cosi
     case MASKING_SCHLICK: // his own, below eq. 19
         k = sqrt(2 * alpha * alpha / M_PI);
         return schlick_masking(wo, k) * schlick_masking(wi, k);
-    case MASKING_SCHLICK_REMAPPED: // Karis 2013, for lights without extent
+    case MASKING_SCHLICK_REMAPPED: // Karis 2013, for delta lights
         k = ((double)m->roughness + 1) * ((double)m->roughness + 1) / 8;
         return schlick_masking(wo, k) * schlick_masking(wi, k);
     case MASKING_LH:

@@ -20,7 +20,7 @@ enum aim {
 
 // A target of shadow rays.
 struct target {
-    bool is_delta;   // a light of the scene without extent
+    bool is_delta;   // one of the scene's delta lights
     bool is_common;  // is part of the environment: scattered paths find it about as often as shadow
                      // rays do
     uint32_t light;  // index in the scene, or SCENE_NONE

@@ -244,7 +244,7 @@ bool find_texels(struct survey *survey, struct err *err);     // missing, unusab
 bool find_hidden_lights(struct survey *survey, struct err *err);   // behind glass, and by chance
 bool find_mirrored_lights(struct survey *survey, struct err *err); // that only mirrors send on
 bool find_narrow_spots(struct survey *survey, struct err *err);    // that light less than a pixel
-bool find_lights_on_faces(struct survey *survey, struct err *err); // without extent
+bool find_lights_on_faces(struct survey *survey, struct err *err); // delta lights
 bool find_biases(struct survey *survey, struct err *err);          // that settings ask for
 bool find_unscaled(struct survey *survey, struct err *err);        // radiance, by refraction
 bool find_memory(struct survey *survey, struct err *err);          // too little for the picture

@@ -143,7 +143,7 @@ static bool list_emitters(const struct shading_tables_params *p, double floor, s
     return true;
 }
 
-// --- lights without extent, and suns -------------------------------------------------------------
+// --- delta lights, and suns ----------------------------------------------------------------------
 
 // Returns the record of a result of flat_light(), without its selection probability.
 static struct gpu_light light_record(const struct light *light, float reach)
