@@ -47,7 +47,7 @@ float slope_along(ivec2 pixel, vec4 guide, ivec2 axis)
 
 // Emission is in the halves too, but not in the light that is filtered: where it differs from the
 // next pixels' it may differ between the halves, by a variance of up to a quarter of the
-// difference's square. Where that could be a part of the variance, they tell none.
+// difference's square. Where that could be a part of the variance, they give none.
 const float EMISSION_PART = 0.1;
 
 bool is_told_by_halves(ivec2 pixel, float variance)
@@ -178,8 +178,8 @@ const float PIXELS_TOLD = 178.9 / 65.6;
 // So many pixels are asked at least.
 const float PIXELS_LEAST = 4.0;
 
-// Schied et al. 2017 do without the moments of less than so many frames (section 4.2): neither would
-// they tell here whether a difference is noise.
+// Schied et al. 2017 do without the moments of fewer frames than this (section 4.2): fewer samples
+// would not show here whether a difference is noise.
 const float SAMPLES_LEAST = 4.0;
 
 // Returns how much of the history is still valid: light and shadow may have moved. The mean

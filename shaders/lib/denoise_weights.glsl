@@ -34,8 +34,8 @@ bool is_sky(vec4 guide)
     return dot(guide.xyz, guide.xyz) == 0.0;
 }
 
-// Equation (4). What is around the scene has no normal: by `least`, 1, it is like all there is, and
-// its depth tells it from surfaces.
+// Equation (4). The environment has no normal: by `least`, 1, it is like everything, and its depth
+// distinguishes it from surfaces.
 float normal_weight(vec3 a, vec3 b, float least)
 {
     float weight = max(dot(a, b), least);

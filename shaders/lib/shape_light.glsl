@@ -25,7 +25,7 @@ float pdf_sphere_cone(float radius, float sin2_max, float pick_density)
 }
 
 // sin^2 of the half-angle under which a sphere is seen: below 1 from outside. Where that is closer
-// to 1 than a float tells, its equation does.
+// to 1 than a float can represent, its equation decides.
 float sphere_sin2(vec3 point, vec3 center, float radius)
 {
     vec3 to_center = center - point;

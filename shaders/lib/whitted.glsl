@@ -259,7 +259,7 @@ bool whitted_lights(vertex v, whitted_surface w)
 // If two rays continue, one that carries less than this is not followed (Hall and Greenberg 1983,
 // "A Testbed for Realistic Image Synthesis"): trees would double with every depth. A ray that
 // continues alone is followed whatever it carries.
-const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits tell apart
+const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits distinguish
 
 // A ray of the tree: it is `depth` scattering events from the camera, and below it `pending` others
 // wait on the stack. Both in a word that stands where paths have the density of their direction.

@@ -15,7 +15,7 @@
 // samples it is worth: the variance of one over that number is the variance of the mean.
 #define DENOISE_BLENDED 3
 #define DENOISE_BLENDED_HISTORY 4
-// The guide's change to the next pixel in x and y; then what tells the variance of a sample's
+// The guide's change to the next pixel in x and y; then what gives the variance of a sample's
 // luminance: a sum of squared deviations, and its degrees of freedom.
 #define DENOISE_RECORDS 5
 #define DENOISE_RECORDS_HISTORY 6

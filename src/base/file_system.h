@@ -28,7 +28,7 @@ struct file_status {
     enum file_kind kind;
     unsigned permissions; // bits of owner, group and others, see chmod(1); 0 where there are none
     uint64_t size;
-    uint64_t device, number; // which tell files apart
+    uint64_t device, number; // identify a file
     uint64_t changed_ns;     // when its content changed: comparable with clock_wall_ns()
 };
 

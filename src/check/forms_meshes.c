@@ -188,8 +188,8 @@ static bool add_mirrored_slope(struct scene *scene, double unused, struct err *e
 // --- the cases ----------------------------------------------------------------------------------
 
 // clang-format off
-// An image 5e-5 m wide of the surroundings of the origin, from a height of 2^-11, so that distances
-// are exact.
+// An image 5e-5 m wide of the area around the origin, from a height of 2^-11, so that distances are
+// exact.
 #define FROM_ABOVE {"camera", JSON({"type": "orthographic", "position": [0, 0.00048828125, 0],     \
     "target": [0, 0, 0], "up": [0, 0, 1], "height": 5e-5})},                                       \
     {"environment", JSON({"radiance": [1, 2, 4]})}

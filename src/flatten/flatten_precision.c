@@ -89,7 +89,7 @@ void flatten_follow_camera(const struct flatten_params *params, const struct cen
         memcpy(out->origin, nearest.point, sizeof out->origin);
 }
 
-// --- what is told --------------------------------------------------------------------------------
+// --- what is reported ----------------------------------------------------------------------------
 
 // Adds a box in the world, of the object `name`.
 static bool add_box(const struct flat_scene *flat, const double low[3], const double high[3],

@@ -92,7 +92,7 @@ static void build_small(void *context, size_t begin, size_t end, unsigned thread
         params.threads = 1;
         if (mesh->triangle_count > SMALL_MESH ||
             !bvh_build(&params, &build->arenas[thread], &build->meshes[i], &err))
-            build->meshes[i].node_count = 0; // built, or its error told, by build_meshes
+            build->meshes[i].node_count = 0; // build_meshes builds it or reports its error
     }
 }
 

@@ -149,8 +149,8 @@ struct gpu_kernel_params {
     size_t spirv_bytes;
     const uint32_t *constants; // specialization constants with ids 0 .. count-1, 32 bits each
     uint32_t constant_count;
-    // The original module, if this SPIR-V was derived from another one, and a number that tells the
-    // derivation from all others: both are part of the pipeline's key. NULL: it was not derived.
+    // The original module, if this SPIR-V was derived from another one, and a number that
+    // identifies the derivation: both are part of the pipeline's key. NULL: it was not derived.
     const uint32_t *made_from;
     uint64_t variant;
 };

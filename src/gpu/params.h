@@ -24,7 +24,7 @@ struct gpu_limit_overrides {
     uint64_t shared_memory;  // maxComputeSharedMemorySize, bytes
     uint64_t memory;         // sum of all allocations: allocations that exceed it fail
     uint64_t memory_budget;  // the budget that the driver reports before anything is allocated
-    bool api_1_1;            // a device of Vulkan 1.1 that does not tell its driver's name
+    bool api_1_1;            // a device of Vulkan 1.1 that does not say its driver's name
     // A simulated slow device: the time of a workgroup, and the longest time of a submission before
     // the device is lost.
     uint64_t group_ns, watchdog_ms;

@@ -11,7 +11,7 @@ struct device_properties {
     VkPhysicalDeviceSubgroupProperties subgroup;
     VkPhysicalDeviceMaintenance3Properties maintenance;
     VkPhysicalDeviceFloatControlsProperties floats; // empty where there is no choice
-    VkPhysicalDeviceDriverProperties driver;        // empty where the driver does not tell
+    VkPhysicalDeviceDriverProperties driver;        // empty where the driver does not say
     VkResult failure;                               // why its extensions are not known
 };
 

@@ -23,7 +23,7 @@ struct image_attribute { // metadata: EXR string attributes, PNG tEXt chunks
 
 enum image_layer_type {
     IMAGE_LAYER_FLOAT, // like the image: halves with half_float
-    IMAGE_LAYER_FULL,  // 32-bit floats always: what halves cannot tell apart
+    IMAGE_LAYER_FULL,  // 32-bit floats always: values that halves cannot distinguish
     IMAGE_LAYER_UINT,  // 32-bit integers
 };
 

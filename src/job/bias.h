@@ -16,7 +16,7 @@ struct job_bias {
 // Returns their number. --max-bounces is not a bias, because it was requested.
 uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIASES]);
 
-// Returns whether the paths of all pixels share their depths, so that parts of the picture tell no
+// Returns whether the paths of all pixels share their depths, so that parts of the picture give no
 // interval.
 bool job_shares_depths(const struct job *job);
 

@@ -25,12 +25,12 @@ struct bias_params {
 bool bias_find(const struct bias_params *params, struct interval *out);
 
 // Lowers an interval of the bias to 0 where the difference could be light that no picture has found
-// yet. Noise cannot tell what rare bright samples would bring that none of the pictures has: all
-// pictures are then too dark alike, which looks like a bias, and the fewer such samples they have
-// the smaller their noise is. So this compares the difference, summed over the pixels, with the
-// largest part that any pixel of one picture, or of one half of the reference, has in it. It is
-// told as bias where it is over 200 times that (300 times with 16 pictures), with all pixels or
-// without the noisiest tenth of them. False only when out of memory.
+// yet. Noise cannot show what rare bright samples would bring that none of the pictures has: all
+// pictures are then too dark by the same amount, which looks like a bias, and the fewer such
+// samples they have the smaller their noise is. So this compares the difference, summed over the
+// pixels, with the largest part that any pixel of one picture, or of one half of the reference, has
+// in it. It is reported as bias where it is over 200 times that (300 times with 16 pictures), with
+// all pixels or without the noisiest tenth of them. Returns false only when out of memory.
 bool bias_allow_for_unseen(const struct bias_params *params, struct interval *bias);
 
 #endif

@@ -15,7 +15,7 @@ struct forecast_look {
     double confidence;
 };
 
-#define FORECAST_LOOKS_MIN 4u // fewer tell no slope
+#define FORECAST_LOOKS_MIN 4u // fewer do not determine a slope
 // with more of them, only the last ones are used, because a line is an approximation
 #define FORECAST_LOOKS_MAX 5u
 

@@ -18,9 +18,9 @@
 // median of A, B and S: a bright sample is in one of them, a bright object in both halves. Light
 // that is mostly in one half (an object of few bright samples) leaves r open between the lesser
 // half and M: where a pixel stands out, both ends are carried along, and the interval holds them
-// both. S is noisy as well, and 1 / (S^2 + epsilon) is convex: with V its variance, told by the
-// neighbours' D^2, the expectation is to second order (1 + (3 S^2 - epsilon) V / (S^2 + epsilon)^2)
-// / (L^2 + epsilon), by which it is divided where the bracket exceeds 1.
+// both. S is noisy as well, and 1 / (S^2 + epsilon) is convex: with V its variance, estimated from
+// the neighbours' D^2, the expectation is to second order (1 + (3 S^2 - epsilon) V / (S^2 +
+// epsilon)^2) / (L^2 + epsilon), by which it is divided where the bracket exceeds 1.
 //
 // The interval. (A - r) (B - r) has the variance Var A Var B = 4 E[D^2]^2 where the noise is alike
 // in a neighbourhood: the pixel's own D^2 gives one factor, its neighbours' mean the other. A pixel
@@ -33,11 +33,11 @@
 // the pixels' do (Satterthwaite 1946, "An approximate distribution of estimates of variance
 // components").
 //
-// Emitters in view that no sample has met. The scene tells where an emitter much smaller than a
+// Emitters in view that no sample has met. The scene says where an emitter much smaller than a
 // pixel is, how bright, and how large: the light r that its pixel lacks until a sample meets it.
 // Where no pixel that it may be seen in is brighter than the median of its neighbours by half of
 // one such sample, none has, and the picture's error has r^2 / ((p r + L)^2 + epsilon) more than
-// D^2 tells, p being the pixel's part of the window. The bound holds that. small_lights.h has the
+// D^2 shows, p being the pixel's part of the window. The bound holds that. small_lights.h has the
 // error of those that samples have met.
 //
 // Light that no path has found by chance. Paths that meet a bright emitter by chance add up to F a
@@ -46,7 +46,7 @@
 // then 5 %), which are light of 3 F / N in the pixels' sum that the picture lacks. Spread so that
 // it does the most, to r of a pixel each, it adds r / ((p r + L)^2 + epsilon) for each unit of
 // light, p being the pixel's part of the window, which is at most 1 / (2 p (L + sqrt(L^2 +
-// epsilon))). The bound holds that; an interval is told where it is small.
+// epsilon))). The bound holds that; an interval is given where it is small.
 #include "base/parallel.h"
 #include "metrics/local_mean.h"
 #include "metrics/metrics.h"

@@ -57,8 +57,8 @@ bool metrics_intervals(const float (*image)[3], const float (*reference)[3],
 // --- local relMSE -------------------------------------------------------------------------------
 // The error relative to the brightness around a pixel: mean (x - r)^2 / (L^2 + 1e-2) over pixels
 // and channels, L being the mean of r around the pixel by a Gaussian of 1.5 pixels (local_mean.h).
-// Where r is even it is relMSE. Unlike relMSE it can be told without a reference: of a pixel's own
-// value a render knows little until it is done, of its surroundings it soon knows enough.
+// Where r is even it equals relMSE. Unlike relMSE it can be estimated without a reference: a render
+// knows little of a pixel's own value until it is done, but soon enough of the pixels around it.
 
 // Computes L of each pixel, for metrics_local_relmse(). Returns false when out of memory, or if
 // `progress`, which may be NULL, requests a stop.

@@ -49,8 +49,8 @@ bool metrics_flip_exposures(const struct picture_pair *pair, const struct progre
 struct flip_exposures metrics_flip_exposures_between(double start, double stop);
 
 // HDR-FLIP: the greatest FLIP of each pixel over the exposures, tone-mapped by the curve of ACES
-// that the paper uses; *out is its mean. `progress` is told as "Comparing". False when out of
-// memory, or asked to stop.
+// that the paper uses; *out is its mean. `progress` is reported as "Comparing". Returns false when
+// out of memory, or asked to stop.
 bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
                       const struct flip_exposures *exposures, const struct progress *progress,
                       float *map, double *out);

@@ -9,7 +9,7 @@ struct cell {
     uint32_t seeds;
     uint32_t intervals, intervals_held;
     uint32_t bounds, bounds_held; // wherever there is one
-    uint32_t alone, alone_held;   // where a bound is told and no interval
+    uint32_t alone, alone_held;   // where there is a bound and no interval
     uint32_t relmse_held;         // bounds of the classic relMSE that hold, among `bounds`
     uint32_t control_held;        // those among `intervals`
     double truth, truth_of_intervals, told_of_intervals; // sums

@@ -1,4 +1,4 @@
-// How often what a render tells of its error holds: the table of docs/convergence.md.
+// Measures how often the error that a render reports holds: the table of docs/convergence.md.
 //
 //   test_coverage [OPTIONS] [SCENE...]
 //

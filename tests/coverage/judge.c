@@ -1,7 +1,7 @@
-// The errors that pictures have, and whether what is told of them holds.
+// Finds the errors that pictures have, and whether the estimates of them hold.
 //
 // A seed's reference is the mean m of the other n - 1 seeds, so that the two are independent.
-// (x - m)^2 is on average the error of x and the variance of m, which the other seeds tell.
+// (x - m)^2 is on average the error of x and the variance of m, which the other seeds give.
 #include "cells.h"
 
 #include "metrics/metrics.h"
@@ -97,7 +97,7 @@ static struct truth find_truth(const struct judge *judge)
 }
 
 // The control: relMSE with the picture's own noisy values in the denominators, which is known to be
-// told too small.
+// estimated too small.
 static double find_control(const struct judge *judge)
 {
     double sum = 0;

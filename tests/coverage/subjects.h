@@ -1,4 +1,4 @@
-// The scenes that what is told of errors is held against: everyday ones and hard ones.
+// The scenes on which the estimates of errors are tested: everyday ones and hard ones.
 #ifndef LAMPYRIS_TESTS_COVERAGE_SUBJECTS_H
 #define LAMPYRIS_TESTS_COVERAGE_SUBJECTS_H
 

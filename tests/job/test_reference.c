@@ -64,7 +64,7 @@ static void check_mean(const char *what, const struct tally *tally, double truth
           average, error, truth);
 }
 
-// Which of the ways in which the noise can be told.
+// The ways in which the noise can be known.
 enum source { HALVES, VARIANCES, EVEN };
 
 static void subtract(enum source source, bool is_small, struct tally out[3])

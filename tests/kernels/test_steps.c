@@ -1,6 +1,6 @@
 // The steps that traversal kernels count, against the CPU's walks through the same nodes in double
 // precision. A ray that hits nothing must enter every box that it meets, in whatever order: the
-// counts are the same then, but for boxes that it only just meets, which are told beforehand. One
+// counts are the same then, but for boxes that it only just meets, which are known beforehand. One
 // that hits must enter those that begin before the hit, and may enter all.
 #include "bvh/bvh_node.h"
 #include "render/wave.h"
@@ -262,7 +262,7 @@ TEST(one_node)
     setup_close(&s);
 }
 
-// Nothing but surroundings: an empty root.
+// There is nothing but the environment: the root is empty.
 TEST(no_surface)
 {
     static struct probe_ray ups[100];

@@ -23,7 +23,7 @@ static bool covers(struct interval i, double truth)
 enum { VALUES = 600, LOOKS = 5 };
 
 // A picture of independent pixels, whose sums of samples go on as a film's do: half the difference
-// of the halves tells the error, their sum has it.
+// of the halves gives the error, their sum has it.
 struct film {
     double difference[VALUES], sum[VALUES], samples;
 };
@@ -196,7 +196,7 @@ TEST(few_looks_are_no_slope)
           "%g %g", f.error.value, f.error.low);
 }
 
-// Looks whose error is not known, from where on a slope may be told.
+// Looks whose error is not known, from where on a slope may be given.
 TEST(unknown_looks_are_left_out)
 {
     struct forecast_look looks[6];

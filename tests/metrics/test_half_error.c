@@ -223,7 +223,7 @@ static double lamp_noise(double value, uint64_t *random, int samples)
 }
 
 // As at the edge of the Cornell box's lamp, but that edges have nearly all of the error. Divided by
-// the pixels' own noisy values, it would be told as .4 of what it is.
+// the pixels' own noisy values, it would be estimated as .4 of what it is.
 TEST(lamps_edges_are_not_the_lamp)
 {
     enum { PICTURES = 40, SAMPLES = 64 };
@@ -422,7 +422,7 @@ TEST(one_bright_sample_has_a_bound)
     picture_finish(&picture);
 }
 
-// Light of 1,000 may still be found by chance. Once a sample has it, the halves tell the error.
+// Light of 1,000 may still be found by chance. Once a sample has it, the halves give the error.
 TEST(light_that_no_sample_has_found_counts)
 {
     enum { SAMPLES = 16, SIDE = 64 };

@@ -130,7 +130,7 @@ static double relmse(const struct bench *b, const float (*pixels)[3])
     return metrics.relmse;
 }
 
-// How far pixels were moved, as a part of the variance that the halves tell, in squares.
+// Returns how far pixels were moved, as a part of the variance that the halves give, in squares.
 static double moved(const struct bench *b, const struct film_image *film)
 {
     double moves = 0, variances = 0;
@@ -155,7 +155,7 @@ static void compare(struct bench *b, const struct case_of_scene *c)
                 "%s", b->err.msg);
         double before = relmse(b, (const float(*)[3])film.mean);
         double after = relmse(b, (const float(*)[3])b->denoised);
-        double moves = counts[i] > 1 ? moved(b, &film) : 0; // one sample tells no variance
+        double moves = counts[i] > 1 ? moved(b, &film) : 0; // one sample gives no variance
         printf("  %s, %3u spp: relMSE %.6f, denoised %.6f (%.2f); moved by %.2f of the variance\n",
                c->name, counts[i], before, after, after / before, moves);
         CHECK(after <= c->limits[i] * before, "%s, %u spp: %g of the film's relMSE, expected %g",

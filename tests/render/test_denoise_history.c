@@ -156,8 +156,8 @@ static struct seen see(enum world world, const struct view *v, double x, double 
 
 // --- films of it ---------------------------------------------------------------------------------
 
-// The history's light tells the place in its picture by a colour of the same luminance; that of the
-// film tells nothing, and varies much between its halves: with all its weights the filter keeps a
+// The history's light shows the place in its picture by a colour of the same luminance; that of the
+// film shows nothing, and varies much between its halves: with all its weights the filter keeps a
 // slope as it is.
 #define CARD_PRIMITIVE 7u
 struct painting {
@@ -561,7 +561,7 @@ TEST(what_moved_is_followed)
 // --- what it says of the variance ----------------------------------------------------------------
 
 // A wall in front of a parallel camera with light of 1. What is now has one sample a pixel, 1.5 or
-// 0.5; what was has 64, and halves that tell the same variance. In every fourth column of every
+// 0.5; what was has 64, and halves that give the same variance. In every fourth column of every
 // fourth row lies the pixel that differs.
 struct noisy {
     bool is_past;

@@ -128,7 +128,7 @@ TEST(hiding_is_removing)
     gpu_close(&gpu);
 }
 
-// Nothing but the surroundings is left.
+// Nothing but the environment is left.
 TEST(all_can_be_hidden)
 {
     const struct hiding all = {.one_of = 1};

@@ -241,8 +241,8 @@ bool folder_sync(const char *path)
 struct folder_reader {
     HANDLE search;
     WIN32_FIND_DATAW found;
-    bool has_found; // one that was not told yet
-    char *name;     // the last that was told
+    bool has_found; // an entry that was not returned yet
+    char *name;     // the last one that was returned
 };
 
 struct folder_reader *folder_open(const char *path)

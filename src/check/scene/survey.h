@@ -53,7 +53,7 @@ struct survey {
     struct twin_list *twins;      // by the same: the objects at one place, for name_twice()
     const uint8_t *through_faces; // by find_coincident(): flags of the lines; see there
     bool names_faces;             // faces that lie upon each other are among the findings
-    const char *unscaled;         // by find_biases(): what it is to be told of, if anything
+    const char *unscaled;         // by find_biases(): what it is to report, if anything
     // By find_hidden_lights(): flags of sources that lines from what is seen have found, through
     // glass or not. NULL: it has sent none.
     bool *is_reached;

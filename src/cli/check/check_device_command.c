@@ -93,7 +93,7 @@ static bool run_case(struct device_check *d, const struct check *check, struct c
 
 static bool run_cases(struct device_check *d, struct err *err)
 {
-    // Renders inside of cases do not report: what is done is told by cases.
+    // Renders inside of cases do not report: the cases report what is done.
     const struct progress *listener = d->options->progress;
     const struct progress quiet = {.should_stop = listener->should_stop,
                                    .context = listener->context};

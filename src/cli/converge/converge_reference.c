@@ -24,7 +24,7 @@ static double longest_samples(const struct converge *c, uint32_t scene)
     return ceil(most);
 }
 
-// Shorter pilots know the speed to some tenths, which tells seconds from hours.
+// Shorter pilots know the speed to some tenths, which distinguishes seconds from hours.
 #define PILOT_SECONDS 0.1
 
 static const char *duration(struct arena *arena, double seconds)
@@ -35,8 +35,8 @@ static const char *duration(struct arena *arena, double seconds)
                           : arena_printf(arena, "about %.1f hours", seconds / 3600);
 }
 
-// Says what the reference will cost, as soon as a pilot of it has told how fast it is. It is a note
-// that is told by default, for the longest part of the run begins with it.
+// Says what the reference will cost, as soon as a pilot has measured how fast it is. This note is
+// printed by default, because the longest part of the run begins with it.
 static bool announce(struct converge *c, uint32_t scene, struct job *job, struct err *err)
 {
     const struct converge_reference *reference = &c->references[scene];

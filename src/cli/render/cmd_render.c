@@ -6,7 +6,7 @@
 #include "cli/scene_options.h"
 #include <math.h>
 
-// --- what the job tells --------------------------------------------------------------------------
+// --- what the job reports ------------------------------------------------------------------------
 
 static bool after_wave(void *context, struct err *err)
 {
