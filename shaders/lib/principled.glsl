@@ -21,7 +21,7 @@ struct principled {
     float f0_index;     // f0 by eta
     float specular_weight;
     bool is_mixed; // Fresnel's equations and Schlick's, times the specular colour
-    vec3 specular_scale; // that colour
+    vec3 specular_scale; // the specular colour
     vec3 f0_metal;       // f0 of Schlick's Fresnel
     float film; // iridescence; 0 where the film's index is below the medium's in front
     float film_index;

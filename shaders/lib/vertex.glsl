@@ -10,7 +10,7 @@
 struct vertex {
     uint slot;
     uint primitive;
-    uint instance; // that it is of, or NO_INSTANCE
+    uint instance; // its instance, or NO_INSTANCE
     surface s;
     material m;
     mat3 frame; // tangent, bitangent, shading normal

@@ -92,7 +92,7 @@
 #define FEATURE_EMISSION (1u << 6)    // some surface emits
 #define FEATURE_CLAMP (1u << 7)       // contributions have a largest component
 #define FEATURE_MIN_DENSITY (1u << 8) // paths end where their next direction is too unlikely
-#define FEATURE_NEE_DEPTH (1u << 9)   // by the first vertices of a path only
+#define FEATURE_NEE_DEPTH (1u << 9)   // only the first vertices of a path send shadow rays
 #define FEATURE_NEE (1u << 10)        // shadow rays to emitters
 #define FEATURE_BSDF_HITS_EMITTERS (1u << 11) // emitters found by BSDF sampling count too
 #define FEATURE_ENVIRONMENT (1u << 12)
@@ -130,7 +130,7 @@
 #define GEOMETRY_TUBES (1u << 6)     // cylinders without caps
 #define GEOMETRY_SDFS (1u << 7)      // signed distance fields
 #define GEOMETRY_SHAPES ((1u << 8) - 1u)
-#define GEOMETRY_LARGE_SPHERES (1u << 8)    // whose equation needs more digits than a float has
+#define GEOMETRY_LARGE_SPHERES (1u << 8)    // their equation needs more digits than a float has
 #define GEOMETRY_INSTANCES (1u << 9)        // instances of meshes with a BVH of their own
 #define GEOMETRY_DUPLICATES (1u << 10)      // some triangle stands in more than one leaf
 #define GEOMETRY_SMALL_TRIANGLES (1u << 11) // some are too small for where they are

@@ -220,7 +220,7 @@ struct gpu_light_bounds {
     float radius;
     uint axis;    // octahedral
     uint cosines; // theta_o in bits 0-15, theta_e in 16-30, each from -1 to 1; LIGHT_TWO_SIDED
-    float power;  // as a part of all
+    float power;  // fraction of the power of all
     uint child;   // a pair's number, or LIGHT_LEAF and the word of a primitive
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light_bounds, 32);
@@ -234,14 +234,14 @@ SHARED_STATIC_ASSERT_SIZE(gpu_light_bounds, 32);
 struct gpu_light_trail {
     uint low, high;
     uint depth; // bits; LIGHT_NOWHERE: not in the tree
-    uint lamp;  // that the emitter is of
+    uint lamp;  // the emitter's lamp
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light_trail, 16);
 #define LIGHT_NOWHERE 0xffffffffu
 
 // A lamp: emitters that hang together, or one that stands alone, or is infinitely far.
 struct gpu_lamp {
-    uint child; // that all its emitters are below
+    uint child; // all its emitters are below this child
     uint depth; // depth of this child: bits of a trail; LIGHT_NOWHERE: it sends nothing
     uint align_lamp[2];
 };
@@ -402,7 +402,7 @@ struct gpu_push {
     uint pixel_count; // pixels of this wave
     uint first_sample;
     uint sample_shift; // a wave holds pixel_count << sample_shift paths, a pixel's samples adjacent
-    uint queue;        // that the kernel consumes, or a mask for prepare_dispatch
+    uint queue;        // the queue that the kernel consumes, or a mask for prepare_dispatch
     uint first_item;   // first item in the queue, for this part of a split dispatch
     uint part_items;   // items a part has at most
     uint film_first_pixel; // pixel that the bound range of the film begins with

@@ -64,7 +64,7 @@ struct job_shard {
 struct job_merged {
     struct film_copy film; // its records are released when the device has them
     struct arena arena;    // holds the records
-    const char *identity;  // that of the parts, without the samples that they have
+    const char *identity;  // the parts' identity, without the samples that they have
     bool is_partial;       // samples are missing, and no --spp gives the same picture
 };
 

@@ -9,7 +9,7 @@ enum job_note {
     JOB_NOTE_ERROR,     // goal.error on the way to which the next look is planned, as a double
     JOB_NOTE_NEXT_LOOK, // see struct job
     JOB_NOTE_SAMPLES,   // per pixel that were planned; of a shard, of the whole render
-    JOB_NOTE_AOVS,      // that the device had
+    JOB_NOTE_AOVS,      // AOV_*: the device's
 };
 _Static_assert(JOB_NOTE_AOVS + 1 == CHECKPOINT_NOTE_WORDS, "a word for each");
 

@@ -18,8 +18,8 @@ struct merge_params {
 
 struct merge_part {
     const char *path, *command;
-    struct sample_ranges samples; // that it has
-    struct sample_ranges wanted;  // that it is to have when it is finished
+    struct sample_ranges samples; // samples that it has
+    struct sample_ranges wanted;  // samples that it has when it is finished
     uint64_t planned;             // samples per pixel of the whole render
     uint32_t device;              // index into merge.devices
     uint64_t head_hash;           // a file with another one is another file
@@ -42,7 +42,7 @@ struct merge {
     struct sample_ranges samples; // the samples of all parts together
     uint64_t planned;             // samples per pixel of the largest render
     uint64_t film_bytes;
-    uint32_t aovs; // that the device had
+    uint32_t aovs; // AOV_*: the device's
     struct job_merged merged;
 };
 

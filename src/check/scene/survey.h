@@ -242,13 +242,13 @@ bool find_media(struct survey *survey, struct err *err);      // open, inside-ou
 bool find_albedos(struct survey *survey, struct err *err);    // 1 and above
 bool find_texels(struct survey *survey, struct err *err);     // missing, unusable, one-texel suns
 bool find_hidden_lights(struct survey *survey, struct err *err);   // behind glass, and by chance
-bool find_mirrored_lights(struct survey *survey, struct err *err); // that only mirrors send on
-bool find_narrow_spots(struct survey *survey, struct err *err);    // that light less than a pixel
+bool find_mirrored_lights(struct survey *survey, struct err *err); // lights that only mirrors show
+bool find_narrow_spots(struct survey *survey, struct err *err);    // they light less than a pixel
 bool find_lights_on_faces(struct survey *survey, struct err *err); // delta lights
-bool find_biases(struct survey *survey, struct err *err);          // that settings ask for
+bool find_biases(struct survey *survey, struct err *err);          // settings that bias
 bool find_unscaled(struct survey *survey, struct err *err);        // radiance, by refraction
 bool find_memory(struct survey *survey, struct err *err);          // too little for the picture
-bool find_idle_lights(struct survey *survey, struct err *err);     // that take others' shadow rays
+bool find_idle_lights(struct survey *survey, struct err *err);     // they take others' shadow rays
 // Those that measure: each renders into the job's film.
 bool measure_noise(struct survey *survey,
                    struct err *err); // the tail of the samples, and the outlook
