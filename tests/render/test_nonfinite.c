@@ -9,12 +9,13 @@
 #define SAMPLES 4u
 #define SIDE 32u // side of the pictures
 
-// One light close above a floor, as a file would give it.
+// A light close above a floor, as a file would give it: a disc, whose points are chosen by area, so
+// that densities by solid angle may be small.
 static bool load_floor(enum light_estimator estimator, struct scene *scene, struct err *err)
 {
     const struct scene_override light[] = {
-        {"light", "{\"type\": \"quad\", \"material\": \"light\", \"corner\": [-1, 0.01, 1],"
-                  " \"u\": [2, 0, 0], \"v\": [0, 0, -2]}"},
+        {"light", "{\"type\": \"disc\", \"material\": \"light\", \"center\": [0, 0.01, 0],"
+                  " \"normal\": [0, -1, 0], \"radius\": 1}"},
         {0}};
     bool ok = load_scene("src/check/scenes/floor_light.json", light, scene, err);
     set_estimator(&scene->settings, estimator);
