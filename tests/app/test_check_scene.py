@@ -180,6 +180,21 @@ class Media(Checks):
         # Water stays above the bubble, and so has a priority above that of the glass, too.
         self.assertNotIn('media-overlap', self.check_file(fixed))
 
+    def test_a_body_that_pokes_out_of_the_cameras(self):
+        # The medium that the camera is in has no object until a line has left it.
+        found = self.check({
+            'film': {'width': 64, 'height': 64},
+            'camera': {'position': [0, 1, 4], 'target': [0, 0.5, 0], 'fov_degrees': 40},
+            'materials': {'clay': {'base_color': [0.6, 0.4, 0.3]}, 'lamp': {'emission': [12, 11, 9]},
+                          'glass': {'type': 'dielectric', 'ior': 1.5},
+                          'other': {'type': 'dielectric', 'ior': 1.3}},
+            'shapes': [
+                {'type': 'quad', 'material': 'clay', 'corner': [-2, 0, 2], 'u': [4, 0, 0], 'v': [0, 0, -4]},
+                {'type': 'disc', 'material': 'lamp', 'center': [0, 3, 0], 'normal': [0, -1, 0], 'radius': 0.5},
+                {'type': 'sphere', 'material': 'glass', 'center': [0, 1, 4], 'radius': 0.5},
+                {'type': 'sphere', 'material': 'other', 'center': [0.4, 1, 3.6], 'radius': 0.5}]})
+        self.assertIn('media-overlap', found)
+
 
 class Textures(Checks):
     """What textures make of a base colour of 1, which is the usual factor before an image."""

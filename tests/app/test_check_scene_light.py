@@ -41,6 +41,12 @@ class Light(Checks):
         self.assertIsNone(found['lamp-unaimed']['share'])
         self.assert_found(self.check(self.scene(False), '--max-bounces', '64'), {})
 
+    def test_no_shadow_rays_and_no_bounces(self):
+        found = self.check(self.scene(False), '--max-bounces', '64', '--nee', 'off')
+        self.assertIn('nee', found['lamp-unaimed']['place'])
+        found = self.check(self.scene(False), '--max-bounces', '0')
+        self.assertIn('visible lamps', found['depth']['remedy'])
+
 
 class Lost(Checks):
     """A light over a floor, with a pane of glass in between, and a lamp beside it."""

@@ -501,6 +501,32 @@ TEST(structure)
     check_structure("by several threads", &scene, 20000);
 }
 
+// A lamp without power has no tree of its own: the words that are read where it is chosen are
+// none's.
+TEST(lamp_without_power)
+{
+    struct scene scene;
+    struct random random = {12};
+    scene_start(&scene, 8, 8);
+    scene.settings.light_choice = LIGHT_CHOICE_ALL;
+    add_sphere(&scene, (double[3]){0, 0, 0}, 1, add_emitter(&scene, 1));
+    add_light(&scene, LIGHT_POINT, &random);
+    for (int c = 0; c < 3; c++)
+        scene.lights[0].radiant[c] = 0;
+    struct setup setup = {.scene = scene};
+    OPEN_SETUP(&setup, 1024);
+    const struct gpu_light_tree *header = setup.r.tables.emitters.data;
+    const struct gpu_lamp *lamps = (const struct gpu_lamp *)header + header->lamps;
+    uint32_t dark = 0;
+    for (int i = 0; i < 2; i++) {
+        dark += lamps[i].depth == LIGHT_NOWHERE;
+        CHECK(lamps[i].depth != LIGHT_NOWHERE || lamps[i].child == LIGHT_LEAF,
+              "lamp %d begins with pair %u", i, lamps[i].child);
+    }
+    CHECK(dark == 1, "%u lamps without power", dark);
+    setup_close(&setup);
+}
+
 TEST_MAIN(TEST_CASE(probabilities_are_those_of_the_bounds),
           TEST_CASE(choices_follow_the_probabilities), TEST_CASE(without_light_nothing_is_sampled),
-          TEST_CASE(none_is_left_out), TEST_CASE(structure))
+          TEST_CASE(none_is_left_out), TEST_CASE(structure), TEST_CASE(lamp_without_power))

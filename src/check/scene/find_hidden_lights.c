@@ -618,13 +618,32 @@ static bool find_unaimed(struct survey *survey, struct err *err)
     return true;
 }
 
+// Without next-event estimation all lamps are found by chance.
+static bool add_unaimed_lamps(struct survey *survey, struct err *err)
+{
+    const struct emitter_counts counts = emitters_count(survey->scene, survey->flat);
+    if (emitters_total(&counts) == 0 || survey->settings.max_bounces == 0)
+        return true;
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "lamp-unaimed",
+                          .level = FINDING_SLOW,
+                          .place = "setting nee, off",
+                          .figure = "no shadow rays are sent to any lamp",
+                          .consequence = "Paths find their light by chance alone.",
+                          .remedy = "Leave the setting at its default.",
+                          .share = NAN,
+                      },
+                      err);
+}
+
 bool find_hidden_lights(struct survey *survey, struct err *err)
 {
     const struct settings *settings = &survey->settings;
-    bool aims = settings->nee && (settings->integrator == INTEGRATOR_PATH ||
-                                  settings->integrator == INTEGRATOR_DIRECT);
-    if (!aims)
+    if (settings->integrator != INTEGRATOR_PATH && settings->integrator != INTEGRATOR_DIRECT)
         return true;
+    if (!settings->nee)
+        return add_unaimed_lamps(survey, err);
     survey->is_reached = ARENA_NEW(&survey->scratch, bool, survey_source_count(survey));
     survey->sky_floor = (double)survey->job.renderer.tables.emitters.environment_floor;
     if (!survey->is_reached)

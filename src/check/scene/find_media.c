@@ -81,8 +81,10 @@ static void look_at_overlaps(struct media_search *search, const struct stack *st
             continue;
         bool is_upper = body->medium > other->medium, is_within = i < left;
         const struct entered *upper = is_upper ? body : other, *lower = is_upper ? other : body;
+        // The medium that the camera is in has no object before it is left; `body` has one.
+        uint32_t object = lower->object != SCENE_NONE ? lower->object : upper->object;
         struct overlap *overlap =
-            overlaps_of(&search->overlaps, upper->material, lower->material, lower->object);
+            overlaps_of(&search->overlaps, upper->material, lower->material, object);
         if (overlap)
             ++*(!is_within ? &overlap->crossed : is_upper ? &overlap->held : &overlap->swallowed);
     }

@@ -293,8 +293,8 @@ static bool add_black(struct survey *survey, struct err *err)
             .consequence = "No light reaches the camera, or so little by chance that none was met.",
             .remedy =
                 "Look for strengths and intensities of 0, for lights inside of opaque objects "
-                "or behind them, for materials that reflect nothing, and for a camera that "
-                "is inside of something.",
+                "or behind them, for materials that reflect nothing, for a camera that is "
+                "inside of something, and for `nee` that is off.",
             .share = 1.0,
         },
         err);

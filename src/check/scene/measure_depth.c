@@ -124,10 +124,13 @@ static const uint8_t *touched_by_cut(struct survey *survey, const double *shallo
 
 // --- the finding ---------------------------------------------------------------------------------
 
+// At a greater share hardly any light is there to compare with.
+#define PART_MAX 0.999
+
 // Returns how much more light, in percent, an image would have that lacks this share.
 static double more_light(double part)
 {
-    return 100.0 * part / (1.0 - fmin(part, 0.999));
+    return 100.0 * part / (1.0 - fmin(part, PART_MAX));
 }
 
 // The integrator "direct" renders paths of one bounce.
@@ -135,6 +138,15 @@ static uint32_t first_depth(const struct survey *survey)
 {
     const struct settings *settings = &survey->settings;
     return settings->integrator == INTEGRATOR_DIRECT ? 1 : settings->max_bounces;
+}
+
+// Describes how much light is missing.
+static const char *missing_light(const struct cut *cut, struct arena *arena)
+{
+    if (!(cut->most < PART_MAX))
+        return "paths with more bounces bring nearly all of the light";
+    return arena_printf(arena, "paths with more bounces bring %.3g %% more light (%.3g to %.3g %%)",
+                        more_light(cut->part), more_light(cut->least), more_light(cut->most));
 }
 
 static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t *touched,
@@ -154,19 +166,16 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
             .level = is_wanted ? FINDING_REMARK : FINDING_WRONG,
             .place = is_direct ? "setting integrator, direct"
                                : arena_printf(arena, "setting max_bounces, %u", depth),
-            .figure =
-                arena_printf(arena,
-                             "paths with more bounces bring %.3g %% more light (%.3g to "
-                             "%.3g %%)",
-                             more_light(cut->part), more_light(cut->least), more_light(cut->most)),
+            .figure = missing_light(cut, arena),
             .consequence = "This light is missing in the image.",
-            .remedy = is_wanted  ? "Nothing, if direct light is all that is wanted."
-                      : is_known ? arena_printf(arena,
-                                                "--max-bounces %u, beyond which less than "
-                                                "0.1 %% is missing.",
-                                                enough)
-                                 : "Close fewer surfaces that reflect all light: no depth is "
-                                   "enough.",
+            .remedy = depth == 0  ? "Nothing, if the light of visible lamps is all that is wanted."
+                      : is_wanted ? "Nothing, if direct light is all that is wanted."
+                      : is_known  ? arena_printf(arena,
+                                                 "--max-bounces %u, beyond which less than "
+                                                  "0.1 %% is missing.",
+                                                 enough)
+                                  : "Close fewer surfaces that reflect all light: no depth is "
+                                    "enough.",
             .share = survey_share(survey, touched),
             .pixels = touched,
             .change = is_known ? arena_printf(arena, "max_bounces is %u", enough) : NULL,

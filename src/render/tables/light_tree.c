@@ -546,7 +546,7 @@ static bool build_over_lamps(const struct light_tree_params *p, struct light_tre
         out->trails[i].lamp = p->lamps[i];
     }
     for (uint32_t lamp = 0; lamp < p->lamp_count; lamp++)
-        out->lamps[lamp].depth = LIGHT_NOWHERE;
+        out->lamps[lamp] = (struct gpu_lamp){.child = LIGHT_LEAF, .depth = LIGHT_NOWHERE};
     uint32_t used = sort_by_lamps(p, first, b.emitters.order, b.lamps.order);
     bound_lamps(p, &b, lamp_bounds);
     return build(&b, used, p->count, err);
