@@ -38,6 +38,12 @@ class IdleLights(Checks):
     def point(self, intensity, **more):
         return {'type': 'point', 'position': [0, 2.5, 0], 'intensity': [intensity] * 3, **more}
 
+    def check(self, *arguments):
+        # The light between the lamp and the ceiling has a tail of its own.
+        found = super().check(*arguments)
+        found.pop('heavy-tail', None)
+        return found
+
     def assert_idle(self, scene, place, *arguments):
         found = self.check(scene, *arguments)
         self.assert_found(found, {'idle-light': 'slow'})
