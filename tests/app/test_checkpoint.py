@@ -284,7 +284,7 @@ class Endings(Checkpoints):
                                  (whole['spp'], whole['image_hash'], 'error'))
                 spp = [look['spp'] for look in again['looks']]
                 self.assertEqual(spp, [look['spp'] for look in whole['looks']][-len(spp):])
-            other = self.render('--error', '0.0015', *more, *kept, '--resume')
+            other = self.render('--error', '0.001', *more, *kept, '--resume')
             self.assertEqual(other['looks'][0]['spp'], whole['looks'][-1]['spp'])
             self.assertGreater(other['spp'], whole['spp'])
 
