@@ -124,7 +124,7 @@ TEST(what_has_an_order_is_refused)
     check_refused(&b, "of seed 1 cannot be added to one of seed 0");
     b.parts[0].seed--;
     b.parts[0].emptied_at = 3;
-    check_refused(&b, "begin with samples 3 and 2");
+    check_refused(&b, "first samples are 3 and 2");
     uint32_t done = 2;
     b.parts[0].done = &done;
     check_refused(&b, "tiles");
