@@ -18,8 +18,8 @@ void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float b
                                              path_start_instance(v.slot));
         weight = 0.0;
         if (HAS(FEATURE_NEE) && HAS(FEATURE_BSDF_HITS_EMITTERS))
-            weight = mis_weight(bsdf_pdf,
-                                pdf_light(origin, direction, distance, v.s, v.primitive, pick_density));
+            weight = mis_weight(bsdf_pdf, pdf_light(origin, direction, distance, v.s, v.primitive,
+                                                    pick_density));
     }
     vec3 emission = material_emission(v.m);
     if (weight > 0.0 && any(greaterThan(emission, vec3(0.0))))

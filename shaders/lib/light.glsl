@@ -34,14 +34,14 @@ struct light_choice {
     bool of_lamp; // of those of a lamp that was not chosen itself: records do not say
 };
 
-// The solid angle by which points on a triangle are chosen, if they are: not where its corners are
-// rounded.
+// Returns the solid angle of a triangle that is sampled by it; 0 if it is sampled by area, as those
+// are whose corners are rounded.
 float solid_angle_of(seen_triangle seen, triangle_record t)
 {
     return IS_SMALL(t.word) ? 0.0 : solid_angle_of(seen);
 }
 
-// The density by solid angle of points on an emitter that are chosen by it; else 0.
+// Returns the density of a point of an emitter that is sampled by solid angle; 0 for others.
 float density_by_solid_angle(vec3 origin, uint primitive, float pick_density)
 {
     float area = 0.0, solid_angle = 0.0;
@@ -52,18 +52,20 @@ float density_by_solid_angle(vec3 origin, uint primitive, float pick_density)
     }
     if (HAS_EMITTER(EMITTER_QUADS) && IS_SHAPE(primitive)) {
         shape_record shape = load_shape(primitive & ~PRIMITIVE_SHAPE);
-        float first;
-        if (shape.kind == SHAPE_KIND_QUAD)
+        if (shape.kind == SHAPE_KIND_QUAD) {
+            float first;
             solid_angle =
                 solid_angle_of_quad(shape.center - origin, shape.axis, shape.other, first);
-        area = shape_area(shape);
+            area = shape_area(shape);
+        }
     }
     return solid_angle > 0.0 ? pick_density * area / solid_angle : 0.0;
 }
 
 // Density per solid angle with which sample_light() would have chosen the unit `direction` from
 // `origin`, given the surface that it hits at `distance`.
-float pdf_light(vec3 origin, vec3 direction, float distance, surface s, uint primitive, float pick_density)
+float pdf_light(vec3 origin, vec3 direction, float distance, surface s, uint primitive,
+                float pick_density)
 {
     if (HAS_EMITTER(EMITTER_SPHERES) && s.radius > 0.0) {
         float sin2_max = sphere_sin2(origin, s.center, s.radius);

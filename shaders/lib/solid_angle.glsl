@@ -5,16 +5,17 @@
 
 #include "lib/angle.glsl"
 
-// Where points are chosen by solid angle, in steradians: below, choosing by area is as good and
-// keeps its digits however small a triangle is; above, the point is all but on the triangle (both
-// bounds: Pharr, Jakob, Humphreys 2023, section 6.5.4). And the least |a + b|^2 of the unit
-// directions to two corners, which is small close to an edge: the directions' roundings of 2^-24
-// displace points by up to four times 2^-24 / |a + b|^2 of the triangle's extent, 2^-9.
+// Points are sampled by solid angle between these bounds in steradians (Pharr, Jakob, Humphreys 2023,
+// section 6.5.4). Below, sampling by area is as good, and exact however small a triangle is; above,
+// the point that sees the triangle lies almost on it.
 #define SOLID_ANGLE_MIN 3e-4
 #define SOLID_ANGLE_MAX 6.22
+// The least |a + b|^2 for the unit directions a and b to two corners. It is small close to an edge,
+// where rounding the directions, by 2^-24, displaces samples by up to 4 2^-24 / |a + b|^2 of the
+// triangle's extent (measured by the test "kernels solid angle"): by 2^-9 at this value.
 #define CORNERS_SUM_MIN 1.220703125e-4
 
-// A triangle from a point. With unit directions a, b, c to its corners tan(omega / 2) is
+// A triangle as a point sees it. With unit directions a, b, c to its corners tan(omega / 2) is
 // |a . (b x c)| / (1 + a . b + b . c + c . a) (van Oosterom and Strackee 1983).
 struct seen_triangle {
     vec3 to_v0, to_v1, to_v2; // unit
@@ -48,15 +49,15 @@ seen_triangle see_triangle(vec3 from, vec3 v0, vec3 edge1, vec3 edge2)
     return s;
 }
 
-// The solid angle by which points on a triangle are chosen; 0 where they are chosen by area.
+// Returns the solid angle of a triangle that is sampled by it; 0 if it is sampled by area.
 float solid_angle_of(seen_triangle s)
 {
     return s.solid_angle >= SOLID_ANGLE_MIN && !s.is_near ? s.solid_angle : 0.0;
 }
 
-// Barycentric coordinates of corners 1 and 2 of a point, uniform by solid angle (Arvo 1995: first
-// an edge from corner 1 to c' between corners 0 and 2, which leaves u.x of the solid angle on one
-// side; then a point of it, uniform by the cosine of its distance from corner 1). h = a + c' lies
+// Returns the barycentric coordinates, for corners 1 and 2, of a point uniform by solid angle. As in
+// Arvo (1995), an arc from corner 1 to a point c' between corners 0 and 2 cuts off u.x of the solid
+// angle, and the cosine of the sample's distance from corner 1 on that arc is uniform. h = a + c' lies
 // in the plane of a and c, and the formula above for the part's solid angle is linear in h:
 // tan(omega' / 2) is h . (a x b) / (h . (a + b)). No inverse functions are needed (Peters 2021).
 vec2 sample_seen_triangle(seen_triangle s, vec2 u)
@@ -74,15 +75,17 @@ vec2 sample_seen_triangle(seen_triangle s, vec2 u)
     return weights.yz / (weights.x + weights.y + weights.z);
 }
 
-// Half of the parallelogram round `center` (relative to the point that sees it): the corners -u -
-// v, u - v and u + v from there. With -u and -v it is the other half.
+// Returns half of the parallelogram around `center`, which is relative to the point that sees it:
+// the triangle with the corners -u - v, u - v and u + v from there. With -u and -v it is the other
+// half.
 seen_triangle see_half(vec3 center, vec3 u, vec3 v)
 {
     return see_triangle(vec3(0.0), center - u - v, 2.0 * u, 2.0 * (u + v));
 }
 
-// The solid angle by which points on a parallelogram are chosen, and the part of it that its first
-// half has, in multiples of 2^-24 as uniforms are; 0 where they are chosen by area.
+// Returns the solid angle of a parallelogram that is sampled by it; 0 if it is sampled by area.
+// `first` is the share of its first half, a multiple of 2^-24 as uniforms are, so that a half of
+// which no uniform can be a part is never chosen.
 float solid_angle_of_quad(vec3 center, vec3 u, vec3 v, out float first)
 {
     seen_triangle a = see_half(center, u, v), b = see_half(center, -u, -v);
@@ -91,8 +94,9 @@ float solid_angle_of_quad(vec3 center, vec3 u, vec3 v, out float first)
     return solid_angle >= SOLID_ANGLE_MIN && !a.is_near && !b.is_near ? solid_angle : 0.0;
 }
 
-// A point of it, in half edges from its centre: from a corner of the first half (y = 0) over the
-// diagonal (y = first) to the other half's (y = 1), so that what is close stays close.
+// Samples it; returns the point in half edges from the centre. As uniforms.y grows, the point moves
+// from a corner of the first half over the diagonal (at `first`) to the opposite corner, so that
+// close uniforms give close points.
 vec2 sample_seen_quad(vec3 center, vec3 u, vec3 v, float first, vec2 uniforms)
 {
     bool in_first = uniforms.y < first;

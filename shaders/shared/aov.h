@@ -40,9 +40,9 @@
 // the world itself. z is its material, plus 1.
 #define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
 
-// A film record and a slot keep what each class of --error-by brings to the radiance, for each class
-// and half: the parts first, then the bounces, then the emitters, as far as they are
-// asked for.
+// A film record and a slot keep what each class of --error-by brings to the radiance, for each
+// class and half: the parts first, then the bounces, then the emitters, as far as they are asked
+// for.
 #define BY_PART_COUNT 3u   // after no, one and more scattering events
 #define BY_BOUNCE_COUNT 8u // after so many events; the last one stands for all that have more
 #define BY_EMITTER_TRIANGLES 0u

@@ -87,10 +87,10 @@ struct estimate replicates_estimate(const struct replicates *replicates, uint32_
 // and so is that of the test: their ratio exceeds 2 in less than 0.4 % of all cases.
 #define PILOT_MARGIN 2.0
 
-// Returns how many samples bring a half-width of `ratio` times what is wanted, seen with those of the
-// pilot, below that. With more of them the variance falls at least as 1 / N; with fewer it may rise
-// as 1 / N^3, where the integrand is smooth (Owen 1997, "Scrambled net variance for integrals of
-// smooth functions").
+// Returns how many samples bring a half-width of `ratio` times what is wanted, seen with those of
+// the pilot, below that. With more of them the variance falls at least as 1 / N; with fewer it may
+// rise as 1 / N^3, where the integrand is smooth (Owen 1997, "Scrambled net variance for integrals
+// of smooth functions").
 static double samples_needed(double ratio)
 {
     double part = PILOT_MARGIN * ratio * ratio;

@@ -44,8 +44,8 @@ static bool read_rank(struct place *out, struct err *err)
     if (i == count)
         return true;
     // A batch script of one process has the former variable alone.
-    bool is_alone = i + 1 == count && strcmp(getenv(ranks[i].index), "0") == 0 &&
-                    !getenv(ranks[i].count);
+    bool is_alone =
+        i + 1 == count && strcmp(getenv(ranks[i].index), "0") == 0 && !getenv(ranks[i].count);
     return is_alone || (read_number(ranks[i].index, &out->index, err) &&
                         read_number(ranks[i].count, &out->count, err));
 }

@@ -21,8 +21,8 @@ struct sample_ranges {
 };
 
 // Returns the index-th, from 1, of `count` parts of `samples`, which differ by two samples at most,
-// or by three where an odd last sample is the last part's. There must be a pair of samples for each part, or one
-// part.
+// or by three where an odd last sample is the last part's. There must be a pair of samples for each
+// part, or one part.
 struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t samples);
 
 // Parses "FIRST:END"; returns the rest of the text, or NULL.

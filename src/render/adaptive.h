@@ -2,12 +2,8 @@
 // take them.
 //
 // A plan says how many samples each tile takes in one round; a render is a number of whole rounds.
-// Which pixels a wave takes depends on the plan, never on what was rendered so far, so that the
+// The plan alone decides which pixels a wave takes, whatever was rendered so far, so that the
 // counts are independent of the samples that they count.
-//
-// A plan says how many samples a tile takes in one round; a render is a number of whole rounds.
-// Which pixels a wave takes depends on the plan, never on what was rendered so far, so the counts
-// stay independent of the samples that they count.
 #ifndef LAMPYRIS_RENDER_ADAPTIVE_H
 #define LAMPYRIS_RENDER_ADAPTIVE_H
 

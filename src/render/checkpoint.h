@@ -1,15 +1,10 @@
 // A render's state in a file: another process continues from it bit for bit.
 //
 // A file is a header, the identity (lines that must be the same when the render continues), the
-// renderer's state, the plan of the tiles, the film's records as they are in device memory, and a
-// hash over all that, in the machine's byte order. Nothing in it depends on the wave. It is
+// command line, the renderer's state, the plan of the tiles, a hash over all that, and the film's
+// records as they are in device memory, in blocks that each have a hash: any bit that is changed or
+// missing is found. It is in the machine's byte order, and nothing in it depends on the wave. It is
 // replaced only by a complete file: see file_writer.
-//
-// A file is a header, the identity (what must be the same when the render goes on), the command
-// line, the renderer's state, the plan of the tiles, a hash over all that, and the film's records
-// as they are in device memory, in blocks that each have a hash: whatever bit is changed or missing
-// is found. It is in the machine's byte order, and holds nothing that depends on the wave. It is
-// replaced only by whole files: see file_writer.
 #ifndef LAMPYRIS_RENDER_CHECKPOINT_H
 #define LAMPYRIS_RENDER_CHECKPOINT_H
 
@@ -33,8 +28,8 @@ struct checkpoint_text {
 bool checkpoint_write(struct renderer *renderer, const char *path,
                       const struct checkpoint_text *text,
                       const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err);
-// The same of a film in the host's memory, without tiles. bytes: of its records; aovs: that the
-// renderer had on the device (specialization.aovs).
+// Writes a checkpoint of a film in the host's memory, without tiles, likewise. bytes: the size of
+// its records; aovs: the renderer's specialization.aovs.
 bool checkpoint_write_copy(const struct film_copy *film, uint64_t bytes, uint32_t aovs,
                            const char *path, const struct checkpoint_text *text,
                            const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err);
@@ -72,8 +67,8 @@ struct film_copy checkpoint_film(const struct checkpoint *checkpoint);
 // ERR_INPUT, naming the first thing that differs, unless the identities are the same. Identities
 // are lines "name=value".
 bool checkpoint_check(const struct checkpoint *checkpoint, const char *identity, struct err *err);
-// The same of the identity `was` of the file at `path` and `is` of another, which the message calls
-// `whose`.
+// Compares the identity `was` of the file at `path` with another one, `is`, likewise. The message
+// says `whose` that is.
 bool checkpoint_compare(const char *path, const char *was, const char *whose, const char *is,
                         struct err *err);
 

@@ -37,9 +37,8 @@ bool film_copy_put(const struct film_copy *copy, struct renderer *renderer, stru
 // seeds, and for films that begin with an odd sample, since that belongs to the other half-buffer.
 bool film_copy_add(const struct renderer *renderer, const struct film_copy *part,
                    struct film_copy *to, struct err *err);
-// The same of the records of `pixels` pixels alone, of films that can be added: the device had
-// these `aovs` (specialization.aovs). precedes: the first of the part's samples comes before the
-// other's.
+// Adds the records of `pixels` pixels of such films. aovs: the renderers' specialization.aovs;
+// precedes: the part's first sample comes before the first one of `to`.
 void film_records_add(uint32_t aovs, const char *part, char *to, uint64_t pixels, bool precedes);
 
 #endif

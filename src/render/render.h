@@ -33,7 +33,7 @@
 // thread accumulates all samples of a pixel: with every AOV these are 8 * 2^this iterations, half
 // of the 65,535 after which lavapipe ends loops silently.
 #define MAX_SAMPLE_SHIFT 12u
-// The same limit with the classes of --error-by, which add up to 17 iterations a sample.
+// With the classes of --error-by, which add up to 17 iterations a sample, the limit is lower.
 #define MAX_SAMPLE_SHIFT_OF_CLASSES 10u
 
 struct renderer_params {

@@ -210,7 +210,7 @@ TEST(decisions_are_independent)
     setup_close(&setup);
 }
 
-// The same queries in another order have the same answers.
+// Queries have the same answers in any order.
 TEST(decisions_do_not_depend_on_order)
 {
     struct setup setup;

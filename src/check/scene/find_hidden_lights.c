@@ -594,6 +594,22 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
 
 // --- lamps that are not sampled ------------------------------------------------------------------
 
+static bool add_unaimed(struct survey *survey, const char *place, const char *figure,
+                        const char *remedy, struct err *err)
+{
+    return survey_add(survey,
+                      &(struct scene_finding){
+                          .name = "lamp-unaimed",
+                          .level = FINDING_SLOW,
+                          .place = place,
+                          .figure = figure,
+                          .consequence = "Paths find this light by chance alone.",
+                          .remedy = remedy,
+                          .share = NAN,
+                      },
+                      err);
+}
+
 static bool find_unaimed(struct survey *survey, struct err *err)
 {
     const struct scene *scene = survey->scene;
@@ -603,17 +619,9 @@ static bool find_unaimed(struct survey *survey, struct err *err)
         uint32_t object = scene->instance_count + shape->source;
         if (!flatten_emits(scene, shape->material) || shape_is_emitter(shape->kind))
             continue;
-        return survey_add(survey,
-                          &(struct scene_finding){
-                              .name = "lamp-unaimed",
-                              .level = FINDING_SLOW,
-                              .place = survey_object_name(survey, object),
-                              .figure = "an emitter of a kind to which no shadow rays are sent",
-                              .consequence = "Paths find its light by chance alone.",
-                              .remedy = "Use a quad, a disc, a sphere or a mesh in its place.",
-                              .share = NAN,
-                          },
-                          err);
+        return add_unaimed(survey, survey_object_name(survey, object),
+                           "an emitter of a kind to which no shadow rays are sent",
+                           "Use a quad, a disc, a sphere or a mesh in its place.", err);
     }
     return true;
 }
@@ -624,17 +632,8 @@ static bool add_unaimed_lamps(struct survey *survey, struct err *err)
     const struct emitter_counts counts = emitters_count(survey->scene, survey->flat);
     if (emitters_total(&counts) == 0 || survey->settings.max_bounces == 0)
         return true;
-    return survey_add(survey,
-                      &(struct scene_finding){
-                          .name = "lamp-unaimed",
-                          .level = FINDING_SLOW,
-                          .place = "setting nee, off",
-                          .figure = "no shadow rays are sent to any lamp",
-                          .consequence = "Paths find their light by chance alone.",
-                          .remedy = "Leave the setting at its default.",
-                          .share = NAN,
-                      },
-                      err);
+    return add_unaimed(survey, "setting nee, off", "no shadow rays are sent to any lamp",
+                       "Leave the setting at its default.", err);
 }
 
 bool find_hidden_lights(struct survey *survey, struct err *err)

@@ -60,11 +60,11 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
     struct sample_ranges missing;
     if (!samples_missing(&merge->samples, merge->planned, &merge->arena, &missing, err))
         return false;
+    if (missing.count == 0 || !writes_picture)
+        return true;
     const char *text = samples_text(&missing, &merge->arena);
     if (!text)
         return err_memory(err, "ranges of samples", 64);
-    if (missing.count == 0 || !writes_picture)
-        return true;
     const uint64_t count = count_samples(&missing);
     merge->merged.is_partial = true;
     if (options->merge.partial) {
