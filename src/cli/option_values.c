@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/suggest.h"
 #include "image/image.h"
+#include "render/aov_names.h"
 #include "shared/bindings.h"
 #include <errno.h>
 #include <math.h>
@@ -372,40 +373,7 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
     return true;
 }
 
-// A name of a set of bits.
-struct bits_word {
-    const char *name;
-    uint32_t bits;
-};
-
-static const struct bits_word aov_words[] = {
-    {"albedo", AOV_ALBEDO},
-    {"normal", AOV_NORMAL},
-    {"normal_geometric", AOV_NORMAL_GEOMETRIC},
-    {"depth", AOV_DEPTH},
-    {"position", AOV_POSITION},
-    {"ids", AOV_IDS},
-    {"emission", AOV_EMISSION},
-    {"direct", AOV_DIRECT},
-    {"indirect", AOV_INDIRECT},
-    {"samples", AOV_SAMPLES},
-    {"variance", AOV_VARIANCE},
-    {"halves", AOV_HALVES},
-    {"alpha", AOV_ALPHA},
-    {"steps", AOV_STEPS},
-    {"all", AOV_END - 1u},
-    {NULL},
-};
-
-static const struct bits_word error_words[] = {
-    {"part", AOV_BY_PART},
-    {"bounce", AOV_BY_BOUNCE},
-    {"emitter", AOV_BY_EMITTER},
-    {"all", AOV_BY_PART | AOV_BY_BOUNCE | AOV_BY_EMITTER},
-    {NULL},
-};
-
-static bool err_unknown_word(const char *word, size_t length, const struct bits_word *words,
+static bool err_unknown_word(const char *word, size_t length, const struct aov_name *words,
                              struct err *err)
 {
     char known[200] = "";
@@ -416,7 +384,7 @@ static bool err_unknown_word(const char *word, size_t length, const struct bits_
 }
 
 // Parses words separated by commas, and adds the bits of all of them to the option's.
-static bool store_bits(const struct option_def *def, const struct bits_word *words,
+static bool store_bits(const struct option_def *def, const struct aov_name *words,
                        const char *text, struct options *options, struct err *err)
 {
     uint32_t bits;
@@ -485,9 +453,9 @@ bool option_store(const struct option_def *def, const char *text, struct options
     case VALUE_RAYS:
         return store_rays(text, options, err);
     case VALUE_AOVS:
-        return store_bits(def, aov_words, text, options, err);
+        return store_bits(def, aov_names, text, options, err);
     case VALUE_KINDS:
-        return store_bits(def, error_words, text, options, err);
+        return store_bits(def, error_by_names, text, options, err);
     }
     return err_set(err, ERR_BUG, "an option of unknown type");
 }

@@ -1,6 +1,7 @@
 // Writes down all that decides a render's samples, which must be the same for it to go on.
 #include "job/job_internal.h"
 
+#include "render/aov_names.h"
 #include "render/kernels.h"
 #include "render/sampling_plan.h"
 #include "shared/aov.h"
@@ -72,6 +73,17 @@ static void add_environment(struct text *text, const struct environment *e)
         e->sun.angular_radius, e->sun.direction[0], e->sun.direction[1], e->sun.direction[2]);
 }
 
+static void add_aovs(struct text *text, uint32_t aovs)
+{
+    char names[AOV_NAMES_TEXT_MAX];
+    aov_names_text(aovs, aov_names, names);
+    add(text, "--aov=%s", names);
+    if (!(aovs & AOVS_BY))
+        return;
+    aov_names_text(aovs, error_by_names, names);
+    add(text, "--error-by=%s", names);
+}
+
 static const char *make_identity(struct job *job)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -90,9 +102,7 @@ static const char *make_identity(struct job *job)
     static const char *const instancing_names[] = {
         [INSTANCING_AUTO] = "auto", [INSTANCING_ON] = "on", [INSTANCING_OFF] = "off"};
     add(&text, "--instances=%s", instancing_names[job->params.renderer.instancing]);
-    add(&text, "--aov=0x%x", job->params.renderer.aovs & ~AOVS_BY);
-    if (job->params.renderer.aovs & AOVS_BY)
-        add(&text, "--error-by=0x%x", job->params.renderer.aovs & AOVS_BY);
+    add_aovs(&text, job->params.renderer.aovs);
     add(&text, "--adaptive=%s", goal->adaptive ? "on" : "off");
     if (goal->adaptive)
         add(&text, "samples a round=%u", job->round_samples);

@@ -417,8 +417,8 @@ bool checkpoint_compare(const char *path, const char *was, const char *whose, co
     }
     // The lines before them determine which lines follow.
     return err_set(err, ERR_INPUT,
-                   "%s: was made by another build of lampyris, which tells \"%.*s\" where this one "
-                   "tells \"%.*s\"; expected a checkpoint of this build",
+                   "%s: was made by another build of lampyris, which records \"%.*s\" where this one "
+                   "records \"%.*s\"; expected a checkpoint of this build",
                    path, name_length(was), was, name_length(is), is);
 }
 

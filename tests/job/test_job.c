@@ -33,10 +33,10 @@ TEST(checkpoints_of_other_builds_are_named_so)
         {"version=1\n--mis=none\n--normals=visible\n",
          "c: was made with --mis=none, but this run has power"},
         {"version=1\n--mis=power\n--exponent=2\n--normals=visible\n",
-         "c: was made by another build of lampyris, which tells \"--exponent\" where this one "
-         "tells \"--normals\"; expected a checkpoint of this build"},
+         "c: was made by another build of lampyris, which records \"--exponent\" where this one "
+         "records \"--normals\"; expected a checkpoint of this build"},
         {"version=1\n--mis=power\n",
-         "c: was made by another build of lampyris, which tells \"\" where this one tells "
+         "c: was made by another build of lampyris, which records \"\" where this one records "
          "\"--normals\"; expected a checkpoint of this build"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -49,7 +49,7 @@ SETTING(SEED, uint32_t, seed, "seed", "seed", "Sampling",
     "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
     (COUNT(0, UINT32_MAX)), .fallback = 0, .argument = "N", .label = "Seed")
 SETTING(MAX_BOUNCES, uint32_t, max_bounces, "max_bounces", "max-bounces", "Sampling",
-    "Scattering events on a path: 0 is emission only, 1 direct light.",
+    "The most scattering events on a path: 0 gives emission only, 1 gives direct light too.",
     (COUNT(0, SETTINGS_BOUNCES_MAX)), .brief = "Scattering events on a path: 1 is direct light.",
     .fallback = 9, .argument = "N", .label = "Bounces")
 
@@ -64,18 +64,22 @@ SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
     .fallback = INFINITY, .special = "any distance", .argument = "METRES", .unit = "m",
     .label = "  distance", NEEDS(INTEGRATOR, 1u << INTEGRATOR_AO))
 SETTING(SAMPLER, uint32_t, sampler, "sampler", "sampler", "Method",
-    "Where random numbers come from: an Owen-scrambled Sobol sequence, independent ones (pcg; lcg: "
-    "a linear congruential generator seeded by TEA), one in each stratum at random or at its "
-    "centre (grid), a sequence whose errors are blue noise over the picture, for few samples, or "
-    "fractions of sines, which are neither uniform nor independent, for comparison.",
+    "Where random numbers come from: an Owen-scrambled Sobol sequence (sobol), independent numbers "
+    "(pcg; lcg: a linear congruential generator seeded by TEA), one in each stratum, at random "
+    "(stratified) or at its centre (grid), a sequence whose errors are blue noise over the picture, "
+    "for few samples (blue-noise), or fractions of sines, which are neither uniform nor "
+    "independent, for comparison (sine).",
     (CHOICE(sampler_names)), .fallback = SAMPLER_SOBOL, .label = "Sampler", .gap = true)
 SETTING(HALVES, uint32_t, halves, "halves", "halves", "Method",
-    "Whether the half-buffers that tell the error have a sequence of their own each, or are the "
-    "first and the second half of one: less noise in the picture, and an upper bound of its error.",
+    "How samples are divided between the two half-buffers whose difference measures the error. "
+    "Each has a random sequence of its own (independent), or they are the first and the second "
+    "half of one sequence (contiguous): then the picture has less noise, and the error that is "
+    "reported is an upper bound.",
     (CHOICE(halves_names)), .fallback = HALVES_INDEPENDENT, .label = "Halves")
 SETTING(ACCUMULATION, uint32_t, accumulation, "film_accumulation", "accumulation", "Method",
-    "How the film adds samples up: in bins whose sum has no order, in a plain sum, or as a running "
-    "mean. The latter two drift with many samples: they are for comparison.",
+    "How the film adds up samples: in bins whose sum does not depend on the order, in a plain sum, "
+    "or as a running mean. The latter two lose precision with many samples: they are for "
+    "comparison.",
     (CHOICE(accumulation_names)), .fallback = ACCUMULATION_BINNED, .label = "Accumulation")
 SETTING(FILTER, uint32_t, filter, "filter", "filter", "Method",
     "Pixel filter, sampled by importance.",
@@ -88,8 +92,9 @@ SETTING(FILTER_RADIUS, float, filter_radius, "filter_radius", "filter-radius", "
     .argument = "PIXELS", .unit = "px", .label = "  radius", .drag = 4,
     NEEDS(PIXEL_JITTER, 1u << true))
 SETTING(LIGHT_CHOICE, uint32_t, light_choice, "light_choice", "light-choice", "Method",
-    "Which emitters a vertex is connected to: any with the same probability, by power, all of "
-    "them, or by what they may send there, through a tree of lights.",
+    "How the emitter is chosen to which a vertex sends a shadow ray: all with the same "
+    "probability, in proportion to their power, or by an estimate of what they send to that vertex "
+    "(a light tree); or a shadow ray is sent to each of them.",
     (CHOICE(light_choice_names)), .fallback = LIGHT_CHOICE_AUTO, .label = "Light choice",
     .gap = true, NEEDS(NEE, 1u << true))
 SETTING(NEE, bool, nee, "nee", "nee", "Method",
@@ -101,36 +106,38 @@ SETTING(NEE_DEPTH, uint32_t, nee_depth, "nee_depth", "nee-depth", "Method",
     (DEPTH), .fallback = UINT32_MAX, .special = "all vertices", .argument = "N", .label = "  first",
     NEEDS(NEE, 1u << true))
 SETTING(MIS, uint32_t, mis, "mis", "mis", "Method",
-    "Weights of the two ways to find an emitter, by shadow rays and by scattering: the power or "
-    "the balance heuristic, or shadow rays only where they can.",
+    "Weights of multiple importance sampling between the two ways to find an emitter, by shadow "
+    "rays and by scattering: the power heuristic, the balance heuristic, or none: then light that "
+    "shadow rays can find is found by them alone.",
     (CHOICE(mis_names)), .fallback = MIS_POWER, .label = "  weights", NEEDS(NEE, 1u << true))
 SETTING(MIS_EXPONENT, float, mis_exponent, "mis_exponent", "mis-exponent", "Method",
-    "The exponent of the power heuristic. 1 is the balance heuristic. 0 would give half of the "
-    "weight to a way that cannot find the light; at 1000 the lesser of two densities 2 % apart "
-    "counts for nothing in single precision, as by the maximum heuristic.",
+    "The exponent of the power heuristic. 1 is the balance heuristic, and large values approach "
+    "the maximum heuristic. 0 is not allowed: it would give half of the weight to a strategy that "
+    "cannot find the light.",
     (REAL(0.01, 1000)), .fallback = 2, .argument = "B", .label = "  exponent", .drag = 8,
     NEEDS(MIS, 1u << MIS_POWER))
 SETTING(DIRECTIONS, uint32_t, directions, "directions", "directions", "Method",
-    "How paths choose the direction in which they go on from a surface that is not perfectly "
-    "specular: as the surface scatters, or evenly over the sphere or the hemisphere, by the "
-    "cosine, or by a power of the cosine about the mirrored direction.",
+    "How the next direction of a path is sampled at a surface that is not perfectly specular: from "
+    "the BSDF, uniformly over the sphere or the hemisphere, by the cosine, or by a power of the "
+    "cosine about the mirrored direction.",
     (CHOICE(directions_names)), .fallback = DIRECTIONS_BSDF, .label = "Directions", .gap = true)
 SETTING(DIRECTION_EXPONENT, float, direction_exponent, "direction_exponent", "direction-exponent",
     "Method", "The power of the directions power-cosine.",
     (REAL(0, SETTINGS_EXPONENT_MAX)), .fallback = 15, .argument = "N", .label = "  exponent",
     NEEDS(DIRECTIONS, 1u << DIRECTIONS_POWER_COSINE))
 SETTING(NORMALS, uint32_t, normals, "normals", "normals", "Method",
-    "Which normals of rough microfacets are drawn: those that are visible from where the path "
-    "comes, or all by their distribution, with more variance, for comparison.",
+    "Which microfacet normals of rough surfaces are sampled: those visible from the direction that "
+    "the path comes from, or all of their distribution, which has more variance and is for "
+    "comparison.",
     (CHOICE(normals_names)), .fallback = NORMALS_VISIBLE, .label = "Normals")
 SETTING(RADIANCE_SCALING, bool, radiance_scaling, "radiance_scaling", "radiance-scaling", "Method",
-    "Refraction scales radiance by 1 / eta^2, so that inside of glass of index n it is n^2 times "
-    "that outside. Off, as where a renderer leaves the factor out: the same for what is seen "
-    "through closed bodies from outside.",
+    "Refraction scales radiance by 1 / eta^2: inside glass of index n it is n^2 times that "
+    "outside. Off leaves the factor out, as some renderers do; what is seen through a closed body "
+    "from outside stays the same.",
     (SWITCH), .fallback = true, .label = "Radiance scaling")
 SETTING(SPLIT_LOBES, uint32_t, split_lobes, "split_lobes", "split-lobes", "Method",
-    "At the first N vertices of a path, surfaces with both diffuse and specular lobes send it on "
-    "twice, once by each. Only with the directions bsdf.",
+    "At the first N vertices of a path, it continues twice from surfaces that have both diffuse and "
+    "specular lobes, once by each. Only with the directions bsdf.",
     (COUNT(0, SETTINGS_SPLIT_LOBES_MAX)), .fallback = 0, .argument = "N",
     .label = "Split lobes", NEEDS(DIRECTIONS, 1u << DIRECTIONS_BSDF))
 SETTING(CLAMP, float, clamp_limit, "clamp", "clamp", "Method",
@@ -144,8 +151,9 @@ SETTING(MIN_DENSITY, float, min_density, "min_density", "min-density", "Method",
     (REAL(0, SETTINGS_REAL_MAX), .word = "off"), .fallback = 0, .argument = "D", .unit = "1/sr",
     .label = "Least density", .drag = 4)
 SETTING(ROULETTE, uint32_t, roulette, "roulette", "roulette", "Method",
-    "Russian roulette: paths survive with 2.5 times the largest component of their throughput, with "
-    "a constant probability, or together: each sample number has one depth for all pixels.",
+    "The probability that a path survives Russian roulette: 2.5 times the largest component of its "
+    "throughput (throughput), or a constant one (constant); or one depth is drawn for each sample "
+    "number, at which the paths of all pixels end (frame).",
     (CHOICE(roulette_names)), .fallback = ROULETTE_THROUGHPUT, .label = "Roulette")
 SETTING(ROULETTE_MIN_BOUNCES, uint32_t, roulette_min_bounces, "roulette_min_bounces",
     "roulette-min-bounces", "Method",
@@ -154,8 +162,8 @@ SETTING(ROULETTE_MIN_BOUNCES, uint32_t, roulette_min_bounces, "roulette_min_boun
     NEEDS(ROULETTE, ~(1u << ROULETTE_OFF)))
 SETTING(ROULETTE_MAX_BOUNCES, uint32_t, roulette_max_bounces, "roulette_max_bounces",
     "roulette-max-bounces", "Method",
-    "The greatest depth that the roulette frame draws. Deeper light is lost: the picture is "
-    "biased.",
+    "The greatest depth that the roulette \"frame\" draws. Light of longer paths is lost: the picture "
+    "is biased.",
     (DEPTH), .fallback = UINT32_MAX, .special = "any depth", .argument = "N", .label = "  to",
     NEEDS(ROULETTE, 1u << ROULETTE_FRAME))
 SETTING(ROULETTE_SURVIVAL, float, roulette_survival, "roulette_survival", "roulette-survival",
@@ -164,26 +172,26 @@ SETTING(ROULETTE_SURVIVAL, float, roulette_survival, "roulette_survival", "roule
     NEEDS(ROULETTE, 1u << ROULETTE_CONSTANT | 1u << ROULETTE_FRAME))
 SETTING(ENVIRONMENT_FILTER, uint32_t, environment_filter, "environment_filter", "env-filter",
     "Method",
-    "What lies between the texels of an environment's image: radiance that is interpolated "
-    "bilinearly, or a patch of constant radiance around each.",
+    "How radiance is found between the texels of an environment's image: by bilinear "
+    "interpolation, or as that of the nearest texel.",
     (CHOICE(environment_filter_names)), .fallback = ENVIRONMENT_FILTER_BILINEAR,
     .label = "Environment", .gap = true, .needs_image = true)
 SETTING(ENVIRONMENT_SAMPLING, uint32_t, environment_sampling, "environment_sampling",
     "env-sampling", "Method",
-    "How shadow rays choose directions towards an environment's image: by its luminance, or by "
-    "what that exceeds its mean by, since scattered rays find the rest (MIS compensation). The "
-    "latter needs weights of both ways, the directions bsdf and no least density: else it is the "
-    "former.",
+    "How shadow rays choose directions towards an environment's image: in proportion to its "
+    "luminance, or only to the part of it above the mean, since scattered rays find the rest (MIS "
+    "compensation). The latter needs MIS weights, the directions bsdf and no least density; "
+    "without them the former is used.",
     (CHOICE(environment_sampling_names)), .fallback = ENVIRONMENT_SAMPLING_COMPENSATED,
     .label = "  aimed by", .needs_image = true, NEEDS(NEE, 1u << true))
 SETTING(PIXEL_JITTER, bool, pixel_jitter, "pixel_jitter", "pixel-jitter", "Method",
     "Spread samples over the pixel's filter; off: all pass through the pixel's centre.",
     (SWITCH), .fallback = true, .label = "Pixel jitter")
 SETTING(PIXEL_SAMPLING, uint32_t, pixel_sampling, "pixel_sampling", "pixel-sampling", "Method",
-    "Where in the pixel's filter samples lie, whatever the sampler of all other numbers: as the "
-    "sampler says, all at the pixel's centre, at random, or in strata: at their centres (grid) or "
-    "at random in each (stratified). What lies between a centre or a grid's points is not seen, "
-    "and the error does not know of it.",
+    "Where samples lie in the pixel's filter: as the sampler places them, all at the pixel's centre, "
+    "at random, or one in each stratum, at its centre (grid) or at random in it (stratified). Detail "
+    "between the points of centre and grid is never seen, and the reported error does not include "
+    "it.",
     (CHOICE(pixel_sampling_names)), .fallback = PIXEL_SAMPLING_SAMPLER, .label = "Pixel sampling",
     NEEDS(PIXEL_JITTER, 1u << true))
 SETTING(PIXEL_STRATA, uint32_t, pixel_strata, "pixel_strata", "pixel-strata", "Method",
