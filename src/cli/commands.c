@@ -127,13 +127,12 @@ const struct command commands[COMMAND_TOTAL] = {
             .arguments = "[SCENE]",
             .description =
                 "Without a scene, runs the driver and the renderer on cases whose results are "
-                "known, "
-                "and says of each what is done, expected and seen; --list has them all, and "
-                "docs/verification.md says more. A case that a device cannot run says so. With "
-                "one, says what in it is stiff or "
-                "extreme, where, what follows and what can be done, and what a render to a given "
-                "error would take; docs/checking-scenes.md lists the findings. Exits with 1 if a "
-                "case fails, or if something makes the scene's picture wrong.",
+                "known, and prints what each does, expects and finds; --list has them all, and "
+                "docs/verification.md says more. A case that a device cannot run says so. With a "
+                "scene, finds what in it makes a picture wrong, noisy or slow, where it is, what "
+                "follows and what can be done, and how long a render to a given error would take; "
+                "docs/checking-scenes.md lists the findings. Exits with 1 if a case fails, or if "
+                "something makes the scene's picture wrong.",
             .examples = "lampyris check\n"
                         "lampyris check --list\n"
                         "lampyris check scenes/cornell.json\n"

@@ -119,7 +119,7 @@ class Summary(Base):
             begun = result['waves_begun_ahead']
             self.assertEqual(result['waves_in_flight'], count)
             self.assertEqual(begun > 0, count > 1)
-            line = re.search(r'^waves +(\d+), of which (\d+) began beside', text, re.M)
+            line = re.search(r'^waves +(\d+), of which (\d+) began while', text, re.M)
             self.assertEqual(line and int(line[2]), begun or None)
             self.assertEqual('two in flight' in text, count > 1)
 

@@ -103,7 +103,7 @@ static void print_text(const struct scene_check *check)
         wrong += findings->items[i].level == FINDING_WRONG;
     print_words(check->scene.path);
     if (findings->count == 0) {
-        printf(": nothing in it is stiff or extreme; ");
+        printf(": nothing found that makes its picture wrong, noisy or slow; ");
         scene_check_print_outlook(&findings->outlook, stdout);
         return print_changes(check);
     }

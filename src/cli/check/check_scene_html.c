@@ -84,7 +84,7 @@ bool scene_check_report(struct scene_check *check, struct err *err)
     const struct scene_findings *findings = &check->findings;
     const char *path = check->options->study.report;
     if (!html_begin(&page, &check->arena, path_folder(&check->arena, path),
-                    "What in the scene is stiff or extreme", err))
+                    "What makes pictures of the scene wrong, noisy or slow", err))
         return false;
     page.path = path;
     fputs("<p>", page.out);

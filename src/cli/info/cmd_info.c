@@ -119,7 +119,7 @@ static void print_text(const struct info *info)
             printf(", %u %s", info->emitters.shapes[kind], geometry_name(1u << kind));
     putchar('\n');
     if (emitters_total(&info->emitters) > 0 && s->nee)
-        printf("aim       at %s\n",
+        printf("nee       shadow rays go to %s\n",
                light_choice_print(s->light_choice, emitters_total(&info->emitters),
                                   info->renderer.lamps.count)
                    .text);

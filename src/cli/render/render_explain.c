@@ -56,7 +56,7 @@ static void print_waves(const struct renderer *r)
 {
     if (r->plan.waves > 1)
         printf("waves     %" PRIu64 ", of which %" PRIu64
-               " began beside the last bounces of the one before\n",
+               " began while the last bounces of the wave before were traced\n",
                r->stats.waves, r->stats.waves_ahead);
 }
 
@@ -81,7 +81,7 @@ static void print_aim(const struct renderer *r)
         r->specialization.integrator == INTEGRATOR_WHITTED)
         return;
     printf(
-        "aim       at %s\n",
+        "nee       shadow rays go to %s\n",
         light_choice_print(settings->light_choice, emitters_total(&counts), r->lamps.count).text);
 }
 
@@ -93,8 +93,8 @@ void explain_print(struct render_run *run)
     for (uint32_t i = 0; i < run->scene.note_count; i++)
         print_line("note      ", run->scene.notes[i]);
     if (run->job.error.bounded)
-        printf("relMSE    at most %.3g (95 %%): divided by the pixels' own values, which are less "
-               "well known than the means around them\n",
+        printf("relMSE    at most %.3g (95 %%): divided by the pixels' own values, whose error is "
+               "larger than that of the means around them\n",
                run->job.error.relmse_at_most);
     print_aim(r);
     print_waves(r);
@@ -112,7 +112,8 @@ void explain_print(struct render_run *run)
     if (r->specialization.sort_rays)
         printf("sort      rays are sorted by octant and cell from bounce %u on\n",
                SORT_FIRST_BOUNCE);
-    puts("saved     by each part that is left out, if it alone were there besides:\n");
+    puts("saved     device memory in bytes and SPIR-V instructions that each part would add, if only "
+         "that part were not left out:\n");
     printf("%-47s  %12s  %12s  %s\n", "left out", "bytes", "instructions", "why");
     parts_visit(r, print_part, run);
 }

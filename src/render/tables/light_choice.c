@@ -48,20 +48,20 @@ struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters,
     const size_t size = sizeof out.text;
     bool is_auto = setting == LIGHT_CHOICE_AUTO;
     if (choice.way == LIGHT_CHOICE_UNIFORM)
-        snprintf(text, size, "one of %" PRIu64 " emitters, all alike", emitters);
+        snprintf(text, size, "one of %" PRIu64 " emitters, with equal probability", emitters);
     else if (choice.way == LIGHT_CHOICE_POWER)
         snprintf(text, size, "one of %" PRIu64 " emitters, by power%s", emitters,
                  !is_auto        ? ""
-                 : emitters <= 1 ? ": there is no choice"
-                                 : ": they are one lamp");
+                 : emitters <= 1 ? ": there is only one"
+                                 : ": they belong to one lamp");
     else if (choice.way == LIGHT_CHOICE_TREE)
-        snprintf(text, size, "one of %" PRIu64 " emitters of %u lamp%s, by the tree%s", emitters,
+        snprintf(text, size, "one of %" PRIu64 " emitters of %u lamp%s, by the light tree%s", emitters,
                  lamps, lamps == 1 ? "" : "s",
                  !is_auto            ? ""
-                 : lamps > FEW_LAMPS ? ": these are many"
+                 : lamps > FEW_LAMPS ? ", since there are many lamps"
                                      : "");
     else
         snprintf(text, size, "each of %u lamps, of %" PRIu64 " emitters%s", lamps, emitters,
-                 is_auto ? ", from the first vertex, then one by the tree: these are few" : "");
+                 is_auto ? ", from the first vertex, then one chosen by the light tree, since there are few lamps" : "");
     return out;
 }
