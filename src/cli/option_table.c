@@ -35,9 +35,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Picture", .commands = FOR_RENDER | FOR_MERGE,
         .fallback = "the scene's name with .exr, in the working directory, and with .png where "
                     "standard output is a terminal; none of a shard and of merge with --checkpoint",
-        .common = FOR_RENDER | FOR_MERGE, .brief = "Write FILE, .exr or .png; several may be given.",
-        .help = "Write the picture to FILE, .exr (linear) or .png (tone-mapped). May be given "
-                "several times.",
+        .common = FOR_RENDER | FOR_MERGE,
+        .brief = "Write FILE, .exr, .png, .jpg, .hdr or .pfm; several may be given.",
+        .help = "Write the picture to FILE. Its extension chooses the format: .exr, .hdr and .pfm "
+                "are linear, .png and .jpg are tone-mapped. May be given several times.",
     },
     [OPTION_SIZE] = {
         .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
@@ -50,6 +51,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_HALF] = {
         .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER | FOR_MERGE,
         .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(render.half_float),
+    },
+    [OPTION_PNG16] = {
+        .name = "png16", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER | FOR_MERGE,
+        .help = "Write PNG files with 16 instead of 8 bits per value.", FIELD(render.png16),
     },
     [OPTION_AOV] = {
         .name = "aov", .argument = "NAME,...", .type = VALUE_AOVS, .group = "Picture",

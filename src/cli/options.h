@@ -29,6 +29,7 @@ enum option_id {
     OPTION_OUTPUT,
     OPTION_SIZE,
     OPTION_HALF,
+    OPTION_PNG16,
     OPTION_AOV,
 #define SETTING(ID, ...) OPTION_##ID,
 #include "scene/core/settings_list.h"
@@ -203,7 +204,7 @@ struct render_options {
     const char **outputs;
     uint32_t output_count;
     uint32_t aovs; // AOV_*
-    bool half_float;
+    bool half_float, png16;
     double time_seconds; // 0: no limit
     double error;        // local relMSE at which to stop; 0: no such limit
     bool adaptive;       // sample counts by tile

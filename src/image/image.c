@@ -1,6 +1,5 @@
 #include "image/image.h"
 
-#include "base/ascii.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "image/image_internal.h"
@@ -10,14 +9,19 @@
 
 #define FILE_BYTES_MAX ((size_t)8 << 30)
 
-enum format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_HDR, FORMAT_PNG, FORMAT_JPEG };
+enum format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_HDR, FORMAT_PNG, FORMAT_JPEG, FORMAT_PFM };
 
 static enum format format_of_output(const char *path)
 {
-    const char *extension = path_extension(path);
-    return ascii_equal(extension, "exr")   ? FORMAT_EXR
-           : ascii_equal(extension, "png") ? FORMAT_PNG
-                                           : FORMAT_UNKNOWN;
+    static const struct {
+        const char *extension;
+        enum format format;
+    } formats[] = {{"exr", FORMAT_EXR},  {"png", FORMAT_PNG}, {"jpg", FORMAT_JPEG},
+                   {"jpeg", FORMAT_JPEG}, {"hdr", FORMAT_HDR}, {"pfm", FORMAT_PFM}};
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
+        if (path_has_extension(path, formats[i].extension))
+            return formats[i].format;
+    return FORMAT_UNKNOWN;
 }
 
 // The first bytes of a file determine its format, not its name.
@@ -30,7 +34,8 @@ static enum format format_of_bytes(const uint8_t *data, size_t size)
     } signatures[] = {
         {"\x76\x2f\x31\x01", 4, FORMAT_EXR}, {"#?RADIANCE", 10, FORMAT_HDR},
         {"#?RGBE", 6, FORMAT_HDR},           {"\x89PNG\r\n\x1a\n", 8, FORMAT_PNG},
-        {"\xff\xd8\xff", 3, FORMAT_JPEG},
+        {"\xff\xd8\xff", 3, FORMAT_JPEG},    {"PF\n", 3, FORMAT_PFM},
+        {"Pf\n", 3, FORMAT_PFM},
     };
     for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++)
         if (size >= signatures[i].size &&
@@ -52,8 +57,33 @@ bool image_check_format(const char *path, struct err *err)
 {
     if (format_of_output(path) != FORMAT_UNKNOWN)
         return true;
-    return err_set(err, ERR_USAGE, "%s: extension \"%s\" is not known; expected .exr or .png", path,
+    return err_set(err, ERR_USAGE,
+                   "%s: extension \"%s\" is not known; expected .exr, .png, .jpg, .hdr or .pfm", path,
                    path_extension(path));
+}
+
+bool image_is_tone_mapped(const char *path)
+{
+    enum format format = format_of_output(path);
+    return format == FORMAT_PNG || format == FORMAT_JPEG;
+}
+
+uint64_t image_pixel_bytes(const struct image_write_params *params)
+{
+    switch (format_of_output(params->path)) {
+    case FORMAT_EXR:
+        return params->half_float ? 6 : 12;
+    case FORMAT_PNG:
+        return params->png_bits == 16 ? 6 : 3;
+    case FORMAT_JPEG:
+        return 3;
+    case FORMAT_HDR:
+        return 4;
+    case FORMAT_PFM:
+    case FORMAT_UNKNOWN:
+        break;
+    }
+    return 12;
 }
 
 static _Atomic uint64_t corrupt_place;
@@ -101,22 +131,77 @@ static bool encode_png(const struct image_write_params *params, struct byte_buff
                        struct err *err)
 {
     uint8_t *codes = NULL;
-    bool ok = image_png_codes(params, &codes, err) && encode_codes(params, codes, out, err);
+    bool ok = image_display_codes(params, &codes, err) && encode_codes(params, codes, out, err);
     free(codes);
     return ok;
+}
+
+static bool encode_jpeg(const struct image_write_params *params, struct byte_buffer *out,
+                        struct err *err)
+{
+    uint8_t *codes = NULL;
+    struct image_write_params of_bytes = *params;
+    of_bytes.png_bits = 8;
+    bool ok = image_display_codes(&of_bytes, &codes, err) &&
+              image_jpeg_write(params, codes, out, err);
+    if (ok)
+        corrupt_if_due(out);
+    ok = ok && (image_jpeg_verify(params, codes, out, err) || fail_verification(err));
+    free(codes);
+    return ok;
+}
+
+static bool encode_hdr(const struct image_write_params *params, struct byte_buffer *out,
+                       struct err *err)
+{
+    uint8_t(*codes)[4] = NULL;
+    bool ok = image_hdr_codes(params, &codes, err) &&
+              image_hdr_write(params, (const uint8_t(*)[4])codes, out, err);
+    if (ok)
+        corrupt_if_due(out);
+    ok = ok && (image_hdr_verify(params, (const uint8_t(*)[4])codes, out, err) ||
+                fail_verification(err));
+    free(codes);
+    return ok;
+}
+
+static bool encode_pfm(const struct image_write_params *params, struct byte_buffer *out,
+                       struct err *err)
+{
+    if (!image_pfm_write(params, out, err))
+        return false;
+    corrupt_if_due(out);
+    return image_pfm_verify(params, out, err) || fail_verification(err);
+}
+
+static bool encode_format(const struct image_write_params *params, struct byte_buffer *out,
+                          struct err *err)
+{
+    switch (format_of_output(params->path)) {
+    case FORMAT_EXR:
+        return encode_exr(params, out, err);
+    case FORMAT_PNG:
+        return encode_png(params, out, err);
+    case FORMAT_JPEG:
+        return encode_jpeg(params, out, err);
+    case FORMAT_HDR:
+        return encode_hdr(params, out, err);
+    case FORMAT_PFM:
+        return encode_pfm(params, out, err);
+    case FORMAT_UNKNOWN:
+        break;
+    }
+    return image_check_format(params->path, err);
 }
 
 static bool encode(const struct image_write_params *params, struct byte_buffer *out,
                    struct err *err)
 {
-    if (!image_check_format(params->path, err))
-        return false;
     if (params->image->width == 0 || params->image->height == 0)
         return err_set(err, ERR_BUG, "%s: the picture is %u x %u pixels; expected at least 1 x 1",
                        params->path, params->image->width, params->image->height);
     uint64_t failures = memory_failures();
-    bool ok = format_of_output(params->path) == FORMAT_EXR ? encode_exr(params, out, err)
-                                                           : encode_png(params, out, err);
+    bool ok = encode_format(params, out, err);
     ok = had_memory(failures, ok, "an encoder", err);
     return ok || err_prepend(err, "%s", params->path);
 }
@@ -189,11 +274,13 @@ static bool decode(const struct image_source *source, struct arena *arena, struc
         return image_png_read(source, arena, out, err);
     case FORMAT_JPEG:
         return image_jpeg_read(source, arena, out, err);
+    case FORMAT_PFM:
+        return image_pfm_read(source, arena, out, err);
     case FORMAT_UNKNOWN:
         break;
     }
     return err_set(err, ERR_INPUT,
-                   "is no picture that can be read; expected EXR, HDR, PNG or JPEG");
+                   "is no picture that can be read; expected EXR, HDR, PFM, PNG or JPEG");
 }
 
 static bool decode_params(const struct image_read_params *params, struct image_source *source,

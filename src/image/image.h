@@ -1,4 +1,4 @@
-// Images in memory and in files: EXR, PNG, Radiance HDR, JPEG. No Vulkan. All functions may be
+// Images in memory and in files: EXR, PNG, Radiance HDR, JPEG, PFM. No Vulkan. All functions may be
 // called by any thread, on different arguments at the same time.
 #ifndef LAMPYRIS_IMAGE_IMAGE_H
 #define LAMPYRIS_IMAGE_IMAGE_H
@@ -16,7 +16,7 @@ struct image {
     float (*pixels)[3];
 };
 
-struct image_attribute { // metadata: EXR string attributes, PNG tEXt chunks
+struct image_attribute { // metadata: EXR string attributes, PNG texts, comments of JPEG and HDR
     const char *key;
     const char *value;
 };
@@ -36,7 +36,7 @@ struct image_layer {
 };
 
 struct image_write_params {
-    const char *path;                 // .exr or .png, by extension, case-insensitive
+    const char *path; // its extension says the format: exr, png, jpg, jpeg, hdr or pfm, in any case
     const struct image *image;        // EXR: pixels may be NULL, and there are only layers then
     const struct image_layer *layers; // EXR only
     uint32_t layer_count;
@@ -45,15 +45,23 @@ struct image_write_params {
     bool half_float;      // EXR: 16-bit channels; finite values past 65504 saturate, with a warning
     bool uncompressed;    // EXR: so that no compressor can fail
     bool unfiltered;      // PNG: without prediction from neighbours, which noise is larger with
-    float exposure_stops; // PNG: multiplies by 2^stops before the curve
-    enum tone_curve tone; // PNG
+    unsigned png_bits;    // of a value: 8 (also for 0) or 16
+    float exposure_stops; // PNG, JPEG: multiplies by 2^stops before the curve
+    enum tone_curve tone; // PNG, JPEG
 };
 
 // Returns whether the extension is one that image_write knows; ERR_USAGE naming those it does.
 bool image_check_format(const char *path, struct err *err);
+// Returns whether the format of that name shows tone-mapped codes: PNG and JPEG.
+bool image_is_tone_mapped(const char *path);
+// Returns the most bytes per pixel that the image itself takes in a file of that name, without
+// compression.
+uint64_t image_pixel_bytes(const struct image_write_params *params);
 // Writes atomically (base/file.h). ERR_OUTPUT on failure; an older file stays intact then. The file
 // is put together in memory first, decoded again and compared, bit for bit, with what was to be
-// written: pixels (of a PNG, its codes), layers and metadata.
+// written: pixels (of PNG and HDR, their codes), layers and metadata. JPEG's pixels are compared
+// with the greatest error that its quantisation allows. PFM has no metadata. Values that HDR cannot
+// hold are changed, with a warning.
 bool image_write(const struct image_write_params *params, struct err *err);
 // Encodes the image in `arena`; only the path's extension is used.
 bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
@@ -68,7 +76,7 @@ bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, s
 void image_corrupt_at(uint64_t n);
 
 struct image_read_params {
-    const char *path; // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)
+    const char *path; // .exr, .hdr, .pfm, .png (sRGB decoded to linear), .jpg (the same)
     // EXR: the layer to read, with channels R, G, B, or X, Y, Z, or Y, or a single channel by its
     // full name ("depth.Z"); NULL: the channels without a layer.
     const char *layer;

@@ -85,16 +85,38 @@ bool image_exr_verify(const struct image_write_params *params, const struct byte
 bool image_hdr_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err);
 
+// Computes the RGBE codes of the pixels, row 0 at the top, and warns of pixels that they cannot
+// hold. The caller frees them.
+bool image_hdr_codes(const struct image_write_params *params, uint8_t (**codes)[4],
+                     struct err *err);
+bool image_hdr_write(const struct image_write_params *params, const uint8_t (*codes)[4],
+                     struct byte_buffer *out, struct err *err);
+bool image_hdr_verify(const struct image_write_params *params, const uint8_t (*codes)[4],
+                      const struct byte_buffer *file, struct err *err);
+
+bool image_pfm_read(const struct image_source *source, struct arena *arena, struct pixels *out,
+                    struct err *err);
+bool image_pfm_write(const struct image_write_params *params, struct byte_buffer *out,
+                     struct err *err);
+bool image_pfm_verify(const struct image_write_params *params, const struct byte_buffer *file,
+                      struct err *err);
+
 bool image_jpeg_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                      struct err *err);
+bool image_jpeg_write(const struct image_write_params *params, const uint8_t *codes,
+                      struct byte_buffer *out, struct err *err);
+// Returns whether the file decodes to the codes as closely as its quantisation allows, block by
+// block, and to the metadata.
+bool image_jpeg_verify(const struct image_write_params *params, const uint8_t *codes,
+                       const struct byte_buffer *file, struct err *err);
 
 bool image_png_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err);
 bool image_png_read_attributes(const struct image_source *source, struct arena *arena,
                                struct image_attribute **out, uint32_t *count, struct err *err);
-// Computes the 8-bit codes of the pixels, RGB, row 0 at the top, for writing and verifying. The
-// caller frees them.
-bool image_png_codes(const struct image_write_params *params, uint8_t **codes, struct err *err);
+// Computes the codes of the pixels, RGB, row 0 at the top, for PNG and JPEG: bytes, or with 16 bits
+// two bytes each, the high one first, as PNG has them. The caller frees them.
+bool image_display_codes(const struct image_write_params *params, uint8_t **codes, struct err *err);
 bool image_png_write(const struct image_write_params *params, const uint8_t *codes,
                      struct byte_buffer *out, struct err *err);
 bool image_png_verify(const struct image_write_params *params, const uint8_t *codes,

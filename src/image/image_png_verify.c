@@ -31,7 +31,7 @@ static void check_header(struct png_verifier *verifier)
     const struct image *image = verifier->params->image;
     if (png_get_image_width(verifier->png, verifier->info) != image->width ||
         png_get_image_height(verifier->png, verifier->info) != image->height ||
-        png_get_bit_depth(verifier->png, verifier->info) != 8 ||
+        png_get_bit_depth(verifier->png, verifier->info) != IMAGE_PNG_BITS(verifier->params) ||
         png_get_color_type(verifier->png, verifier->info) != PNG_COLOR_TYPE_RGB ||
         !png_get_valid(verifier->png, verifier->info, PNG_INFO_sRGB))
         png_error(verifier->png, "the header is not what was written");
@@ -53,17 +53,19 @@ static void check_texts(struct png_verifier *verifier)
 
 static void check_row(struct png_verifier *verifier, uint32_t y)
 {
-    size_t bytes = 3 * (size_t)verifier->params->image->width;
+    const size_t value_bytes = IMAGE_PNG_BITS(verifier->params) / 8;
+    const size_t bytes =
+        (size_t)verifier->params->image->width * IMAGE_PNG_PIXEL_BYTES(verifier->params);
     const uint8_t *expected = verifier->codes + y * bytes;
     char message[100];
     for (size_t i = 0; i < bytes; i++) {
         if (verifier->row[i] == expected[i])
             continue;
         snprintf(message, sizeof message, "%s of pixel %zu,%u reads as %u; expected %u",
-                 i % 3 == 0   ? "red"
-                 : i % 3 == 1 ? "green"
-                              : "blue",
-                 i / 3, y, verifier->row[i], expected[i]);
+                 i / value_bytes % 3 == 0   ? "red"
+                 : i / value_bytes % 3 == 1 ? "green"
+                                            : "blue",
+                 i / value_bytes / 3, y, verifier->row[i], expected[i]);
         png_error(verifier->png, message);
     }
 }
@@ -93,7 +95,7 @@ bool image_png_verify(const struct image_write_params *params, const uint8_t *co
                       const struct byte_buffer *file, struct err *err)
 {
     struct png_verifier verifier = {.params = params, .codes = codes, .file = file};
-    verifier.row = malloc(3 * (size_t)params->image->width);
+    verifier.row = malloc((size_t)params->image->width * IMAGE_PNG_PIXEL_BYTES(params));
     verifier.png =
         png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &verifier.failure, png_keep_error,
                                  png_drop_warning, NULL, png_take_memory, png_give_memory);

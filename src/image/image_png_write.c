@@ -1,4 +1,4 @@
-// 8-bit RGB PNG: tone-mapped, sRGB-encoded, with tEXt (ASCII) and iTXt (UTF-8) metadata.
+// RGB PNG of 8 or 16 bits: tone-mapped, sRGB-encoded, with tEXt (ASCII) and iTXt (UTF-8) metadata.
 #include "image/image_png.h"
 
 #include <stdlib.h>
@@ -61,18 +61,20 @@ static bool run(struct png_writer *writer)
     if (setjmp(png_jmpbuf(writer->png)))
         return false;
     const struct image *image = writer->params->image;
+    const size_t row_bytes = (size_t)image->width * IMAGE_PNG_PIXEL_BYTES(writer->params);
     png_set_write_fn(writer->png, writer, write_bytes, flush_nothing);
     // libpng's own limit is 10^6 per side; here only memory limits the size.
     png_set_user_limits(writer->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    png_set_IHDR(writer->png, writer->info, image->width, image->height, 8, PNG_COLOR_TYPE_RGB,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(writer->png, writer->info, image->width, image->height,
+                 IMAGE_PNG_BITS(writer->params), PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, 
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (writer->params->unfiltered)
         png_set_filter(writer->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
     png_set_sRGB(writer->png, writer->info, PNG_sRGB_INTENT_RELATIVE);
     set_texts(writer);
     png_write_info(writer->png, writer->info);
     for (uint32_t y = 0; y < image->height; y++)
-        png_write_row(writer->png, writer->codes + 3 * (size_t)y * image->width);
+        png_write_row(writer->png, writer->codes + y * row_bytes);
     png_write_end(writer->png, NULL);
     return true;
 }
@@ -111,18 +113,30 @@ static bool check_keys(const struct image_write_params *params, struct err *err)
     return true;
 }
 
-bool image_png_codes(const struct image_write_params *params, uint8_t **codes, struct err *err)
+static void put_code(uint8_t *pixel, size_t component, unsigned bits, float display)
+{
+    if (bits == 8) {
+        pixel[component] = image_quantize(display);
+        return;
+    }
+    uint16_t code = (uint16_t)(display * 65535.0f + 0.5f);
+    pixel[2 * component] = (uint8_t)(code >> 8);
+    pixel[2 * component + 1] = (uint8_t)code;
+}
+
+bool image_display_codes(const struct image_write_params *params, uint8_t **codes, struct err *err)
 {
     const float(*pixels)[3] = (const float(*)[3])params->image->pixels;
-    size_t count = (size_t)params->image->width * params->image->height;
-    *codes = calloc(count, 3);
+    const size_t count = (size_t)params->image->width * params->image->height;
+    const size_t pixel_bytes = IMAGE_PNG_PIXEL_BYTES(params);
+    *codes = calloc(count, pixel_bytes);
     if (!*codes)
-        return err_memory(err, "8-bit pixels", 3ull * count);
+        return err_memory(err, "a picture's codes", (uint64_t)pixel_bytes * count);
     for (size_t i = 0; i < count; i++) {
         float display[3];
         image_tone_map(params->tone, params->exposure_stops, pixels[i], display);
         for (size_t c = 0; c < 3; c++)
-            (*codes)[3 * i + c] = image_quantize(display[c]);
+            put_code(*codes + i * pixel_bytes, c, IMAGE_PNG_BITS(params), display[c]);
     }
     return true;
 }

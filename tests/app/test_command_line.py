@@ -123,7 +123,7 @@ class Failures(unittest.TestCase):
                           ['devices', 'x'], ['devices', '--spp', '1'], ['--bogus'], ['-x'],
                           ['compare', 'a', 'b', '--max'], ['compare', 'a', 'b', '--max', 'mse'],
                           ['render'], ['render', 's.json', '--spp', '0'],
-                          ['render', 's.json', '-o', 'a.jpg'], ['info']):
+                          ['render', 's.json', '-o', 'a.tga'], ['info']):
             result = run(*arguments)
             self.assertEqual((result.returncode, result.stdout), (2, ''), arguments)
             self.assertRegex(result.stderr, r'^lampyris: error: .+\nTry "lampyris.* --help"\.\n$')

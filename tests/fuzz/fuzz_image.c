@@ -1,5 +1,5 @@
-// Fuzz target: a picture of the format FUZZ_FORMAT ("exr", "hdr", "jpeg" or "png") from
-// memory, and its metadata. Bytes of another format are not wanted in the corpus.
+// Fuzz target: a picture of the format FUZZ_FORMAT ("exr", "hdr", "jpeg", "pfm" or "png")
+// from memory, and its metadata. Bytes of another format are not wanted in the corpus.
 #include "base/memory.h"
 #include "image/image.h"
 #include "image/image_internal.h"
@@ -22,6 +22,8 @@ static bool read_format(const struct image_source *source, struct arena *arena)
     }
     if (strcmp(FUZZ_FORMAT, "hdr") == 0)
         return image_hdr_read(source, arena, &image, NULL);
+    if (strcmp(FUZZ_FORMAT, "pfm") == 0)
+        return image_pfm_read(source, arena, &image, NULL);
     return image_jpeg_read(source, arena, &image, NULL);
 }
 

@@ -8,7 +8,9 @@
 #include <sys/resource.h>
 
 static char folder[512];
-static const char *const names[] = {"picture.exr", "picture.png"};
+static const char *const names[] = {"picture.exr", "picture.png", "picture.jpg", "picture.hdr",
+                                    "picture.pfm"};
+enum { NAMES = sizeof names / sizeof *names };
 
 static bool write_picture(const char *path, struct err *err)
 {
@@ -23,8 +25,11 @@ TEST(formats_are_told_by_extension)
 {
     struct err err;
     CHECK(image_check_format("a/b.exr", &err) && image_check_format("B.PNG", &err));
-    CHECK(!image_check_format("a.jpg", &err) && err.code == ERR_USAGE);
-    CHECK(strstr(err.msg, "a.jpg") && strstr(err.msg, ".exr or .png"), "%s", err.msg);
+    CHECK(image_check_format("a.jpg", &err) && image_check_format("a.JPEG", &err));
+    CHECK(image_check_format("a.hdr", &err) && image_check_format("a.pfm", &err));
+    CHECK(!image_check_format("a.tga", &err) && err.code == ERR_USAGE);
+    CHECK(strstr(err.msg, "a.tga") && strstr(err.msg, ".exr, .png, .jpg, .hdr or .pfm"), "%s",
+          err.msg);
     CHECK(!image_check_format("exr", &err) && !image_check_format(".exr", &err));
     CHECK(!write_picture("a.tiff", &err) && err.code == ERR_USAGE);
 }
@@ -32,7 +37,7 @@ TEST(formats_are_told_by_extension)
 TEST(encoded_is_what_is_written)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < NAMES; i++) {
         struct arena arena = {0};
         struct image image = picture_create(&arena, 60, 40);
         const struct image_write_params params = {.path = names[i], .image = &image};
@@ -45,7 +50,7 @@ TEST(encoded_is_what_is_written)
         REQUIRE(image_write(&params, &err) && file_read(&arena, names[i], 0, &file, &err), "%s",
                 err.msg);
         CHECK(size == file.size && memcmp(data, file.data, size) == 0, "%s", names[i]);
-        CHECK(!image_encode(&(struct image_write_params){.path = "a.jpg", .image = &image}, &arena,
+        CHECK(!image_encode(&(struct image_write_params){.path = "a.tga", .image = &image}, &arena,
                             &data, &size, &err));
         arena_finish(&arena);
     }
@@ -55,7 +60,7 @@ TEST(encoded_is_what_is_written)
 TEST(full_disk_is_an_error)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < NAMES; i++) {
         struct err err = {0};
         if (symlink("/dev/full", names[i]) != 0 || access(names[i], W_OK) != 0)
             SKIP("/dev/full is not there");
@@ -92,7 +97,7 @@ TEST(failed_write_keeps_the_old_file)
     signal(SIGXFSZ, SIG_IGN); // the write then fails with EFBIG
     struct rlimit before, limit;
     REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < NAMES; i++) {
         struct err err = {0};
         REQUIRE(temporary_write(names[i], "old"));
         limit = before;
@@ -140,7 +145,7 @@ static void encode_noise(const char *path, struct arena *arena, struct image *im
 TEST(wrong_encodings_are_found_out)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < NAMES; i++) {
         struct arena arena = {0};
         struct image image, back;
         struct image_write_params params;
@@ -230,7 +235,7 @@ TEST(reading_what_is_no_picture)
     CHECK(err.code == ERR_INPUT && strstr(err.msg, "none.exr"), "%s", err.msg);
     REQUIRE(temporary_write("text.exr", "just text") && temporary_write("empty.png", ""));
     CHECK(!image_read(&(struct image_read_params){.path = "text.exr"}, &arena, &image, &err));
-    CHECK(err.code == ERR_INPUT && strstr(err.msg, "expected EXR, HDR, PNG or JPEG"), "%s",
+    CHECK(err.code == ERR_INPUT && strstr(err.msg, "expected EXR, HDR, PFM, PNG or JPEG"), "%s",
           err.msg);
     CHECK(!image_read(&(struct image_read_params){.path = "empty.png"}, &arena, &image, &err));
     CHECK(!image_read(&(struct image_read_params){.path = "."}, &arena, &image, &err));
@@ -244,7 +249,7 @@ TEST(reading_what_is_no_picture)
 TEST(reading_keeps_to_its_budget)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < NAMES; i++) {
         struct arena arena = {0};
         struct image image;
         struct err err = {0};
@@ -267,7 +272,7 @@ TEST(reading_keeps_to_its_budget)
 TEST(reading_survives_exhausted_memory)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < NAMES; i++) {
         struct err err = {0};
         REQUIRE(write_picture(names[i], &err), "%s", err.msg);
         bool ok = false;

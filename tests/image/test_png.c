@@ -11,7 +11,7 @@ static void encode(const struct image_write_params *params, struct byte_buffer *
 {
     struct err err = {0};
     uint8_t *codes = NULL;
-    CHECK(image_png_codes(params, &codes, &err) && image_png_write(params, codes, out, &err), "%s",
+    CHECK(image_display_codes(params, &codes, &err) && image_png_write(params, codes, out, &err), "%s",
           err.msg);
     free(codes);
 }

@@ -296,8 +296,9 @@ static bool prepare_maps(struct comparison *c, struct err *err)
     const char *path = c->options->compare.difference;
     if (!path)
         return true;
-    if (!image_check_format(path, err))
-        return false;
+    if (!path_has_extension(path, "png") && !path_has_extension(path, "exr"))
+        return err_set(err, ERR_USAGE, "--difference %s: expected a name that ends in .png or .exr",
+                       path);
     for (uint32_t i = 0; i < c->count; i++) {
         c->pictures[i].map = c->count > 1 ? path_numbered(&c->arena, path, i + 1) : path;
         if (!c->pictures[i].map)

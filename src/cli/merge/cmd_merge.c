@@ -182,6 +182,7 @@ static bool make_options(const struct merge *merge, const struct options *option
     out->log_level = options->log_level;
     out->memory = options->memory;
     out->render.half_float |= options->render.half_float;
+    out->render.png16 |= options->render.png16;
     if (options_given(options, OPTION_DEVICE))
         out->device.gpu.device = options->device.gpu.device;
     return true;

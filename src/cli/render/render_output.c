@@ -110,13 +110,16 @@ void render_release_outputs(struct render_run *run)
 
 // Returns the uncompressed size, because compression is not predictable, and noise compresses
 // little.
-static uint64_t picture_bytes(const struct render_run *run, bool is_png)
+static uint64_t picture_bytes(const struct render_run *run, const char *path)
 {
     const struct settings *settings = &run->scene.settings;
+    const bool half = run->options->render.half_float;
+    const struct image_write_params params = {
+        .path = path, .half_float = half, .png_bits = run->options->render.png16 ? 16 : 8};
     uint64_t pixels = (uint64_t)settings->width * settings->height;
-    bool half = run->options->render.half_float;
-    uint64_t values = is_png ? 1 : half ? 2 : 4;
-    return pixels * (3 * values + (is_png ? 0 : layers_bytes(run->options->render.aovs, half)));
+    bool has_layers = path_has_extension(path, "exr");
+    return pixels * (image_pixel_bytes(&params) +
+                     (has_layers ? layers_bytes(run->options->render.aovs, half) : 0));
 }
 
 bool render_check_space(const struct render_run *run, struct err *err)
@@ -126,8 +129,7 @@ bool render_check_space(const struct render_run *run, struct err *err)
     bool is_certain = options->render.every && options->render.time_seconds == 0.0;
     uint64_t pictures = is_certain ? options->render.frames / options->render.every + 1u : 1u;
     for (uint32_t i = 0; i < run->output_count; i++) {
-        bool is_png = path_has_extension(run->outputs[i], "png");
-        uint64_t bytes = picture_bytes(run, is_png);
+        uint64_t bytes = picture_bytes(run, run->outputs[i]);
         if (!file_check_space(run->outputs[i], pictures * bytes, err))
             return false;
     }
@@ -156,6 +158,7 @@ static bool write_picture(const struct render_run *run, const char *path, struct
         .attribute_count = metadata->count,
         .half_float = storage.half_float,
         .uncompressed = storage.uncompressed,
+        .png_bits = run->options->render.png16 ? 16 : 8,
         .exposure_stops = run->exposure,
         .tone = run->scene.settings.tone_curve,
     };
@@ -182,7 +185,7 @@ static bool save(const struct render_run *run, const char *path, uint64_t limit,
     if (is_limited)
         log_warn("files may have at most %s here (RLIMIT_FSIZE, ulimit -f); the picture has %s "
                  "before compression",
-                 memory_print(limit).text, memory_print(picture_bytes(run, false)).text);
+                 memory_print(limit).text, memory_print(picture_bytes(run, path)).text);
     return false;
 }
 

@@ -272,14 +272,14 @@ static void print_exposure(const struct render_run *run)
 
 static void print_outputs(const struct render_run *run)
 {
-    uint32_t last_png = run->output_count;
+    uint32_t last_exposed = run->output_count;
     for (uint32_t i = 0; i < run->output_count; i++)
-        if (path_has_extension(run->outputs[i], "png"))
-            last_png = i;
+        if (image_is_tone_mapped(run->outputs[i]))
+            last_exposed = i;
     for (uint32_t i = 0; i < run->output_count; i++) {
         fputs(i == 0 ? "wrote     " : ", ", stdout);
         print_words(run->outputs[i]);
-        if (i == last_png)
+        if (i == last_exposed)
             print_exposure(run);
     }
     if (run->output_count > 0)

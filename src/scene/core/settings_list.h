@@ -28,17 +28,18 @@ SETTING_OF_FILE(HEIGHT, uint32_t, height, "height", NULL, NULL,
     "Height of the image in pixels.",
     (COUNT(1, SETTINGS_SIZE_MAX)), .fallback = 512)
 SETTING_OF_IMAGE(EXPOSURE, float, exposure, "exposure", "exposure", "Picture",
-    "Stops: PNG images, or what psnr, ssim and flip see, are multiplied by 2 to this power before "
-    "the tone curve. With auto they are found from the image's luminances (docs/output.md; not for "
-    "compare); so they are for models without light or camera and under a sky from the command "
-    "line, unless given. EXR files are not changed.",
+    "Stops: PNG and JPEG images, or what psnr, ssim and flip see, are multiplied by 2 to this power "
+    "before the tone curve. With auto they are found from the image's luminances (docs/output.md; "
+    "not for compare); so they are for models without light or camera and under a sky from the "
+    "command line, unless given. EXR, HDR and PFM files are not changed.",
     (REAL(-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX), .word = "auto",
-     .flag = offsetof(struct settings, exposure_is_auto)), .brief = "Multiply PNG images by 2 to this power.",
+     .flag = offsetof(struct settings, exposure_is_auto)),
+    .brief = "Multiply PNG and JPEG by 2 to this power.",
     .fallback = 0, .argument = "STOPS")
 SETTING_OF_IMAGE(TONE, uint32_t, tone_curve, "tone", "tone", "Picture",
-    "Tone curve of PNG images. It is aces for models without light or camera and under a sky from "
-    "the command line, unless given.",
-    (CHOICE(tone_names)), .brief = "Tone curve of PNG images.",
+    "Tone curve of PNG and JPEG images. It is aces for models without light or camera and under a "
+    "sky from the command line, unless given.",
+    (CHOICE(tone_names)), .brief = "Tone curve of PNG and JPEG images.",
     .fallback = TONE_NONE)
 
 SETTING_OF_COUNT(SPP, uint64_t, spp, "spp", "spp", "Sampling",
@@ -162,8 +163,8 @@ SETTING(ROULETTE_MIN_BOUNCES, uint32_t, roulette_min_bounces, "roulette_min_boun
     NEEDS(ROULETTE, ~(1u << ROULETTE_OFF)))
 SETTING(ROULETTE_MAX_BOUNCES, uint32_t, roulette_max_bounces, "roulette_max_bounces",
     "roulette-max-bounces", "Method",
-    "The greatest depth that the roulette \"frame\" draws. Light of longer paths is lost: the picture "
-    "is biased.",
+    "The greatest depth that the roulette \"frame\" draws. Light of longer paths is lost: the "
+    "picture is biased.",
     (DEPTH), .fallback = UINT32_MAX, .special = "any depth", .argument = "N", .label = "  to",
     NEEDS(ROULETTE, 1u << ROULETTE_FRAME))
 SETTING(ROULETTE_SURVIVAL, float, roulette_survival, "roulette_survival", "roulette-survival",
@@ -188,10 +189,10 @@ SETTING(PIXEL_JITTER, bool, pixel_jitter, "pixel_jitter", "pixel-jitter", "Metho
     "Spread samples over the pixel's filter; off: all pass through the pixel's centre.",
     (SWITCH), .fallback = true, .label = "Pixel jitter")
 SETTING(PIXEL_SAMPLING, uint32_t, pixel_sampling, "pixel_sampling", "pixel-sampling", "Method",
-    "Where samples lie in the pixel's filter: as the sampler places them, all at the pixel's centre, "
-    "at random, or one in each stratum, at its centre (grid) or at random in it (stratified). Detail "
-    "between the points of centre and grid is never seen, and the reported error does not include "
-    "it.",
+    "Where samples lie in the pixel's filter: as the sampler places them, all at the pixel's "
+    "centre, at random, or one in each stratum, at its centre (grid) or at random in it "
+    "(stratified). Detail between the points of centre and grid is never seen, and the reported "
+    "error does not include it.",
     (CHOICE(pixel_sampling_names)), .fallback = PIXEL_SAMPLING_SAMPLER, .label = "Pixel sampling",
     NEEDS(PIXEL_JITTER, 1u << true))
 SETTING(PIXEL_STRATA, uint32_t, pixel_strata, "pixel_strata", "pixel-strata", "Method",
