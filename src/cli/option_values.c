@@ -384,8 +384,8 @@ static bool err_unknown_word(const char *word, size_t length, const struct aov_n
 }
 
 // Parses words separated by commas, and adds the bits of all of them to the option's.
-static bool store_bits(const struct option_def *def, const struct aov_name *words,
-                       const char *text, struct options *options, struct err *err)
+static bool store_bits(const struct option_def *def, const struct aov_name *words, const char *text,
+                       struct options *options, struct err *err)
 {
     uint32_t bits;
     memcpy(&bits, (const char *)options + def->offset, sizeof bits);

@@ -16,7 +16,7 @@ static enum format format_of_output(const char *path)
     static const struct {
         const char *extension;
         enum format format;
-    } formats[] = {{"exr", FORMAT_EXR},  {"png", FORMAT_PNG}, {"jpg", FORMAT_JPEG},
+    } formats[] = {{"exr", FORMAT_EXR},   {"png", FORMAT_PNG}, {"jpg", FORMAT_JPEG},
                    {"jpeg", FORMAT_JPEG}, {"hdr", FORMAT_HDR}, {"pfm", FORMAT_PFM}};
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
         if (path_has_extension(path, formats[i].extension))
@@ -32,9 +32,12 @@ static enum format format_of_bytes(const uint8_t *data, size_t size)
         size_t size;
         enum format format;
     } signatures[] = {
-        {"\x76\x2f\x31\x01", 4, FORMAT_EXR}, {"#?RADIANCE", 10, FORMAT_HDR},
-        {"#?RGBE", 6, FORMAT_HDR},           {"\x89PNG\r\n\x1a\n", 8, FORMAT_PNG},
-        {"\xff\xd8\xff", 3, FORMAT_JPEG},    {"PF\n", 3, FORMAT_PFM},
+        {"\x76\x2f\x31\x01", 4, FORMAT_EXR},
+        {"#?RADIANCE", 10, FORMAT_HDR},
+        {"#?RGBE", 6, FORMAT_HDR},
+        {"\x89PNG\r\n\x1a\n", 8, FORMAT_PNG},
+        {"\xff\xd8\xff", 3, FORMAT_JPEG},
+        {"PF\n", 3, FORMAT_PFM},
         {"Pf\n", 3, FORMAT_PFM},
     };
     for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++)
@@ -58,8 +61,8 @@ bool image_check_format(const char *path, struct err *err)
     if (format_of_output(path) != FORMAT_UNKNOWN)
         return true;
     return err_set(err, ERR_USAGE,
-                   "%s: extension \"%s\" is not known; expected .exr, .png, .jpg, .hdr or .pfm", path,
-                   path_extension(path));
+                   "%s: extension \"%s\" is not known; expected .exr, .png, .jpg, .hdr or .pfm",
+                   path, path_extension(path));
 }
 
 bool image_is_tone_mapped(const char *path)
@@ -142,8 +145,8 @@ static bool encode_jpeg(const struct image_write_params *params, struct byte_buf
     uint8_t *codes = NULL;
     struct image_write_params of_bytes = *params;
     of_bytes.png_bits = 8;
-    bool ok = image_display_codes(&of_bytes, &codes, err) &&
-              image_jpeg_write(params, codes, out, err);
+    bool ok =
+        image_display_codes(&of_bytes, &codes, err) && image_jpeg_write(params, codes, out, err);
     if (ok)
         corrupt_if_due(out);
     ok = ok && (image_jpeg_verify(params, codes, out, err) || fail_verification(err));
@@ -159,8 +162,8 @@ static bool encode_hdr(const struct image_write_params *params, struct byte_buff
               image_hdr_write(params, (const uint8_t(*)[4])codes, out, err);
     if (ok)
         corrupt_if_due(out);
-    ok = ok && (image_hdr_verify(params, (const uint8_t(*)[4])codes, out, err) ||
-                fail_verification(err));
+    ok = ok &&
+         (image_hdr_verify(params, (const uint8_t(*)[4])codes, out, err) || fail_verification(err));
     free(codes);
     return ok;
 }

@@ -128,8 +128,7 @@ static void put_header(struct hdr_writer *writer, const struct image_write_param
     put(writer, end, (size_t)length);
 }
 
-bool image_hdr_codes(const struct image_write_params *params, uint8_t (**codes)[4],
-                     struct err *err)
+bool image_hdr_codes(const struct image_write_params *params, uint8_t (**codes)[4], struct err *err)
 {
     size_t count = (size_t)params->image->width * params->image->height;
     uint64_t changed = 0;
@@ -157,7 +156,8 @@ bool image_hdr_write(const struct image_write_params *params, const uint8_t (*co
     return !writer.is_full || err_memory(err, "the HDR", out->size);
 }
 
-// The reader passes over comments and over the mantissas of black pixels; a second encoding does not.
+// The reader passes over comments and over the mantissas of black pixels; a second encoding does
+// not.
 static bool verify_bytes(const struct image_write_params *params, const uint8_t (*codes)[4],
                          const struct byte_buffer *file, struct err *err)
 {

@@ -1,5 +1,5 @@
-// Writes 8-bit JPEG by libjpeg-turbo: tone-mapped and sRGB-encoded as PNGs are, with the metadata in
-// comments. image_jpeg.c reads them.
+// Writes 8-bit JPEG by libjpeg-turbo: tone-mapped and sRGB-encoded as PNGs are, with the metadata
+// in comments. image_jpeg.c reads them.
 #include "image/image_internal.h"
 
 #include "base/memory.h"
@@ -137,8 +137,8 @@ bool image_jpeg_write(const struct image_write_params *params, const uint8_t *co
 
 // --- verifying -----------------------------------------------------------------------------------
 
-// The transform of a block is orthonormal: the sum of squared errors of its 64 values is that of its
-// coefficients, each of which is off by at most half a step of the quantisation. Clamping to
+// The transform of a block is orthonormal: the sum of squared errors of its 64 values is that of
+// its coefficients, each of which is off by at most half a step of the quantisation. Clamping to
 // 0..255 only lessens it. The integer transforms and the conversion of colours, both ways, round
 // each value by at most 2 in all (Loeffler, Ligtenberg and Moschytz 1989; libjpeg's jdct.h).
 static void bound_errors(struct jpeg_coder *coder)
@@ -229,7 +229,8 @@ static bool verify(struct jpeg_coder *coder)
     return true;
 }
 
-// Decoding cannot tell a small change of a coefficient from the quantisation; a second encoding can.
+// Decoding cannot tell a small change of a coefficient from the quantisation; a second encoding
+// can.
 static bool verify_bytes(const struct image_write_params *params, const uint8_t *codes,
                          const struct byte_buffer *file, struct err *err)
 {

@@ -1,5 +1,5 @@
-// Portable float maps, .pfm (Debevec's HDR Shop; Netpbm's "pfm" page): a header of three lines, then
-// 32-bit floats in rows from the bottom. The format has no place for metadata.
+// Portable float maps, .pfm (Debevec's HDR Shop; Netpbm's "pfm" page): a header of three lines,
+// then 32-bit floats in rows from the bottom. The format has no place for metadata.
 #include "image/image_internal.h"
 
 #include <ctype.h>

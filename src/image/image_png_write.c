@@ -66,7 +66,7 @@ static bool run(struct png_writer *writer)
     // libpng's own limit is 10^6 per side; here only memory limits the size.
     png_set_user_limits(writer->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_IHDR(writer->png, writer->info, image->width, image->height,
-                 IMAGE_PNG_BITS(writer->params), PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, 
+                 IMAGE_PNG_BITS(writer->params), PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (writer->params->unfiltered)
         png_set_filter(writer->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);

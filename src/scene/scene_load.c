@@ -28,13 +28,12 @@ static bool provide_material(struct scene *scene, struct err *err)
 // --- dispatch ------------------------------------------------------------------------------------
 
 static bool load_mesh_alone(struct scene *scene, const struct scene_load_params *params,
-                            bool is_obj, struct err *err)
+                            struct err *err)
 {
     uint32_t mesh;
-    bool ok =
-        is_obj ? load_obj(scene, params->path, SCENE_NONE, params->allow_outside_paths, &mesh, err)
-               : load_ply(scene, params->path, SCENE_NONE, &mesh, err);
-    return ok && scene_place_meshes(scene, mesh, 1, err);
+    return load_mesh_by_extension(scene, params->path, SCENE_NONE, params->allow_outside_paths,
+                                  &mesh, err) &&
+           scene_place_meshes(scene, mesh, 1, err);
 }
 
 static bool has_area(const struct scene *scene, const struct instance *instance)
@@ -121,13 +120,11 @@ static bool load_by_extension(struct scene *scene, const struct scene_load_param
     scene->is_model = true;
     if (is_gltf)
         return load_gltf(scene, params, err);
-    if (ascii_equal(extension, "obj"))
-        return load_mesh_alone(scene, params, true, err);
-    if (ascii_equal(extension, "ply"))
-        return load_mesh_alone(scene, params, false, err);
+    if (is_mesh_file(params->path))
+        return load_mesh_alone(scene, params, err);
     return err_set(err, ERR_INPUT,
-                   "%s: extension \"%s\" is unknown; expected json, gltf, glb, obj or ply",
-                   params->path, extension);
+                   "%s: extension \"%s\" is unknown; expected json, gltf, glb, obj, ply or stl%s",
+                   params->path, extension, mesh_file_hint(params->path));
 }
 
 static bool override_environment(struct scene *scene, const struct scene_load_params *params,

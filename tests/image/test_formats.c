@@ -139,12 +139,12 @@ TEST(pfm_of_others)
         size_t size;
         float first, last; // 0: it is refused
     } cases[] = {
-        {"PF\n1 1\n1.0\n\x3f\x80\0\0\x40\0\0\0\x40\x40\0\0", 23, 1, 3},      // big-endian
-        {"Pf\n1 2\n-1\n\0\0\x80\x3f\0\0\0\x40", 18, 2, 1},                    // grey, from below
-        {"PF\n1 1\n-2.0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 24, 2, 6},     // scaled
-        {"PF\n1 1\n-1.0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40", 23, 0, 0},         // short
-        {"PF\n1 1\n0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 21, 0, 0},        // no byte order
-        {"PF\n-1 1\n-1\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 23, 0, 0},      // a negative width
+        {"PF\n1 1\n1.0\n\x3f\x80\0\0\x40\0\0\0\x40\x40\0\0", 23, 1, 3},  // big-endian
+        {"Pf\n1 2\n-1\n\0\0\x80\x3f\0\0\0\x40", 18, 2, 1},               // grey, from below
+        {"PF\n1 1\n-2.0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 24, 2, 6}, // scaled
+        {"PF\n1 1\n-1.0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40", 23, 0, 0},     // short
+        {"PF\n1 1\n0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 21, 0, 0},    // no byte order
+        {"PF\n-1 1\n-1\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 23, 0, 0},  // a negative width
         {"PF\n1\n", 5, 0, 0},
         {"PF\n999999999 999999999\n-1.0\n", 28, 0, 0},
     };
@@ -157,8 +157,7 @@ TEST(pfm_of_others)
         if (ok) {
             size_t last = (size_t)image.width * image.height - 1;
             CHECK(image.pixels[0][0] == cases[i].first && image.pixels[last][2] == cases[i].last,
-                  "case %zu: %g, %g", i, (double)image.pixels[0][0],
-                  (double)image.pixels[last][2]);
+                  "case %zu: %g, %g", i, (double)image.pixels[0][0], (double)image.pixels[last][2]);
         } else {
             CHECK(err.code == ERR_INPUT || err.code == ERR_BUDGET, "case %zu: %s", i, err.msg);
         }
@@ -181,6 +180,5 @@ TEST(pfm_survives_damage)
 }
 
 TEST_MAIN(TEST_CASE(pfm_keeps_every_bit), TEST_CASE(hdr_is_off_by_half_a_step),
-          TEST_CASE(hdr_changes_what_it_cannot_hold),
-          TEST_CASE(png_of_16_bits_is_257_times_finer), TEST_CASE(jpeg_is_close),
-          TEST_CASE(pfm_of_others), TEST_CASE(pfm_survives_damage))
+          TEST_CASE(hdr_changes_what_it_cannot_hold), TEST_CASE(png_of_16_bits_is_257_times_finer),
+          TEST_CASE(jpeg_is_close), TEST_CASE(pfm_of_others), TEST_CASE(pfm_survives_damage))

@@ -45,7 +45,8 @@ TEST(a_mesh_alone_is_placed_framed_and_lit)
 TEST(unknown_files_are_refused)
 {
     check_refused(&(struct scene_load_params){.path = "a.fbx"}, ERR_INPUT,
-                  "a.fbx: extension \"fbx\" is unknown; expected json, gltf, glb, obj or ply");
+                  "a.fbx: extension \"fbx\" is unknown; expected json, gltf, glb, obj, ply or stl; "
+                  "Blender can export it as glTF");
     check_refused(&(struct scene_load_params){.path = "json"}, ERR_INPUT,
                   "extension \"\" is unknown");
     check_refused(&(struct scene_load_params){.path = "none.json"}, ERR_INPUT,

@@ -299,7 +299,7 @@ typedef bool (*scene_load_fn)(struct scene *scene, const struct scene_load_param
 bool load_json(struct scene *scene, const struct scene_load_params *params, scene_load_fn load_base,
                struct err *err);
 bool load_gltf(struct scene *scene, const struct scene_load_params *params, struct err *err);
-// OBJ and PLY; load_json also calls these for {"type": "mesh", "file": …}. On success one mesh,
+// OBJ, PLY and STL; load_json also calls these for {"type": "mesh", "file": …}. On success one mesh,
 // *index, and the materials that it needs were appended, but no instances. `path` is trusted: the
 // caller confines it. default_material is for triangles without one; SCENE_NONE: append a grey one
 // when it is needed.
@@ -307,6 +307,16 @@ bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
               bool allow_outside_paths, uint32_t *index, struct err *err);
 bool load_ply(struct scene *scene, const char *path, uint32_t default_material, uint32_t *index,
               struct err *err);
+bool load_stl(struct scene *scene, const char *path, uint32_t default_material, uint32_t *index,
+              struct err *err);
+// Returns whether the extension is that of one of these formats.
+bool is_mesh_file(const char *path);
+// Returns the end of a message about a file of another format: "; PROGRAM can export it as glTF"
+// where a program is known that can, else "".
+const char *mesh_file_hint(const char *path);
+// Loads a file of one of these formats, which its extension names.
+bool load_mesh_by_extension(struct scene *scene, const char *path, uint32_t default_material,
+                    bool allow_outside_paths, uint32_t *index, struct err *err);
 // Loads glTF as a mesh of our JSON format: appends meshes and materials and, transformed by `place`
 // (3x4), the instances and lights of the nodes of the default scene. Cameras of the file are
 // ignored.

@@ -29,31 +29,20 @@ static bool transform_part(struct scene *scene, const struct scene_part *part,
 
 // --- mesh files ----------------------------------------------------------------------------------
 
-static bool is_extension(const char *path, const char *extension)
-{
-    return path_has_extension(path, extension);
-}
-
-static bool load_mesh_file(struct json_loader *loader, const char *path, uint32_t material,
-                           struct err *err)
+static bool load_file(struct json_loader *loader, const char *path, uint32_t material,
+                      struct err *err)
 {
     struct scene *scene = loader->scene;
     bool allow_outside = loader->params->allow_outside_paths;
     uint32_t mesh;
-    if (is_extension(path, "gltf") || is_extension(path, "glb"))
+    if (path_has_extension(path, "gltf") || path_has_extension(path, "glb"))
         return load_gltf_into(scene, path, AFFINE_IDENTITY, allow_outside, err);
-    if (is_extension(path, "obj")) {
-        if (!load_obj(scene, path, material, allow_outside, &mesh, err))
-            return false;
-    } else if (is_extension(path, "ply")) {
-        if (!load_ply(scene, path, material, &mesh, err))
-            return false;
-    } else {
+    if (!is_mesh_file(path))
         return err_set(err, ERR_INPUT,
-                       "%s: extension \"%s\" is unknown; expected obj, ply, gltf or glb", path,
-                       path_extension(path));
-    }
-    return scene_place_meshes(scene, mesh, 1, err);
+                       "%s: extension \"%s\" is unknown; expected obj, ply, stl, gltf or glb%s",
+                       path, path_extension(path), mesh_file_hint(path));
+    return load_mesh_by_extension(scene, path, material, allow_outside, &mesh, err) &&
+           scene_place_meshes(scene, mesh, 1, err);
 }
 
 static bool load_mesh(struct json_loader *loader, const struct json_node *node, uint32_t material,
@@ -65,7 +54,7 @@ static bool load_mesh(struct json_loader *loader, const struct json_node *node, 
     const char *path = load_json_path(loader, node, "file", err);
     if (!path)
         return false;
-    if (!load_mesh_file(loader, path, material, err))
+    if (!load_file(loader, path, material, err))
         return node_prepend(&file, err);
     if (material != SCENE_NONE)
         for (uint32_t i = first_instance; i < scene->instance_count; i++)

@@ -14,7 +14,7 @@
 
 static bool is_scene_name(const char *name)
 {
-    static const char *const extensions[] = {"json", "gltf", "glb", "obj", "ply"};
+    static const char *const extensions[] = {"json", "gltf", "glb", "obj", "ply", "stl"};
     for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
         if (path_has_extension(name, extensions[i]))
             return true;
