@@ -19,6 +19,20 @@ static struct {
     void *context;
 } log_state = {MUTEX_INIT, LOG_WARN, sink_stderr, NULL};
 
+static _Thread_local const struct log_target *thread_target; // NULL: the process's sink
+
+const struct log_target *log_redirect(const struct log_target *target)
+{
+    const struct log_target *former = thread_target;
+    thread_target = target;
+    return former;
+}
+
+const struct log_target *log_redirected(void)
+{
+    return thread_target;
+}
+
 void log_configure(enum log_level level, log_sink_fn sink, void *context)
 {
     log_state.level = level;
@@ -35,7 +49,8 @@ enum log_level log_set_level(enum log_level level)
 
 void log_message(enum log_level level, const char *format, ...)
 {
-    if (level > log_state.level)
+    const struct log_target *target = thread_target;
+    if (level > (target ? target->level : log_state.level))
         return;
     char message[1024];
     va_list arguments;
@@ -47,6 +62,9 @@ void log_message(enum log_level level, const char *format, ...)
     // Names and values from files must not send control codes to a terminal.
     printable_mask(message);
     mutex_lock(&log_state.mutex);
-    log_state.sink(log_state.context, level, message);
+    if (target)
+        target->sink(target->context, level, message);
+    else
+        log_state.sink(log_state.context, level, message);
     mutex_unlock(&log_state.mutex);
 }

@@ -1,4 +1,5 @@
-// Warnings and notes for people. The only global of the program: one sink, set once by the program.
+// Warnings and notes for people. The process has one sink, set once by the program; a thread may
+// have another, for the user of a library who shares the process with others.
 #ifndef LAMPYRIS_BASE_LOG_H
 #define LAMPYRIS_BASE_LOG_H
 
@@ -12,6 +13,19 @@ void log_configure(enum log_level level, log_sink_fn sink, void *context);
 
 // Changes the level alone; returns the one so far. Not thread-safe either.
 enum log_level log_set_level(enum log_level level);
+
+// A sink with its level, see log_configure(). It is called by one thread at a time only where one
+// thread at a time uses it.
+struct log_target {
+    enum log_level level;
+    log_sink_fn sink;
+    void *context;
+};
+
+// From now on this thread's messages, and those of the threads that parallel_for() starts for it,
+// go to *target, which must stay valid; NULL: to the process's sink. Returns the target so far.
+const struct log_target *log_redirect(const struct log_target *target);
+const struct log_target *log_redirected(void); // this thread's target, or NULL
 
 // One line without a newline. Thread-safe.
 void log_message(enum log_level level, const char *format, ...)

@@ -1,5 +1,6 @@
 #include "base/parallel.h"
 
+#include "base/log.h"
 #include "base/system.h"
 #include "base/thread.h"
 #include <stdatomic.h>
@@ -13,6 +14,7 @@ unsigned cpu_count(void)
 struct loop {
     parallel_fn fn;
     void *context;
+    const struct log_target *log; // the caller's
     size_t count, grain, chunks;
     _Atomic size_t next_chunk;
 };
@@ -40,6 +42,7 @@ static void loop_run(struct loop *loop, unsigned thread)
 static void worker_main(void *argument)
 {
     struct worker *worker = argument;
+    log_redirect(worker->loop->log);
     loop_run(worker->loop, worker->thread);
 }
 
@@ -63,6 +66,7 @@ void parallel_for(size_t count, size_t grain, unsigned threads, parallel_fn fn, 
         return;
     grain = grain > 0 ? grain : 1;
     struct loop loop = {.fn = fn, .context = context, .count = count, .grain = grain};
+    loop.log = log_redirected();
     loop.chunks = count / grain + (count % grain != 0);
     threads = threads > 0 ? threads : cpu_count();
     threads = threads < PARALLEL_MAX_THREADS ? threads : PARALLEL_MAX_THREADS;

@@ -2,8 +2,7 @@
 // visible. There is one queue, one push-constant block, and one numbering of bindings for all
 // kernels; each kernel's layout has those that its code uses.
 //
-// Threads: one thread at a time may use a struct gpu and its objects. Opening, closing and listing
-// set volk's process-wide function pointers: only one thread at a time may do so.
+// Threads: one thread at a time may use a struct gpu and its objects; several may use one each.
 #ifndef LAMPYRIS_GPU_GPU_H
 #define LAMPYRIS_GPU_GPU_H
 
@@ -263,8 +262,8 @@ bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
 bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *out,
                        struct err *err);
 
-// Returns a function of an extension that was enabled for the device. volk's pointers to such
-// functions are unusable: they become NULL when another device is opened without the extension.
+// Returns a function of an extension that was enabled for the instance or the device. volk's
+// pointers to such functions are unusable: they are those of the process's first instance.
 PFN_vkVoidFunction gpu_function(const struct gpu *gpu, const char *name);
 
 // Waits until the device is idle, so that its objects may be destroyed. If that cannot be

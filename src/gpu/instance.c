@@ -1,5 +1,6 @@
 // The loader, the instance and the validation layers.
 #include "base/log.h"
+#include "base/thread.h"
 #include "gpu/gpu_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -7,9 +8,33 @@
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
 #define MAX_CALLER_EXTENSIONS 16
 
+// volk's pointers belong to the process, and are set once, by the first instance: those to core
+// functions dispatch by their first argument, so they serve all instances and devices, and no
+// thread sees them change. volkLoadDevice() would bind them to the latest device. Functions of
+// extensions, which not every instance has, come from gpu_function().
+static struct mutex pointers_mutex = MUTEX_INIT;
+static bool has_pointers;
+
+static void load_pointers(VkInstance instance)
+{
+    mutex_lock(&pointers_mutex);
+    if (!has_pointers)
+        volkLoadInstance(instance);
+    has_pointers = true;
+    mutex_unlock(&pointers_mutex);
+}
+
+static bool loader_find(void)
+{
+    mutex_lock(&pointers_mutex);
+    bool found = vkCreateInstance || volkInitialize() == VK_SUCCESS;
+    mutex_unlock(&pointers_mutex);
+    return found;
+}
+
 static bool loader_open(struct err *err)
 {
-    if (!vkCreateInstance && volkInitialize() != VK_SUCCESS)
+    if (!loader_find())
         return err_set(err, ERR_NO_VULKAN,
                        "no Vulkan loader: libvulkan.so.1 was not found; install the package that "
                        "has it (Debian: libvulkan1) and a driver (mesa-vulkan-drivers)");
@@ -162,12 +187,12 @@ bool instance_create(struct gpu *gpu, struct err *err)
                        "which also has lavapipe for machines without a GPU)");
     if (result != VK_SUCCESS)
         return gpu_fail(gpu, "vkCreateInstance", result, err);
-    // Pointers to core functions from an instance dispatch by their first argument, so several open
-    // devices do not interfere; volkLoadDevice would bind them to the latest device.
-    volkLoadInstance(gpu->instance);
-    return !validation ||
-           VK(gpu, err,
-              vkCreateDebugUtilsMessengerEXT(gpu->instance, &messenger, NULL, &gpu->messenger));
+    load_pointers(gpu->instance);
+    if (!validation)
+        return true;
+    PFN_vkCreateDebugUtilsMessengerEXT create =
+        (PFN_vkCreateDebugUtilsMessengerEXT)gpu_function(gpu, "vkCreateDebugUtilsMessengerEXT");
+    return VK(gpu, err, create(gpu->instance, &messenger, NULL, &gpu->messenger));
 }
 
 void instance_destroy(struct gpu *gpu)

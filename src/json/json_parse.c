@@ -3,7 +3,6 @@
 #include "base/memory.h"
 #include <assert.h>
 #include <setjmp.h>
-#include <stdatomic.h>
 
 // jansson 2.14 must not see a failed allocation while it parses: if its buffer for a string cannot
 // grow, it continues without the rest of the string and then writes past the end of the allocated
@@ -21,7 +20,7 @@ struct parse {
 _Static_assert(sizeof(struct block) % 16 == 0, "what follows is aligned as malloc's memory is");
 
 static _Thread_local struct parse *current; // what this thread parses; NULL: nothing
-static _Atomic bool lost;
+static _Thread_local bool lost;             // see json_lost_memory()
 
 static void *allocate(size_t bytes)
 {
@@ -29,7 +28,7 @@ static void *allocate(size_t bytes)
     if (!block) {
         if (current)
             longjmp(current->on_failure, 1);
-        atomic_store(&lost, true);
+        lost = true;
         return NULL;
     }
     if (current) {
@@ -72,7 +71,9 @@ void json_use_budget(void)
 
 bool json_lost_memory(void)
 {
-    return atomic_exchange(&lost, false);
+    bool was_lost = lost;
+    lost = false;
+    return was_lost;
 }
 
 json_t *json_parse(const char *path, const struct file_bytes *text, size_t flags, struct err *err)

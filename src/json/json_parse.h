@@ -9,11 +9,12 @@
 #include <jansson.h>
 
 // From now on jansson's memory counts against the budget of the process (memory.h), and its failed
-// allocations do no harm to json_parse(). Call it before jansson allocates anything.
+// allocations do no harm to json_parse(). Call it before jansson allocates anything. It concerns
+// all of the process: only a program may call it, not a library, whose caller may use jansson, too.
 void json_use_budget(void);
 
-// Returns whether an allocation of jansson's has failed since the previous call, but for those of
-// parsers: if so, something may be missing from what was built since.
+// Returns whether an allocation of jansson's has failed in this thread since the previous call, but
+// for those of parsers: if so, something may be missing from what was built since.
 bool json_lost_memory(void);
 
 // Returns the document, or NULL with *err set: ERR_INPUT with file, line and column, or lack of

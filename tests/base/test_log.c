@@ -61,5 +61,21 @@ TEST(threads_take_turns)
     log_configure(LOG_WARN, NULL, NULL);
 }
 
-TEST_MAIN(TEST_CASE(the_level_decides), TEST_CASE(messages_are_one_line_and_of_bounded_length),
-          TEST_CASE(threads_take_turns))
+TEST(a_thread_may_have_a_sink_of_its_own)
+{
+    struct record process = {0}, own = {0};
+    const struct log_target target = {LOG_INFO, keep, &own};
+    log_configure(LOG_WARN, keep, &process);
+    CHECK(log_redirect(&target) == NULL);
+    log_info("mine");
+    parallel_for(1000, 10, 4, warn_often, NULL);
+    CHECK(own.count == 1001 && process.count == 0, "%d and %d", own.count, process.count);
+    CHECK(log_redirect(NULL) == &target);
+    log_info("below the process's level");
+    parallel_for(1000, 10, 4, warn_often, NULL);
+    CHECK(own.count == 1001 && process.count == 1000, "%d and %d", own.count, process.count);
+    log_configure(LOG_WARN, NULL, NULL);
+}
+
+TEST_MAIN(TEST_CASE(a_thread_may_have_a_sink_of_its_own), TEST_CASE(the_level_decides),
+          TEST_CASE(messages_are_one_line_and_of_bounded_length), TEST_CASE(threads_take_turns))

@@ -1,4 +1,5 @@
 // Listing, choosing, opening and closing devices.
+#include "base/thread.h"
 #include "gpu/gpu_internal.h"
 #include "gpu_fixture.h"
 #include <ctype.h>
@@ -332,7 +333,62 @@ TEST(windows_get_what_they_need)
     CHECK(without.validation_messages == 0, "%u", without.validation_messages);
 }
 
-TEST_MAIN(TEST_CASE(list_names_every_device), TEST_CASE(device_is_chosen_by_index_and_by_name),
+// What a thread of the test below found.
+struct opened {
+    struct thread thread;
+    bool validation, ok;
+    uint32_t messages;
+    struct err err;
+};
+
+static bool copies(struct gpu *gpu, struct err *err)
+{
+    struct gpu_buffer buffer = {0};
+    uint32_t sent[256], got[256] = {0};
+    for (uint32_t i = 0; i < 256; i++)
+        sent[i] = i * i;
+    bool ok = gpu_buffer_create(gpu, "thread", sizeof sent, GPU_DEVICE, false, &buffer, err) &&
+              gpu_upload(gpu, &buffer, 0, sent, sizeof sent, err) &&
+              gpu_download(gpu, &buffer, 0, got, sizeof got, err);
+    if (ok && memcmp(sent, got, sizeof sent) != 0)
+        ok = err_set(err, ERR_BUG, "other data came back");
+    gpu_buffer_finish(gpu, &buffer);
+    return ok;
+}
+
+static void open_often(void *context)
+{
+    struct opened *opened = context;
+    const struct gpu_params params = {.validation = opened->validation};
+    opened->ok = true;
+    for (int i = 0; i < 20 && opened->ok; i++) {
+        struct gpu gpu = {0};
+        struct gpu_device_info devices[GPU_MAX_DEVICES];
+        uint32_t count;
+        opened->ok = gpu_list_devices(devices, &count, &opened->err) &&
+                     gpu_open(&params, &gpu, &opened->err) && copies(&gpu, &opened->err);
+        gpu_close(&gpu);
+        opened->messages += gpu.validation_messages;
+    }
+}
+
+TEST(threads_have_devices_of_their_own)
+{
+    struct opened opened[4] = {{.validation = true}, {.validation = false}, {.validation = true}};
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = true);
+    gpu_close(&gpu);
+    for (int i = 0; i < 4; i++)
+        REQUIRE(thread_start(&opened[i].thread, open_often, &opened[i]) == 0);
+    for (int i = 0; i < 4; i++)
+        thread_join(&opened[i].thread);
+    for (int i = 0; i < 4; i++)
+        CHECK(opened[i].ok && opened[i].messages == 0, "thread %d: %u messages; %s", i,
+              opened[i].messages, opened[i].err.msg);
+}
+
+TEST_MAIN(TEST_CASE(threads_have_devices_of_their_own), TEST_CASE(list_names_every_device),
+          TEST_CASE(device_is_chosen_by_index_and_by_name),
           TEST_CASE(unknown_device_is_refused_with_a_list), TEST_CASE(default_is_the_fastest_kind),
           TEST_CASE(limits_are_read), TEST_CASE(lacking_devices_say_what_they_lack),
           TEST_CASE(overrides_lower_limits_and_never_raise_them), TEST_CASE(vulkan_1_1_suffices),
