@@ -33,6 +33,7 @@ bool err_set(struct err *err, enum err_code code, const char *format, ...)
     printable_mask(msg);
     err->code = code;
     err->is_missing = false;
+    err->file[0] = err->place[0] = '\0';
     memcpy(err->msg, msg, sizeof msg);
     return false;
 }
@@ -46,10 +47,20 @@ bool err_prepend(struct err *err, const char *format, ...)
     va_start(arguments, format);
     print(context, sizeof context, format, arguments);
     va_end(arguments);
-    const bool is_missing = err->is_missing;
+    const struct err former = *err;
     err_set(err, err->code, "%s: %s", context, err->msg);
-    err->is_missing = is_missing;
+    err->is_missing = former.is_missing;
+    err_locate(err, former.file, former.place);
     return false;
+}
+
+void err_locate(struct err *err, const char *file, const char *place)
+{
+    if (!err || err->file[0] || strlen(file) >= sizeof err->file)
+        return;
+    strcpy(err->file, file);
+    if (strlen(place) < sizeof err->place)
+        strcpy(err->place, place);
 }
 
 bool err_memory(struct err *err, const char *what, unsigned long long bytes)

@@ -23,6 +23,10 @@ struct err {
     enum err_code code;
     bool is_missing; // ERR_INPUT: there is no such file
     char msg[512];
+    // For programs, of which a message tells people the same: the document that is wrong, and the
+    // place in it as a JSON pointer (RFC 6901), "/materials/white/roughness". "" where there is
+    // none.
+    char file[256], place[128];
 };
 
 // Fills in *err (if not NULL) and returns false, so that `return err_set(err, …);` reads well.
@@ -35,6 +39,10 @@ bool err_set(struct err *err, enum err_code code, const char *format, ...)
 
 // Prepends context to the message, "CONTEXT: MESSAGE", and keeps the code; returns false.
 bool err_prepend(struct err *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+// Sets the file and the place unless they are known already: of several documents that refer to
+// each other, the one in which the problem was found counts. What does not fit is left out.
+void err_locate(struct err *err, const char *file, const char *place);
 
 // Reports that memory could not be allocated: ERR_BUDGET if the budget refused it, with how much
 // WHAT needs and what is left; else ERR_SYSTEM, "out of memory (N bytes for WHAT)". Returns false.

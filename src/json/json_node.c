@@ -64,10 +64,28 @@ static void write_path(const struct json_node *node, char *text, size_t capacity
         append(text, capacity, "[%zu]", node->index);
 }
 
+// Writes the same as a JSON pointer, "/shapes/3/transform/0/scale".
+static void write_pointer(const struct json_node *node, char *text, size_t capacity)
+{
+    if (!node->parent)
+        return;
+    write_pointer(node->parent, text, capacity);
+    append(text, capacity, "/");
+    if (!node->key)
+        append(text, capacity, "%zu", node->index);
+    for (const char *c = node->key; c && *c; c++)
+        if (*c == '~' || *c == '/')
+            append(text, capacity, "~%c", *c == '~' ? '0' : '1');
+        else
+            append(text, capacity, "%c", *c);
+}
+
 bool node_prepend(const struct json_node *node, struct err *err)
 {
-    char path[256] = "";
+    char path[256] = "", pointer[256] = "";
     write_path(node, path, sizeof path);
+    write_pointer(node, pointer, sizeof pointer);
+    err_locate(err, node->file, pointer);
     return path[0] ? err_prepend(err, "%s: %s", node->file, path)
                    : err_prepend(err, "%s", node->file);
 }

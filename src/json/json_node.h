@@ -25,8 +25,8 @@ struct json_node node_root(const char *file, json_t *value);
 struct json_node node_member(const struct json_node *object, const char *key);
 struct json_node node_element(const struct json_node *array, size_t index);
 
-// Sets ERR_INPUT, "FILE: PATH: MESSAGE", and returns false. node_prepend puts FILE and PATH before
-// an existing message.
+// Sets ERR_INPUT, "FILE: PATH: MESSAGE", with the file and the place, and returns false.
+// node_prepend puts FILE and PATH before an existing message.
 bool node_fail(const struct json_node *node, struct err *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 bool node_prepend(const struct json_node *node, struct err *err);

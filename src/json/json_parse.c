@@ -90,9 +90,11 @@ json_t *json_parse(const char *path, const struct file_bytes *text, size_t flags
     current = &parse;
     json_t *root = json_loadb((const char *)text->data, text->size, flags, &problem);
     parse_end(&parse, false);
-    if (!root)
+    if (!root) {
         err_set(err, ERR_INPUT, "%s: line %d, column %d: %s", path, problem.line, problem.column,
                 problem.text);
+        err_locate(err, path, "");
+    }
     return root;
 }
 

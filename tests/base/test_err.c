@@ -55,7 +55,32 @@ TEST(memory_names_the_purpose)
     CHECK(strcmp(err.msg, "out of memory (48 bytes for triangles)") == 0, "%s", err.msg);
 }
 
+TEST(the_place_is_that_of_the_problem)
+{
+    struct err err = {0};
+    err_set(&err, ERR_INPUT, "1.7 is outside [0, 1]");
+    CHECK(!err.file[0] && !err.place[0]);
+    err_locate(&err, "base.json", "/materials/white/roughness");
+    err_prepend(&err, "base.json: materials.white.roughness");
+    err_locate(&err, "scene.json", "/base/file");
+    err_prepend(&err, "scene.json: base.file");
+    CHECK(strcmp(err.file, "base.json") == 0, "%s", err.file);
+    CHECK(strcmp(err.place, "/materials/white/roughness") == 0, "%s", err.place);
+    err_set(&err, ERR_INPUT, "something else: %s", err.msg);
+    CHECK(!err.file[0] && !err.place[0]);
+
+    char text[1000];
+    memset(text, 'x', sizeof text);
+    text[sizeof text - 1] = '\0';
+    err_locate(&err, "a.json", text);
+    CHECK(strcmp(err.file, "a.json") == 0 && !err.place[0], "%s", err.place);
+    err_set(&err, ERR_INPUT, "again");
+    err_locate(&err, text, "/place");
+    CHECK(!err.file[0] && !err.place[0]);
+    err_locate(NULL, "nobody", "listens");
+}
+
 TEST_MAIN(TEST_CASE(set_fills_in_and_returns_false), TEST_CASE(prepend_keeps_the_code),
           TEST_CASE(the_message_may_be_its_own_argument), TEST_CASE(long_messages_are_cut),
           TEST_CASE(control_characters_cannot_reach_a_terminal),
-          TEST_CASE(memory_names_the_purpose))
+          TEST_CASE(memory_names_the_purpose), TEST_CASE(the_place_is_that_of_the_problem))

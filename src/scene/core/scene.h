@@ -235,12 +235,32 @@ struct scene_override {
     const char *value; // JSON; text that is not valid JSON is taken as a string
 };
 
+// A mesh in arrays of the caller's, which {"type": "mesh", "array": NAME} places in a scene file.
+// Numbers are in the machine's representation; strides are distances in bytes, 0: without gaps. Any
+// alignment will do.
+struct scene_array {
+    const char *name;
+    uint32_t vertex_count, triangle_count;
+    const void *positions; // three floats each
+    size_t position_stride;
+    const void *normals; // three floats each, of any length; NULL: none
+    size_t normal_stride;
+    const void *uvs; // two floats each, t downwards; NULL: none
+    size_t uv_stride;
+    const void *colors; // four floats each, linear RGBA; NULL: none
+    size_t color_stride;
+    const void *indices; // three uint32_t a triangle; NULL: vertices 3 i to 3 i + 2
+    size_t index_stride; // from triangle to triangle
+};
+
 struct scene_load_params {
     const char *path; // .json (our format), .gltf, .glb, .obj, .ply; by extension, case-insensitive
     const struct scene_override *overrides; // -D key=value; our JSON format only
     uint32_t override_count;
     const char *text; // replaces the file's contents; our own format only. `path` is then only a
                       // name
+    const struct scene_array *arrays; // meshes that the file may name; our own format only
+    uint32_t array_count;
     bool allow_outside_paths; // files may name files outside of their own folder
     // The overrides come from a file in this folder: paths in them are relative to it and confined
     // to it. NULL: they come from the user.
@@ -317,6 +337,9 @@ const char *mesh_file_hint(const char *path);
 // Loads a file of one of these formats, which its extension names.
 bool load_mesh_by_extension(struct scene *scene, const char *path, uint32_t default_material,
                     bool allow_outside_paths, uint32_t *index, struct err *err);
+// Copies the arrays likewise.
+bool load_array(struct scene *scene, const struct scene_array *array, uint32_t default_material,
+                uint32_t *index, struct err *err);
 // Loads glTF as a mesh of our JSON format: appends meshes and materials and, transformed by `place`
 // (3x4), the instances and lights of the nodes of the default scene. Cameras of the file are
 // ignored.

@@ -12,7 +12,7 @@ static const char *const type_names[SHAPE_TYPE_COUNT] = {
 static const struct {
     const char *required[6], *optional[11];
 } type_keys[SHAPE_TYPE_COUNT] = {
-    [SHAPE_TYPE_MESH] = {{"type", "file"}, {EVERY_SHAPE, "material", "fit"}},
+    [SHAPE_TYPE_MESH] = {{"type"}, {EVERY_SHAPE, "material", "fit", "file", "array"}},
     [SHAPE_TYPE_QUAD] = {{"type", "material"}, {EVERY_SHAPE, "vertices", "corner", "u", "v", "as"}},
     [SHAPE_TYPE_BOX] = {{"type", "material", "min", "max"}, {EVERY_SHAPE, "as"}},
     [SHAPE_TYPE_SPHERE] = {{"type", "material", "radius"},

@@ -45,11 +45,37 @@ static bool load_file(struct json_loader *loader, const char *path, uint32_t mat
            scene_place_meshes(scene, mesh, 1, err);
 }
 
+// Places a mesh that the program has given in arrays.
+static bool load_named_array(struct json_loader *loader, const struct json_node *node,
+                             uint32_t material, struct err *err)
+{
+    const struct scene_load_params *params = loader->params;
+    const char *name = "";
+    const struct json_node array = node_member(node, "array");
+    if (!node_read_string(node, "array", &name, err))
+        return false;
+    uint32_t i = 0, mesh;
+    while (i < params->array_count && strcmp(params->arrays[i].name, name) != 0)
+        i++;
+    if (i == params->array_count)
+        return node_fail(&array, err,
+                         "no program has given a mesh \"%s\" in arrays; expected \"file\" where a "
+                         "scene file is read alone",
+                         name);
+    if (!load_array(loader->scene, &params->arrays[i], material, &mesh, err))
+        return node_prepend(&array, err);
+    return scene_place_meshes(loader->scene, mesh, 1, err);
+}
+
 static bool load_mesh(struct json_loader *loader, const struct json_node *node, uint32_t material,
                       struct err *err)
 {
     struct scene *scene = loader->scene;
     uint32_t first_instance = scene->instance_count;
+    if (!node_check_either(node, "file", "array", err))
+        return false;
+    if (node_member(node, "array").value)
+        return load_named_array(loader, node, material, err);
     const struct json_node file = node_member(node, "file");
     const char *path = load_json_path(loader, node, "file", err);
     if (!path)
