@@ -89,6 +89,36 @@ static bool settle_goal(struct job *job, struct err *err)
     return job_settle_shard(job, err);
 }
 
+static bool goals_same(const struct job_goal *a, const struct job_goal *b)
+{
+    return a->samples == b->samples && a->seconds == b->seconds && a->error == b->error &&
+           a->adaptive == b->adaptive && a->frames == b->frames &&
+           a->samples_per_frame == b->samples_per_frame && a->accumulate == b->accumulate;
+}
+
+bool job_set_goal(struct job *job, const struct job_goal *goal, struct err *err)
+{
+    struct job_goal *now = &job->params.goal;
+    const struct job_goal former = *now;
+    bool is_fixed =
+        goal->frames || former.frames || goal->adaptive || former.adaptive || job_is_shard(job);
+    if (is_fixed && !goals_same(goal, &former))
+        return err_set(err, ERR_USAGE,
+                       "a render of frames, of tiles that have their own numbers of samples "
+                       "(adaptive), or of a shard has its goal from the beginning; expected no "
+                       "other one");
+    *now = *goal;
+    if (!check_method(job, err)) {
+        *now = former;
+        return false;
+    }
+    if (!is_fixed)
+        job->samples_most = most_samples(job);
+    job->ended_by = ENDED_BY_SAMPLES;
+    job->stopped = false;
+    return true;
+}
+
 // --- progress ------------------------------------------------------------------------------------
 
 static void report(void *context, const char *phase, double fraction)
@@ -114,6 +144,7 @@ bool job_init(const struct job_params *params, struct job *job, struct err *err)
         .params = *params,
         .scene = params->scene,
         .gpu = params->renderer.gpu,
+        .is_open_ended = params->goal.seconds > 0.0 || params->goal.adaptive,
         .error = film_error_none("it was not estimated"),
     };
     if (!params->command)

@@ -183,6 +183,9 @@ struct job {
     struct progress progress; // the renderer's: the params' with what part of the clock is over
     struct arena arena;
 
+    // A clock, or each tile for itself, decides how many samples there are; as it was asked for at
+    // the beginning, when the samples were planned.
+    bool is_open_ended;
     bool is_rendering; // since the first sample of job_run()
     bool stopped;      // before the goal was reached; some pixels may have fewer samples
     enum job_end ended_by;
@@ -237,6 +240,12 @@ void job_finish(struct job *job); // accepts NULL and {0}
 
 // Renders until the goal is reached or the listener stops it (`stopped`).
 bool job_run(struct job *job, struct err *err);
+
+// Sets another number of samples, time or error as the goal of the next job_run(), which goes on
+// from the film as it is, also after a stop. Samples stay planned as they were at the beginning.
+// ERR_USAGE if the goal excludes a method, or if frames, tiles or a shard do not permit another
+// one.
+bool job_set_goal(struct job *job, const struct job_goal *goal, struct err *err);
 
 // For callers that decide themselves when to test: replicates, repetitions, a viewer's frames.
 // Empties the film and begins with the first sample of another seed, with `planned` samples per
@@ -347,6 +356,9 @@ void job_end_trace(struct job *job);
 const char *job_identity(struct job *job);
 // Writes a checkpoint, if one is to be kept.
 bool job_checkpoint_save(struct job *job, struct err *err);
+// Writes one to `path`, whether or not one is to be kept. ERR_USAGE while there is nothing to go on
+// from: before a pilot has ended.
+bool job_checkpoint_write(struct job *job, const char *path, struct err *err);
 // Adds to a device's failure what is left of the work.
 void job_checkpoint_mention(const struct job *job, struct err *err);
 

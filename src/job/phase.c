@@ -3,7 +3,7 @@
 
 bool job_is_open_ended(const struct job *job)
 {
-    return job->params.goal.seconds > 0.0 || job->params.goal.adaptive;
+    return job->is_open_ended;
 }
 
 bool job_is_pilot(const struct job *job)

@@ -76,12 +76,8 @@ bool job_checkpoint_restore(struct job *job, struct err *err)
 
 // --- saving --------------------------------------------------------------------------------------
 
-bool job_checkpoint_save(struct job *job, struct err *err)
+static bool write_checkpoint(struct job *job, const char *path, struct err *err)
 {
-    const char *path = job->params.checkpoint.path;
-    // Before there is a plan, there is nothing to resume.
-    if (!path || job_is_pilot(job))
-        return true;
     const struct checkpoint_text text = {job->identity, job->params.command};
     uint64_t start = clock_ns(), note[CHECKPOINT_NOTE_WORDS] = {
                                      [JOB_NOTE_NEXT_LOOK] = job->next_look,
@@ -90,10 +86,32 @@ bool job_checkpoint_save(struct job *job, struct err *err)
                                  };
     memcpy(&note[JOB_NOTE_ERROR], &job->looks_error, sizeof job->looks_error);
     bool ok = checkpoint_write(&job->renderer, path, &text, note, err);
-    job->has_checkpoint |= ok;
     job->seconds.write += clock_seconds_since(start);
+    return ok;
+}
+
+bool job_checkpoint_save(struct job *job, struct err *err)
+{
+    const char *path = job->params.checkpoint.path;
+    // Before there is a plan, there is nothing to resume.
+    if (!path || job_is_pilot(job))
+        return true;
+    bool ok = write_checkpoint(job, path, err);
+    job->has_checkpoint |= ok;
     job->checkpoint_ns = clock_ns();
     return ok;
+}
+
+bool job_checkpoint_write(struct job *job, const char *path, struct err *err)
+{
+    if (job_is_pilot(job))
+        return err_set(err, ERR_USAGE,
+                       "%s: no checkpoint is possible before the pilot of an adaptive render has "
+                       "ended; expected a render that has samples",
+                       path);
+    if (!job_identity(job))
+        return err_memory(err, "a checkpoint", CHECKPOINT_TEXT_MAX);
+    return write_checkpoint(job, path, err);
 }
 
 // A full disk may have room later, and the image itself may be written elsewhere.

@@ -164,6 +164,73 @@ TEST(steps_make_what_a_run_makes)
     gpu_close(&gpu);
 }
 
+// A goal may follow another: the film goes on, and so do the plan of samples and a checkpoint.
+TEST(goals_follow_each_other)
+{
+    static const char *const samplers[] = {"sobol", "grid", "blue-noise"};
+    static const char path[] = "goals.ck";
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    for (size_t i = 0; i < sizeof samplers / sizeof *samplers; i++) {
+        struct scene scenes[3];
+        struct job whole, parts, resumed;
+        const struct job_goal all = {.samples = 9};
+        for (int k = 0; k < 3; k++)
+            REQUIRE_OK(load(&scenes[k], samplers[i], &err));
+        REQUIRE_OK(start(&whole, &gpu, &scenes[0], all, &err) && job_run(&whole, &err) &&
+                   job_read_film(&whole, &err));
+        REQUIRE_OK(start(&parts, &gpu, &scenes[1], all, &err) &&
+                   job_set_goal(&parts, &(struct job_goal){.samples = 4}, &err) &&
+                   job_run(&parts, &err) && job_checkpoint_write(&parts, path, &err) &&
+                   job_read_film(&parts, &err));
+        CHECK(parts.film.most_samples == 4 && parts.image_hash != whole.image_hash);
+        const struct job_params params = {.renderer = {.gpu = &gpu, .wave = 1024},
+                                          .scene = &scenes[2],
+                                          .goal = all,
+                                          .checkpoint = {path, INFINITY, true}};
+        REQUIRE_OK(job_set_goal(&parts, &all, &err) && job_run(&parts, &err) &&
+                   job_read_film(&parts, &err));
+        REQUIRE_OK(job_start(&params, &resumed, &err) && job_run(&resumed, &err) &&
+                   job_read_film(&resumed, &err));
+        CHECK(parts.image_hash == whole.image_hash, "%s", samplers[i]);
+        CHECK(resumed.image_hash == whole.image_hash, "%s", samplers[i]);
+        job_finish(&whole);
+        job_finish(&parts);
+        job_finish(&resumed);
+        for (int k = 0; k < 3; k++)
+            scene_finish(&scenes[k]);
+        remove(path);
+    }
+    gpu_close(&gpu);
+}
+
+TEST(goals_that_exclude_a_method_leave_the_former)
+{
+    struct scene scene;
+    struct gpu gpu;
+    struct job job;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load(&scene, "grid", &err));
+    REQUIRE_OK(start(&job, &gpu, &scene, (struct job_goal){.samples = 4}, &err));
+    CHECK(!job_set_goal(&job, &(struct job_goal){.error = 1e-3}, &err) && err.code == ERR_USAGE);
+    CHECK(!job_set_goal(&job, &(struct job_goal){.adaptive = true}, &err) && err.code == ERR_USAGE);
+    CHECK(job.params.goal.samples == 4 && job.params.goal.error == 0 && job.samples_most == 4);
+    job_finish(&job);
+    scene_finish(&scene);
+    REQUIRE_OK(
+        load_scene("scenes/cornell.json", (const struct scene_override[]){{0}}, &scene, &err));
+    const struct job_goal adaptive = {.samples = 32, .adaptive = true};
+    REQUIRE_OK(start(&job, &gpu, &scene, adaptive, &err));
+    CHECK(!job_checkpoint_write(&job, "none.ck", &err) && err.code == ERR_USAGE);
+    CHECK(job_set_goal(&job, &adaptive, &err), "%s", err.msg);
+    CHECK(!job_set_goal(&job, &(struct job_goal){.samples = 64, .adaptive = true}, &err));
+    job_finish(&job);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
 TEST(whatever_comes_first_ends_it)
 {
     struct scene scene;
@@ -266,5 +333,7 @@ TEST_MAIN(TEST_CASE(checkpoints_of_other_builds_are_named_so),
           TEST_CASE(one_answer_tells_what_plans_on_the_number_of_samples),
           TEST_CASE(methods_and_goals_exclude_each_other),
           TEST_CASE(preparing_takes_no_memory_of_the_device),
-          TEST_CASE(steps_make_what_a_run_makes), TEST_CASE(whatever_comes_first_ends_it),
+          TEST_CASE(steps_make_what_a_run_makes), TEST_CASE(goals_follow_each_other),
+          TEST_CASE(goals_that_exclude_a_method_leave_the_former),
+          TEST_CASE(whatever_comes_first_ends_it),
           TEST_CASE(listeners_hear_of_waves_frames_and_rows))
