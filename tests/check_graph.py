@@ -43,6 +43,7 @@ ROOMS = {
     'check': ['job'],
     'check/scene': ['check'],
     'output': ['job'],
+    'library': ['output'],
     'cli': ['output', 'report'],
     'cli/render': ['cli'],
     'cli/merge': ['cli/render'],

@@ -18,7 +18,7 @@ ISO_HEADERS = {f'{name}.h' for name in (
     'uchar wchar wctype').split()}
 # These have functions that end otherwise on other systems: the room's files have them instead.
 ISO_HEADERS -= {'signal.h', 'locale.h', 'time.h'}
-LIBRARY_HEADERS = {'jansson.h', 'GLFW/glfw3.h', 'volk.h', 'openexr.h', 'meshoptimizer.h', 'png.h',
+LIBRARY_HEADERS = {'lampyris/lampyris.h', 'jansson.h', 'GLFW/glfw3.h', 'volk.h', 'openexr.h', 'meshoptimizer.h', 'png.h',
                    'jpeglib.h', 'jerror.h', 'imgui.h', 'cglm/struct/vec3.h',
                    'cstring', 'cstddef',  # of C++, for Dear ImGui
                    'sanitizer/asan_interface.h'}

@@ -22,7 +22,7 @@ _Static_assert(sizeof(struct block) % 16 == 0, "what follows is aligned as mallo
 static _Thread_local struct parse *current; // what this thread parses; NULL: nothing
 static _Thread_local bool lost;             // see json_lost_memory()
 
-static void *allocate(size_t bytes)
+void *json_allocate(size_t bytes)
 {
     struct block *block = memory_alloc(sizeof *block + bytes);
     if (!block) {
@@ -39,7 +39,7 @@ static void *allocate(size_t bytes)
     return block + 1;
 }
 
-static void release(void *data)
+void json_deallocate(void *data)
 {
     if (!data)
         return;
@@ -62,11 +62,6 @@ static void parse_end(struct parse *parse, bool is_failed)
         block = next;
     }
     current = NULL;
-}
-
-void json_use_budget(void)
-{
-    json_set_alloc_funcs(allocate, release);
 }
 
 bool json_lost_memory(void)

@@ -12,6 +12,9 @@
 // allocations do no harm to json_parse(). Call it before jansson allocates anything. It concerns
 // all of the process: only a program may call it, not a library, whose caller may use jansson, too.
 void json_use_budget(void);
+// What it makes jansson call.
+void *json_allocate(size_t bytes);
+void json_deallocate(void *data);
 
 // Returns whether an allocation of jansson's has failed in this thread since the previous call, but
 // for those of parsers: if so, something may be missing from what was built since.

@@ -7,36 +7,32 @@
 #include <xlocale.h>
 #endif
 
-// Returns the C locale, which the thread uses from here on, or none.
-static locale_t enter(locale_t *before)
+struct c_locale c_locale_begin(void)
 {
     const locale_t locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    *before = locale ? uselocale(locale) : (locale_t)0;
-    return locale;
+    return (struct c_locale){locale, locale ? uselocale(locale) : (locale_t)0};
 }
 
-static void leave(locale_t locale, locale_t before)
+void c_locale_end(struct c_locale locale)
 {
-    if (!locale)
+    if (!locale.own)
         return;
-    uselocale(before);
-    freelocale(locale);
+    uselocale((locale_t)locale.former);
+    freelocale((locale_t)locale.own);
 }
 
 float c_locale_strtof(const char *text)
 {
-    locale_t before;
-    const locale_t locale = enter(&before);
+    const struct c_locale locale = c_locale_begin();
     const float value = strtof(text, NULL);
-    leave(locale, before);
+    c_locale_end(locale);
     return value;
 }
 
 double c_locale_strtod(const char *text)
 {
-    locale_t before;
-    const locale_t locale = enter(&before);
+    const struct c_locale locale = c_locale_begin();
     const double value = strtod(text, NULL);
-    leave(locale, before);
+    c_locale_end(locale);
     return value;
 }
