@@ -252,7 +252,8 @@ struct lampyris_goal {
 };
 
 // Renders until the goal, or that of the settings (goal NULL), is reached. Returns at once if it is
-// already. After LAMPYRIS_STOPPED the film has what was rendered so far, and the next step goes on.
+// already. After LAMPYRIS_STOPPED the film has what was rendered so far, and the next step goes on:
+// it ends the pass over the picture that was stopped, which may take more samples than its goal.
 // After LAMPYRIS_DEVICE it has the last film that was read, if any, and no step is possible.
 // Adaptive renders have no other goal than that of their settings.
 LAMPYRIS_API enum lampyris_status lampyris_render_step(struct lampyris_render *render,

@@ -76,6 +76,18 @@ class Installed(unittest.TestCase):
                         'COMP_WORDS=(lampyris render --sampler sob); COMP_CWORD=3; _lampyris; echo $COMPREPLY')
         self.assertEqual(shown, 'sobol\n')
 
+    def use_library(self, prefix, work):
+        """The Python package, and through it the library."""
+        code = ('import sys, lampyris\n'
+                'picture = lampyris.render(sys.argv[1], size=(16, 16), spp=2)\n'
+                'picture.save(sys.argv[2])\n'
+                'print(lampyris.__version__, picture.error)\n')
+        said = self.ok('python3', '-c', code, f'{prefix}/share/lampyris/scenes/cornell.json', f'{work}/python.exr')
+        self.assertRegex(said, r'^\d+\.\d+\.\d+ local relMSE ')
+        self.ok('lampyris', 'render', f'{prefix}/share/lampyris/scenes/cornell.json', '--size', '16x16', '--spp', '2',
+                '-o', f'{work}/program.exr')
+        self.ok('lampyris', 'compare', f'{work}/python.exr', f'{work}/program.exr', '--max', 'mse=0')
+
     def check_files(self, prefix):
         inside = self.outside(prefix)
         for name in ('bin/lampyris', 'bin/lampyris-view', 'share/doc/lampyris/README.md',
@@ -122,7 +134,13 @@ class Prefix(Installed):
     def run_there(self, *command, **more):
         path = f'{self.prefix}/bin:' + CLEAN['PATH']
         return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300,
-                              env={**CLEAN, 'PATH': path, 'HOME': self.root}, cwd='/', **more)
+                              env={**CLEAN, 'PATH': path, 'HOME': self.root, 'PYTHONDONTWRITEBYTECODE': '1',
+                                   'PYTHONPATH': self.folder_of('lampyris/__init__.py'),
+                                   'LD_LIBRARY_PATH': self.folder_of('liblampyris.so')}, cwd='/', **more)
+
+    def folder_of(self, name):
+        found, = glob.glob(f'{self.root}/**/{name}', recursive=True)
+        return found[:-len(name) - 1]
 
     def outside(self, path):
         return path
@@ -137,6 +155,7 @@ class Prefix(Installed):
         work = tempfile.mkdtemp(dir=os.path.dirname(self.root))
         self.check_files(self.prefix)
         self.use_programs(self.prefix, work)
+        self.use_library(self.prefix, work)
         for page in ('lampyris', 'lampyris-view'):
             self.assertIn('SYNOPSIS', re.sub('.\b', '', self.ok('man', f'{self.prefix}/share/man/man1/{page}.1')))
         if shutil.which('update-mime-database'):
@@ -205,10 +224,10 @@ class Debian(Installed):
         return [re.sub(r' .*', '', word.strip()) for word in words.split(',')]
 
     def test_they_are_used_and_removed(self):
-        packages = [path for path in glob.glob(os.path.join(self.packages, 'lampyris*.deb'))
-                    if 'dbgsym' not in path]
-        self.assertEqual(len(packages), 2)
-        needed = sorted({name for path in packages for name in self.depends(path)})
+        packages = [path for path in glob.glob(os.path.join(self.packages, '*.deb')) if 'dbgsym' not in path]
+        own = {os.path.basename(path).split('_')[0] for path in packages}
+        self.assertEqual(own, {'lampyris', 'lampyris-view', 'liblampyris0.1', 'liblampyris-dev', 'python3-lampyris'})
+        needed = sorted({name for path in packages for name in self.depends(path)} - own)
         self.ok('apt-get', 'install', '-qq', '-y', '--no-install-recommends', 'mesa-vulkan-drivers', 'man-db',
                 'shared-mime-info', 'desktop-file-utils', 'hicolor-icon-theme', *needed)
         # Triggers have run once with nothing of ours.
@@ -222,9 +241,10 @@ class Debian(Installed):
         self.check_files('/usr')
         os.mkdir(self.root + '/tmp/work')
         self.use_programs('/usr', '/tmp/work')
+        self.use_library('/usr', '/tmp/work')
         for page in ('lampyris', 'lampyris-view'):
             self.assertIn('SYNOPSIS', re.sub('.\b', '', self.ok('man', page)))
-        self.ok('dpkg', '--purge', 'lampyris', 'lampyris-view')
+        self.ok('dpkg', '--purge', *sorted(own))
         self.assertEqual(files_below(self.root, kept) ^ before, set())
         self.assertEqual(self.mime_types(), mime)
         self.assertEqual(self.ok('dpkg-query', '--show', '--showformat', '${Package} ${Status}\n').count('lampyris'), 0)
