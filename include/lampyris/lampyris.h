@@ -24,7 +24,7 @@
 // may use one context each, at the same time: they share no state but the process's memory budget
 // (memory_bytes) and what the Vulkan driver shares. Callbacks are called in the thread that called
 // the library, but a log's, which worker threads of that call may call, one at a time. A callback
-// must not call functions of its own context.
+// must not call functions of its own context; those of another are allowed.
 //
 // The library never exits, prints (unless there is no log), handles signals, or changes the locale,
 // the working directory or the environment. It reads the variables of the Vulkan loader and, for

@@ -61,10 +61,11 @@ void log_message(enum log_level level, const char *format, ...)
         return;
     // Names and values from files must not send control codes to a terminal.
     printable_mask(message);
-    mutex_lock(&log_state.mutex);
+    struct mutex *mutex = target ? target->mutex : &log_state.mutex;
+    mutex_lock(mutex);
     if (target)
         target->sink(target->context, level, message);
     else
         log_state.sink(log_state.context, level, message);
-    mutex_unlock(&log_state.mutex);
+    mutex_unlock(mutex);
 }

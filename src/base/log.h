@@ -14,12 +14,14 @@ void log_configure(enum log_level level, log_sink_fn sink, void *context);
 // Changes the level alone; returns the one so far. Not thread-safe either.
 enum log_level log_set_level(enum log_level level);
 
-// A sink with its level, see log_configure(). It is called by one thread at a time only where one
-// thread at a time uses it.
+// A sink with its level, see log_configure(), and the mutex by which its threads take turns: a sink
+// of one target may call what logs to another.
+struct mutex;
 struct log_target {
     enum log_level level;
     log_sink_fn sink;
     void *context;
+    struct mutex *mutex; // the caller's
 };
 
 // From now on this thread's messages, and those of the threads that parallel_for() starts for it,

@@ -127,8 +127,9 @@ enum lampyris_status lampyris_context_create(const struct lampyris_context_param
         return LAMPYRIS_DEVICE;
     }
     context->params.device = context->device;
-    context->log =
-        (struct log_target){(enum log_level)context->params.log_level, log_to_user, context};
+    mutex_init(&context->log_mutex);
+    context->log = (struct log_target){(enum log_level)context->params.log_level, log_to_user,
+                                       context, &context->log_mutex};
     if (context->params.memory_bytes > 0)
         memory_set_budget(context->params.memory_bytes);
     *out = context;
@@ -142,6 +143,7 @@ void library_unref(struct lampyris_context *context)
     const struct log_target *former = log_redirect(context->params.log ? &context->log : NULL);
     gpu_close(&context->gpu);
     log_redirect(former);
+    mutex_finish(&context->log_mutex);
     free(context->device);
     free(context);
 }

@@ -4,6 +4,7 @@
 
 #include "base/c_locale.h"
 #include "base/log.h"
+#include "base/thread.h"
 #include "job/job.h"
 #include <jansson.h>
 #include <lampyris/lampyris.h>
@@ -20,6 +21,7 @@ struct lampyris_context {
     uint32_t renders; // that use the device
     struct lampyris_context_params params;
     struct log_target log;
+    struct mutex log_mutex;
     // Of the thread, while a call is in progress.
     const struct log_target *former_log;
     struct c_locale number_format;

@@ -370,12 +370,14 @@ static bool store_mesh(struct lampyris_scene *scene, const char *name,
         *former = *mesh;
         return true;
     }
-    if (!add_shape(scene, name, material, err))
-        return false;
     struct scene_mesh *added = arena_append(&scene->arena, &scene->meshes, &scene->mesh_count,
                                             &scene->mesh_capacity, sizeof *added, NULL);
     if (!added)
         return err_memory(err, "a mesh", sizeof *added);
+    if (!add_shape(scene, name, material, err)) {
+        scene->mesh_count--;
+        return false;
+    }
     *added = *mesh;
     return true;
 }

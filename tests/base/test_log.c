@@ -1,5 +1,6 @@
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/thread.h"
 #include "test.h"
 
 struct record {
@@ -64,7 +65,8 @@ TEST(threads_take_turns)
 TEST(a_thread_may_have_a_sink_of_its_own)
 {
     struct record process = {0}, own = {0};
-    const struct log_target target = {LOG_INFO, keep, &own};
+    struct mutex mutex = MUTEX_INIT;
+    const struct log_target target = {LOG_INFO, keep, &own, &mutex};
     log_configure(LOG_WARN, keep, &process);
     CHECK(log_redirect(&target) == NULL);
     log_info("mine");

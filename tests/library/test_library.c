@@ -315,6 +315,46 @@ TEST(a_log_has_the_messages_of_its_context)
     lampyris_context_release(contexts[1]);
 }
 
+struct nested {
+    struct lampyris_context *other;
+    int count;
+};
+
+static void load_in_another(void *user, enum lampyris_log_level level, const char *message)
+{
+    struct nested *nested = user;
+    struct lampyris_scene *scene;
+    (void)level, (void)message;
+    if (nested->count++ > 0)
+        return;
+    CHECK(lampyris_scene_load(nested->other, path_of("scenes/models/knot.ply"), NULL, &scene) ==
+          LAMPYRIS_OK);
+    CHECK(lampyris_scene_check(scene, NULL) == LAMPYRIS_OK);
+    lampyris_scene_release(scene);
+}
+
+TEST(callbacks_may_use_another_context)
+{
+    struct told told = {0};
+    struct nested nested = {0};
+    struct lampyris_context *context;
+    struct lampyris_scene *scene;
+    const struct lampyris_context_params inner = {
+        .size = sizeof inner, .log = tell, .user = &told, .log_level = LAMPYRIS_LOG_NOTE};
+    const struct lampyris_context_params outer = {.size = sizeof outer,
+                                                  .log = load_in_another,
+                                                  .user = &nested,
+                                                  .log_level = LAMPYRIS_LOG_NOTE};
+    REQUIRE(lampyris_context_create(&inner, &nested.other) == LAMPYRIS_OK);
+    REQUIRE(lampyris_context_create(&outer, &context) == LAMPYRIS_OK);
+    OK(context, lampyris_scene_load(context, path_of("scenes/models/knot.ply"), NULL, &scene));
+    OK(context, lampyris_scene_check(scene, NULL));
+    CHECK(nested.count > 0 && told.count > 0, "%d and %d", nested.count, told.count);
+    lampyris_scene_release(scene);
+    lampyris_context_release(context);
+    lampyris_context_release(nested.other);
+}
+
 // --- threads -------------------------------------------------------------------------------------
 
 struct worker {
@@ -822,6 +862,7 @@ TEST_MAIN(TEST_CASE(pictures_have_the_bits_of_the_program),
           TEST_CASE(goals_of_error_and_time_end_a_step), TEST_CASE(what_is_not_known_is_said),
           TEST_CASE(callbacks_hear_of_it_and_stop_it),
           TEST_CASE(a_log_has_the_messages_of_its_context),
+          TEST_CASE(callbacks_may_use_another_context),
           TEST_CASE(threads_with_contexts_of_their_own_do_not_meet),
           TEST_CASE(the_locale_of_the_caller_stays), TEST_CASE(values_are_read_and_set_by_pointers),
           TEST_CASE(edits_change_the_next_render),
