@@ -34,7 +34,7 @@ enum { GAP_BYTES = 0 };
 
 enum {
     ALIGN_SMALL = 16,
-    ALIGN_LARGE = 64, // a cache line, and what SIMD loads and mapped uploads like best
+    ALIGN_LARGE = 64, // a cache line: suits SIMD loads and mapped uploads
     FIRST_BLOCK_BYTES = 1 << 14,
     LAST_BLOCK_BYTES = 1 << 20,
 };
@@ -61,7 +61,8 @@ static bool fault_is_due(void)
     return false;
 }
 
-// calloc, because the pages of a large block then stay untouched until they are used.
+// The block comes from calloc, because the pages of a large block then stay untouched until they
+// are used.
 static struct arena_block *block_create(size_t size)
 {
     size_t overhead = sizeof(struct arena_block) + ALIGN_LARGE - 1;
@@ -116,7 +117,7 @@ void *arena_alloc(struct arena *arena, size_t count, size_t size)
     if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 2)
         return NULL;
     size_t alignment = bytes >= ALIGN_LARGE ? ALIGN_LARGE : ALIGN_SMALL;
-    // At least one byte, so that pointers differ and a count of 0 gives a valid one.
+    // At least one byte is allocated, so that pointers differ and a count of 0 gives a valid one.
     size_t padded = ((bytes > 0 ? bytes : 1) + GAP_BYTES + alignment - 1) & ~(alignment - 1);
     if (!memory_take(padded))
         return NULL;
@@ -147,7 +148,7 @@ void *arena_reserve(struct arena *arena, void *items, uint32_t count, uint64_t m
         return items;
     uint64_t needed = count + more, doubled = 2 * (uint64_t)*capacity;
     uint64_t grown_capacity = needed > doubled ? needed : doubled;
-    void *grown = arena_alloc(arena, grown_capacity, size); // the budget is asked in any case
+    void *grown = arena_alloc(arena, grown_capacity, size); // first, so that the budget is checked
     if (!grown || grown_capacity > UINT32_MAX)
         return NULL;
     if (count > 0)

@@ -19,25 +19,25 @@ struct arena {
 // small). NULL when count * size overflows, or when memory or its budget is exhausted. A count of 0
 // gives a valid pointer.
 void *arena_alloc(struct arena *arena, size_t count, size_t size);
-// Copies an array; NULL as for arena_alloc.
+// Copies an array. Returns NULL in the same cases as arena_alloc.
 void *arena_copy(struct arena *arena, const void *from, size_t count, size_t size);
 // Makes room for `more` elements after the first `count` of a growing array. Returns `items` itself
 // if the capacity suffices, else a copy of at least twice the capacity. The old array stays in the
-// arena; doubling keeps the sum of all outgrown arrays below the size of the current one. NULL as
-// for arena_alloc, and for more than 2^32 - 1 elements.
+// arena; doubling keeps the sum of all outgrown arrays below the size of the current one. Returns
+// NULL in the same cases as arena_alloc, and for more than 2^32 - 1 elements.
 void *arena_reserve(struct arena *arena, void *items, uint32_t count, uint64_t more,
                     uint32_t *capacity, size_t size);
-// Appends a zeroed element to a growing array, the pointer to which is at `array`; its index goes
-// to `index` if that is not NULL. NULL like arena_reserve.
+// Appends a zeroed element to a growing array, whose pointer is at `array`, and stores the
+// element's index in `index` if that is not NULL. Returns NULL in the same cases as arena_reserve.
 void *arena_append(struct arena *arena, void *array, uint32_t *count, uint32_t *capacity,
                    size_t size, uint32_t *index);
-char *arena_strdup(struct arena *arena, const char *text); // NULL like arena_alloc
-// Formats a text of any length; NULL as for arena_alloc.
+char *arena_strdup(struct arena *arena, const char *text); // NULL in the same cases as arena_alloc
+// Formats a text of any length. Returns NULL in the same cases as arena_alloc.
 char *arena_printf(struct arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 char *arena_vprintf(struct arena *arena, const char *format, va_list arguments)
     __attribute__((format(printf, 2, 0)));
-// Releases everything; the arena is {0}. Accepts NULL and {0}.
+// Releases all memory and leaves {0} in the arena. Accepts NULL and {0}.
 void arena_finish(struct arena *arena);
 
 // For fault tests: the n-th allocation from now (1: the next), in any arena and thread, fails once

@@ -7,7 +7,7 @@ static char lower(char c)
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
-// Returns the text after the prefix; NULL if it begins otherwise.
+// Returns the text after the prefix; NULL if the text does not begin with it.
 static const char *skip(const char *text, const char *prefix)
 {
     for (; *prefix; text++, prefix++)

@@ -1,4 +1,4 @@
-// Compares words, ignoring the case of ASCII letters, independently of the locale.
+// Compares words, ignoring the case of ASCII letters, whatever the locale.
 #ifndef LAMPYRIS_BASE_ASCII_H
 #define LAMPYRIS_BASE_ASCII_H
 

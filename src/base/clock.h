@@ -5,8 +5,8 @@
 
 // Returns monotonic time in nanoseconds.
 uint64_t clock_ns(void);
-// Returns nanoseconds since 1970 by the system's clock, which may be set; it is comparable with the
-// times of files.
+// Returns nanoseconds since 1970 by the system's clock, which users may set. The times of files are
+// from the same clock.
 uint64_t clock_wall_ns(void);
 // Waits for this time, or until a signal arrives.
 void clock_sleep(double seconds);

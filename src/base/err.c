@@ -6,12 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 
-// This file defines the functions themselves.
+// The macro of err.h would replace the name in the function's definition below.
 #undef err_set
 #undef err_prepend
 #undef err_memory
 
-// Text that does not fit is cut off; a format that fails gives "".
+// Formats a text, which is cut off where it does not fit; a format that fails gives "".
 static void print(char *text, size_t size, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
 

@@ -8,20 +8,20 @@
 // The cause of an error. cli/exit_code.c maps a code to the exit code in brackets.
 enum err_code {
     ERR_NONE = 0,
-    ERR_USAGE,     // the command line [2]
-    ERR_INPUT,     // a file that the user gave [2]
-    ERR_BUDGET,    // more memory than the budget has, see memory.h [2]
-    ERR_SYSTEM,    // memory, threads, the operating system [3]
-    ERR_GPU,       // the device or its driver [3]
-    ERR_NO_VULKAN, // no loader or no driver at all [69]
-    ERR_OUTPUT,    // a file that was to be written [4]
-    ERR_STOPPED,   // nobody's: the listener of struct progress asked to stop [128 + signal]
-    ERR_BUG,       // ours [3]
+    ERR_USAGE,     // the command line is wrong [2]
+    ERR_INPUT,     // a file that the user gave is wrong or unreadable [2]
+    ERR_BUDGET,    // the memory budget is too small, see memory.h [2]
+    ERR_SYSTEM,    // memory, threads or the operating system failed [3]
+    ERR_GPU,       // the device or its driver failed [3]
+    ERR_NO_VULKAN, // there is no Vulkan loader or no driver [69]
+    ERR_OUTPUT,    // a file could not be written [4]
+    ERR_STOPPED,   // struct progress.should_stop asked to stop [128 + signal]
+    ERR_BUG,       // an error in this program [3]
 };
 
 struct err {
     enum err_code code;
-    bool is_missing; // ERR_INPUT: there is no such file
+    bool is_missing; // ERR_INPUT: the file does not exist
     char msg[512];
     // For programs, of which a message tells people the same: the document that is wrong, and the
     // place in it as a JSON pointer (RFC 6901), "/materials/white/roughness". "" where there is
@@ -29,11 +29,11 @@ struct err {
     char file[256], place[128];
 };
 
-// Fills in *err (if not NULL) and returns false, so that `return err_set(err, …);` reads well.
-// A message names the thing, the value and what was expected:
-// "cornell.json: materials[3].roughness: 1.7 is outside [0, 1]". The arguments may include
-// err->msg. Whatever in it is not plainly seen (base/printable.h), and may come from a file's name
-// or content, becomes '?', so that a message is one line and cannot steer a terminal or its reader.
+// Fills in *err (if not NULL) and returns false, so that `return err_set(err, …);` reads well. A
+// message names the thing, the value and what was expected: "cornell.json: materials[3].roughness:
+// 1.7 is outside [0, 1]". The arguments may include err->msg. Invisible and direction-changing
+// characters (base/printable.h), which may come from a file's name or content, become '?', so that
+// a message is one line and cannot manipulate a terminal or mislead its reader.
 bool err_set(struct err *err, enum err_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

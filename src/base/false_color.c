@@ -32,7 +32,7 @@ void false_color(double level, double out[3])
 {
     double lightness = 0.97 * level, hue = (285 + 180 * level) * M_PI / 180;
     double chroma = 0.165 * pow(sin(M_PI * pow(level, 0.85)), 0.8) + 0.05 * level;
-    double low = 0, high = 2; // 1 is tried first
+    double low = 0, high = 2; // bisection: the first value tried is 1
     for (int i = 0; i < 40 && low < 1; i++) {
         double share = 0.5 * (low + high);
         rgb_of_oklab(lightness, share * chroma * cos(hue), share * chroma * sin(hue), out);

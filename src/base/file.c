@@ -25,7 +25,7 @@ static bool read_opened(struct arena *arena, int handle, const char *path, size_
         return err_set(err, ERR_INPUT, "%s: is %s; expected a regular file", path,
                        kind_names[status.kind]);
     if (status.size > max_bytes)
-        return err_set(err, ERR_INPUT, "%s: is %ju bytes long; at most %zu are read", path,
+        return err_set(err, ERR_INPUT, "%s: is %ju bytes long; expected at most %zu", path,
                        (uintmax_t)status.size, max_bytes);
     size_t size = (size_t)status.size;
     uint8_t *data = arena_alloc(arena, size + 1, 1);
@@ -75,7 +75,7 @@ static int hex_digit(char c)
                                   : -1;
 }
 
-// Decodes %XX in place (RFC 3986, 2.1). False for a malformed escape and for %00.
+// Decodes %XX in place (RFC 3986, 2.1). Returns false for a malformed escape and for %00.
 static bool decode_escapes(char *text)
 {
     char *to = text;
@@ -95,7 +95,8 @@ static bool decode_escapes(char *text)
     return true;
 }
 
-// RFC 3986, 3.1: a letter, then letters, digits, "+", "-", ".", up to the colon.
+// Returns whether a path begins with a scheme (RFC 3986, 3.1): a letter, then letters, digits, "+",
+// "-" and ".", up to a colon.
 static bool has_scheme(const char *path)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
@@ -116,7 +117,7 @@ static bool has_parent_component(const char *path)
     }
 }
 
-// Returns what is wrong with a decoded path from inside a file, or NULL.
+// Returns what is wrong with a decoded path that was found inside a file, or NULL.
 static const char *path_objection(const char *path)
 {
     if (!*path)
@@ -133,7 +134,7 @@ static const char *path_objection(const char *path)
 static bool is_under(const char *path, const char *folder)
 {
     size_t length = strlen(folder);
-    if (length > 0 && folder[length - 1] == '/') // the root folder
+    if (length > 0 && folder[length - 1] == '/') // the folder is "/" itself
         length--;
     return strncmp(path, folder, length) == 0 && path[length] == '/';
 }
@@ -173,7 +174,7 @@ static char *resolve_inside(struct arena *arena, const char *folder, const char 
         return NULL;
     }
     if (!file_is_regular(path)) {
-        err_set(err, ERR_INPUT, "%s: is no regular file", path);
+        err_set(err, ERR_INPUT, "%s: is not a regular file", path);
         return NULL;
     }
     return path;
@@ -188,7 +189,7 @@ char *file_resolve(struct arena *arena, const struct file_reference *reference, 
         return NULL;
     }
     if (reference->percent_decode && !decode_escapes(decoded)) {
-        err_set(err, ERR_INPUT, "path \"%s\" has a malformed escape or %%00", path);
+        err_set(err, ERR_INPUT, "path \"%s\" has a malformed %%XX escape, or %%00", path);
         return NULL;
     }
     const char *objection = reference->allow_outside ? NULL : path_objection(decoded);
@@ -218,5 +219,5 @@ bool file_make_folder(const char *path, struct err *err)
     int reason = errno;
     if (reason == EEXIST && file_status(path, &status) && status.kind == FILE_FOLDER)
         return true;
-    return err_set(err, ERR_OUTPUT, "%s: cannot be made a folder: %s", path, strerror(reason));
+    return err_set(err, ERR_OUTPUT, "%s: cannot create this folder: %s", path, strerror(reason));
 }

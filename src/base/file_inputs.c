@@ -8,11 +8,11 @@
 
 struct file_input {
     char *path;
-    uint64_t hash; // hash of the path, for a fast search
-    bool is_own;   // the run may replace it under this path
+    uint64_t hash; // hash of the path, compared first
+    bool is_own;   // the run may replace the file under this path
 };
 
-static struct file_inputs *current; // NULL: there is no run
+static struct file_inputs *current; // inputs of the current run; NULL: no run
 
 void file_inputs_begin(struct file_inputs *inputs)
 {
@@ -63,7 +63,7 @@ static bool append(struct file_inputs *inputs, const char *path, uint64_t hash, 
     return true;
 }
 
-// A file that is also read for another reason is not the run's own.
+// Adds a file. It stays the run's own only as long as it is not also read as an ordinary input.
 static bool add(const char *path, bool is_own, struct err *err)
 {
     if (!current || !file_is_regular(path))
@@ -102,8 +102,9 @@ void file_inputs_forget(const char *path)
     mutex_unlock(&current->mutex);
 }
 
-// Compares the inputs as they are now: a file that was replaced since it was read, by an editor
-// that renames a new file, is still an input, and its old inode may belong to another file.
+// Compares device and inode as they are now, not as they were when the file was read: an editor may
+// have replaced the file by renaming a new one. The path then still is an input, while another file
+// may have got the old inode.
 bool file_inputs_check(const char *output, struct err *err)
 {
     struct file_status status, input;
@@ -127,7 +128,7 @@ bool file_inputs_check(const char *output, struct err *err)
     return ok;
 }
 
-// Neither file exists yet: they are the same if name and folder are.
+// Compares two files that do not exist yet: they are the same if name and folder are.
 static bool same_place(const char *a, const char *b)
 {
     struct arena arena = {0};

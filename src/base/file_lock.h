@@ -5,16 +5,16 @@
 #include "base/err.h"
 #include <stdbool.h>
 
-// The lock is on a small hidden file next to the output: the output itself cannot have it, because
-// it may not exist yet and is replaced at the end. The system releases the lock when the process
-// ends in any way; a file that a killed process left behind is not locked and is used again.
+// The lock is held on a small hidden file next to the output, because the output itself may not
+// exist yet and is replaced at the end. The system releases the lock when the process ends in any
+// way; a hidden file left behind by a killed process is not locked and is used again.
 struct file_lock {
-    int handle; // -1 where there is none
+    int handle; // -1 if nothing is locked
     char *path; // path of the hidden file; NULL if there is none
 };
 
-// Fails at once (ERR_OUTPUT) when another holder, in this process or another, has the lock of the
-// same output. Devices and pipes, and files on systems without locks, are not locked.
+// Fails at once with ERR_OUTPUT when another holder, in this process or another, has the lock of
+// the same output. Devices, pipes and files on systems without locks are not locked.
 bool file_lock_take(struct file_lock *lock, const char *output, struct err *err);
 // Removes the hidden file. Accepts NULL and {0}.
 void file_lock_release(struct file_lock *lock);

@@ -67,7 +67,7 @@ uint32_t path_number_of(const char *name, const char *path)
     return number <= UINT32_MAX ? (uint32_t)number : 0;
 }
 
-// Returns the target of a link, relative to the working directory; NULL if it is no link.
+// Returns the target of a link, relative to the working directory; NULL if the path is not a link.
 static char *follow_link(const char *path)
 {
     char *text = file_read_link(path);
@@ -84,7 +84,7 @@ static char *follow_link(const char *path)
 
 char *file_target(const char *path)
 {
-    const int links_max = 40; // the same limit as in Linux
+    const int links_max = 40; // as in Linux
     char *target = file_real_path(path);
     if (target)
         return target;

@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #ifdef _WIN32
-#define PATH_SEPARATORS "/\\" // separators that users may write
+#define PATH_SEPARATORS "/\\" // separators that users may write in paths
 #define PATH_BEGINS_WITH_DRIVE(path) ((path)[1] == ':')
 #else
 #define PATH_SEPARATORS "/"
@@ -26,19 +26,19 @@ enum file_kind {
 
 struct file_status {
     enum file_kind kind;
-    unsigned permissions; // bits of owner, group and others, see chmod(1); 0 where there are none
+    unsigned permissions; // for owner, group and others, as in chmod(1); 0: the system has none
     uint64_t size;
-    uint64_t device, number; // identify a file
-    uint64_t changed_ns;     // when its content changed: comparable with clock_wall_ns()
+    uint64_t device, number; // together they identify a file
+    uint64_t changed_ns;     // last change of the content, comparable with clock_wall_ns()
 };
 
-bool file_status(const char *path, struct file_status *out); // links are followed
+bool file_status(const char *path, struct file_status *out); // follows links
 bool file_exists(const char *path);
 bool file_is_regular(const char *path);
-bool file_is_special(const char *path); // there, and no regular file
+bool file_is_special(const char *path); // whether the path exists and is not a regular file
 bool file_is_link(const char *path);
 bool file_is_writable(const char *path);
-bool file_is_executable(const char *path); // a program, or a folder to look into
+bool file_is_executable(const char *path); // whether a program may be run, or a folder searched
 static inline bool file_status_same(const struct file_status *a, const struct file_status *b)
 {
     return a->device == b->device && a->number == b->number;
@@ -47,37 +47,41 @@ static inline bool file_status_same(const struct file_status *a, const struct fi
 // Returns the absolute path with links resolved, allocated with malloc; NULL if the file does not
 // exist.
 char *file_real_path(const char *path);
-// Returns the target of a link, allocated with malloc; NULL if it is no link.
+// Returns the target of a link, allocated with malloc; NULL if the path is not a link.
 char *file_read_link(const char *path);
 
 bool file_remove(const char *path);
 bool file_touch(const char *path); // sets the time of modification to now
-// At one stroke: whoever opens `to` finds the old content or the new one.
+// Replaces `to` atomically: whoever opens `to` finds either the old content or the new one.
 bool file_rename(const char *from, const char *to);
 
-// fopen(), and a stream that reads and writes a file that nobody else sees and that is gone once
-// it is closed.
+// As fopen(). file_stream_temporary() opens a file for reading and writing that only this process
+// can see and that is removed when it is closed.
 FILE *file_stream(const char *path, const char *mode);
 FILE *file_stream_temporary(void);
-// The size of its file, whose beginning is then what is read next.
+// Returns the size of the stream's file, and moves the stream to the file's beginning.
 bool file_stream_size(FILE *file, uint64_t *bytes);
 
 bool folder_create(const char *path);
-bool folder_remove(const char *path); // an empty one
-// A new one in the folder for temporary files, from malloc; only this user may look into it.
+bool folder_remove(const char *path); // the folder must be empty
+// Creates a new folder in the system's folder for temporary files, accessible only to this user.
+// Returns its path, allocated with malloc.
 char *folder_create_temporary(void);
-// Makes what was renamed into it durable. True where the system has no such request.
+// Makes renames in a folder durable. Returns true on systems without such an operation.
 bool folder_sync(const char *path);
 
-// The names in a folder, without "." and "..", in no order. NULL where it cannot be read.
+// Reads the names in a folder, without "." and "..", in no particular order. folder_open() returns
+// NULL if the folder cannot be read.
 struct folder_reader *folder_open(const char *path);
-const char *folder_next(struct folder_reader *folder); // until the next call; NULL: no more
+const char *folder_next(struct folder_reader *folder); // valid until the next call; NULL: no more
+                                                       // names
 void folder_close(struct folder_reader *folder);       // accepts NULL
 
-// Bytes that this user may still write where `path` is; false where that is not known.
+// Gets the number of bytes that this user may still write to the file system of `path`; returns
+// false if it is not known.
 bool file_system_space(const char *path, uint64_t *bytes);
-// Sets the limit of a file's size as high as this process may, and returns it (ulimit -f);
-// UINT64_MAX: none.
+// Raises this process's limit on the size of a file (ulimit -f) as far as it may, and returns it;
+// UINT64_MAX if there is no limit.
 uint64_t file_size_limit_raise(void);
 
 #endif

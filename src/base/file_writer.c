@@ -16,7 +16,7 @@ static bool fail(struct err *err, const char *path, const char *action)
     return err_set(err, ERR_OUTPUT, "%s: cannot %s: %s", path, action, strerror(errno));
 }
 
-// The kind of file that is at the path now.
+// The kind of file that exists at the output's path.
 enum target { TARGET_NONE, TARGET_REGULAR, TARGET_STREAM };
 
 static bool target_examine(const char *path, enum target *target, unsigned *permissions,
@@ -47,7 +47,7 @@ static int folder_length(const char *path)
     return (int)(path_name(path) - path);
 }
 
-// Allocated with malloc; NULL when out of memory.
+// Returns the folder of a path, allocated with malloc; NULL when out of memory.
 static char *folder_of(const char *path)
 {
     const size_t length = (size_t)folder_length(path);
@@ -59,8 +59,8 @@ static char *folder_of(const char *path)
 
 enum { NAME_ATTEMPTS = 1000, NAME_BYTES = 64, BLOCK_BYTES = 1 << 16 };
 
-// A short name, so that it is not too long even if the output's is, and unique, so that processes
-// and writers do not collide.
+// Chooses a name that is short, so that it fits even if the output's name is as long as the file
+// system permits, and unique, so that processes and writers do not collide.
 static bool temporary_path_allocate(struct file_writer *writer, struct err *err)
 {
     size_t size = (size_t)folder_length(writer->path) + NAME_BYTES;
@@ -103,7 +103,7 @@ static bool named_create(struct file_writer *writer, unsigned permissions, struc
     if (writer->handle >= 0)
         return true;
     fail(err, writer->path, "create a file in its folder");
-    temporary_path_forget(writer); // it belongs to another writer
+    temporary_path_forget(writer); // the file of that name belongs to another writer
     return false;
 }
 
@@ -112,7 +112,7 @@ static bool temporary_create(struct file_writer *writer, unsigned permissions, s
     const unsigned wanted = permissions ? permissions : 0666;
     if (!unnamed_create(writer, wanted) && !named_create(writer, wanted, err))
         return false;
-    // New files obey the umask; an existing file's permissions are kept.
+    // New files obey the umask. An existing file's permissions are copied.
     if (permissions && !file_handle_set_permissions(writer->handle, permissions))
         return fail(err, writer->path, "keep its permissions");
     return true;
@@ -168,7 +168,8 @@ static void corrupt_if_due(uint8_t *block, size_t size)
         atomic_store(&corrupt_countdown, n <= size ? 0 : n - size);
 }
 
-// Blocks have the same size in writing and in reading back, except the last.
+// Adds a block to a hash. Blocks have the same size in writing and in reading back, except the
+// last.
 static struct hash128 add_block(struct hash128 sum, const uint8_t *block, size_t size)
 {
     const struct hash128 pair[2] = {sum, hash128_bytes(block, size)};
@@ -201,7 +202,7 @@ bool file_writer_write(struct file_writer *writer, const void *data, size_t size
     return true;
 }
 
-// Fills the block from the file, up to its end; false when reading fails.
+// Fills the block from the file, up to the file's end. Returns false when reading fails.
 static bool read_block(struct file_writer *writer, struct err *err)
 {
     const int64_t got = file_handle_read(writer->handle, writer->block, BLOCK_BYTES);
@@ -222,13 +223,13 @@ static bool verify(struct file_writer *writer, struct err *err)
     } while (writer->block_bytes == BLOCK_BYTES);
     return memcmp(&sum, &writer->sum, sizeof sum) == 0 ||
            err_set(err, ERR_OUTPUT,
-                   "%s: what was written does not read back as it was; nothing is replaced",
+                   "%s: the data read back differ from the data written; no file was replaced",
                    writer->path);
 }
 
 // --- the end -------------------------------------------------------------------------------------
 
-// Makes the rename durable. The file is in place already, so a failure is no more than a warning.
+// Makes the rename durable. The file is in place already, so a failure is only a warning.
 static void sync_folder(const char *path)
 {
     char *folder = folder_of(path);
@@ -237,8 +238,8 @@ static void sync_folder(const char *path)
     free(folder);
 }
 
-// Replacing a file atomically means renaming another file over it, so the new file needs a
-// temporary name for a moment.
+// Names a file that was created without a name: replacing a file atomically means renaming another
+// file over it, so the new file needs a temporary name for a moment.
 static bool temporary_name(struct file_writer *writer, struct err *err)
 {
     if (writer->temporary_path)
@@ -272,7 +273,8 @@ bool file_writer_commit(struct file_writer *writer, struct err *err)
     if (ok && !writer->direct)
         ok = (file_handle_sync(writer->handle) || fail(err, writer->path, "sync")) &&
              verify(writer, err) && temporary_name(writer, err);
-    // It is closed before the rename, because not every system can rename open files over others.
+    // The file is closed before the rename, because not every system can rename an open file over
+    // another.
     const bool is_closed = file_handle_close(writer->handle);
     writer->handle = -1;
     if (ok && !is_closed)
@@ -347,6 +349,6 @@ bool file_check_space(const char *path, uint64_t bytes, struct err *err)
     free(target);
     if (!is_known || bytes < left)
         return true;
-    return err_set(err, ERR_OUTPUT, "%s: may take %s, but its disk has only %s left", path,
-                   memory_print(bytes).text, memory_print(left).text);
+    return err_set(err, ERR_OUTPUT, "%s: needs up to %s, but its file system has only %s free",
+                   path, memory_print(bytes).text, memory_print(left).text);
 }

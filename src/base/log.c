@@ -13,7 +13,7 @@ static void sink_stderr(void *context, enum log_level level, const char *message
 }
 
 static struct {
-    struct mutex mutex; // one message at a time
+    struct mutex mutex; // held while a message is written
     enum log_level level;
     log_sink_fn sink;
     void *context;

@@ -7,11 +7,11 @@ enum log_level { LOG_ERROR, LOG_WARN, LOG_INFO, LOG_DEBUG };
 
 typedef void (*log_sink_fn)(void *context, enum log_level level, const char *message);
 
-// Messages up to and including `level` go to the sink; NULL restores stderr. Not thread-safe: call
-// before threads start. The default is stderr, LOG_WARN.
+// Sends messages up to and including `level` to the sink; NULL restores stderr. Not thread-safe:
+// call it before threads start. The default is stderr with LOG_WARN.
 void log_configure(enum log_level level, log_sink_fn sink, void *context);
 
-// Changes the level alone; returns the one so far. Not thread-safe either.
+// Changes only the level and returns the former one. Not thread-safe.
 enum log_level log_set_level(enum log_level level);
 
 // A sink with its level, see log_configure(), and the mutex by which its threads take turns: a sink

@@ -14,8 +14,8 @@ bool vec3_normalize(double v[3])
     return true;
 }
 
-// Dividing by a computed length leaves the squared length within some 4 DBL_EPSILON of 1; for a
-// column of a product of rotations it is within twice that.
+// Dividing by a computed length leaves the squared length within about 4 DBL_EPSILON of 1; a column
+// of a product of rotations stays within twice that.
 bool vec3_make_unit(double v[3])
 {
     return fabs(vec3_dot(v, v) - 1) <= 16 * DBL_EPSILON || vec3_normalize(v);

@@ -24,7 +24,7 @@ static inline double vec3_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-// out may be a or b.
+// `out` may be `a` or `b`.
 static inline void vec3_cross(const double a[3], const double b[3], double out[3])
 {
     double x = a[1] * b[2] - a[2] * b[1];
@@ -41,7 +41,8 @@ static inline double vec3_length(const double v[3])
     return hypot(hypot(v[0], v[1]), v[2]);
 }
 
-// Returns the length of a vector with moderate components: faster.
+// Returns the length, faster than vec3_length(); squares of the components must neither overflow
+// nor underflow.
 static inline double vec3_norm(const double v[3])
 {
     return sqrt(vec3_dot(v, v));
@@ -50,11 +51,11 @@ static inline double vec3_norm(const double v[3])
 // Scales v to unit length without intermediate overflow or underflow. Returns false, with v
 // unchanged, when it is zero or not finite.
 bool vec3_normalize(double v[3]);
-// Does the same, but leaves a vector unchanged whose length is 1 up to a few roundings, so that a
-// normalized vector that was written to a file reads back the same.
+// As vec3_normalize(), but leaves a vector unchanged whose length is 1 up to a few roundings, so
+// that a normalized vector that was written to a file reads back the same.
 bool vec3_make_unit(double v[3]);
 
-// Returns the luminance of linear Rec. 709 colours (ITU-R BT.709-6, 3.2).
+// Returns the luminance of a linear Rec. 709 colour (ITU-R BT.709-6, 3.2).
 static inline double vec3_luminance(const double rgb[3])
 {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];

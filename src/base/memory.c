@@ -15,12 +15,12 @@ uint64_t memory_default_budget(void)
     return available == UINT64_MAX ? 0 : available / 4 * 3;
 }
 
-// --- what the process has ------------------------------------------------------------------------
+// --- the process's memory ------------------------------------------------------------------------
 
 static struct {
     _Atomic uint64_t budget; // 0: no limit
     _Atomic uint64_t used, failures;
-    _Atomic uint64_t refused, left; // the last refusal, and what there was then
+    _Atomic uint64_t refused, left; // size of the last refused request, and bytes left then
 } memory;
 
 void memory_set_budget(uint64_t bytes)
@@ -100,7 +100,7 @@ void *memory_alloc(size_t bytes)
         memory_fail(bytes);
         return NULL;
     }
-    // Count the size that memory_free will find.
+    // Adds the block's actual size, which memory_free will subtract.
     atomic_fetch_add(&memory.used, memory_block_bytes(data) - bytes);
     return data;
 }
@@ -112,7 +112,7 @@ void memory_free(void *data)
     free(data);
 }
 
-// --- words ---------------------------------------------------------------------------------------
+// --- text ----------------------------------------------------------------------------------------
 
 struct memory_text memory_print(uint64_t bytes)
 {

@@ -6,10 +6,10 @@
 #include <stddef.h>
 #include <stdio.h>
 
-// It must not be moved while it is open.
+// The struct must not be moved while the stream is open.
 struct memory_stream {
-    FILE *file; // NULL while it is not open
-    char *text; // known once the stream is closed, and followed by a NUL byte
+    FILE *file; // NULL while the stream is closed
+    char *text; // set when the stream is closed; NUL-terminated
     size_t size;
 };
 
@@ -17,7 +17,7 @@ struct memory_stream {
 bool memory_stream_open(struct memory_stream *stream);
 // Returns false if not everything could be stored. Accepts {0}.
 bool memory_stream_close(struct memory_stream *stream);
-// Closes it and frees the text. Accepts {0}.
+// Closes the stream and frees the text. Accepts {0}.
 void memory_stream_finish(struct memory_stream *stream);
 
 #endif

@@ -25,8 +25,8 @@ struct worker {
     struct thread handle;
 };
 
-// Chunks are distributed one by one, so that a slow one does not delay the others. The counter
-// exceeds `chunks` by at most one per thread.
+// Takes chunks one by one, so that a slow chunk does not delay the others. The counter exceeds
+// `chunks` by at most one per thread.
 static void loop_run(struct loop *loop, unsigned thread)
 {
     for (;;) {

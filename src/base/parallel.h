@@ -6,16 +6,15 @@
 
 enum { PARALLEL_MAX_THREADS = 256 };
 
-// The number of CPUs this process may run on, 1 to PARALLEL_MAX_THREADS.
+// Returns the number of CPUs that this process may run on, 1 to PARALLEL_MAX_THREADS.
 unsigned cpu_count(void);
 
 typedef void (*parallel_fn)(void *context, size_t begin, size_t end, unsigned thread);
 
-// Calls fn over [0, count) in chunks of at most `grain`, on `threads` threads (0: cpu_count), the
-// caller's included; returns when all is done. Falls back to fewer threads when the system gives no
-// more. `thread` is below the number of threads in use; the caller's is 0. A grain of 0 counts
-// as 1. At most PARALLEL_MAX_THREADS take part. The library's threads leave signals to the
-// caller's.
+// Calls fn over [0, count) in chunks of at most `grain` (0: 1) and returns when all are done. Uses
+// `threads` threads (0: cpu_count), including the caller's, at most PARALLEL_MAX_THREADS, and fewer
+// when the system cannot start more. `thread` is the index of the thread that runs the chunk; the
+// caller's is 0. All signals are blocked in the other threads.
 void parallel_for(size_t count, size_t grain, unsigned threads, parallel_fn fn, void *context);
 
 #endif

@@ -3,9 +3,10 @@
 #include <stdint.h>
 #include <string.h>
 
-// Default_Ignorable_Code_Point of the Unicode Character Database (DerivedCoreProperties.txt,
-// version 15.0), which includes Bidi_Control (PropList.txt); and of general category: Cc (C0, DEL
-// and C1), Zl and Zp (U+2028, U+2029), and the annotation marks of Cf (U+FFF9 to U+FFFB).
+// The property Default_Ignorable_Code_Point of the Unicode Character Database
+// (DerivedCoreProperties.txt, version 15.0), which includes Bidi_Control (PropList.txt); and
+// characters of these general categories: Cc (C0, DEL and C1), Zl and Zp (U+2028, U+2029), and the
+// annotation marks of Cf (U+FFF9 to U+FFFB).
 static const struct {
     uint32_t first, last;
 } masked[] = {
@@ -24,8 +25,8 @@ static bool is_masked(uint32_t code)
 }
 
 // Returns the length of the character that begins here; 0 for invalid UTF-8 (RFC 3629, section 4):
-// continuation bytes without a beginning, too few of them, overlong forms, surrogates and numbers
-// above U+10FFFF.
+// unexpected continuation bytes, too few of them, overlong forms, surrogates and numbers above
+// U+10FFFF.
 static size_t decode(const unsigned char *text, uint32_t *code)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -41,7 +42,7 @@ static size_t decode(const unsigned char *text, uint32_t *code)
     }
     *code = lead & (0x7fu >> length);
     for (size_t i = 1; i < length; i++) {
-        if ((text[i] & 0xc0) != 0x80) // the NUL byte at the end is none either
+        if ((text[i] & 0xc0) != 0x80) // the terminating NUL byte is not a continuation byte either
             return 0;
         *code = *code << 6 | (text[i] & 0x3fu);
     }

@@ -5,15 +5,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Replaces by '?', in place, each character that is invisible or that changes how others are
-// displayed: control characters (C0, DEL, C1), line and paragraph separators, directional controls
-// such as U+202E and all characters that renderers ignore by default, such as zero-width spaces;
-// and each byte that is not UTF-8, since terminals may take 0x80 to 0x9f for C1. The result is one
-// line whose characters are displayed in their order.
+// Replaces by '?', in place, each character that is invisible or changes how others are displayed:
+// control characters (C0, DEL, C1), line and paragraph separators, directional controls such as
+// U+202E, and all characters that renderers ignore by default, such as zero-width spaces. Each byte
+// that is not UTF-8 is replaced, too, since terminals may take 0x80 to 0x9f for C1. The result is
+// one line whose characters are displayed in their order.
 void printable_mask(char *text);
 
-// Returns the number of bytes of the character that begins here, at least one, and whether it is
-// kept.
+// Returns the number of bytes of the character that begins here, at least 1. *stays is whether
+// printable_mask() keeps it.
 size_t printable_character(const char *text, bool *stays);
 
 #endif

@@ -8,10 +8,10 @@
 #include <stdint.h>
 #include <stdio.h>
 
-// main() calls this first: afterwards arguments are UTF-8, and consoles display UTF-8.
+// Must be the first call in main(). Makes the arguments UTF-8, and consoles display UTF-8.
 void process_begin(int *argc, char ***argv);
 uint64_t process_id(void);
-// Finds the file of the running program; returns false if it is not known.
+// Finds the file of the running program. Returns false if it is not known.
 bool process_own_path(char *out, size_t size);
 
 // Returns whether the system finds a program of this name in PATH.
@@ -24,19 +24,18 @@ struct process {
 
 struct process_params {
     const char *const *arguments; // the program's name first, NULL last
-    FILE *in;                     // input; NULL: none
-    FILE *out;                    // output
-    bool has_errors_in_out;       // standard error goes to `out`; false: it is inherited
-                                  // from this process
+    FILE *in;                     // becomes the child's standard input; NULL: none
+    FILE *out;                    // receives the child's standard output
+    bool has_errors_in_out;       // standard error goes to `out`, too; false: it is inherited
 };
 
-// Starts a program. ERR_SYSTEM.
+// Starts a program. Fails with ERR_SYSTEM.
 bool process_start(struct process *process, const struct process_params *params, struct err *err);
-// Wait until it has ended, or test whether it has; then it becomes {0}, and `is_well` says whether
-// it exited with 0.
+// Wait until the child has ended, or test whether it has. Once it has, the struct becomes {0}, and
+// *is_well is whether it exited with 0.
 void process_wait(struct process *process, bool *is_well);
 bool process_has_ended(struct process *process, bool *is_well);
-// Kills it. Accepts {0}.
+// Kills the child. Accepts {0}.
 void process_kill(struct process *process);
 
 // Replaces this process by a program; returns only on failure, with the reason in errno. If the

@@ -7,13 +7,13 @@
 #include <stdint.h>
 
 struct progress {
-    // phase: "Loading", "Building BVH", "Compiling", "Rendering"; fraction: the part of it that is
-    // done, in [0, 1], as proportional to time as possible, because the remaining time is
-    // extrapolated from it; 0 while it is not known. Only the thread that called the long-running
-    // function may call this. NULL: no listener.
+    // phase: "Loading", "Building BVH", "Compiling" or "Rendering". fraction: the part of the phase
+    // that is done, in [0, 1]; it should be proportional to time, because the remaining time is
+    // extrapolated from it; 0 while it is not known. Called only by the thread that called the
+    // long-running function. NULL: no listener.
     void (*report)(void *context, const char *phase, double fraction);
-    // Polled regularly, from any thread; true stops the work early, and must stay true until it has
-    // stopped. NULL: never.
+    // Polled regularly, by any thread. Returning true stops the work early; it must keep returning
+    // true until the work has stopped. NULL: never.
     bool (*should_stop)(void *context);
     void *context;
     // Called before results are printed, so that the progress display does not interfere. NULL:
@@ -48,8 +48,8 @@ static inline void progress_pause(const struct progress *progress)
         progress->pause(progress->context);
 }
 
-// For loops over counts from files, at iteration `i`: returns whether to stop. Polls only every
-// 65536th iteration, so the cost is negligible.
+// For loops whose count comes from a file: returns whether to stop at iteration `i`. Polls only
+// every 65536th iteration, so the cost is negligible.
 static inline bool progress_stops_at(const struct progress *progress, uint64_t i)
 {
     return i % 65536 == 0 && progress_should_stop(progress);

@@ -1,4 +1,4 @@
-// TCP connections to other programs. No call blocks longer than its patience.
+// TCP connections to other programs. No call waits longer than patience_seconds for the other side.
 #ifndef LAMPYRIS_BASE_SOCKET_H
 #define LAMPYRIS_BASE_SOCKET_H
 
@@ -9,14 +9,14 @@
 #define SOCKET_REASON_BYTES 192
 
 struct connection {
-    intptr_t socket; // CONNECTION_NONE where there is none
-    // How long the other side may accept nothing, and a function, polled ten times a second, that
-    // requests the end of waiting.
+    intptr_t socket; // CONNECTION_NONE if not connected
+    // The longest time that the other side may accept no data, and a function, polled ten times a
+    // second, that returns true to stop waiting.
     double patience_seconds;
     bool (*is_abandoned)(void *context);
     void *context;
-    bool has_address;                 // the host's name is known
-    char reason[SOCKET_REASON_BYTES]; // reason of the last failure
+    bool has_address;                 // whether the host's name was resolved
+    char reason[SOCKET_REASON_BYTES]; // why the last call failed
 };
 
 #define CONNECTION_NONE ((intptr_t)-1)

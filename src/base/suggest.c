@@ -15,7 +15,7 @@ size_t suggest_distance(const char *a, const char *b)
     size_t rows = strlen(a), columns = strlen(b);
     if (rows > LONGEST || columns > LONGEST)
         return SIZE_MAX;
-    size_t d[LONGEST + 1][LONGEST + 1]; // d[i][j]: between the first i bytes of a and j of b
+    size_t d[LONGEST + 1][LONGEST + 1]; // distance of the first i bytes of a and j of b
     for (size_t i = 0; i <= rows; i++)
         d[i][0] = i;
     for (size_t j = 0; j <= columns; j++)

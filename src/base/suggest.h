@@ -1,4 +1,4 @@
-// "Did you mean …?": finds the most similar of some names.
+// "Did you mean …?": finds the name that is most similar to a word.
 #ifndef LAMPYRIS_BASE_SUGGEST_H
 #define LAMPYRIS_BASE_SUGGEST_H
 
@@ -9,7 +9,7 @@
 // Words longer than 63 bytes are infinitely far: SIZE_MAX.
 size_t suggest_distance(const char *a, const char *b);
 
-// Tracks the most similar name. Start with {.wanted = …}; `nearest` is NULL until a name is similar
+// Tracks the most similar name. Start with {.wanted = …}. `nearest` is NULL until a name is similar
 // enough: at most one edit for every three letters, and at least one.
 struct suggestion {
     const char *wanted;

@@ -7,10 +7,11 @@
 
 // Returns the number of processors that this process may use, at least 1.
 unsigned system_processors(void);
-// These write names for display, "unknown" if the system has none.
+// Write a name for display; "unknown" if the system provides none.
 void system_processor_name(char *out, size_t size);
 void system_name(char *out, size_t size);
-// Returns the number of threads that wanted a processor in the last minute; NaN if not known.
+// Returns the number of threads that were running or waiting for a processor in the last minute, on
+// average; NaN if not known.
 double system_load(void);
 
 #endif

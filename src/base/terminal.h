@@ -1,4 +1,4 @@
-// Properties of streams that may be terminals.
+// Terminals among the streams.
 #ifndef LAMPYRIS_BASE_TERMINAL_H
 #define LAMPYRIS_BASE_TERMINAL_H
 
@@ -6,8 +6,8 @@
 #include <stdio.h>
 
 bool terminal_is(FILE *stream);
-// Returns whether it also understands escape sequences (ECMA-48).
+// Returns whether the stream is a terminal that understands escape sequences (ECMA-48).
 bool terminal_is_smart(FILE *stream);
-int terminal_columns(FILE *stream); // 80 where it is not known
+int terminal_columns(FILE *stream); // 80 if it is not known
 
 #endif

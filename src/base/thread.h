@@ -33,7 +33,7 @@ typedef pthread_t thread_handle;
     }
 #endif
 
-// Initialization cannot fail on the supported systems.
+// Initialisation cannot fail on the supported systems.
 void mutex_init(struct mutex *mutex); // equivalent to MUTEX_INIT
 void mutex_finish(struct mutex *mutex);
 void mutex_lock(struct mutex *mutex);
@@ -41,9 +41,9 @@ void mutex_unlock(struct mutex *mutex);
 
 void condition_init(struct condition *condition);
 void condition_finish(struct condition *condition);
-// Both wait with the mutex unlocked, and may return without a reason.
+// Both functions unlock the mutex while they wait, and may return spuriously.
 void condition_wait(struct condition *condition, struct mutex *mutex);
-// Waits until a time of clock_ns(); returns false when it has come.
+// Waits until a time of clock_ns(); returns false when that time has come.
 bool condition_wait_until(struct condition *condition, struct mutex *mutex, uint64_t deadline_ns);
 void condition_wake_one(struct condition *condition);
 void condition_wake_all(struct condition *condition);

@@ -562,7 +562,7 @@ class Render(unittest.TestCase):
         result = run_gpu('render', self.SCENE, '--size', '65536x32768', '--frames', '1k',
                          '--every', '1', '-o', self.path('a.exr'))
         self.assertEqual((result.returncode, result.stdout), (4, ''))
-        self.assertRegex(result.stderr, r'a\.exr: may take [\d.]+ (?:bytes|[KMGT]iB), but its disk has only [\d.]+ (?:bytes|[KMGT]iB) left')
+        self.assertRegex(result.stderr, r'a\.exr: needs up to [\d.]+ (?:bytes|[KMGT]iB), but its file system has only [\d.]+ (?:bytes|[KMGT]iB) free')
 
     def test_frames_say_which_and_how_to_repeat_them(self):
         result = self.render('--frames', '3', '--every', '1', '--accumulate', 'off', '-o',

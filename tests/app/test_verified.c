@@ -110,7 +110,8 @@ TEST(files_that_are_stored_wrongly)
         }
         CHECK(code == OUTPUT, "%s: exit code %d", path, code);
         CHECK(is_new ? access(path, F_OK) != 0 : is_old(path), "%s", path);
-        CHECK(holds("messages", path) && holds("messages", "does not read back as it was"));
+        CHECK(holds("messages", path) &&
+              holds("messages", "the data read back differ from the data written"));
         CHECK(access("b.exr", F_OK) == 0 && unlink("b.exr") == 0, "beside %s", path);
     }
     leave(folder);

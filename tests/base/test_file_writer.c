@@ -139,8 +139,8 @@ TEST(what_reads_back_otherwise_replaces_nothing)
         struct err err = {0};
         file_corrupt_at(places[i]);
         CHECK(!file_write_atomic("old", data, SIZE, &err), "byte %zu", places[i]);
-        CHECK(err.code == ERR_OUTPUT && strstr(err.msg, "old: what was written does not read back"),
-              "%s", err.msg);
+        CHECK(err.code == ERR_OUTPUT && strstr(err.msg, "old: the data read back differ"), "%s",
+              err.msg);
         CHECK(content_is("old", "before") && temporary_entries(".") == 1);
     }
     struct err err = {0};

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE // uselocale
+#define _GNU_SOURCE // for uselocale
 #include "base/c_locale.h"
 
 #include <locale.h>

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE // O_TMPFILE
+#define _GNU_SOURCE // for O_TMPFILE
 #include "base/file_handle.h"
 
 #include "base/posix/file_status.h"
@@ -8,7 +8,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-// O_NONBLOCK: opening a FIFO without a writer must return. It does not matter to regular files.
+// O_NONBLOCK lets the opening of a FIFO without a writer return at once. It has no effect on
+// regular files.
 int file_handle_open(const char *path)
 {
     return open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -21,7 +22,7 @@ int file_handle_create(const char *path, unsigned permissions)
 
 #ifdef O_TMPFILE
 
-// The link by which a file without a name can be given one.
+// Returns the path in /proc through which a file without a name can be linked to a name.
 static void link_of(int handle, char path[64])
 {
     snprintf(path, 64, "/proc/self/fd/%d", handle);
@@ -63,8 +64,8 @@ bool file_handle_name(int handle, const char *path)
 
 #endif
 
-// Non-blocking while opening, because a pipe that nobody reads would block for ever; it is then
-// written as slowly as the reader likes.
+// Opens without blocking, because opening a pipe without a reader would block for ever. Writing to
+// it blocks as usual.
 int file_handle_open_stream(const char *path)
 {
     const int handle = open(path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -132,7 +133,7 @@ bool file_handle_rewind(int handle)
     return lseek(handle, 0, SEEK_SET) == 0;
 }
 
-// On macOS fsync() leaves data in the disk's cache.
+// Uses F_FULLFSYNC on macOS, where fsync() leaves data in the disk's cache.
 bool file_handle_sync(int handle)
 {
 #ifdef F_FULLFSYNC
@@ -142,7 +143,8 @@ bool file_handle_sync(int handle)
     return fsync(handle) == 0;
 }
 
-// The holder before may have removed the file between our opening and locking it.
+// Returns whether the path still leads to the open file: a former holder of the lock may have
+// removed the file after it was opened here and before it was locked.
 static bool is_current(int handle, const char *path)
 {
     struct file_status opened, named;
@@ -153,7 +155,7 @@ static bool is_current(int handle, const char *path)
 int file_handle_lock(const char *path, bool *is_locked)
 {
     for (;;) {
-        // Reading is enough for flock, also where the file is another user's.
+        // flock() works with read permission alone, which suffices if the file is another user's.
         const int handle = open(path, O_RDONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
         if (handle < 0)
             return -1;
@@ -170,6 +172,6 @@ int file_handle_lock(const char *path, bool *is_locked)
 
 void file_handle_unlock(int handle, const char *path)
 {
-    unlink(path); // while it is locked: so that it is ours, and not the next holder's
+    unlink(path); // removed while it is still locked; afterwards it may belong to the next holder
     close(handle);
 }

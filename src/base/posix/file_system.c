@@ -1,4 +1,4 @@
-#define _GNU_SOURCE // st_mtim and mkdtemp, whatever the compiler is told
+#define _GNU_SOURCE // for st_mtim and mkdtemp
 #include "base/posix/file_status.h"
 
 #include <dirent.h>
@@ -153,12 +153,12 @@ char *folder_create_temporary(void)
     return NULL;
 }
 
-// Some file systems cannot sync a folder at all.
+// Some file systems cannot sync a folder; that is not an error.
 bool folder_sync(const char *path)
 {
     const int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0)
-        return true; // it may be written to and not read
+        return true; // a folder may be writable without being readable
     const bool ok = fsync(fd) == 0 || errno == EINVAL || errno == ENOTSUP;
     const int reason = errno;
     close(fd);

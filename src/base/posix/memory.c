@@ -27,8 +27,8 @@ static uint64_t difference(uint64_t a, uint64_t b)
     return a > b ? a - b : 0;
 }
 
-// The number behind `key` and blanks at the beginning of some line, or of the first line where the
-// key is "". False where there is none, and for words such as "max".
+// Reads the number after `key` and blanks, from the first line that begins with them; an empty key
+// takes the first line. Returns false if there is none, or a word such as "max".
 static bool read_value(const char *path, const char *key, uint64_t *out)
 {
     FILE *file = fopen(path, "re");
@@ -49,12 +49,12 @@ static bool read_value(const char *path, const char *key, uint64_t *out)
     return found;
 }
 
-// The names that the two versions of control groups have for the same files.
+// The names of the same files in the two versions of control groups.
 struct group_names {
     const char *mount;
     const char *limits[2];
     const char *used;
-    const char *reclaimable; // in memory.stat: pages of files that are dropped when memory is short
+    const char *reclaimable; // key in memory.stat: file pages dropped when memory is short
 };
 
 static const struct group_names versions[] = {
@@ -83,8 +83,8 @@ static uint64_t group_left(const struct group_names *names, const char *root, co
     return difference(limit, difference(used, reclaimable));
 }
 
-// A group has no more than the groups that it is in, up to the root of what is seen of them: in a
-// container that is the container's own, whatever the path says.
+// Returns the least memory left in a group and all groups above it, up to the highest visible one;
+// in a container that is the container's own group, whatever the path says.
 static uint64_t groups_left(const struct group_names *names, const char *root, char *group)
 {
     uint64_t left = UINT64_MAX;
@@ -122,7 +122,7 @@ static uint64_t all_groups_left(const char *root)
 }
 
 #ifdef __APPLE__
-// Pages without use, and those of files that were not used lately.
+// Counts free pages and inactive ones.
 static uint64_t machine_left(const char *root)
 {
     vm_statistics64_data_t pages;
@@ -148,7 +148,8 @@ uint64_t memory_available_in(const char *root)
     return least(machine_left(root), all_groups_left(root));
 }
 
-// /proc/self/statm counts pages: all of the address space first, the data sixth (proc(5)).
+// /proc/self/statm counts pages: the first number is the address space, the sixth the data
+// (proc(5)).
 uint64_t memory_limits_left(void)
 {
     uint64_t pages[6] = {0}, page = (uint64_t)sysconf(_SC_PAGESIZE), left = UINT64_MAX;

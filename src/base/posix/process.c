@@ -1,4 +1,4 @@
-#define _GNU_SOURCE // environ
+#define _GNU_SOURCE // for environ
 #include "base/process.h"
 
 #include <errno.h>
@@ -52,7 +52,7 @@ bool program_is_installed(const char *name)
     return false;
 }
 
-// Signals are as a fresh process has them: they may be blocked in this thread, and SIGPIPE is
+// Gives the child default signal handling: signals may be blocked in this thread, and SIGPIPE is
 // ignored.
 static int set_signals(posix_spawnattr_t *attributes)
 {
@@ -94,7 +94,7 @@ bool process_start(struct process *process, const struct process_params *params,
     int failure = set_signals(&attributes);
     if (failure == 0)
         failure = set_files(&actions, params);
-    if (failure == 0) // POSIX: the strings are not modified
+    if (failure == 0) // casts away const: POSIX says that the strings are not modified
         failure = posix_spawnp(&child, params->arguments[0], &actions, &attributes,
                                (char *const *)params->arguments, environ);
     posix_spawnattr_destroy(&attributes);

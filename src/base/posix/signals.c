@@ -5,13 +5,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-// A handler is given no context, so these must be globals.
+// Signal handlers take no context, so these must be globals.
 static volatile sig_atomic_t received;
 static const char *const *volatile leftovers;
 static volatile sig_atomic_t leftover_count;
 
-// A terminal that closes sends SIGHUP more than once, the kernel SIGXCPU every second, and a batch
-// system its notice to whom it likes: these ask once, and do not insist.
+// Returns whether a repetition of the signal ends the program. SIGHUP, SIGXCPU and SIGUSR1 only
+// request a stop, because they may be sent more than once: SIGHUP by a closing terminal, SIGXCPU by
+// the kernel every second, SIGUSR1 by batch systems.
 static bool insists(int signal)
 {
     return signal == SIGINT || signal == SIGTERM;
@@ -23,7 +24,7 @@ static void handle(int signal)
         return;
     if (received) {
         for (int i = 0; i < leftover_count; i++)
-            unlink(leftovers[i]); // async-signal-safe, as _exit is (POSIX)
+            unlink(leftovers[i]); // async-signal-safe, like _exit (POSIX)
         _exit(128 + signal);
     }
     received = signal;
@@ -31,7 +32,7 @@ static void handle(int signal)
 
 void signals_set_leftovers(const char *const *paths, unsigned count)
 {
-    leftover_count = 0; // before the list changes, and set again only after it has
+    leftover_count = 0; // the handler must not see a list that is being changed
     leftovers = paths;
     leftover_count = (sig_atomic_t)count;
 }
@@ -41,7 +42,8 @@ static void install(int signal)
     struct sigaction old;
     if (sigaction(signal, NULL, &old) == 0 && old.sa_handler == SIG_IGN)
         return;
-    // SA_RESTART: files are read and written to the end; the flag is looked at between steps.
+    // SA_RESTART: reads and writes of files are not interrupted; the program polls the flag between
+    // steps.
     struct sigaction action = {.sa_handler = handle, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
     sigaction(signal, &action, NULL);
@@ -53,7 +55,7 @@ void signals_install(void)
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
         install(signals[i]);
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); // write() then fails with EFBIG
+    signal(SIGXFSZ, SIG_IGN); // write() then fails with EFBIG instead
 }
 
 int signals_received(void)

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE // SOCK_NONBLOCK
+#define _GNU_SOURCE // for SOCK_NONBLOCK
 #include "base/socket.h"
 
 #include "base/clock.h"
@@ -11,7 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#ifndef MSG_NOSIGNAL // macOS has an option of the socket instead
+#ifndef MSG_NOSIGNAL // macOS has a socket option instead
 #define MSG_NOSIGNAL 0
 #endif
 
@@ -26,7 +26,7 @@ static bool is_abandoned(const struct connection *connection)
     return connection->is_abandoned && connection->is_abandoned(connection->context);
 }
 
-// Until the socket takes data, or a connection is made.
+// Waits until the socket accepts data, or the connection is established.
 static bool wait_writable(const struct connection *connection)
 {
     struct pollfd poll_fd = {.fd = (int)connection->socket, .events = POLLOUT};
@@ -56,7 +56,7 @@ static int open_socket(const struct addrinfo *address)
     return out;
 }
 
-// 0, or what went wrong.
+// Returns 0 or a value of errno.
 static int connect_to(struct connection *connection, const struct addrinfo *address)
 {
     int error = 0;
@@ -104,11 +104,12 @@ bool connection_send(struct connection *connection, const void *data, size_t siz
             size -= (size_t)sent;
         } else if (sent < 0 && errno == EAGAIN) {
             char what[64];
-            snprintf(what, sizeof what, "took nothing for %g s: ", connection->patience_seconds);
+            snprintf(what, sizeof what,
+                     "accepted no data for %g s: ", connection->patience_seconds);
             if (!wait_writable(connection))
                 return fail(connection, what, strerror(errno));
         } else if (sent == 0 || errno != EINTR) {
-            return fail(connection, "the connection broke: ", strerror(errno));
+            return fail(connection, "the connection was lost: ", strerror(errno));
         }
     }
     return true;

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE // CPU_COUNT, sched_getaffinity
+#define _GNU_SOURCE // for CPU_COUNT and sched_getaffinity
 #include "base/system.h"
 
 #include <math.h>
@@ -35,7 +35,7 @@ void system_processor_name(char *out, size_t size)
 
 #else
 
-// "model name : ..." in Linux's list.
+// Reads the first "model name : ..." in Linux's /proc/cpuinfo.
 void system_processor_name(char *out, size_t size)
 {
     char line[256];

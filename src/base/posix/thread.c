@@ -27,8 +27,8 @@ void mutex_unlock(struct mutex *mutex)
     pthread_mutex_unlock(&mutex->lock);
 }
 
-// Deadlines are times of a clock that nobody sets. macOS has no condition on that clock, but waits
-// for a length of time.
+// Deadlines are times of the monotonic clock. macOS has no condition variables on that clock, but
+// can wait for a duration.
 void condition_init(struct condition *condition)
 {
 #ifdef __APPLE__

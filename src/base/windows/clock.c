@@ -6,7 +6,7 @@
 
 uint64_t clock_ns(void)
 {
-    LARGE_INTEGER ticks, frequency; // per second
+    LARGE_INTEGER ticks, frequency; // frequency: ticks per second
     QueryPerformanceFrequency(&frequency);
     QueryPerformanceCounter(&ticks);
     const uint64_t count = (uint64_t)ticks.QuadPart, rate = (uint64_t)frequency.QuadPart;

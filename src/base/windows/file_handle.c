@@ -33,7 +33,7 @@ static int open_wide(const char *path, DWORD access, DWORD sharing, DWORD creati
     return out;
 }
 
-// Folders are opened, too, so that they can be told from files.
+// Folders are opened, too, so that callers can distinguish them from files.
 int file_handle_open(const char *path)
 {
     return open_wide(path, GENERIC_READ, SHARE_ALL, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS);
@@ -41,12 +41,12 @@ int file_handle_open(const char *path)
 
 int file_handle_create(const char *path, unsigned permissions)
 {
-    (void)permissions; // files inherit those of their folder
+    (void)permissions; // files inherit the permissions of their folder
     return open_wide(path, GENERIC_READ | GENERIC_WRITE | DELETE, SHARE_ALL, CREATE_NEW,
                      FILE_ATTRIBUTE_NORMAL);
 }
 
-// Every file has a name here.
+// Windows has no files without a name.
 int file_handle_create_unnamed(const char *folder, unsigned permissions)
 {
     (void)folder, (void)permissions;
@@ -120,7 +120,7 @@ bool file_handle_sync(int handle)
     return FlushFileBuffers(system_handle(handle)) || wide_fail();
 }
 
-// Nobody else can open it meanwhile: that is the lock. The system removes the file with the handle.
+// Opening without sharing is the lock. The system removes the file when the handle is closed.
 int file_handle_lock(const char *path, bool *is_locked)
 {
     *is_locked = true;

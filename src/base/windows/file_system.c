@@ -44,7 +44,7 @@ void *file_look_at(const char *path, bool of_link)
     if (!wide)
         return INVALID_HANDLE_VALUE;
     const DWORD flags =
-        FILE_FLAG_BACKUP_SEMANTICS | (of_link ? FILE_FLAG_OPEN_REPARSE_POINT : 0); // folders, too
+        FILE_FLAG_BACKUP_SEMANTICS | (of_link ? FILE_FLAG_OPEN_REPARSE_POINT : 0); // opens folders
     HANDLE handle =
         CreateFileW(wide, FILE_READ_ATTRIBUTES, SHARE_ALL, NULL, OPEN_EXISTING, flags, NULL);
     free(wide);
@@ -125,7 +125,7 @@ char *file_real_path(const char *path)
     return out;
 }
 
-// The text of a link is not read on Windows; file_real_path() follows the link.
+// Returns NULL: the target of a link is not read on Windows, where file_real_path() follows links.
 char *file_read_link(const char *path)
 {
     (void)path;
@@ -156,8 +156,8 @@ bool file_touch(const char *path)
     return ok;
 }
 
-// The move is on the disk when this returns, as folder_sync() makes it elsewhere. A file that
-// somebody reads cannot be moved over, but its name can be given to another.
+// The move is durable when this returns, so that folder_sync() has nothing to do. A file that
+// another process reads cannot be replaced by a move; ReplaceFileW() can replace it.
 bool file_rename(const char *from, const char *to)
 {
     const DWORD flags = MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH;
@@ -181,7 +181,8 @@ FILE *file_stream(const char *path, const char *mode)
     return out;
 }
 
-// "T", "D": kept in memory while there is enough, and removed with the last handle.
+// In the mode, "T" keeps the file in memory while there is enough, and "D" removes it with its last
+// handle.
 FILE *file_stream_temporary(void)
 {
     wchar_t folder[MAX_PATH + 1], path[MAX_PATH + 16];
@@ -215,7 +216,7 @@ bool folder_remove(const char *path)
     return ok;
 }
 
-// A user's folder for temporary files is this user's alone.
+// The user's folder for temporary files is accessible to that user only.
 char *folder_create_temporary(void)
 {
     wchar_t folder[MAX_PATH + 1], path[MAX_PATH + 64];
@@ -241,8 +242,8 @@ bool folder_sync(const char *path)
 struct folder_reader {
     HANDLE search;
     WIN32_FIND_DATAW found;
-    bool has_found; // an entry that was not returned yet
-    char *name;     // the last one that was returned
+    bool has_found; // `found` has an entry that was not returned yet
+    char *name;     // the last name returned
 };
 
 struct folder_reader *folder_open(const char *path)
@@ -287,7 +288,7 @@ void folder_close(struct folder_reader *folder)
     free(folder);
 }
 
-// Asked of folders: of a file's its own.
+// Asks the system about the path and, if that fails because it is not a folder, about its folder.
 bool file_system_space(const char *path, uint64_t *bytes)
 {
     wchar_t *wide = wide_from(path);

@@ -3,7 +3,7 @@
 #include <malloc.h>
 #include <windows.h>
 
-#include <psapi.h> // needs windows.h
+#include <psapi.h> // needs windows.h before it
 
 static uint64_t least(uint64_t a, uint64_t b)
 {
@@ -25,7 +25,8 @@ uint64_t memory_available_in(const char *root)
     return left > 0 ? left : UINT64_MAX;
 }
 
-// A job may limit what its processes commit, and what all of them do together.
+// A job object may limit the memory that each process commits, and that all its processes commit
+// together.
 uint64_t memory_limits_left(void)
 {
     JOBOBJECT_EXTENDED_LIMIT_INFORMATION job;

@@ -3,7 +3,8 @@
 #include "base/file_system.h"
 #include <stdlib.h>
 
-// There are no streams into memory: a temporary file is read when it is closed.
+// Windows has no streams into memory: the stream is a temporary file, which is read when it is
+// closed.
 bool memory_stream_open(struct memory_stream *stream)
 {
     *stream = (struct memory_stream){.file = file_stream_temporary()};

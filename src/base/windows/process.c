@@ -7,7 +7,7 @@
 #include <string.h>
 #include <windows.h>
 
-#include <shellapi.h> // needs windows.h
+#include <shellapi.h> // needs windows.h before it
 
 uint64_t process_id(void)
 {
@@ -35,7 +35,7 @@ void process_begin(int *argc, char ***argv)
     for (int i = 0; arguments && i < count; i++) {
         arguments[i] = wide_to(wide[i]);
         if (!arguments[i])
-            return; // those of main() stay
+            return; // keep the arguments of main()
     }
     if (arguments) {
         *argc = count;
@@ -54,9 +54,9 @@ bool program_is_installed(const char *name)
 
 // --- command lines -------------------------------------------------------------------------------
 
-// A command line is one text, which programs take apart by these rules ("Parsing C command-line
-// arguments", Microsoft): what has blanks stands in quotation marks; before a quotation mark a
-// backslash counts twice, and so do those before it.
+// Quotes an argument. A command line is one text, which programs split by these rules ("Parsing C
+// command-line arguments", Microsoft): quotation marks enclose blanks; a quotation mark inside is
+// preceded by a backslash, and backslashes before any quotation mark are doubled.
 static size_t quote(const char *argument, char *out)
 {
     size_t length = 0, backslashes = 0;
@@ -95,7 +95,7 @@ static wchar_t *command_line(const char *const *arguments)
 
 // --- other programs ------------------------------------------------------------------------------
 
-// A handle that children inherit; the system's device of nothing where there is no file.
+// Returns a handle that children inherit; the null device if there is no file.
 static HANDLE inheritable(FILE *file, DWORD access)
 {
     HANDLE own, out = INVALID_HANDLE_VALUE;
@@ -174,7 +174,7 @@ void process_kill(struct process *process)
     collect(process, INFINITE, &is_well);
 }
 
-// Ctrl-C is the other program's while it runs: this one ignores it.
+// The other program handles Ctrl-C while it runs; this one ignores it.
 void process_become(const char *program, char **arguments)
 {
     STARTUPINFOW startup = {.cb = sizeof startup};

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <windows.h>
 
-// The handler has a thread of its own, and no context.
+// The handler runs in a thread of its own, and takes no context.
 static volatile LONG received;
 static const char *const *volatile leftovers;
 static volatile LONG leftover_count;
@@ -20,9 +20,9 @@ static void end_at_once(int number)
     ExitProcess(128u + (unsigned)number);
 }
 
-// Ctrl-C counts as SIGINT, Ctrl-Break as SIGTERM; both insist when they come again. The window that
-// is closed, the user who logs out, and the machine that is shut down ask as SIGTERM does, and the
-// system ends the process a few seconds later, when this handler returns at the latest.
+// Ctrl-C counts as SIGINT, Ctrl-Break as SIGTERM; a repetition of either ends the program at once.
+// Closing the window, logging out and shutting down count as SIGTERM; the system then ends the
+// process after a few seconds, or as soon as this handler returns.
 static BOOL WINAPI handle(DWORD event)
 {
     const int number = event == CTRL_C_EVENT ? SIGINT : SIGTERM;
@@ -36,7 +36,7 @@ static BOOL WINAPI handle(DWORD event)
 
 void signals_set_leftovers(const char *const *paths, unsigned count)
 {
-    leftover_count = 0; // before the list changes, and set again only after it has
+    leftover_count = 0; // the handler must not see a list that is being changed
     leftovers = paths;
     leftover_count = (LONG)count;
 }

@@ -4,23 +4,24 @@
 #include <stdio.h>
 #include <winsock2.h>
 
-#include <ws2tcpip.h> // needs winsock2.h
+#include <ws2tcpip.h> // needs winsock2.h before it
 
 static bool fail(struct connection *connection, const char *what, int error)
 {
-    const char *reason = error == WSAETIMEDOUT        ? "the time is over"
+    const char *reason = error == WSAETIMEDOUT        ? "timed out"
                          : error == WSAECONNREFUSED   ? "the connection was refused"
                          : error == WSAHOST_NOT_FOUND ? "there is no such host"
                                                       : NULL;
     if (reason)
         snprintf(connection->reason, sizeof connection->reason, "%s%s", what, reason);
     else
-        snprintf(connection->reason, sizeof connection->reason, "%serror %d of Windows' sockets",
-                 what, error);
+        snprintf(connection->reason, sizeof connection->reason, "%sWindows Sockets error %d", what,
+                 error);
     return false;
 }
 
-// 0 once the socket takes data, or a connection is made.
+// Waits until the socket accepts data, or the connection is established. Returns 0 or an error code
+// of Windows' sockets.
 static int wait_writable(const struct connection *connection)
 {
     const uint64_t start = clock_ns();
@@ -36,7 +37,7 @@ static int wait_writable(const struct connection *connection)
     return WSAETIMEDOUT;
 }
 
-// 0, or what went wrong.
+// Returns 0 or an error code of Windows' sockets.
 static int connect_to(struct connection *connection, const struct addrinfo *address)
 {
     const SOCKET out = socket(address->ai_family, address->ai_socktype, address->ai_protocol);
@@ -64,7 +65,7 @@ bool connection_open(struct connection *connection, const char *host, const char
     struct addrinfo *list = NULL;
     WSADATA data;
     connection->socket = CONNECTION_NONE;
-    int error = WSAStartup(MAKEWORD(2, 2), &data); // once more does no harm
+    int error = WSAStartup(MAKEWORD(2, 2), &data); // may be called more than once
     if (error == 0)
         error = getaddrinfo(host, port, &hints, &list);
     connection->has_address = error == 0;
@@ -88,10 +89,10 @@ bool connection_send(struct connection *connection, const void *data, size_t siz
             continue;
         }
         if (error != WSAEWOULDBLOCK)
-            return fail(connection, "the connection broke: ", error);
+            return fail(connection, "the connection was lost: ", error);
         error = wait_writable(connection);
         char what[64];
-        snprintf(what, sizeof what, "took nothing for %g s: ", connection->patience_seconds);
+        snprintf(what, sizeof what, "accepted no data for %g s: ", connection->patience_seconds);
         if (error != 0)
             return fail(connection, what, error);
     }

@@ -16,7 +16,7 @@ unsigned system_processors(void)
     return count > 0 ? count : 1;
 }
 
-// From the registry, UTF-8.
+// Reads a text from the registry, as UTF-8.
 static void read_text(const wchar_t *key, const wchar_t *name, char *out, size_t size)
 {
     wchar_t text[256];

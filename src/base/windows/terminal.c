@@ -14,7 +14,7 @@ bool terminal_is(FILE *stream)
     return GetConsoleMode(console_of(stream), &mode);
 }
 
-// Consoles know escape sequences since Windows 10, where they are asked to.
+// Consoles understand escape sequences since Windows 10, once this is enabled.
 bool terminal_is_smart(FILE *stream)
 {
     DWORD mode;

@@ -53,7 +53,8 @@ void condition_wait(struct condition *condition, struct mutex *mutex)
     SleepConditionVariableSRW(variable_of(condition), lock_of(mutex), INFINITE, 0);
 }
 
-// Rounded up to milliseconds: what returns before the deadline is waited for again.
+// The time is rounded up to milliseconds. A wait that ends before the deadline returns true, and
+// the caller waits again.
 bool condition_wait_until(struct condition *condition, struct mutex *mutex, uint64_t deadline_ns)
 {
     const uint64_t now_ns = clock_ns();
