@@ -50,7 +50,7 @@ static bool read_count(const struct field *field, const struct json_node *node, 
     return true;
 }
 
-// is_exact: the node has the exact key.
+// Reads a number. is_exact: the node belongs to the exact key, whose unit applies.
 static bool read_real(const struct field *field, const struct json_node *node, bool is_exact,
                       void *object, struct err *err)
 {
@@ -156,7 +156,8 @@ static void write_value(const struct field *field, const void *object, struct js
         write_real(field, value, text);
 }
 
-// Writes the number whose product with the unit is the member; if there is none, the exact value.
+// Writes a number whose product with the unit is exactly the member's value; if there is none, the
+// value in the exact key's unit.
 static void write_product(const struct field *field, double value, struct json_text *text)
 {
     double factor;

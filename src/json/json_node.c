@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// This file defines the functions themselves.
+// The macro of json_node.h would replace the name in the function's definition below.
 #undef node_fail
 #undef node_prepend
 #undef node_unexpected
@@ -39,7 +39,7 @@ struct json_node node_element(const struct json_node *array, size_t index)
 
 // --- messages ------------------------------------------------------------------------------------
 
-// Appends to text of `capacity` bytes; what does not fit is cut off.
+// Appends to a buffer of `capacity` bytes. Text that does not fit is cut off.
 static void append(char *text, size_t capacity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -52,7 +52,7 @@ static void append(char *text, size_t capacity, const char *format, ...)
     va_end(arguments);
 }
 
-// Writes a path such as "shapes[3].transform[0].scale"; empty for the document itself.
+// Writes a path such as "shapes[3].transform[0].scale"; "" for the document itself.
 static void write_path(const struct json_node *node, char *text, size_t capacity)
 {
     if (!node->parent)
@@ -126,10 +126,10 @@ bool node_unexpected(const struct json_node *node, const char *what, struct err 
 
 // --- suggestions ---------------------------------------------------------------------------------
 
-// Returns the name at an index; NULL after the last.
+// Returns the name at an index, or NULL after the last name.
 typedef const char *(*name_at_fn)(const void *names, size_t index);
 
-// Suggests the most similar name, or lists all names.
+// Suggests the most similar name, or lists all names if none is similar.
 static struct node_hint suggest(const char *word, name_at_fn name_at, const void *names)
 {
     struct node_hint hint = {""};
@@ -336,8 +336,7 @@ bool node_read_pair(const struct json_node *object, const char *key, struct rang
     if (!node_numbers(&node, 2, range, out, err))
         return false;
     return out[0] <= out[1] ||
-           node_fail(&node, err, "%.9g is above %.9g; expected the least and the most", out[0],
-                     out[1]);
+           node_fail(&node, err, "%.9g is above %.9g; expected the minimum first", out[0], out[1]);
 }
 
 bool node_read_vector(const struct json_node *object, const char *key, struct range range,

@@ -14,10 +14,10 @@
 #include <stdint.h>
 
 struct json_node {
-    const struct json_node *parent; // NULL: the document itself
-    const char *key;                // NULL: element `index` of the parent array
+    const struct json_node *parent; // NULL: this is the document itself
+    const char *key;                // NULL: this is element `index` of the parent array
     size_t index;
-    json_t *value; // borrowed; NULL: the parent has no such key
+    json_t *value; // borrowed from the document; NULL: the parent lacks this key
     const char *file;
 };
 
@@ -33,12 +33,12 @@ bool node_prepend(const struct json_node *node, struct err *err);
 // Fails with "expected WHAT, not VALUE".
 bool node_unexpected(const struct json_node *node, const char *what, struct err *err);
 
-// As in err.h: analysers see that the value is false.
+// As in err.h, shows analysers that the value is false.
 #define node_fail(...) (node_fail(__VA_ARGS__), err_false())
 #define node_prepend(...) (node_prepend(__VA_ARGS__), err_false())
 #define node_unexpected(...) (node_unexpected(__VA_ARGS__), err_false())
 
-// A short representation of the value for messages.
+// A short form of a value for messages.
 struct node_text {
     char text[64];
 };
@@ -57,25 +57,25 @@ bool node_check_either(const struct json_node *object, const char *a, const char
 
 struct range {
     double min, max;
-    bool open; // the bounds themselves are outside
+    bool open; // the range excludes its bounds
 };
 
-// node_number: the node itself is the number.
+// Read a number in the range. node_number takes the number itself, the others the object that has
+// it under a key.
 bool node_number(const struct json_node *node, struct range range, double *out, struct err *err);
 bool node_read_number(const struct json_node *object, const char *key, struct range range,
                       double *out, struct err *err);
 bool node_read_integer(const struct json_node *object, const char *key, uint64_t min, uint64_t max,
                        uint64_t *out, struct err *err);
 bool node_read_boolean(const struct json_node *object, const char *key, bool *out, struct err *err);
-// The document owns the string.
+// Reads a string, which belongs to the document.
 bool node_read_string(const struct json_node *object, const char *key, const char **out,
                       struct err *err);
 bool node_read_vector(const struct json_node *object, const char *key, struct range range,
                       double out[3], struct err *err);
 bool node_read_color(const struct json_node *object, const char *key, struct range range,
                      float out[3], struct err *err);
-// Reads the index of a string in `names`, which ends with NULL. node_choice: the node itself is the
-// string.
+// Read the index of a string in `names`, which ends with NULL. node_choice takes the string itself.
 bool node_choice(const struct json_node *node, const char *const *names, uint32_t *out,
                  struct err *err);
 bool node_read_choice(const struct json_node *object, const char *key, const char *const *names,
@@ -89,7 +89,8 @@ bool node_numbers(const struct json_node *array, size_t count, struct range rang
 bool node_read_pair(const struct json_node *object, const char *key, struct range range,
                     double out[2], struct err *err);
 
-// Checks a name that error messages and overrides can address: letters, digits, "_" and "-".
+// Checks that a name can be used in error messages and overrides: letters, digits, "_" and "-"
+// only.
 bool node_check_name(const struct json_node *node, const char *name, struct err *err);
 
 // Makes "; did you mean KEY?" if a key of the object is similar to the word, else "; known: A, B,

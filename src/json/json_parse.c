@@ -4,16 +4,16 @@
 #include <assert.h>
 #include <setjmp.h>
 
-// jansson 2.14 must not see a failed allocation while it parses: if its buffer for a string cannot
-// grow, it continues without the rest of the string and then writes past the end of the allocated
-// memory. So a failed allocation leaves the parser at once, by longjmp, and its allocations so far
-// are freed here: every block is in a list until the parse has ended.
+// jansson 2.14 does not handle failed allocations correctly while it parses: if its buffer for a
+// string cannot grow, it continues without the rest of the string and then writes past the end of
+// the allocated memory. So a failed allocation leaves the parser at once, by longjmp, and the
+// parser's allocations so far are freed here: every block is in a list until the parse has ended.
 struct block {
-    struct block *previous, *next; // NULL: of no parse
+    struct block *previous, *next; // NULL: not allocated by a parse
 };
 
 struct parse {
-    struct block blocks; // the list's ends
+    struct block blocks; // sentinel of the list
     jmp_buf on_failure;
 };
 
@@ -51,7 +51,7 @@ void json_deallocate(void *data)
     memory_free(block);
 }
 
-// Removes all blocks from the list; frees them if the parse has failed.
+// Removes all blocks from the list, and frees them if the parse has failed.
 static void parse_end(struct parse *parse, bool is_failed)
 {
     for (struct block *block = parse->blocks.next; block != &parse->blocks;) {

@@ -1,6 +1,5 @@
-// Parses JSON documents, and controls the memory of jansson. By itself jansson reports a failed
-// allocation as an error of the text, omits data for which it had no memory, or writes out of
-// bounds.
+// Parses JSON documents, and controls the memory of jansson. On its own, jansson reports a failed
+// allocation as a syntax error, omits data for which it had no memory, or writes out of bounds.
 #ifndef LAMPYRIS_JSON_JSON_PARSE_H
 #define LAMPYRIS_JSON_JSON_PARSE_H
 
@@ -20,11 +19,11 @@ void json_deallocate(void *data);
 // for those of parsers: if so, something may be missing from what was built since.
 bool json_lost_memory(void);
 
-// Returns the document, or NULL with *err set: ERR_INPUT with file, line and column, or lack of
+// Returns the document, or NULL with *err set: ERR_INPUT with file, line and column, or an error of
 // memory.
 json_t *json_parse(const char *path, const struct file_bytes *text, size_t flags, struct err *err);
 
-// Frees the result of json_dumps; accepts NULL.
+// Frees the result of json_dumps(). Accepts NULL.
 void json_release(char *dumped);
 
 #endif

@@ -91,8 +91,9 @@ static bool is_finite(struct json_text *t, double value)
     return false;
 }
 
-// Writes this many significant digits, without an exponent unless it saves zeros; with a point if
-// it would otherwise read as an integer, which has no signed zero.
+// Writes a number with this many significant digits, or with more where these avoid an exponent
+// (magnitudes from 1 to 1e15). Negative zero becomes "-0.0", because "-0" would be read as an
+// integer, which has no signed zero.
 static void put_digits(struct json_text *t, double value, int count)
 {
     char digits[40];
@@ -103,7 +104,7 @@ static void put_digits(struct json_text *t, double value, int count)
     put(t, strcmp(digits, "-0") == 0 ? "-0.0" : digits);
 }
 
-// Returns the number that is written with this many digits.
+// Returns the value that is read when the number is written with this many digits.
 static double with_digits(double value, int count)
 {
     char digits[40];
@@ -121,7 +122,7 @@ void json_text_double(struct json_text *t, double value)
     put_digits(t, value, count);
 }
 
-// The text is read as a double and then rounded.
+// Readers parse a double and then round it to a float.
 void json_text_float(struct json_text *t, float value)
 {
     int count = 1;
@@ -158,9 +159,10 @@ void json_text_string(struct json_text *t, const char *text)
     if (dumped)
         put(t, dumped);
     else if (!t->failed)
-        t->failed = !err_set(t->err, ERR_INPUT,
-                             "%s: \"%s\" cannot be written down; expected UTF-8 without \"${\"",
-                             t->key, text);
+        t->failed =
+            !err_set(t->err, ERR_INPUT,
+                     "%s: \"%s\" cannot be written to a scene file; expected UTF-8 without \"${\"",
+                     t->key, text);
     json_release(dumped);
     json_decref(string);
 }
@@ -175,7 +177,7 @@ static bool is_factor(double factor, double unit, bool is_float, double value)
     return is_float ? (float)(factor * unit) == (float)value : factor * unit == value;
 }
 
-// The quotient is within two roundings of a solution; short decimal numbers are tried first.
+// The quotient is within two roundings of a solution. Short decimal numbers are tried first.
 bool json_text_factor(double value, double unit, bool is_float, double *out)
 {
     double quotient = value / unit, near[4];
