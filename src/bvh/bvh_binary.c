@@ -1,5 +1,5 @@
-// Builds the binary tree: ranges near the root are split one after the other, each on all threads;
-// then the subtrees below in parallel.
+// Builds the binary tree: first splits the ranges near the root one after the other, each on all
+// threads; then builds the subtrees below them in parallel.
 #include "bvh/bvh_binary.h"
 #include "base/parallel.h"
 #include "bvh/bvh_spatial.h"
@@ -13,7 +13,7 @@ enum {
     TASK_MAX = 1 << 15,
     TASK_MIN = 1 << 10,
     TASKS_PER_THREAD = 8,
-    TASK_WORTH = 64, // fewer primitives than that are done at once
+    TASK_WORTH = 64, // smaller ranges are not worth a task of their own
 };
 
 struct binary_builder {
@@ -22,10 +22,10 @@ struct binary_builder {
     const struct bvh_binary_params *params;
     struct bvh_range *tasks;
     uint32_t task_count, task_size;
-    double task_start;           // the fraction of all work that was done when the tasks began
-    _Atomic uint32_t tasks_done; // number of their primitives
+    double task_start;           // fraction of all work that was done before the tasks began
+    _Atomic uint32_t tasks_done; // number of primitives in finished tasks
     _Atomic bool stopped;
-    struct err *err; // why it was stopped
+    struct err *err; // why the build was stopped
 };
 
 static void write_leaf(const struct binary_builder *builder, const struct bvh_range *range)
@@ -44,7 +44,7 @@ static void split_range(const struct binary_builder *builder, const struct bvh_r
         .box = range->box, .left = children[0].node, .right = children[1].node};
 }
 
-// The recursion is as deep as the tree, which has a limit.
+// Builds a subtree. The recursion is as deep as the tree, whose depth is limited.
 static void build_subtree(const struct binary_builder *builder, const struct bvh_range *range)
 {
     if (range->count == 1) {
@@ -65,7 +65,7 @@ bool bvh_checkpoint(const struct progress *progress, double fraction, struct err
     return true;
 }
 
-// For the calling thread only.
+// Reports progress and polls for a stop. Only for the calling thread.
 static void checkpoint(struct binary_builder *builder, double fraction)
 {
     if (!bvh_checkpoint(builder->params->progress, BVH_PROGRESS_BINARY * fraction, builder->err))
@@ -81,14 +81,14 @@ static void run_task(void *context, size_t begin, size_t end, unsigned thread)
         uint32_t count = builder->tasks[i].count;
         build_subtree(builder, &builder->tasks[i]);
         uint32_t done = atomic_fetch_add(&builder->tasks_done, count) + count;
-        double part = (double)done / builder->params->count; // more than 1 where triangles are cut
+        double part = (double)done / builder->params->count; // above 1 where triangles are cut
         if (thread == 0)
             checkpoint(builder,
                        builder->task_start + (1 - builder->task_start) * (part < 1 ? part : 1));
     }
 }
 
-// Large tasks come first, so that no thread starts one when the others are done.
+// Sorts tasks by descending size, so that no thread starts a large task when the others are done.
 static int compare_tasks(const void *a, const void *b)
 {
     const struct bvh_range *x = a, *y = b;
@@ -102,7 +102,7 @@ static int compare_tasks(const void *a, const void *b)
 static void split_top(struct binary_builder *builder, const struct bvh_range *root,
                       uint32_t capacity)
 {
-    double levels = 1; // splitting a range costs about as much as one level of its subtree
+    double levels = 1; // each split costs about as much as one level of its subtree
     for (uint32_t size = root->count; size > 1; size /= 2)
         levels++;
     double all = levels * root->count, done = 0;
@@ -185,7 +185,8 @@ struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
     struct arena scratch = {0};
     struct binary_builder builder = {.params = params, .err = err};
     builder.task_size = task_size_for(params->count, params->threads);
-    // Tasks are disjoint and not tiny; the stack has at most one entry per level, plus one.
+    // Tasks are disjoint and have at least TASK_WORTH primitives; the stack has at most one entry
+    // per level, plus one.
     uint32_t task_capacity = params->capacity / TASK_WORTH + params->depth_limit + 1;
     if (!allocate(&builder, arena, &scratch, task_capacity, err))
         goto done;

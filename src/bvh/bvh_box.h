@@ -10,7 +10,7 @@ static inline struct bvh_box box_empty(void)
     return (struct bvh_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 
-// Comparisons are used because these (unlike fminf) are one instruction each.
+// Comparisons compile to one instruction each, unlike fminf().
 static inline void box_add_box(struct bvh_box *box, const struct bvh_box *other)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -27,8 +27,8 @@ static inline void box_add_point(struct bvh_box *box, const float point[3])
     }
 }
 
-// Returns half of the surface area of a box that is not empty. In double precision, because the
-// square of a float above 1.8e19 overflows.
+// Returns half the surface area of a box that is not empty. In double precision, because the square
+// of a float above 1.8e19 overflows.
 static inline double box_half_area(const struct bvh_box *box)
 {
     double x = (double)box->max[0] - box->min[0];

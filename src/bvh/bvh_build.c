@@ -1,5 +1,5 @@
-// The steps of a build: checking the input, boxes of the primitives, the binary tree, the wide
-// tree.
+// The steps of a build: checking the input, computing the boxes of primitives, building the binary
+// tree and collapsing it into the wide tree.
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -9,10 +9,10 @@
 
 #include <stdatomic.h>
 
-// How to build. The second attempt is for inputs for which the first needs too large a stack: the
-// wide tree is at most as deep as the binary one, and each level leaves at most 3 children pending,
-// so 32 binary levels stay within BVH_STACK_ENTRIES_MAX for every input; and they suffice for 2^32
-// primitives.
+// The limits of each attempt to build. The second attempt is for inputs for which the first needs
+// too large a stack. The wide tree is at most as deep as the binary one, and each level leaves at
+// most 3 children pending, so 32 binary levels stay within BVH_STACK_ENTRIES_MAX for every input;
+// they also suffice for 2^32 primitives.
 static const struct attempt {
     uint32_t depth_limit;
     bool optimize;
@@ -23,8 +23,7 @@ static const struct attempt {
 struct gather_job {
     const struct bvh_params *params;
     struct bvh_primitive *primitives;
-    _Atomic uint32_t first_bad; // the least primitive (triangles, shapes, instances) whose box is
-                                // not usable
+    _Atomic uint32_t first_bad; // lowest primitive index with an invalid box
 };
 
 static bool box_is_valid(const struct bvh_box *box)
@@ -63,7 +62,7 @@ static void gather_primitives(void *context, size_t begin, size_t end, unsigned 
     struct gather_job *job = context;
     uint32_t triangles = job->params->triangle_count;
     if (progress_should_stop(job->params->progress))
-        return; // the loops that use the result poll, too
+        return; // the loops that use the result poll as well
     for (size_t i = begin; i < end; i++) {
         struct bvh_primitive *primitive = &job->primitives[i];
         bool valid;
@@ -81,7 +80,7 @@ static void gather_primitives(void *context, size_t begin, size_t end, unsigned 
         }
         if (!valid)
             note_bad(job, (uint32_t)i);
-        for (int axis = 0; axis < 3; axis++) { // adding 0 turns -0 into +0
+        for (int axis = 0; axis < 3; axis++) { // -0 + 0 is +0
             primitive->box.min[axis] += 0.0f;
             primitive->box.max[axis] += 0.0f;
         }
@@ -104,7 +103,7 @@ static bool check_method(const struct bvh_method *method, struct err *err)
            check_cost("intersection", method->intersection_cost, err);
 }
 
-// Larger leaves leave fewer bits for the index.
+// Checks the number of triangles: larger leaves leave fewer bits for a triangle's index.
 static bool check_triangle_count(const struct bvh_params *params, struct err *err)
 {
     uint32_t most = bvh_leaf_index_max(params->method.max_leaf);
@@ -168,7 +167,7 @@ static bool build_empty(struct arena *arena, struct bvh *out, struct err *err)
     return bvh_compute_stats(out, &out->stats, err);
 }
 
-// Returns the capacity for leaves: with spatial splits, triangles may be in several.
+// Returns the maximum number of leaves: with spatial splits, triangles may be in several.
 static uint32_t capacity_for(const struct bvh_params *params, uint32_t count)
 {
     if (params->method.split != BVH_SPLIT_SPATIAL)
@@ -178,7 +177,8 @@ static uint32_t capacity_for(const struct bvh_params *params, uint32_t count)
     return count + (uint32_t)(more < most ? more : most);
 }
 
-// *fits: the tree stays within the limits; otherwise it remains unused in the arena.
+// Builds once. *fits is whether the tree stays within the limits; otherwise it remains unused in
+// the arena.
 static bool build_once(const struct bvh_params *params, const struct attempt *attempt,
                        struct arena *arena, struct bvh *out, bool *fits, struct err *err)
 {
@@ -187,8 +187,8 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
     unsigned threads = params->threads > 0 ? params->threads : cpu_count();
     uint32_t count = bvh_primitive_count(params);
     uint32_t capacity = capacity_for(params, count), leaf_count = 0;
-    // While the binary tree is built, primitives exist twice, in addition to the nodes; later steps
-    // need no more. The budget is checked now, before minutes are spent.
+    // While the binary tree is built, there are two copies of the primitives, in addition to the
+    // nodes; later steps need no more. The budget is checked now, before minutes are spent.
     uint64_t bytes =
         capacity * 2ull * (sizeof(struct bvh_primitive) + sizeof(struct bvh_binary_node));
     if (!memory_check(bytes, "building the BVH", err))
@@ -244,7 +244,7 @@ static bool build_tree(const struct bvh_params *params, struct arena *arena, str
     if (bvh_primitive_count(params) == 0)
         return build_empty(arena, out, err);
     bool ok = true, fits = false;
-    for (size_t i = 0; ok && !fits; i++) // the second one always fits
+    for (size_t i = 0; ok && !fits; i++) // the second attempt always fits
         ok = build_once(params, &attempts[i], arena, out, &fits, err);
     return ok;
 }

@@ -13,17 +13,17 @@
 #include <inttypes.h>
 #include <limits.h>
 
-// Increase it when the file format, or the result of the builder for the same input, changes.
+// Increase this when the file format changes, or the builder's result for the same input.
 #define FORMAT_VERSION 1
 #define MAGIC "LampBVH"
 #define BYTE_ORDER_MARK 0x01020304u
-#define LONGEST_BUILD 1e9 // seconds: more is not believed
+#define LONGEST_BUILD 1e9 // in seconds; longer times are rejected as damage
 
 // The file consists of this header, the nodes, and triangle_order.
 struct header {
     char magic[8];
     uint32_t version;
-    uint32_t byte_order; // BYTE_ORDER_MARK as the writer has it
+    uint32_t byte_order; // BYTE_ORDER_MARK in the byte order of the writer
     struct hash128 key;  // hash of the build's input
     struct hash128 sum;  // hash of the nodes, triangle_order and the members below
     uint32_t format;     // enum bvh_format
@@ -33,13 +33,13 @@ struct header {
 
 // --- hashes --------------------------------------------------------------------------------------
 
-// Each thread hashes pieces of this many elements; then the pieces' hashes are hashed.
+// Each thread hashes pieces of this many elements; then the hashes of the pieces are hashed.
 #define PIECE 4096u
 
 struct hash_job {
-    const struct bvh_params *params; // its triangles are hashed; NULL: `bytes` are
+    const struct bvh_params *params; // its triangles are hashed; NULL: `bytes` are hashed
     const uint8_t *bytes;
-    size_t count; // triangles or bytes
+    size_t count; // number of triangles or bytes
     struct hash128 *pieces;
 };
 
@@ -48,7 +48,7 @@ static void hash_piece(void *context, size_t begin, size_t end, unsigned thread)
     (void)thread;
     const struct hash_job *job = context;
     for (size_t i = begin; i < end; i++) {
-        // Pieces of bytes are larger, about as many bytes as those of triangles.
+        // A piece of bytes is about as large as a piece of triangles.
         size_t length = job->params ? PIECE : PIECE * sizeof(float[3][3]);
         size_t first = i * length, left = job->count - first;
         size_t count = left < length ? left : length;
@@ -84,7 +84,7 @@ static bool hash_memory(const void *data, size_t size, struct hash128 *out)
     return run_hash(&job, out);
 }
 
-// Everything that a hierarchy depends on, without padding, because its bytes are hashed.
+// Everything that a hierarchy depends on. It has no padding, because its bytes are hashed.
 struct source {
     uint32_t version, node_bytes;
     uint32_t split, format, optimize, max_leaf;
@@ -124,7 +124,7 @@ static bool same(struct hash128 a, struct hash128 b)
     return a.word[0] == b.word[0] && a.word[1] == b.word[1];
 }
 
-// Hashes a file's content after header.sum.
+// Hashes all content that follows header.sum.
 static bool find_sum(const struct header *header, const struct bvh *bvh, struct hash128 *out)
 {
     struct {
@@ -157,8 +157,9 @@ char *bvh_cache_path(const char *folder, const struct bvh_params *params, struct
 static bool read_fully(int handle, void *data, size_t size, struct err *err)
 {
     const int64_t got = file_handle_read(handle, data, size);
-    return got == (int64_t)size || err_set(err, ERR_INPUT, "cannot be read: %s",
-                                           got < 0 ? strerror(errno) : "it has become shorter");
+    return got == (int64_t)size ||
+           err_set(err, ERR_INPUT, "cannot be read: %s",
+                   got < 0 ? strerror(errno) : "it was truncated meanwhile");
 }
 
 static uint64_t file_bytes_of(const struct header *h)
@@ -171,12 +172,12 @@ static bool check_header(const struct header *h, uint64_t bytes, const struct bv
                          struct hash128 key, struct err *err)
 {
     if (memcmp(h->magic, MAGIC, sizeof h->magic) != 0 || h->byte_order != BYTE_ORDER_MARK)
-        return err_set(err, ERR_INPUT, "is not a hierarchy of this program");
+        return err_set(err, ERR_INPUT, "is not a BVH file of this program");
     if (h->version != FORMAT_VERSION)
         return err_set(err, ERR_INPUT, "has version %u, expected %d", h->version, FORMAT_VERSION);
     if (!same(h->key, key) || h->format != params->method.format ||
         h->triangle_count != params->triangle_count)
-        return err_set(err, ERR_INPUT, "is of another scene");
+        return err_set(err, ERR_INPUT, "belongs to another scene or method");
     if (bytes != file_bytes_of(h))
         return err_set(err, ERR_INPUT, "has %" PRIu64 " bytes, expected %" PRIu64, bytes,
                        file_bytes_of(h));
@@ -206,9 +207,10 @@ static bool read_tree(int handle, const struct header *h, const struct bvh_param
     if (!find_sum(h, out, &sum))
         return err_memory(err, "the BVH's checksum", 0);
     if (!same(sum, h->sum))
-        return err_set(err, ERR_INPUT, "is damaged: its checksum is another");
+        return err_set(err, ERR_INPUT, "is damaged: its checksum does not match");
     if (!(h->stats.build_seconds >= 0 && h->stats.build_seconds <= LONGEST_BUILD))
-        return err_set(err, ERR_INPUT, "has a time of building of %g s", h->stats.build_seconds);
+        return err_set(err, ERR_INPUT, "has a build time of %g s; expected 0 to %g s",
+                       h->stats.build_seconds, LONGEST_BUILD);
     return bvh_validate(out, params, err);
 }
 
@@ -304,7 +306,7 @@ static void try_save(struct bvh_cache *cache, const char *path, const struct bvh
         return;
     }
     cache->is_unwritable = true;
-    log_warn("the BVH is not kept: %s", err.msg);
+    log_warn("the BVH is not cached: %s", err.msg);
 }
 
 bool bvh_build_cached(struct bvh_cache *cache, const struct bvh_params *params, struct arena *arena,
@@ -326,7 +328,7 @@ bool bvh_build_cached(struct bvh_cache *cache, const struct bvh_params *params, 
         progress_report(params->progress, "Building BVH", 1);
     } else {
         if (refused.code != ERR_NONE)
-            log_warn("%s; it is built anew", refused.msg);
+            log_warn("%s; the BVH is rebuilt", refused.msg);
         ok = bvh_build(params, arena, out, err);
         if (ok && path)
             try_save(cache, path, out, key);

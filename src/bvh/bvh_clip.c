@@ -1,17 +1,17 @@
 // Clips triangles at planes. Everything is computed in double precision from single-precision
-// corners, so that its rounding errors are negligible relative to the padding.
+// corners, so that rounding errors are negligible relative to the padding.
 #include "bvh/bvh_clip.h"
 
 #include "bvh/bvh_box.h"
 #include <string.h>
 
-// The padding relative to the triangle's size and to its coordinates: at least four units in the
-// last place of these.
+// The padding relative to the triangle's size and to its coordinates. The second is at least four
+// units in the last place of a coordinate.
 #define PAD_OF_SIZE 0x1p-16
 #define PAD_OF_COORDINATE 0x1p-21
 #define PAD_MIN 0x1p-147
 
-enum { CORNERS_MAX = 9 }; // a triangle cut by the six planes of a box
+enum { CORNERS_MAX = 9 }; // corners of a triangle cut by the six planes of a box
 
 struct bvh_clip bvh_clip_for(const float vertices[3][3])
 {
@@ -49,8 +49,8 @@ static void extent_add(struct extent *extent, const double point[3])
     }
 }
 
-// Returns the padded extent within `box`. Rounding to the nearest float takes at most an eighth of
-// the padding, and nothing at the box's own planes. Adding 0 turns -0 into +0.
+// Returns the padded extent, clipped to `box`. Rounding to the nearest float takes at most an
+// eighth of the padding, and the box's own planes are exact. Adding 0 turns -0 into +0.
 static struct bvh_box padded(const struct extent *extent, double pad, const struct bvh_box *box)
 {
     struct bvh_box part;
@@ -65,7 +65,8 @@ static struct bvh_box padded(const struct extent *extent, double pad, const stru
     return part;
 }
 
-// Computes the intersection of the edge from a to b with the plane; it is exactly in the plane.
+// Computes the intersection of the edge from a to b with the plane. Its coordinate on the axis is
+// exactly that of the plane.
 static void meet(const double a[3], const double b[3], int axis, double plane, double point[3])
 {
     double t = (plane - a[axis]) / (b[axis] - a[axis]);
@@ -100,7 +101,7 @@ struct polygon {
     int count;
 };
 
-// Keeps the part of the polygon that is below a plane, or above it (Sutherland and Hodgman 1974,
+// Keeps the part of the polygon below a plane, or the part above it (Sutherland and Hodgman 1974,
 // "Reentrant polygon clipping").
 static void halve(struct polygon *polygon, int axis, double plane, bool below)
 {
@@ -133,7 +134,7 @@ void bvh_clip_exactly(const struct bvh_clip *clip, const struct bvh_box *box, in
         halve(&part, axis, plane, side == 0);
         for (int i = 0; i < part.count; i++)
             extent_add(&extent, part.corners[i]);
-        if (part.count > 0) // otherwise it touches the box within rounding errors
+        if (part.count > 0) // empty if the triangle touches the box only within rounding errors
             parts[side] = padded(&extent, clip->pad, &parts[side]);
     }
 }

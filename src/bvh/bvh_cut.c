@@ -8,7 +8,7 @@ struct cut {
     uint32_t count;
 };
 
-// Appends a node's children, or puts the first of them in the place of entry `at`.
+// Adds a node's children: the first replaces the entry at `at`, the others are appended.
 static void add_children(struct cut *cut, uint32_t node, uint32_t at)
 {
     const uint32_t *child = bvh_children(cut->tree, node);
@@ -26,7 +26,7 @@ static void add_children(struct cut *cut, uint32_t node, uint32_t at)
     }
 }
 
-// Returns the inner entry with the largest box, or `count`.
+// Returns the position of the inner node with the largest box; `count` if there is none.
 static uint32_t largest(const struct cut *cut)
 {
     uint32_t best = cut->count;

@@ -1,11 +1,11 @@
 // Joins two levels into one array: the world's tree, whose leaves lead to instances, and the trees
-// that these share.
+// that the instances share.
 #include "bvh/bvh_node.h"
 
 struct join {
     const struct bvh_join_params *params;
     struct bvh *out;
-    uint32_t node_count, place_count, triangle_count; // so far
+    uint32_t node_count, place_count, triangle_count; // totals of the trees copied so far
 };
 
 static void add_places(struct join *join, const struct bvh *tree)
@@ -68,8 +68,8 @@ static bool allocate(struct join *join, struct arena *arena, struct err *err)
     return bvh_nodes_allocate(arena, join->out, err);
 }
 
-// Returns the cost that the trees below the instances' leaves add to the world's. A ray that
-// reaches such a leaf also hits the root's box below, as far as both boxes agree.
+// Returns the cost that the trees below the leaves of instances add to the world's. A ray that
+// reaches such a leaf is taken to hit the root's box of that tree, too.
 static double cost_of_instances(const struct bvh_join_params *p)
 {
     const struct bvh *world = p->world;
@@ -97,7 +97,7 @@ static void join_stats(const struct bvh_join_params *p, struct bvh *out)
         out->stats.build_seconds += tree->build_seconds;
     }
     out->stats.depth += depth;
-    out->stats.stack_entries += entries + 1; // and the mark at which an instance ends
+    out->stats.stack_entries += entries + 1; // plus the marker at which an instance ends
     out->stats.node_count = out->node_count;
     out->stats.sah_cost += cost_of_instances(p);
     out->stats.bytes =

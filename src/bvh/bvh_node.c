@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-// Returns 2^(exponent - 127) for an axis; exact, because the biased exponent is in [1, 254].
+// Returns 2^(exponent - 127) for an axis. It is exact, because the biased exponent is in [1, 254].
 static double node_scale(const struct bvh_node *node, int axis)
 {
     uint32_t bits = (node->exponents >> (8 * axis) & 255u) << 23;
@@ -12,9 +12,10 @@ static double node_scale(const struct bvh_node *node, int axis)
     return scale;
 }
 
-// A plane is a + b with b = byte * scale, which a double holds. This is the sign of (a + b) - c in
-// exact arithmetic: the rounded sum decides unless it equals c, and then its rounding error does
-// (TwoSum, Knuth 1969, The Art of Computer Programming 2, section 4.2.2, theorem B).
+// Returns the sign of (a + b) - c in exact arithmetic. A plane of the grid is a + b with b = byte *
+// scale, which a double represents exactly. The rounded sum decides unless it equals c; then its
+// rounding error decides (TwoSum, Knuth 1969, The Art of Computer Programming 2, section 4.2.2,
+// theorem B).
 static int compare_sum(double a, double b, double c)
 {
     double sum = a + b;
@@ -30,7 +31,8 @@ static int compare_sum(double a, double b, double c)
 static uint32_t grid_exponent(float min, float max)
 {
     int exponent;
-    // extent / 255 < 2^exponent up to rounding; one less often suffices, because 255 is not 256.
+    // extent / 255 < 2^exponent, up to rounding. An exponent lower by one often suffices, because
+    // 255 is almost 256.
     frexp(((double)max - min) / 255, &exponent);
     uint32_t biased = exponent + 126 > 1 ? (uint32_t)(exponent + 126) : 1;
     while (compare_sum(min, ldexp(255, (int)biased - 127), max) < 0)
@@ -38,7 +40,7 @@ static uint32_t grid_exponent(float min, float max)
     return biased;
 }
 
-// Return the last grid plane at or below a value, and the first at or above.
+// Return the last grid plane at or below a value, and the first one at or above it.
 static uint32_t round_down(float origin, double scale, float value)
 {
     double steps = floor(((double)value - origin) / scale);
@@ -141,10 +143,11 @@ bool bvh_quantised_check(const struct bvh_node *node, uint32_t index, struct err
         for (int axis = 0; axis < 3; axis++)
             if (node->child[i] != BVH_EMPTY || (node->lo[axis] >> (8 * i) & 255u) != 255 ||
                 (node->hi[axis] >> (8 * i) & 255u) != 0)
-                return err_set(err, ERR_INPUT,
-                               "BVH: nodes[%u].child[%u] comes after an empty one or is empty with "
-                               "a box",
-                               index, i);
+                return err_set(
+                    err, ERR_INPUT,
+                    "BVH: nodes[%u].child[%u] follows an empty child, or is empty but has "
+                    "a box",
+                    index, i);
     return true;
 }
 

@@ -1,4 +1,4 @@
-// Access to nodes of both formats. Private to this folder.
+// Access to nodes of either format. Private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_NODE_H
 #define LAMPYRIS_BVH_BVH_NODE_H
 
@@ -10,7 +10,7 @@
 
 static inline bool bvh_child_is_leaf(uint32_t child)
 {
-    return (child & BVH_LEAF) != 0; // true for BVH_EMPTY, too
+    return (child & BVH_LEAF) != 0; // also true for BVH_EMPTY
 }
 
 static inline bool bvh_child_is_instance(uint32_t child)
@@ -19,7 +19,7 @@ static inline bool bvh_child_is_instance(uint32_t child)
     return child != BVH_EMPTY && (child & bits) == bits;
 }
 
-// Returns the number of primitives of a leaf child.
+// Returns the number of primitives in a leaf child.
 static inline uint32_t bvh_leaf_count(const struct bvh *bvh, uint32_t child)
 {
     if (child & BVH_LEAF_SHAPE)
@@ -27,7 +27,8 @@ static inline uint32_t bvh_leaf_count(const struct bvh *bvh, uint32_t child)
     return ((child & ~BVH_LEAF) >> bvh_leaf_index_bits(bvh->max_leaf)) + 1;
 }
 
-// Returns the first of them: an index in triangle_order, or the index of a shape or an instance.
+// Returns the first primitive of a leaf child: an index into triangle_order, or the index of a
+// shape or an instance.
 static inline uint32_t bvh_leaf_first(const struct bvh *bvh, uint32_t child)
 {
     return child & (child & BVH_LEAF_SHAPE ? BVH_LEAF_INDEX : bvh_leaf_index_max(bvh->max_leaf));
@@ -41,36 +42,37 @@ static inline uint32_t bvh_child_count(const uint32_t child[4])
     return count;
 }
 
-// --- One format ----------------------------------------------------------------------------------
+// --- Functions for one format --------------------------------------------------------------------
 
-// Write the boxes of the first `count` children and empty the others. Quantised boxes are rounded
-// outwards.
+// Store the boxes of the first `count` children, rounded outwards if quantised, and mark the other
+// children as empty.
 void bvh_quantised_set_boxes(struct bvh_node *node, const struct bvh_box *boxes, uint32_t count);
 void bvh_float_set_boxes(struct bvh_node_float *node, const struct bvh_box *boxes, uint32_t count);
 
-// Computes the box of a child as the node stores it, in double precision; rounded outwards if even
-// that is not exact.
+// Computes a child's box as stored in the node, in double precision, rounded outwards if even that
+// is not exact.
 void bvh_quantised_child_box(const struct bvh_node *node, uint32_t child, double min[3],
                              double max[3]);
 void bvh_float_child_box(const struct bvh_node_float *node, uint32_t child, double min[3],
                          double max[3]);
 
-// Returns whether a child's box is one that may stand for the box of what is below: quantised,
-// contains it, in exact arithmetic; else the very same.
+// Returns whether the child's stored box is valid for `box`, the bounds of everything below: a
+// quantised box must contain it in exact arithmetic, a box of floats must equal it.
 bool bvh_quantised_child_fits(const struct bvh_node *node, uint32_t child,
                               const struct bvh_box *box);
 bool bvh_float_child_fits(const struct bvh_node_float *node, uint32_t child,
                           const struct bvh_box *box);
 
-// Return half of the area of the union of children [first, end), as stored in the node; 0 for none.
+// Return half the surface area of the union of the boxes of children [first, end), as stored in the
+// node; 0 if there are none.
 double bvh_quantised_half_area(const struct bvh_node *node, uint32_t first, uint32_t end);
 double bvh_float_half_area(const struct bvh_node_float *node, uint32_t first, uint32_t end);
 
-// Check the conditions on a node by itself. `index` is for the message.
+// Check the conditions that concern a single node. `index` is for messages.
 bool bvh_quantised_check(const struct bvh_node *node, uint32_t index, struct err *err);
 bool bvh_float_check(const struct bvh_node_float *node, uint32_t index, struct err *err);
 
-// --- Whichever -----------------------------------------------------------------------------------
+// --- Functions for the BVH's format --------------------------------------------------------------
 
 // Allocates out->node_count nodes of out->format.
 bool bvh_nodes_allocate(struct arena *arena, struct bvh *out, struct err *err);
@@ -118,7 +120,8 @@ static inline bool bvh_node_check(const struct bvh *bvh, uint32_t node, struct e
                                     : bvh_quantised_check(&bvh->nodes[node], node, err);
 }
 
-// The part of bvh_validate() for triangles with several references, after all other checks.
+// The part of bvh_validate() for triangles with several references. All other checks must have
+// passed.
 bool bvh_validate_parts(const struct bvh *bvh, const struct bvh_params *params, struct err *err);
 
 // Computes all statistics except build_seconds. Nodes must come after their parents.

@@ -55,9 +55,10 @@ bool bvh_float_check(const struct bvh_node_float *node, uint32_t index, struct e
         for (int axis = 0; axis < 3; axis++)
             if (node->child[i] != BVH_EMPTY || !is_plain_zero(node->min[axis][i]) ||
                 !is_plain_zero(node->max[axis][i]))
-                return err_set(err, ERR_INPUT,
-                               "BVH: nodes[%u].child[%u] comes after an empty one or is empty with "
-                               "a box",
-                               index, i);
+                return err_set(
+                    err, ERR_INPUT,
+                    "BVH: nodes[%u].child[%u] follows an empty child, or is empty but has "
+                    "a box",
+                    index, i);
     return true;
 }

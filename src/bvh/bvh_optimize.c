@@ -1,12 +1,13 @@
-// Improving the binary tree by reinsertion: subtrees that cost much where they are move to where
-// they cost least (Bittner, Hapala, Havran 2013, "Fast insertion-based optimization of bounding
-// volume hierarchies"), with the search of Meister and Bittner 2018, "Parallel reinsertion for
-// bounding volume hierarchy optimization", which starts at the old place. Top-down building cannot
-// do that: a large triangle among small ones goes down with them and makes all their boxes large.
+// Improves the binary tree by reinsertion: subtrees are moved from places where they cost much to
+// where they cost least (Bittner, Hapala, Havran 2013, "Fast insertion-based optimization of
+// bounding volume hierarchies"), with the search of Meister and Bittner 2018, "Parallel reinsertion
+// for bounding volume hierarchy optimization", which starts at the old place. This mends a flaw of
+// top-down building: a large triangle among small ones is put far down with them and makes all
+// boxes above it large.
 //
-// Positions are searched for a batch of subtrees at once, on all threads; then the moves that still
-// lower the cost are made one after the other. So the result does not depend on the number of
-// threads.
+// The best places for a batch of subtrees are searched at the same time, on all threads; then the
+// moves that still lower the cost are made one after the other. The result does not depend on the
+// number of threads.
 #include "base/parallel.h"
 #include "bvh/bvh_binary.h"
 
@@ -14,22 +15,22 @@
 #include <string.h>
 
 enum {
-    SEARCH_MAX = 1000, // nodes that any search may look at
-    BATCH = 4096,      // searches that see the same tree
-    SEARCH_GRAIN = 64, // subtrees that a thread takes at once
-    DEPTH_MAX = 128,   // limit of the improved tree: a deeper one is not used
-    WASTE_SHIFT = 47,  // leaves five bits of the mantissa
+    SEARCH_MAX = 1000, // maximum number of nodes that a search may visit
+    BATCH = 4096,      // number of searches before the tree is changed
+    SEARCH_GRAIN = 64, // number of searches that a thread takes at once
+    DEPTH_MAX = 128,   // maximum depth of the result; a deeper tree is not used
+    WASTE_SHIFT = 47,  // keeps five bits of the mantissa
     WASTE_BINS = 1 << (63 - WASTE_SHIFT),
 };
 
 // The limits of the optimization.
 struct effort {
-    uint32_t candidates_of; // one in so many nodes is a candidate, each round
+    uint32_t candidates_of; // each round has one candidate per this many nodes
     uint32_t rounds_max;
-    // Bounds on the time for the worst input: the nodes that one search may visit, and those that
-    // all searches and refits may visit, as a multiple of the leaves.
+    // Bounds on the time in the worst case: the number of nodes that one search may visit, and the
+    // number that all searches and refits may visit, as a multiple of the number of leaves.
     uint32_t search_max, work_of_leaves;
-    double gain_min; // a round that does not lower the cost by this part of it is the last one
+    double gain_min; // rounds end when one lowers the cost by less than this fraction
 };
 
 static const struct effort normal_effort = {10, 6, 100, 32, 0.002};
@@ -41,8 +42,8 @@ struct candidate {
 };
 
 struct place {
-    uint32_t node; // next to which to insert
-    double gain;   // decrease of the sum of areas
+    uint32_t node; // the subtree becomes the sibling of this node
+    double gain;   // decrease of the sum of surface areas
 };
 
 // The result of a search, and the number of nodes that it has visited.
@@ -51,7 +52,7 @@ struct search {
     uint32_t looked_at;
 };
 
-// A subtree to be searched, and the gain of an insertion in it so far: the savings from removing
+// A subtree in which to search, and the gain so far of inserting there: the savings from removing
 // the moving subtree minus the growth of the nodes above.
 struct search_entry {
     double gain;
@@ -64,11 +65,11 @@ struct optimizer {
     struct bvh_binary_node *nodes; // in any order; the root stays first
     uint32_t *parents;
     struct candidate *candidates;
-    uint32_t *histogram;              // histogram of waste
-    struct search *searches;          // BATCH of them
-    const struct candidate *searched; // the first candidate of the batch
+    uint32_t *histogram;              // histogram of waste_of()
+    struct search *searches;          // BATCH entries
+    const struct candidate *searched; // first candidate of the current batch
     uint32_t node_count;
-    int64_t work; // remaining
+    int64_t work; // remaining number of node visits; see work_of_leaves
 };
 
 static double merged_half_area(const struct bvh_box *a, const struct bvh_box *b)
@@ -101,7 +102,7 @@ static void search_subtree(const struct optimizer *optimizer, const struct bvh_b
     stack[size++] = entry;
     while (size > 0 && search->looked_at < optimizer->effort.search_max) {
         entry = stack[--size];
-        if (entry.gain - area <= best->gain) // the new parent is no smaller than what moves
+        if (entry.gain - area <= best->gain) // the new parent is at least as large
             continue;
         search->looked_at++;
         const struct bvh_binary_node *node = &optimizer->nodes[entry.node];
@@ -116,14 +117,15 @@ static void search_subtree(const struct optimizer *optimizer, const struct bvh_b
     }
 }
 
-// Finds the best position for a subtree whose parent is not the root; gain 0 if none is better.
+// Finds the best position for a subtree whose parent is not the root. The gain is 0 if there is
+// none better.
 static struct search find_place(const struct optimizer *optimizer, uint32_t index)
 {
     const struct bvh_binary_node *nodes = optimizer->nodes;
     const struct bvh_box *moving = &nodes[index].box;
     struct search search = {{0, 0}, 0};
     uint32_t pivot = optimizer->parents[index];
-    double gain = box_half_area(&nodes[pivot].box); // the parent goes
+    double gain = box_half_area(&nodes[pivot].box); // the parent is removed
     struct bvh_box rest = nodes[sibling_of(optimizer, index)].box;
     search_subtree(optimizer, moving, (struct search_entry){gain, sibling_of(optimizer, index)},
                    &search);
@@ -131,7 +133,7 @@ static struct search find_place(const struct optimizer *optimizer, uint32_t inde
         uint32_t sibling = sibling_of(optimizer, pivot);
         search_subtree(optimizer, moving, (struct search_entry){gain, sibling}, &search);
         pivot = optimizer->parents[pivot];
-        box_add_box(&rest, &nodes[sibling].box); // all that is below the pivot but what moves
+        box_add_box(&rest, &nodes[sibling].box); // all below the pivot but the moving subtree
         gain += box_half_area(&nodes[pivot].box) - box_half_area(&rest);
     }
     return search;
@@ -144,7 +146,7 @@ static void run_searches(void *context, size_t begin, size_t end, unsigned threa
     for (size_t i = begin; i < end; i++) {
         uint32_t node = optimizer->searched[i].node;
         optimizer->searches[i] = (struct search){{0, 0}, 0};
-        if (optimizer->parents[node] != 0) // otherwise earlier moves have moved it up
+        if (optimizer->parents[node] != 0) // an earlier move may have made it a child of the root
             optimizer->searches[i] = find_place(optimizer, node);
     }
 }
@@ -157,7 +159,7 @@ static uint32_t depth_of(const struct optimizer *optimizer, uint32_t node)
     return depth;
 }
 
-// Returns the lowest common ancestor; it may be one of the two nodes.
+// Returns the lowest common ancestor, which may be one of the two nodes.
 static uint32_t common_ancestor(const struct optimizer *optimizer, uint32_t a, uint32_t b)
 {
     uint32_t depth_a = depth_of(optimizer, a), depth_b = depth_of(optimizer, b);
@@ -172,7 +174,7 @@ static uint32_t common_ancestor(const struct optimizer *optimizer, uint32_t a, u
     return a;
 }
 
-// Returns the gain of a move in the current tree; none if the move is no longer valid. Nodes above
+// Returns the gain of a move in the current tree; 0 if the move is no longer valid. Nodes above
 // both positions keep their boxes.
 static double gain_of_move(const struct optimizer *optimizer, uint32_t index, uint32_t target)
 {
@@ -220,8 +222,8 @@ static void refit_upwards(struct optimizer *optimizer, uint32_t index)
     }
 }
 
-// The parent moves along: the sibling takes its old position, and it becomes the parent of the
-// subtree and of the node at the new position.
+// Moves a subtree next to `target`. Its parent moves along: the sibling takes the parent's old
+// position, and the parent becomes the parent of the subtree and of `target`.
 static void move(struct optimizer *optimizer, uint32_t index, uint32_t target)
 {
     uint32_t parent = optimizer->parents[index], grandparent = optimizer->parents[parent];
@@ -246,7 +248,8 @@ static int compare_candidates(const void *a, const void *b)
     return comes_first(a, b) ? -1 : 1;
 }
 
-// The bins are thirty-seconds of an octave: non-negative doubles are ordered like their bits.
+// Returns a histogram bin. Bins are 1/32 of an octave wide: non-negative doubles are ordered like
+// their bits.
 static uint32_t waste_bin(double waste)
 {
     uint64_t bits;
@@ -254,8 +257,8 @@ static uint32_t waste_bin(double waste)
     return (uint32_t)(bits >> WASTE_SHIFT);
 }
 
-// Returns the difference between the areas of a subtree's parent and the subtree, or 0 if it cannot
-// move.
+// Returns the difference between the area of a node's parent and the node's own; 0 if the node
+// cannot move.
 static double waste_of(const struct optimizer *optimizer, uint32_t node)
 {
     uint32_t parent = optimizer->parents[node];
@@ -269,9 +272,9 @@ static uint32_t candidates_max(const struct effort *effort, uint32_t node_count)
     return node_count / effort->candidates_of + 1;
 }
 
-// Chooses the subtrees with the largest difference between their parent's area and their own, which
-// is the upper bound of the gain of a move, except for ancestors. Among those in the same bin as
-// the last one, the first in the tree are chosen.
+// Chooses the nodes with the largest waste, which is the upper bound of the gain of a move, apart
+// from the shrinking of ancestors. If the last bin has more nodes than are wanted, those with the
+// lowest indices are chosen.
 static uint32_t choose_candidates(struct optimizer *optimizer)
 {
     uint32_t wanted = candidates_max(&optimizer->effort, optimizer->node_count), count = 0;
@@ -281,7 +284,7 @@ static uint32_t choose_candidates(struct optimizer *optimizer)
         if (waste > 0)
             optimizer->histogram[waste_bin(waste)]++;
     }
-    uint32_t last = WASTE_BINS, above = 0; // the bin that is taken in part, and what is above it
+    uint32_t last = WASTE_BINS, above = 0; // bin taken in part, nodes in higher bins
     while (last > 0 && above + optimizer->histogram[last - 1] <= wanted)
         above += optimizer->histogram[--last];
     uint32_t in_part = wanted - above;
@@ -300,7 +303,7 @@ static uint32_t choose_candidates(struct optimizer *optimizer)
     return count;
 }
 
-// Makes the moves of the batch that gain; returns the decrease of the sum of areas.
+// Makes those moves of the batch that lower the cost. Returns the decrease of the sum of areas.
 static double run_batch(struct optimizer *optimizer, const struct candidate *batch, uint32_t count)
 {
     double sum = 0;
@@ -320,7 +323,8 @@ static double run_batch(struct optimizer *optimizer, const struct candidate *bat
     return sum;
 }
 
-// The number of rounds is not known in advance: each reports a part of the remaining fraction.
+// Reports progress. As the number of rounds is not known in advance, each round reports a part of
+// the remaining fraction.
 static bool report(const struct optimizer *optimizer, double rounds, struct err *err)
 {
     double part = optimizer->params->effort == BVH_OPTIMIZE_LONG
@@ -331,7 +335,7 @@ static bool report(const struct optimizer *optimizer, double rounds, struct err 
         BVH_PROGRESS_BINARY + (BVH_PROGRESS_OPTIMIZED - BVH_PROGRESS_BINARY) * part, err);
 }
 
-// *gain: the decrease of the sum of areas by all moves.
+// Runs one round. *gain is the decrease of the sum of areas by all its moves.
 static bool run_round(struct optimizer *optimizer, uint32_t round, double *gain, struct err *err)
 {
     *gain = 0;
@@ -354,14 +358,14 @@ static double sum_of_areas(const struct optimizer *optimizer)
     return sum;
 }
 
-// --- Whole ---------------------------------------------------------------------------------------
+// --- The whole optimization ----------------------------------------------------------------------
 
-// Later stages recurse on the tree, so this checks its depth without recursion.
+// Checks the depth of the tree without recursion, because later stages recurse on the tree.
 static bool is_shallow(const struct bvh_binary_node *nodes)
 {
     struct {
         uint32_t node, depth;
-    } stack[DEPTH_MAX + 1]; // one sibling a level waits, and the two last
+    } stack[DEPTH_MAX + 1]; // one waiting sibling per level, and the last two nodes
     uint32_t size = 1;
     stack[0].node = stack[0].depth = 0;
     while (size > 0) {

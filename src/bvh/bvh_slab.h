@@ -6,9 +6,9 @@
 #include <math.h>
 #include <stdbool.h>
 
-// The triangle test computes coordinates relative to the ray's origin, and products of those, with
-// a relative error of a few 2^-53 of the largest coordinate. 2^-46 of it is 128 times as much, and
-// 2^-22 of the spacing of floats.
+// The triangle test computes coordinates relative to the ray's origin, and products of these, with
+// a relative error of a few 2^-53 of the largest coordinate. 2^-46 of that coordinate is 128 times
+// as much, and 2^-22 of the spacing of floats.
 #define SLAB_PAD 0x1p-46
 
 struct slab_ray {
@@ -21,15 +21,15 @@ static inline struct slab_ray slab_ray_for(const double origin[3], const double 
     struct slab_ray slab;
     for (int axis = 0; axis < 3; axis++) {
         slab.origin[axis] = origin[axis];
-        slab.inverse[axis] = 1 / direction[axis]; // infinite for zeros, by their sign
+        slab.inverse[axis] = 1 / direction[axis]; // for zeros, infinity with their sign
         slab.negative[axis] = signbit(direction[axis]);
     }
     return slab;
 }
 
-// The interval of t in which the ray is in the widened box; false when it is empty or wholly behind
-// the origin. A plane that contains a ray parallel to it gives 0 * infinity, a NaN, which no
-// comparison below takes: it does not limit the interval.
+// Computes the interval of t in which the ray is in the widened box. Returns false if it is empty
+// or wholly behind the origin. A plane that contains the ray gives 0 * infinity, a NaN; the
+// comparisons below are then false, so that the plane does not limit the interval.
 static inline bool slab_test(const struct slab_ray *ray, const double min[3], const double max[3],
                              double interval[2])
 {

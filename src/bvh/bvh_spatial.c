@@ -1,9 +1,10 @@
 // Spatial splits (Stich, Friedrich, Dietrich 2009, "Spatial splits in bounding volume
 // hierarchies"): a range is cut by a plane, and triangles that cross the plane go to both sides,
-// each time with the box of the part there. Deviations: whether a triangle stays whole ("reference
-// unsplitting", section 4.3) is decided for each triangle independently, from the boxes and counts
-// of the chosen plane, so that the result does not depend on order or threads; parts in the
-// children have tight boxes, while planes are compared with boxes that are faster to compute.
+// each time with the box of the part on that side. Deviations: whether a triangle stays whole
+// ("reference unsplitting", section 4.3) is decided for each triangle independently, from the boxes
+// and counts of the chosen plane, so that the result depends neither on order nor on threads; the
+// children get tight boxes, while candidate planes are compared by boxes that are faster to
+// compute.
 #include "bvh/bvh_spatial.h"
 
 #include "base/parallel.h"
@@ -12,8 +13,7 @@
 
 enum {
     BINS_MAX = 32,
-    BINS_FEW = 8, // for ranges of at most this many references, because large ones are clipped at
-                  // each plane
+    BINS_FEW = 8, // bins for at most FEW_MAX references, to limit the clipping
     FEW_MAX = 16,
     LEFT = 1,
     RIGHT = 2,
@@ -21,7 +21,7 @@ enum {
 
 struct bin {
     struct bvh_box box;
-    uint32_t enter, leave; // references that begin here, and that end here
+    uint32_t enter, leave; // numbers of references that begin and that end in this bin
 };
 
 struct bvh_spatial_chunk {
@@ -31,7 +31,7 @@ struct bvh_spatial_chunk {
     struct bvh_box boxes[2], centroids[2];
 };
 
-// Planes between equal bins of the range's box; [bin_count] is its end.
+// Planes that divide the range's box into equal bins. [bin_count] is the end of the box.
 struct grid {
     int bin_count;
     double planes[3][BINS_MAX + 1];
@@ -65,8 +65,8 @@ static struct grid grid_for(const struct bvh_box *box, uint32_t count)
     return grid;
 }
 
-// Computes the bins of an interval so that no plane is its start or its end: one that ends at a
-// plane is in the bin below.
+// Computes the first and last bin of an interval. An interval that ends at a plane ends in the bin
+// below it.
 static void bins_of(const struct grid *grid, int axis, float min, float max, int bins[2])
 {
     const double *planes = grid->planes[axis];
@@ -87,7 +87,8 @@ static void bins_of(const struct grid *grid, int axis, float min, float max, int
     bins[1] = last > first ? last : first;
 }
 
-// Primitives that are not triangles are never cut: they belong to the bin of their centre.
+// Computes the bins of a primitive. Primitives that are not triangles are never cut: they are in
+// the bin of their centre only.
 static void bins_of_primitive(const struct grid *grid, int axis,
                               const struct bvh_primitive *primitive, int bins[2])
 {
@@ -177,7 +178,7 @@ static uint32_t make_chunks(const struct bvh_splitter *splitter, const struct bv
 static void best_plane(const struct bin bins[BINS_MAX], uint32_t bin_count, uint32_t axis,
                        const struct bvh_range *range, struct bvh_spatial_split *best)
 {
-    struct bvh_box right[BINS_MAX]; // the union of bins i to the last
+    struct bvh_box right[BINS_MAX]; // right[i]: union of bins i to the last
     right[bin_count - 1] = bins[bin_count - 1].box;
     for (uint32_t i = bin_count - 2; i > 0; i--) {
         right[i] = bins[i].box;
@@ -199,7 +200,7 @@ static void best_plane(const struct bin bins[BINS_MAX], uint32_t bin_count, uint
     }
 }
 
-// Merges the bins of chunks, which are large enough to use all bins.
+// Adds the bins of another chunk. Chunks are large enough to use all bins.
 static void bins_merge(struct bin into[3][BINS_MAX], const struct bin from[3][BINS_MAX])
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -238,7 +239,8 @@ static double grown_half_area(const struct bvh_box *a, const struct bvh_box *b)
     return box_half_area(&grown);
 }
 
-// Returns LEFT, RIGHT or both: both if that costs less than the whole reference on one side.
+// Returns LEFT, RIGHT or both. Both are returned if cutting the reference costs less than putting
+// all of it on one side.
 static int sides_of(const struct spatial_job *job, const struct bvh_primitive *primitive)
 {
     const struct bvh_spatial_split *split = job->split;

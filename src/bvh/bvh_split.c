@@ -1,14 +1,14 @@
-// Where to split a range of primitives, and splitting it. Six ways:
-//   binned   the surface area heuristic over bins of the centroids (Wald 2007, "On fast
-//            construction of SAH-based bounding volume hierarchies");
-//   sweep    the same over all positions, for short ranges;
-//   median   halves, also where the centroids coincide or the depth runs out;
-//   mean     at the mean of the centroids;
-//   middle   at the middle of the box;
-//   spatial  by a plane that cuts triangles in two: bvh_spatial.c.
-// The first two are for BVH_SPLIT_SAH and, with the last one, for BVH_SPLIT_SPATIAL.
-// Everything that chunks contribute (minima, maxima, counts) is independent of their order and
-// number, and partitioning is stable: so the result depends on the input alone.
+// Decides where to split a range of primitives, and splits it, by one of six methods:
+//   binned   surface area heuristic over bins of the centroids (Wald 2007, "On fast construction
+//            of SAH-based bounding volume hierarchies");
+//   sweep    surface area heuristic over all positions, for short ranges;
+//   median   halves the range, also if centroids coincide or the depth limit is near;
+//   mean     splits at the mean of the centroids;
+//   middle   splits at the middle of the box;
+//   spatial  cuts triangles by a plane: bvh_spatial.c.
+// BVH_SPLIT_SAH uses the first two, BVH_SPLIT_SPATIAL these and the last. The results of chunks
+// (minima, maxima, counts) do not depend on their order and number, and partitioning is stable: so
+// the result depends on the input alone.
 #include "base/parallel.h"
 #include "bvh/bvh_binary.h"
 #include "bvh/bvh_spatial.h"
@@ -19,7 +19,7 @@
 
 enum {
     BIN_COUNT = 32,
-    SWEEP_MAX = 16, // ranges of at most so many primitives are swept
+    SWEEP_MAX = 16, // ranges of at most this many primitives are swept
 };
 
 struct bin {
@@ -27,11 +27,11 @@ struct bin {
     uint32_t count;
 };
 
-// A thread's part of a range.
+// A part of a range, which one thread processes.
 struct bvh_chunk {
     struct bin bins[3][BIN_COUNT];
     uint32_t begin, end;            // offsets in the range
-    uint32_t next_left, next_right; // positions of its first left and right primitives
+    uint32_t next_left, next_right; // positions for its first primitives on either side
     struct bvh_box centroids[2];
 };
 
@@ -40,17 +40,17 @@ struct bin_map {
 };
 
 struct bin_split {
-    double cost;    // areas times primitives, summed over both sides
-    uint32_t axis;  // 3: none found
-    uint32_t first; // bin or position that starts the right side
+    double cost;    // sum of area times number of primitives over both sides
+    uint32_t axis;  // 3: no split was found
+    uint32_t first; // first bin or position of the right side
     uint32_t left_count;
     struct bvh_box left, right;
 };
 
-// State that all chunk functions share.
+// Data shared by the functions that process chunks.
 struct split_job {
     const struct progress *progress;
-    const struct bvh_primitive *source; // the range's primitives
+    const struct bvh_primitive *source; // the primitives of the range
     struct bvh_primitive *targets[2];
     struct bvh_chunk *chunks;
     struct bin_map map;
@@ -85,7 +85,7 @@ static struct bin_map bin_map_for(const struct bvh_box *centroids)
     for (int axis = 0; axis < 3; axis++) {
         float extent = centroids->max[axis] - centroids->min[axis];
         map.origin[axis] = centroids->min[axis];
-        // Below this bound the scale would overflow; then all centroids go to bin 0.
+        // Below this extent the scale would overflow; then all centroids go to bin 0.
         map.scale[axis] = extent > BIN_COUNT * FLT_MIN ? BIN_COUNT / extent : 0;
     }
     return map;
@@ -134,8 +134,8 @@ static void bins_merge(struct bin into[3][BIN_COUNT], const struct bin from[3][B
     }
 }
 
-// If costs are equal (a flat scene may have only zeros) the most even split wins, so that the depth
-// stays small.
+// Compares a split with the best so far. At equal cost (a flat scene may have only zeros) the more
+// even split wins, so that the depth stays small.
 static bool split_is_better(double cost, uint32_t left, uint32_t right,
                             const struct bin_split *best, uint32_t count)
 {
@@ -149,7 +149,7 @@ static bool split_is_better(double cost, uint32_t left, uint32_t right,
 static void axis_best_split(const struct bin bins[BIN_COUNT], uint32_t axis, uint32_t count,
                             struct bin_split *best)
 {
-    struct bin right[BIN_COUNT]; // the union of bins i to the last
+    struct bin right[BIN_COUNT]; // right[i]: union of bins i to the last
     right[BIN_COUNT - 1] = bins[BIN_COUNT - 1];
     for (int i = BIN_COUNT - 2; i > 0; i--) {
         right[i] = bins[i];
@@ -158,7 +158,7 @@ static void axis_best_split(const struct bin bins[BIN_COUNT], uint32_t axis, uin
     }
     struct bin left = bins[0];
     for (uint32_t i = 1; i < BIN_COUNT; i++) {
-        if (left.count > 0 && bins[i].count > 0) { // otherwise it equals another position
+        if (left.count > 0 && bins[i].count > 0) { // otherwise same as its neighbour
             double cost = box_half_area(&left.box) * left.count +
                           box_half_area(&right[i].box) * right[i].count;
             if (split_is_better(cost, left.count, right[i].count, best, count))
@@ -200,8 +200,8 @@ static void run_chunks(struct split_job *job, uint32_t chunk_count, unsigned thr
         parallel_for(chunk_count, 1, threads, fn, job);
 }
 
-// Computes the positions of each chunk in the partitioned range: chunks in order, left before
-// right.
+// Computes the positions of each chunk's primitives in the partitioned range: left sides before
+// right sides, and chunks in order on each side.
 static void chunks_place(struct split_job *job, uint32_t chunk_count)
 {
     uint32_t left = 0, right = 0;
@@ -217,7 +217,7 @@ static void chunks_place(struct split_job *job, uint32_t chunk_count)
     }
 }
 
-// Returns false if no axis separates the centroids.
+// Finds the best split between bins. Returns false if no axis separates the centroids.
 static bool find_binned_split(struct split_job *job, uint32_t count, uint32_t chunk_count,
                               unsigned threads)
 {
@@ -232,14 +232,14 @@ static bool find_binned_split(struct split_job *job, uint32_t count, uint32_t ch
     return job->split.axis < 3;
 }
 
-// A plane is tried where the children's boxes overlap by more than this part of the root's area
-// (Stich, Friedrich, Dietrich 2009, section 4.2).
+// A spatial split is tried where the area of the overlap of the children's boxes exceeds this
+// fraction of the root's area (Stich, Friedrich, Dietrich 2009, section 4.2).
 #define OVERLAP_MIN 1e-5
-// The overlap must also exceed this part of the range's own area: a plane gains no more than the
-// overlap, and the search is slow.
+// The overlap must also exceed this fraction of the range's own area: a spatial split gains no more
+// than the overlap, and the search is slow.
 #define OVERLAP_OF_RANGE_MIN 0.2
 
-// Tries a plane in place of a split by primitives, whose children are known except for their
+// Tries a spatial split in place of an object split, whose children are known except for their
 // positions. Returns false if it does not cost less.
 static bool split_spatially(const struct bvh_splitter *splitter, const struct bvh_range *range,
                             unsigned threads, const struct bin_split *object,
@@ -262,7 +262,8 @@ static bool split_spatially(const struct bvh_splitter *splitter, const struct bv
            bvh_spatial_apply(splitter, range, threads, &split, children);
 }
 
-// Fills in the children.
+// Splits a range by bins, or by a plane, and fills in the children. Returns false if bins cannot
+// separate the centroids, or if the work was stopped.
 static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_range *range,
                          unsigned threads, struct bvh_range children[2])
 {
@@ -282,7 +283,7 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
     if (!find_binned_split(&job, range->count, chunk_count, threads))
         return false;
     if (bvh_split_stopped(splitter, range))
-        return false; // bins do not hold all: nothing may be moved by them
+        return false; // stopped: the bins are incomplete
     if (split_spatially(splitter, range, threads, &job.split, children))
         return true;
     children[0].box = job.split.left;
@@ -355,7 +356,7 @@ static void split_in_place(const struct bvh_splitter *splitter, const struct bvh
             children[1].count * sizeof *primitives);
 }
 
-// Sorts a short range by its best axis.
+// Sweeps a short range and sorts it along the best axis.
 static void split_swept(const struct bvh_splitter *splitter, const struct bvh_range *range,
                         struct bvh_range children[2])
 {
@@ -368,7 +369,7 @@ static void split_swept(const struct bvh_splitter *splitter, const struct bvh_ra
         sweep_axis(primitives, count, axis, orders[axis], &best);
     }
     if (count > 2) {
-        assert(best.axis < 3); // the first split is taken whatever it costs
+        assert(best.axis < 3); // any first split is better than none
         struct bvh_primitive copy[SWEEP_MAX];
         memcpy(copy, primitives, count * sizeof *copy);
         best.left = best.right = box_empty();
@@ -395,8 +396,8 @@ static void swap(struct bvh_primitive *a, struct bvh_primitive *b)
     *b = copy;
 }
 
-// Quickselect (Hoare 1961): puts the `middle` smallest centroids first. Ids differ, so no keys are
-// equal.
+// Moves the `middle` smallest centroids to the front (quickselect, Hoare 1961). Ids differ, so no
+// keys are equal.
 static void select_smallest(struct bvh_primitive *primitives, uint32_t count, uint32_t middle,
                             int axis)
 {
@@ -430,7 +431,8 @@ static int widest_axis(const struct bvh_range *range)
     return widest;
 }
 
-// Halves by the centroid on the widest axis; by the current order if all centroids coincide.
+// Splits into halves by the centroids on the widest axis; in the current order if all centroids
+// coincide.
 static uint32_t split_median(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
     int axis = widest_axis(range);
@@ -439,8 +441,9 @@ static uint32_t split_median(struct bvh_primitive *primitives, const struct bvh_
     return range->count / 2;
 }
 
-// Puts the centroids below their mean on the widest axis first; uses the median if that is none or
-// all. The order of summation is that of the range, which does not depend on threads.
+// Moves the centroids below their mean on the widest axis to the front; uses the median if that is
+// none or all of them. The summation follows the order of the range, which does not depend on
+// threads.
 static uint32_t split_mean(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
     int axis = widest_axis(range);
@@ -465,8 +468,8 @@ static int longest_axis(const struct bvh_box *box)
     return longest;
 }
 
-// Puts the centroids below the centre of the box, along its longest axis, first; uses the median if
-// that is none or all.
+// Moves the centroids below the centre of the box, along its longest axis, to the front; uses the
+// median if that is none or all of them.
 static uint32_t split_middle(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
     int axis = longest_axis(&range->box);
@@ -478,16 +481,16 @@ static uint32_t split_middle(struct bvh_primitive *primitives, const struct bvh_
     return left > 0 && left < range->count ? left : split_median(primitives, range);
 }
 
-// Returns whether a range can stay within the limit only if it is halved from here on.
+// Returns whether the range must be halved from here on to stay within the depth limit.
 static bool depth_runs_out(const struct bvh_splitter *splitter, const struct bvh_range *range)
 {
     uint32_t halvings = 32 - (uint32_t)__builtin_clz(range->count - 1); // log2, rounded up
     return range->depth + halvings >= splitter->depth_limit;
 }
 
-// --- All ----------------------------------------------------------------------------------------
+// --- All methods ---------------------------------------------------------------------------------
 
-// The remaining capacity is distributed to the children in the ratio of their costs.
+// The remaining capacity is divided between the children in proportion to their costs.
 void bvh_place_children(const struct bvh_range *range, struct bvh_range children[2])
 {
     uint32_t rest = range->capacity - children[0].count - children[1].count, left = 0;

@@ -1,8 +1,8 @@
-// Computes the expected cost of a tree, and how deep it is.
+// Computes the expected cost of a tree, its depth and its stack requirement.
 #include "bvh/bvh_node.h"
 
-// A ray that hits the root's box hits a box inside with a probability of the ratio of areas; if the
-// root has no area, no box counts.
+// Computes the SAH cost. A ray that hits the root's box hits a box inside it with probability equal
+// to the ratio of their areas; if the root has no area, no box counts.
 static double sah_cost(const struct bvh *bvh)
 {
     double root_area = bvh_half_area(bvh, 0, 0, bvh_child_count(bvh_children(bvh, 0)));
@@ -17,7 +17,7 @@ static double sah_cost(const struct bvh *bvh)
     return root_area > 0 ? 1 + sum / root_area : 1;
 }
 
-// Computes the levels downwards from the root, which has level 1.
+// Computes the depth of the tree; the root has depth 1.
 static uint32_t tree_depth(const struct bvh *bvh, uint32_t *level)
 {
     uint32_t depth = 1;
@@ -32,8 +32,9 @@ static uint32_t tree_depth(const struct bvh *bvh, uint32_t *level)
     return depth;
 }
 
-// A traversal continues with one child of a node and leaves all its siblings pending; so the worst
-// order first descends, with all siblings pending, into the child with the greatest requirement.
+// Computes the stack requirement bottom-up. A traversal continues with one child of a node and
+// leaves its siblings pending. The worst order first descends into the child with the greatest
+// requirement, with all siblings pending.
 static uint32_t tree_stack_entries(const struct bvh *bvh, uint32_t *entries)
 {
     for (uint32_t n = bvh->node_count; n-- > 0;) {

@@ -14,7 +14,7 @@ static inline void bvh_triangle_load(const struct bvh_params *params, uint32_t t
     memcpy(vertices, bytes, sizeof(float[3][3]));
 }
 
-// Fits: each of the three is below 2^29.
+// The sum does not overflow, because each count is below 2^29.
 static inline uint32_t bvh_primitive_count(const struct bvh_params *params)
 {
     return params->triangle_count + params->shape_count + params->instance_count;

@@ -6,9 +6,9 @@ struct validator {
     const struct bvh *bvh;
     const struct bvh_params *params;
     uint8_t *node_seen, *place_seen, *shape_seen, *instance_seen;
-    uint8_t *triangle_places; // 0, 1, or 2 for more
+    uint8_t *triangle_places; // 0, 1, or 2 for more: entries of each triangle
     struct bvh_box *bounds;   // bounds of the primitives below each node
-    bool has_parts;           // some triangle has several places
+    bool has_parts;           // whether some triangle has several entries
     struct err *err;
 };
 
@@ -39,7 +39,7 @@ static bool check_counts(const struct validator *validator)
                        bvh->triangle_count, validator->params->triangle_count);
     if (bvh->reference_count < bvh->triangle_count ||
         bvh->reference_count > bvh_leaf_index_max(bvh->max_leaf))
-        return err_set(validator->err, ERR_INPUT, "BVH: %u places for %u triangles",
+        return err_set(validator->err, ERR_INPUT, "BVH: %u references for %u triangles",
                        bvh->reference_count, bvh->triangle_count);
     return true;
 }
@@ -51,8 +51,8 @@ static bool count_places(struct validator *validator)
     for (uint32_t i = 0; i < bvh->reference_count; i++) {
         uint32_t triangle = bvh->triangle_order[i];
         if (triangle >= bvh->triangle_count)
-            return err_set(validator->err, ERR_INPUT, "BVH: triangle_order[%u]: no triangle %u", i,
-                           triangle);
+            return err_set(validator->err, ERR_INPUT,
+                           "BVH: triangle_order[%u]: there is no triangle %u", i, triangle);
         uint8_t *places = &validator->triangle_places[triangle];
         *places = (uint8_t)(*places + (*places < 2));
         if (*places > 1 && !validator->has_parts)
@@ -62,7 +62,7 @@ static bool count_places(struct validator *validator)
     return true;
 }
 
-// Marks a box of an array as seen: each may be seen once.
+// Marks a shape or an instance as seen and gets its box. It is an error if it was seen before.
 static bool visit_box(struct validator *validator, const char *kind, const struct bvh_box *boxes,
                       uint32_t count, uint32_t index, uint8_t *seen, struct bvh_box *bounds)
 {
@@ -75,8 +75,9 @@ static bool visit_box(struct validator *validator, const char *kind, const struc
     return true;
 }
 
-// Marks an entry and adds the box of its triangle, unless that has several entries: its part here
-// is not known, and is checked together with the other entries.
+// Marks an entry as seen and adds its triangle's box to the bounds. A triangle with several entries
+// is skipped here: which part belongs to this entry is not known, and all its entries are checked
+// together later.
 static bool visit_place(struct validator *validator, uint32_t place, struct bvh_box *bounds)
 {
     uint32_t index = validator->bvh->triangle_order[place];
@@ -119,7 +120,8 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
     return true;
 }
 
-// Returns whether a child's box may be that of what is below, or of more where parts are below.
+// Returns whether a child's stored box is valid for the bounds of what is below; it may be larger
+// if there are parts of triangles below.
 static bool fits(const struct validator *validator, uint32_t node, uint32_t child,
                  const struct bvh_box *bounds)
 {
@@ -134,7 +136,7 @@ static bool fits(const struct validator *validator, uint32_t node, uint32_t chil
     return contains;
 }
 
-// Nodes are visited in reverse order, children before parents.
+// Checks a child. Nodes are visited in reverse order, children before parents.
 static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
 {
     uint32_t child = bvh_children(validator->bvh, index)[i];
@@ -143,17 +145,18 @@ static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
         if (!visit_leaf(validator, child, &bounds))
             return err_prepend(validator->err, "nodes[%u].child[%u]", index, i);
     } else {
-        // As children come after their parents, there are no cycles.
+        // Children come after their parents, so there are no cycles.
         if (child <= index || child >= validator->bvh->node_count || validator->node_seen[child])
-            return err_set(validator->err, ERR_INPUT,
-                           "BVH: nodes[%u].child[%u]: %u is not a later node without parent", index,
-                           i, child);
+            return err_set(
+                validator->err, ERR_INPUT,
+                "BVH: nodes[%u].child[%u]: %u is not a later node, or has another parent", index, i,
+                child);
         validator->node_seen[child] = 1;
         bounds = validator->bounds[child];
     }
     if (!fits(validator, index, i, &bounds))
         return err_set(validator->err, ERR_INPUT,
-                       "BVH: nodes[%u].child[%u]: the box is not one of what is below", index, i);
+                       "BVH: nodes[%u].child[%u]: the box does not fit what is below it", index, i);
     box_add_box(&validator->bounds[index], &bounds);
     return true;
 }

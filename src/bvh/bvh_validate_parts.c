@@ -1,9 +1,9 @@
-// Validates triangles with several entries: every point of such a triangle must be inside of all
-// boxes on the way to one of its entries.
+// Validates triangles with several entries: every point of such a triangle must be inside all boxes
+// on the path to one of its entries.
 #include "bvh/bvh_node.h"
 #include "bvh/bvh_triangle.h"
 
-enum { STEPS = 12 }; // points of a triangle: a grid of so many steps an edge
+enum { STEPS = 12 }; // test points of a triangle: a grid of this many steps per edge
 
 struct bounds {
     double min[3], max[3];
@@ -12,10 +12,10 @@ struct bounds {
 struct parts {
     const struct bvh *bvh;
     const struct bvh_params *params;
-    struct bounds *nodes;  // intersection of the boxes above a node
-    struct bounds *places; // above a place
-    uint32_t *first;       // index of triangle i in `sorted`; one more at the end
-    uint32_t *sorted;      // places by their triangles
+    struct bounds *nodes;  // for each node, the intersection of the boxes above it
+    struct bounds *places; // likewise for each entry of triangle_order
+    uint32_t *first;       // index of triangle i's first entry in `sorted`; one more at the end
+    uint32_t *sorted;      // entries, sorted by triangle
     struct err *err;
 };
 
@@ -32,7 +32,7 @@ static bool allocate(struct parts *parts, struct arena *scratch)
     return true;
 }
 
-// Nodes come after their parents.
+// Intersects boxes downwards from the root. Nodes come after their parents.
 static void descend(struct parts *parts)
 {
     const struct bvh *bvh = parts->bvh;
@@ -90,7 +90,7 @@ static bool check_triangle(const struct parts *parts, uint32_t triangle)
     for (int i = 0; i <= STEPS; i++)
         for (int k = 0; k <= STEPS - i; k++) {
             double a = (double)i / STEPS, b = (double)k / STEPS, point[3];
-            for (int axis = 0; axis < 3; axis++) { // rounding must not lead out of the triangle
+            for (int axis = 0; axis < 3; axis++) { // rounding must not leave the triangle
                 double x = v[0][axis], y = v[1][axis], z = v[2][axis];
                 point[axis] = (1 - a - b) * x + a * y + b * z;
                 point[axis] = fmin(fmax(point[axis], fmin(x, fmin(y, z))), fmax(x, fmax(y, z)));

@@ -1,4 +1,4 @@
-// Visits everything that a ray may hit: the primitives in leaves whose boxes it crosses.
+// Visits the primitives in leaves whose boxes a ray crosses.
 #include "bvh/bvh_node.h"
 #include "bvh/bvh_slab.h"
 

@@ -1,46 +1,47 @@
-// Collapses the binary tree into the wide one: optimally for the surface area heuristic by dynamic
+// Collapses the binary tree into the wide one: optimally for the surface area heuristic, by dynamic
 // programming (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through
-// compressed wide BVHs", section 3.1), or each two levels into one; then lays it out and writes the
-// nodes.
+// compressed wide BVHs", section 3.1), or simply two levels into one; then lays it out and writes
+// the nodes.
 #include "base/parallel.h"
 #include "bvh/bvh_binary.h"
 #include "bvh/bvh_node.h"
 
 enum {
     WIDTH = 4,
-    TOP_MAX = 1024, // binary nodes whose subtrees are shared among threads
+    TOP_MAX = 1024, // number of top nodes, whose subtrees are distributed over threads
 };
 
-// The best representations of a binary subtree by at most 1, 2, 3 children of one wide node.
+// The best ways to represent a binary subtree by at most 1, 2 or 3 children of one wide node.
 struct choice {
-    float cost[WIDTH - 1];   // [i - 1]: by at most i children
-    uint8_t left[WIDTH - 1]; // [i - 2]: of i children, so many go to the left subtree; 0: use
-                             // fewer. i = WIDTH is for a wide node at this subtree's root
-    uint8_t is_leaf : 1;     // as one child, it is a leaf and not a wide node
-    uint8_t triangles : 7;   // number in the subtree, if a leaf has room for all; else 0
+    float cost[WIDTH - 1]; // cost[i - 1]: with at most i children
+    // left[i - 2]: of i children, the number for the left subtree; 0: fewer children are better.
+    // i = WIDTH applies where the subtree's root becomes a wide node.
+    uint8_t left[WIDTH - 1];
+    uint8_t is_leaf : 1;   // represented by one child: a leaf, not a wide node
+    uint8_t triangles : 7; // number of triangles if they fit into a leaf; else 0
 };
 
 _Static_assert(sizeof(struct choice) == 16, "there are twice as many as triangles");
 
 // A wide node before quantisation.
 struct draft {
-    uint32_t binary[WIDTH]; // the subtrees that are its children
+    uint32_t binary[WIDTH]; // the binary subtrees that are its children
     uint32_t child_count;
-    uint32_t first_inner;    // the wide index of its first inner child; the others follow
-    uint32_t first_triangle; // likewise in triangle_order
+    uint32_t first_inner;    // the wide index of its first inner child; others follow
+    uint32_t first_triangle; // position of its leaves' first triangle in triangle_order
 };
 
 struct collapse {
     const struct bvh_wide_params *params;
-    struct choice *choices; // for each binary node
-    struct draft *drafts;   // for each wide node
+    struct choice *choices; // one for each binary node
+    struct draft *drafts;   // one for each wide node
     uint32_t draft_count;
     double root_area;
-    double node_cost, primitive_cost; // expected cost of a visit
+    double node_cost, primitive_cost; // expected costs of a node visit and of a test
     uint32_t max_leaf;
     struct bvh *out;
-    uint32_t order_count; // triangles laid out so far
-    bool is_stopped;      // the layout is not whole
+    uint32_t order_count; // number of triangles laid out so far
+    bool is_stopped;      // the layout is incomplete because the work was stopped
 };
 
 static bool is_binary_leaf(const struct bvh_binary_node *node)
@@ -60,9 +61,10 @@ static double extent(const struct bvh_box *box, int axis)
     return (double)box->max[axis] - (double)box->min[axis];
 }
 
-// On a node's grid a box grows by about a step, 1/128 of the node, along each axis. This tests
-// whether the box is not larger than that, as next to an infinite plane: the children of such a box
-// could not be distinguished if they were children of the node.
+// Quantisation grows a box by about one grid step, 1/128 of the node's box, along each axis. A box
+// is lost in a node, for example in one with an infinite plane, if that multiplies its area by more
+// than LOST_RATIO: the box's own children could not be distinguished if they were children of the
+// node.
 #define GRID_STEP (1.0 / 128)
 #define LOST_RATIO 256
 
@@ -74,8 +76,8 @@ static bool is_lost(const struct bvh_box *node, const struct bvh_box *box)
     return box_half_area(&grown) > LOST_RATIO * box_half_area(box);
 }
 
-// Returns the least cost of `children` children distributed over both subtrees, and the left one's
-// number.
+// Returns the least cost of distributing `children` children over both subtrees, and in *left the
+// number for the left one.
 static double distribute(const struct collapse *collapse, const struct bvh_binary_node *node,
                          uint32_t children, uint8_t *left)
 {
@@ -134,8 +136,8 @@ static void choose(const struct collapse *collapse, uint32_t index)
     }
 }
 
-// Grandchildren become children, and triangles become a leaf if it has room, regardless of the
-// cost.
+// Merges two levels regardless of the cost: grandchildren become children, and triangles that fit
+// into a leaf become one.
 static void choose_plainly(const struct collapse *collapse, uint32_t index)
 {
     const struct bvh_binary_node *node = &collapse->params->nodes[index];
@@ -154,7 +156,8 @@ static void choose_node(const struct collapse *collapse, uint32_t index)
         choose(collapse, index);
 }
 
-// Works bottom-up. The recursion is as deep as the binary tree, which has a limit.
+// Computes the choices of a subtree bottom-up. The recursion is as deep as the binary tree, whose
+// depth is limited.
 static void choose_below(const struct collapse *collapse, uint32_t index)
 {
     const struct bvh_binary_node *node = &collapse->params->nodes[index];
@@ -165,11 +168,11 @@ static void choose_below(const struct collapse *collapse, uint32_t index)
     choose_node(collapse, index);
 }
 
-// The nodes near the root, level by level.
+// The nodes near the root, in breadth-first order.
 struct top {
     const struct collapse *collapse;
     uint32_t nodes[TOP_MAX];
-    uint32_t opened, count; // [opened, count): those whose children are not among them
+    uint32_t opened, count; // nodes in [opened, count) have children that are not in the list
 };
 
 static void choose_subtrees(void *context, size_t begin, size_t end, unsigned thread)
@@ -180,7 +183,7 @@ static void choose_subtrees(void *context, size_t begin, size_t end, unsigned th
         choose_below(top->collapse, top->nodes[top->opened + i]);
 }
 
-// Processes subtrees below the top in parallel, then the top.
+// Computes the choices of subtrees below the top in parallel, then those of the top.
 static void choose_all(const struct collapse *collapse)
 {
     const struct bvh_binary_node *nodes = collapse->params->nodes;
@@ -214,7 +217,7 @@ static void gather(const struct collapse *collapse, struct draft *draft, uint32_
     gather(collapse, draft, node->right, children - choice->left[children - 2]);
 }
 
-// Appends the triangles of a leaf, which are few.
+// Appends the triangles of a leaf to triangle_order.
 static void append_triangles(struct collapse *collapse, const struct bvh_binary_node *node)
 {
     const struct bvh_binary_node *nodes = collapse->params->nodes;
@@ -226,9 +229,9 @@ static void append_triangles(struct collapse *collapse, const struct bvh_binary_
     }
 }
 
-// Drafts the wide node for a binary subtree and all below it. The inner children of a node are
-// adjacent, as are the triangles of its leaves, and subtrees follow one another depth first. The
-// recursion is at most as deep as the binary tree.
+// Drafts the wide node for a binary subtree and all wide nodes below it. The inner children of a
+// node are adjacent, as are the triangles of its leaves, and subtrees follow one another in
+// depth-first order. The recursion is at most as deep as the binary tree.
 static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
 {
     if (progress_stops_at(collapse->params->progress, wide + 1))
@@ -238,7 +241,7 @@ static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
     struct draft *draft = &collapse->drafts[wide];
     const struct choice *choice = &collapse->choices[binary];
     if (wide == 0 && choice->is_leaf)
-        draft->binary[draft->child_count++] = binary; // only a root has a single child
+        draft->binary[draft->child_count++] = binary; // only the root may have a single child
     else
         gather(collapse, draft, binary, WIDTH);
     draft->first_inner = collapse->draft_count;
@@ -257,13 +260,13 @@ static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
 
 // --- Writing ------------------------------------------------------------------------------------
 
-// Returns the child word of a leaf; moves *triangle past it.
+// Returns the child word of a leaf, and advances *triangle past the leaf's triangles.
 static uint32_t leaf_word(const struct collapse *collapse, uint32_t binary, uint32_t *triangle)
 {
     const struct bvh_binary_node *node = &collapse->params->nodes[binary];
     uint32_t first = *triangle, count = collapse->choices[binary].triangles;
     if (count == 0)
-        return BVH_LEAF | node->left; // the id says shape or instance
+        return BVH_LEAF | node->left; // the id includes the flag for a shape or an instance
     *triangle += count;
     return BVH_LEAF | (count - 1) << bvh_leaf_index_bits(collapse->max_leaf) | first;
 }
@@ -290,7 +293,7 @@ static void write_nodes(void *context, size_t begin, size_t end, unsigned thread
     }
 }
 
-// Returns the number of wide nodes in a binary subtree that becomes one.
+// Returns the number of wide nodes for a binary subtree whose root becomes a wide node.
 static uint32_t count_nodes(const struct collapse *collapse, uint32_t binary)
 {
     struct draft draft = {0};
