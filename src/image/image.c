@@ -24,7 +24,7 @@ static enum format format_of_output(const char *path)
     return FORMAT_UNKNOWN;
 }
 
-// The first bytes of a file determine its format, not its name.
+// Determines the format from a file's first bytes, not from its name.
 static enum format format_of_bytes(const uint8_t *data, size_t size)
 {
     static const struct {
@@ -47,9 +47,9 @@ static enum format format_of_bytes(const uint8_t *data, size_t size)
     return FORMAT_UNKNOWN;
 }
 
-// The libraries do not always report a lack of memory: libpng omits texts, with a warning, and
-// blames the file for other failures. `failures`: the count before the library was called; ok: what
-// it returned.
+// Reports a lack of memory that a library concealed: libpng omits texts, with a warning, and blames
+// the file for other failures. `failures` is memory_failures() before the library was called; `ok`
+// is whether the library succeeded.
 static bool had_memory(uint64_t failures, bool ok, const char *what, struct err *err)
 {
     bool is_told = !ok && err && err->code != ERR_INPUT && err->code != ERR_OUTPUT;
@@ -103,12 +103,12 @@ static void corrupt_if_due(struct byte_buffer *file)
         file->data[n - 1] ^= 0x10;
 }
 
-// A file that does not decode to what was encoded is an error of a library or of the memory.
+// Reports that a file does not decode to the data that were encoded: an error of a library or of
+// the hardware's memory.
 static bool fail_verification(struct err *err)
 {
     return err->code == ERR_OUTPUT
-               ? err_prepend(err, "encoding failed: decoding does not give back "
-                                  "what was to be written")
+               ? err_prepend(err, "encoding failed: the decoded file differs from the data encoded")
                : err_false();
 }
 
@@ -218,7 +218,7 @@ bool image_write(const struct image_write_params *params, struct err *err)
     return ok;
 }
 
-// Moves the file into the arena, where encoding it succeeded, and frees the buffer.
+// Moves the encoded file into the arena if encoding succeeded, and frees the buffer.
 static bool keep_file(struct byte_buffer *buffer, bool ok, struct arena *arena, uint8_t **data,
                       size_t *size, struct err *err)
 {

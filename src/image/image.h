@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Linear Rec. 709 radiance, interleaved RGB, row 0 at the top.
+// Linear Rec. 709 radiance: interleaved RGB, row 0 at the top.
 struct image {
     uint32_t width, height;
     float (*pixels)[3];
@@ -23,15 +23,15 @@ struct image_attribute { // metadata: EXR string attributes, PNG texts, comments
 
 enum image_layer_type {
     IMAGE_LAYER_FLOAT, // like the image: halves with half_float
-    IMAGE_LAYER_FULL,  // 32-bit floats always: values that halves cannot distinguish
+    IMAGE_LAYER_FULL,  // always 32-bit floats, for values that halves cannot distinguish
     IMAGE_LAYER_UINT,  // 32-bit integers
 };
 
-// An additional EXR layer: channels "NAME.R", "NAME.G", "NAME.B", or other names.
+// An additional EXR layer: channels "NAME.R", "NAME.G", "NAME.B", or with other letters.
 struct image_layer {
     const char *name;
     const void *values;          // interleaved: floats, or uint32_t
-    const char *const *channels; // up to three, ended by NULL; NULL: "R", "G", "B"
+    const char *const *channels; // up to three letters, ended by NULL; NULL: "R", "G", "B"
     enum image_layer_type type;
 };
 
@@ -50,7 +50,8 @@ struct image_write_params {
     enum tone_curve tone; // PNG, JPEG
 };
 
-// Returns whether the extension is one that image_write knows; ERR_USAGE naming those it does.
+// Returns whether image_write() supports the path's extension. If not, fails with ERR_USAGE, naming
+// those that it supports.
 bool image_check_format(const char *path, struct err *err);
 // Returns whether the format of that name shows tone-mapped codes: PNG and JPEG.
 bool image_is_tone_mapped(const char *path);
@@ -63,16 +64,16 @@ uint64_t image_pixel_bytes(const struct image_write_params *params);
 // with the greatest error that its quantisation allows. PFM has no metadata. Values that HDR cannot
 // hold are changed, with a warning.
 bool image_write(const struct image_write_params *params, struct err *err);
-// Encodes the image in `arena`; only the path's extension is used.
+// Encodes the image into `arena` without writing a file. Only the extension of the path is used.
 bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
                   size_t *size, struct err *err);
-// The bytes of a PNG file of these 8-bit RGB codes as they are, in `arena`; verified in the same
-// way. Of filtered and unfiltered rows it has those that take fewer bytes.
+// Encodes 8-bit RGB codes, unchanged, as a PNG file in `arena`, verified in the same way. Rows are
+// filtered or unfiltered, whichever takes fewer bytes.
 bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, struct arena *arena,
                         uint8_t **data, size_t *size, struct err *err);
 
-// For tests: changes one bit of the n-th byte of each image between encoding and verification, in
-// the whole program. 0 turns it off.
+// For tests: flips one bit of the n-th byte of each image between encoding and verification, in the
+// whole program. 0 turns it off.
 void image_corrupt_at(uint64_t n);
 
 struct image_read_params {
@@ -80,41 +81,40 @@ struct image_read_params {
     // EXR: the layer to read, with channels R, G, B, or X, Y, Z, or Y, or a single channel by its
     // full name ("depth.Z"); NULL: the channels without a layer.
     const char *layer;
-    uint32_t side_max; // longest side that is accepted; 0: any
-    bool is_linear;    // colours of PNG and JPEG are taken as they are, not as sRGB-encoded
-    const struct progress *progress; // asked now and then whether to stop; any thread may do so
+    uint32_t side_max;               // maximum length of the longest side, in pixels; 0: no limit
+    bool is_linear;                  // PNG and JPEG: colours are linear, not sRGB-encoded
+    const struct progress *progress; // asked from time to time whether to stop, by any thread
 };
 
-// Reads an image into `arena`; the memory budget is checked for the pixels, and for what the
+// Reads an image into `arena`. The memory budget is checked for the pixels, and for what the
 // decoder needs, as soon as the header is read. The file's first bytes determine the format, not
-// its name. EXR: single-part, scanline or tiled (the finest level); deep and multi-part files are
-// ERR_INPUT. The image is the data window, wherever the display window is. Non-finite and negative
-// values are kept. Alpha is dropped, and so are PNG colour profiles other than sRGB.
+// its name. EXR: single-part files with scanlines or tiles (the finest level); deep and multi-part
+// files are ERR_INPUT. The image is the data window, wherever the display window is. Non-finite and
+// negative values are kept. Alpha and PNG colour profiles other than sRGB are ignored.
 bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
                 struct err *err);
-// Reads a picture from memory, for those inside other files; params->path names the place in
-// messages.
+// Reads an image from memory, such as one inside another file. params->path names it in messages.
 bool image_decode(const void *data, size_t size, const struct image_read_params *params,
                   struct arena *arena, struct image *out, struct err *err);
 
-// Linear values, interleaved RGBA, row 0 at the top.
+// Linear values: interleaved RGBA, row 0 at the top.
 struct image_texels {
     uint32_t width, height;
-    bool is_float; // four floats a texel, else four halves
+    bool is_float; // four floats per texel, else four halves
     void *texels;
 };
 
 // Decodes an image with its alpha. Formats with at most 8 bits per component (PNG, JPEG) are
-// decoded to halves, whose step is at most 2^-11 in [0, 1], an eighth of the codes'; all others to
+// decoded to halves, whose step is at most 2^-11 in [0, 1], an eighth of a code's; all others to
 // floats. Alpha is 1 if a file has none, and is never sRGB-encoded. EXR stores colours multiplied
 // by alpha (OpenEXR technical introduction, "Alpha"): they are divided by it, unless alpha is 0.
 bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
                          struct arena *arena, struct image_texels *out, struct err *err);
-// Returns whether image_read_params.is_linear is of account for such a file: PNG and JPEG.
+// Returns whether image_read_params.is_linear applies to this file, which is so for PNG and JPEG.
 bool image_has_encoding(const void *data, size_t size);
 
-// Reads string attributes of an EXR or the tEXt, zTXt and iTXt chunks that precede the pixels of a
-// PNG. *out lives in the arena.
+// Reads the string attributes of an EXR, or the tEXt, zTXt and iTXt chunks that precede the pixels
+// of a PNG. *out is allocated in the arena.
 bool image_read_attributes(const char *path, struct arena *arena, struct image_attribute **out,
                            uint32_t *count, struct err *err);
 
@@ -129,19 +129,19 @@ float float_from_half(uint16_t half); // exact
 // to 8 bits.
 void image_tone_map(enum tone_curve tone, float exposure_stops, const float rgb[3], float out[3]);
 
-// Returns the exposure, in stops, for an image, metered for the highlights. With L the luminance
-// (ITU-R BT.709) that all but a twentieth of the pixels with light stay below,
-//   stops = log2(0.5 / L)
-// so that the brightest large region is displayed one stop below 1, which leaves room for glints;
-// visible lamps and fireflies do not count. (dcraw's automatic brightness does the same with one
-// hundredth and the white of the file.) A mean of any kind would make both a white and a black
-// object grey. L is rounded up to 1/64 stop. Returns 0 for an image without light.
+// Returns an exposure for an image, in stops, metered for the highlights. Let L be the luminance
+// (ITU-R BT.709) that is exceeded by only a twentieth of the pixels with light. The exposure is
+// log2(0.5 / L), so that the brightest large region is displayed one stop below 1, which leaves
+// room for glints; visible lamps and fireflies have no influence. (dcraw's automatic brightness
+// does the same with one hundredth of the pixels and the white of the file.) Metering for a mean
+// would make both a white and a black object grey. L is rounded up to 1/64 stop. Returns 0 for an
+// image without light.
 float image_measure_exposure(const struct image *image);
 
 // The transfer function of sRGB and its inverse (IEC 61966-2-1), for values in [0, 1].
 float image_srgb_from_linear(float linear);
 float image_srgb_to_linear(float encoded);
-// Converts a value in [0, 1] to 8 bits, to the nearest code, halves up.
+// Converts a value in [0, 1] to the nearest 8-bit code, rounding halves up.
 uint8_t image_quantize(float display);
 
 #endif

@@ -8,7 +8,7 @@
 
 static void keep_message(exr_const_context_t context, exr_result_t code, const char *message)
 {
-    (void)code; // comes back as the call's result
+    (void)code; // returned as the result of the call, too
     void *user_data = NULL;
     exr_get_user_data(context, &user_data);
     struct exr_stream *stream = user_data;
@@ -16,8 +16,8 @@ static void keep_message(exr_const_context_t context, exr_result_t code, const c
         snprintf(stream->message, sizeof stream->message, "%s", message);
 }
 
-// A context for writing is locked while it reports an error (OpenEXRCore 3.1.5), and requesting its
-// user data would deadlock.
+// Drops the library's message. A context for writing is locked while it reports an error
+// (OpenEXRCore 3.1.5), so getting its user data would deadlock.
 static void drop_message(exr_const_context_t context, exr_result_t code, const char *message)
 {
     (void)context, (void)code, (void)message;
@@ -28,7 +28,7 @@ static int64_t read_bytes(exr_const_context_t context, void *user_data, void *bu
 {
     const struct exr_stream *stream = user_data;
     (void)context;
-    (void)report; // a short count is reported by the library itself
+    (void)report; // the library itself reports short reads
     uint64_t left = offset < stream->size ? stream->size - offset : 0;
     uint64_t count = size < left ? size : left;
     if (count > 0)
@@ -56,8 +56,8 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
     return (int64_t)size;
 }
 
-// For damaged blocks some decompressors fill only a part and report success: the rest must be
-// black, not arbitrary memory.
+// Allocates zeroed memory: for damaged blocks some decompressors fill only a part and report
+// success, and the rest must be black, not arbitrary memory.
 static void *allocate_zeroed(size_t size)
 {
     return memory_alloc(size);
@@ -66,7 +66,7 @@ static void *allocate_zeroed(size_t size)
 exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
 {
     exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    errno = 0; // for exr_fail
+    errno = 0; // exr_fail() reads it
     initializer.error_handler_fn = stream->out ? drop_message : keep_message;
     initializer.alloc_fn = allocate_zeroed;
     initializer.free_fn = memory_free;
@@ -74,7 +74,7 @@ exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
     initializer.read_fn = read_bytes;
     initializer.size_fn = query_size;
     initializer.write_fn = write_bytes;
-    // A file with lost chunks is an error, not a picture with holes.
+    // A file with missing chunks is an error, not an image with holes.
     initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     return initializer;
 }
@@ -82,7 +82,8 @@ exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
 bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_code code,
               struct err *err)
 {
-    // Some decompressors report this for damaged data as well; a failing malloc sets errno.
+    // Some decompressors report lack of memory for damaged data as well. A failed malloc() also
+    // sets errno.
     bool exhausted = result == EXR_ERR_OUT_OF_MEMORY && errno == ENOMEM;
     if (stream->out_of_memory || exhausted)
         return err_memory(err, "the EXR library", 0);
@@ -99,7 +100,7 @@ exr_result_t exr_decode_bytes(exr_const_context_t context, const exr_chunk_info_
     *is_ready |= result == EXR_ERR_SUCCESS;
     if (is_first && result == EXR_ERR_SUCCESS) {
         result = exr_decoding_choose_default_routines(context, 0, decoder);
-        decoder->unpack_and_convert_fn = NULL; // stop at the decompressed bytes
+        decoder->unpack_and_convert_fn = NULL; // leaves the decompressed bytes unconverted
     }
     return result == EXR_ERR_SUCCESS ? exr_decoding_run(context, 0, decoder) : result;
 }

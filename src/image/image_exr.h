@@ -1,31 +1,31 @@
-// Declarations that reading, writing and verifying EXR by OpenEXRCore share.
+// Functions for OpenEXRCore that reading, writing and verifying share.
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_H
 
 #include "image/image_internal.h"
 #include <openexr.h>
 
-// The user data of a context. If reading fails, the first of the library's messages is kept: later
-// ones are consequences.
+// The user data of a context. When reading fails, only the library's first message is kept, because
+// later ones are consequences of it.
 struct exr_stream {
-    const uint8_t *data; // reading
+    const uint8_t *data; // input when reading
     size_t size;
-    struct byte_buffer *out; // writing
+    struct byte_buffer *out; // output when writing
     bool out_of_memory;
     char message[256];
 };
 
-// The callbacks that keep the library from printing and from opening files.
+// Returns callbacks that keep the library from printing and from opening files.
 exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream);
 
-// Fills in *err from a failed call and the message that came with it; returns false. Lack of memory
-// is ERR_SYSTEM, all else `code`.
+// Fills in *err from a failed call and its message; returns false. Lack of memory is ERR_SYSTEM,
+// all else `code`.
 bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_code code,
               struct err *err);
 
 // Decodes a chunk to its decompressed bytes, decoder->unpacked_buffer. The library's own unpacking
-// (3.1.5) writes through null pointers, which should skip a channel, when there are three.
-// *is_ready: an earlier call has initialised the decoder.
+// is not used, because version 3.1.5 writes through null pointers, which should skip a channel,
+// when there are three channels. *is_ready is whether an earlier call has initialised the decoder.
 exr_result_t exr_decode_bytes(exr_const_context_t context, const exr_chunk_info_t *chunk,
                               exr_decode_pipeline_t *decoder, bool *is_ready);
 

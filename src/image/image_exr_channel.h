@@ -1,4 +1,4 @@
-// The channels of the EXR file for an image with its layers, for writing and verifying.
+// Channels of the EXR file for an image with its layers, for writing and verifying.
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 
@@ -6,19 +6,19 @@
 #include <openexr.h>
 #include <string.h>
 
-// length of a channel's or attribute's name ("OpenEXR File Layout", long names)
+// The maximum length of a channel's or attribute's name ("OpenEXR File Layout", long names).
 #define EXR_NAME_MAX_BYTES 255
 
 struct exr_channel {
-    char name[EXR_NAME_MAX_BYTES + 1]; // cut off where it would be longer
+    char name[EXR_NAME_MAX_BYTES + 1]; // truncated if it is longer
     bool is_name_too_long;
     exr_pixel_type_t type;
-    const char *values; // the first pixel's value; each has 32 bits
-    size_t stride;      // from pixel to pixel, bytes
+    const char *values; // value of the first pixel; each value has 32 bits
+    size_t stride;      // bytes from pixel to pixel
 };
 
-// Returns the channel with this number, those of the image itself first; false when there are
-// fewer.
+// Gets the channel with this index; those of the image itself come first. Returns false if there
+// are fewer channels.
 bool exr_channel_at(const struct image_write_params *params, uint32_t index,
                     struct exr_channel *out);
 bool exr_channel_find(const struct image_write_params *params, const char *name,
@@ -29,7 +29,7 @@ static inline exr_compression_t exr_compression_of(const struct image_write_para
     return params->uncompressed ? EXR_COMPRESSION_NONE : EXR_COMPRESSION_ZIP;
 }
 
-// Returns a pixel's bits as stored in the file: for a half, in the lower 16 bits.
+// Returns a pixel's bits as stored in the file; a half is in the lower 16 bits.
 static inline uint32_t exr_channel_bits(const struct exr_channel *channel, size_t pixel)
 {
     uint32_t bits;

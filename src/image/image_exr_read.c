@@ -13,8 +13,8 @@ struct exr_reader {
     bool tiled;
     exr_attr_box2i_t window;
     uint64_t width, height;
-    // Indices in the channel list of the channels for R, G, B, all the same for luminance, and for
-    // A; that is -1 if it does not exist or is not needed.
+    // Indices, in the file's channel list, of the channels for R, G and B (all the same for
+    // luminance) and A (-1 if it does not exist or is not needed).
     int channels[COMPONENTS];
     exr_decode_pipeline_t decoder;
     bool decoder_ready;
@@ -69,7 +69,7 @@ static int find_channel(const exr_attr_chlist_t *list, const char *layer, const 
     return -1;
 }
 
-// "A, B, C", shortened to what fits.
+// Lists the channels' names as "A, B, C", truncated to `size` bytes.
 static void list_channels(const exr_attr_chlist_t *list, char *text, size_t size)
 {
     size_t used = 0;
@@ -93,7 +93,8 @@ static bool find_three(const exr_attr_chlist_t *list, const char *layer,
     return found;
 }
 
-// Finds R, G and B, or X, Y and Z, or else for all three Y or the channel with this full name.
+// Finds the three colour channels: R, G and B; or X, Y and Z; or one channel for all three, Y or
+// the one with this full name.
 static bool find_colors(const exr_attr_chlist_t *list, const char *layer, int channels[COLORS])
 {
     static const char *const colors[] = {"R", "G", "B"}, *const axes[] = {"X", "Y", "Z"};
@@ -108,7 +109,7 @@ static bool find_colors(const exr_attr_chlist_t *list, const char *layer, int ch
     return single >= 0;
 }
 
-// Chooses the channels of the colours, and A if it exists.
+// Chooses the channels for the colours, and for alpha if it is needed and exists.
 static bool choose_channels(struct exr_reader *reader, struct err *err)
 {
     const exr_attr_chlist_t *list;
@@ -134,7 +135,8 @@ static bool choose_channels(struct exr_reader *reader, struct err *err)
     return true;
 }
 
-// Reads the sizes and allocates; refuses what would need more memory than the budget.
+// Reads the size of the image and allocates the pixels. Fails if decoding would exceed the memory
+// budget.
 static bool allocate(struct exr_reader *reader, struct arena *arena, struct err *err)
 {
     exr_const_context_t context = reader->context;
@@ -153,8 +155,8 @@ static bool allocate(struct exr_reader *reader, struct arena *arena, struct err 
     if (!check(reader, exr_get_chunk_count(context, 0, &chunks), err) ||
         !check(reader, exr_get_chunk_unpacked_size(context, 0, &chunk_bytes), err))
         return false;
-    // The library holds a table of chunk offsets, the chunk as stored (no longer than the file) and
-    // up to three buffers of the unpacked size.
+    // Memory of the library: a table of chunk offsets, a chunk as stored (no longer than the file)
+    // and up to three buffers of the unpacked size.
     uint64_t table_bytes = chunks > 0 ? (uint64_t)chunks * sizeof(uint64_t) : 0;
     uint64_t extra;
     if (__builtin_mul_overflow(chunk_bytes, 3u, &extra) ||
@@ -178,7 +180,7 @@ static float sample_value(const uint8_t *bytes, exr_pixel_type_t type)
     return value;
 }
 
-// Unpacks one line of one channel into components of the pixels, beginning with pixel `first`.
+// Unpacks one line of one channel into a component of the pixels from `first` on.
 static void unpack_line(const struct exr_reader *reader, int index, const uint8_t *bytes,
                         const exr_coding_channel_info_t *channel, uint64_t first)
 {
@@ -189,8 +191,8 @@ static void unpack_line(const struct exr_reader *reader, int index, const uint8_
                              (exr_pixel_type_t)channel->data_type);
 }
 
-// Unpacks a decompressed chunk, whose first pixel is (x, y) of the image: line by line, and in each
-// line channel by channel (OpenEXR file layout, "scan line blocks").
+// Unpacks a decompressed chunk, whose first pixel is pixel (x, y) of the image. It is stored line
+// by line, and each line channel by channel (OpenEXR file layout, "scan line blocks").
 static bool unpack_chunk(struct exr_reader *reader, uint64_t x, uint64_t y, struct err *err)
 {
     const exr_decode_pipeline_t *decoder = &reader->decoder;
@@ -202,7 +204,7 @@ static bool unpack_chunk(struct exr_reader *reader, uint64_t x, uint64_t y, stru
         for (int i = 0; i < decoder->channel_count; i++) {
             const exr_coding_channel_info_t *channel = &decoder->channels[i];
             if (row % channel->y_samples != 0)
-                continue; // a subsampled channel, not one of ours, without samples on this line
+                continue; // a subsampled channel that is not needed has no samples on this line
             uint64_t size = (uint64_t)channel->width * (uint64_t)channel->bytes_per_element;
             if (size > left)
                 return err_set(err, ERR_INPUT, "EXR: a chunk ends early");
@@ -249,7 +251,8 @@ static bool read_tiles(struct exr_reader *reader, struct err *err)
                err))
         return false;
     if (tile_width <= 0 || tile_height <= 0)
-        return err_set(err, ERR_INPUT, "EXR: tiles of %d x %d pixels", tile_width, tile_height);
+        return err_set(err, ERR_INPUT, "EXR: tiles of %d x %d pixels; expected at least 1 x 1",
+                       tile_width, tile_height);
     for (uint64_t y = 0; y < reader->height; y += (uint64_t)tile_height)
         for (uint64_t x = 0; x < reader->width; x += (uint64_t)tile_width) {
             exr_chunk_info_t chunk;
@@ -265,7 +268,7 @@ static bool read_tiles(struct exr_reader *reader, struct err *err)
     return true;
 }
 
-// Sets alpha to 1 if the file has none; otherwise divides the colours by it.
+// Sets alpha to 1 if the file has none; otherwise divides the colours by alpha.
 static void finish_alpha(const struct exr_reader *reader)
 {
     bool has_alpha = reader->channels[COLORS] >= 0;
@@ -309,7 +312,7 @@ static bool copy_attributes(struct exr_reader *reader, struct arena *arena,
                                               &attribute),
                    err))
             return false;
-        // "type" is part of the format: it distinguishes scanlines and tiles.
+        // "type" belongs to the format, not to the metadata: it distinguishes scanlines and tiles.
         if (attribute->type != EXR_ATTR_STRING || strcmp(attribute->name, "type") == 0)
             continue;
         char *key = arena_strdup(arena, attribute->name);

@@ -88,8 +88,8 @@ static bool check_attributes(const struct exr_verifier *verifier, struct err *er
     return true;
 }
 
-// Returns the first pixel of a line of one channel whose bits differ; the line's width when none
-// does.
+// Returns the first pixel of a line of one channel whose bits differ from the original; `width` if
+// none does.
 static uint32_t first_difference(const struct exr_channel *channel, const uint8_t *bytes,
                                  size_t first, uint32_t width, uint32_t *found)
 {
@@ -104,7 +104,8 @@ static uint32_t first_difference(const struct exr_channel *channel, const uint8_
     return width;
 }
 
-// Compares all lines of one channel of the block, whose position in each line is `offset`.
+// Compares all lines of one channel of the block. `offset` is the channel's position in each line,
+// in bytes.
 static bool compare_channel(const struct exr_verifier *verifier, const struct exr_channel *channel,
                             size_t offset, size_t line_bytes, struct err *err)
 {
@@ -124,7 +125,7 @@ static bool compare_channel(const struct exr_verifier *verifier, const struct ex
     return true;
 }
 
-// The decompressed block holds, line by line, the channels one after the other.
+// Compares a decompressed block, which holds line by line, and in each line channel by channel.
 static bool compare_block(const struct exr_verifier *verifier, struct err *err)
 {
     const exr_decode_pipeline_t *decoder = &verifier->decoder;
@@ -174,8 +175,7 @@ bool image_exr_verify(const struct image_write_params *params, const struct byte
     struct exr_verifier verifier = {.params = params,
                                     .stream = {.data = file->data, .size = file->size}};
     exr_context_initializer_t initializer = exr_stream_initializer(&verifier.stream);
-    initializer.flags |= EXR_CONTEXT_FLAG_STRICT_HEADER; // missing attributes are not replaced by
-                                                         // defaults
+    initializer.flags |= EXR_CONTEXT_FLAG_STRICT_HEADER; // missing attributes are errors
     bool ok =
         check(&verifier, exr_start_read(&verifier.context, params->path, &initializer), err) &&
         check_header(&verifier, err) && check_channels(&verifier, err) &&

@@ -10,8 +10,8 @@
 #include <string.h>
 
 enum {
-    SHORT_NAME_MAX_BYTES = 31, // longer ones need a flag in the file's version field
-    BLOCK_LINES = 16,          // lines of a block for ZIP compression
+    SHORT_NAME_MAX_BYTES = 31, // longer names need a flag in the file's version field
+    BLOCK_LINES = 16,          // lines per block with ZIP compression
     COMPONENTS = 3,
 };
 
@@ -21,8 +21,8 @@ struct exr_writer {
     exr_context_t context;
     exr_encode_pipeline_t encoder;
     bool encoder_ready;
-    exr_result_t (*compress)(exr_encode_pipeline_t *); // the library's own
-    uint16_t *halves; // one block, channel after channel; NULL when writing floats
+    exr_result_t (*compress)(exr_encode_pipeline_t *); // the library's compressor
+    uint16_t *halves; // one block, channel by channel; NULL when writing floats
     uint64_t saturated;
 };
 
@@ -38,7 +38,7 @@ static bool add_channels(struct exr_writer *writer, struct err *err)
         if (channel.is_name_too_long)
             return err_set(err, ERR_OUTPUT, "channel name \"%.40s…\" is longer than %d bytes",
                            channel.name, EXR_NAME_MAX_BYTES);
-        // The library keeps the list sorted by name, as the format requires.
+        // The library keeps its list sorted by name, as the format requires.
         if (!check(writer,
                    exr_add_channel(writer->context, 0, channel.name, channel.type,
                                    EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1),
@@ -105,7 +105,7 @@ static void convert_to_half(struct exr_writer *writer, const struct exr_channel 
     }
 }
 
-// Points the encoder's channels to the lines beginning with y.
+// Points the encoder's channels at `lines` lines from line y on.
 static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, struct err *err)
 {
     const uint32_t width = writer->params->image->width;
@@ -131,9 +131,9 @@ static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, 
     return true;
 }
 
-// Readers assume that a block whose stored size is that of its pixels is uncompressed. OpenEXRCore
-// 3.1.5 stores the pixels only if compression made them longer, and not if the lengths are equal
-// (OpenEXR issue 2306).
+// Compresses a block, and stores the pixels instead if the compressed block has the same length:
+// readers take such a block for uncompressed, but OpenEXRCore 3.1.5 stores the pixels only if
+// compression made them longer (OpenEXR issue 2306).
 static exr_result_t compress_or_copy(exr_encode_pipeline_t *encoder)
 {
     const struct exr_writer *writer = encoder->encoding_user_data;
@@ -150,7 +150,7 @@ static exr_result_t choose_routines(struct exr_writer *writer)
     exr_encode_pipeline_t *encoder = &writer->encoder;
     exr_result_t result = exr_encoding_choose_default_routines(writer->context, 0, encoder);
     writer->compress = encoder->compress_fn;
-    if (writer->compress) // not if nothing is compressed
+    if (writer->compress) // without compression the library's function stays
         encoder->compress_fn = compress_or_copy;
     encoder->encoding_user_data = writer;
     return result;
@@ -198,7 +198,7 @@ static bool write_pixels(struct exr_writer *writer, struct err *err)
     return true;
 }
 
-// Strides and coordinates are 32-bit in the library.
+// Checks that strides and coordinates fit into the library's 32-bit numbers.
 static bool check_size(const struct image *image, struct err *err)
 {
     const uint32_t width_max = INT32_MAX / (COMPONENTS * sizeof(float));
@@ -217,7 +217,7 @@ bool image_exr_write(const struct image_write_params *params, struct byte_buffer
         check_size(params->image, err) && write_header(&writer, err) && write_pixels(&writer, err);
     if (writer.encoder_ready)
         exr_encoding_destroy(writer.context, &writer.encoder);
-    // Writes the table of block offsets.
+    // Finishing writes the table of block offsets.
     exr_result_t result = writer.context ? exr_finish(&writer.context) : EXR_ERR_SUCCESS;
     ok = ok && check(&writer, result, err);
     free(writer.halves);

@@ -1,5 +1,5 @@
-// Radiance .hdr pictures (Ward 1991, "Real Pixels", Graphics Gems II; Radiance's file format
-// reference): RGBE, flat or run-length encoded in the old or the new way.
+// Reads Radiance .hdr images (Ward 1991, "Real Pixels", Graphics Gems II; Radiance's file format
+// reference): RGBE, flat or run-length encoded in the old or the new format.
 #include "image/image_internal.h"
 
 #include <math.h>
@@ -10,13 +10,13 @@
 struct hdr_reader {
     const uint8_t *data;
     size_t size, at;
-    double exposure; // the factor by which the pixels were multiplied
+    double exposure; // product of the EXPOSURE lines, by which the pixels are divided
     bool rgbe;
     uint64_t width, height;
     bool flip_x, flip_y;
 };
 
-// Copies the next line without its end. False at the end of the file.
+// Copies the next line without its newline. Returns false at the end of the file.
 static bool next_line(struct hdr_reader *reader, char *line, size_t size)
 {
     const uint8_t *start = reader->data + reader->at;
@@ -36,7 +36,7 @@ static bool read_header(struct hdr_reader *reader, struct err *err)
     char line[256];
     reader->exposure = 1;
     while (next_line(reader, line, sizeof line) && line[0]) {
-        if (strncmp(line, "EXPOSURE=", 9) == 0) // several multiply up
+        if (strncmp(line, "EXPOSURE=", 9) == 0) // several lines multiply
             reader->exposure *= strtod(line + 9, NULL);
         if (strncmp(line, "FORMAT=", 7) == 0) {
             reader->rgbe = strcmp(line + 7, "32-bit_rle_rgbe") == 0;
@@ -53,10 +53,11 @@ static bool read_header(struct hdr_reader *reader, struct err *err)
     return true;
 }
 
-// "-Y height +X width" and its mirror images; rows first only.
+// Reads "-Y height +X width" or one of its mirror images. Formats that store columns first are not
+// supported.
 static bool read_resolution(struct hdr_reader *reader, struct err *err)
 {
-    char line[64], height[10], width[10]; // nine digits
+    char line[64], height[10], width[10]; // up to nine digits each
     char sign_y, sign_x;
     int end = 0;
     bool ok =
@@ -77,8 +78,8 @@ static bool truncated(struct err *err)
     return err_set(err, ERR_INPUT, "HDR: the pixels end early");
 }
 
-// New encoding: the four components one after another, each in runs (count > 128: one byte
-// count - 128 times) and literals.
+// Reads a line in the new encoding: the four components one after the other, each as runs (count >
+// 128: one byte, count - 128 times) and literals.
 static bool read_components(struct hdr_reader *reader, uint8_t (*row)[4], struct err *err)
 {
     for (int component = 0; component < 4; component++)
@@ -89,8 +90,10 @@ static bool read_components(struct hdr_reader *reader, uint8_t (*row)[4], struct
             bool run = count > 128;
             count -= run ? 128 : 0;
             if (count == 0 || count > reader->width - x)
-                return err_set(err, ERR_INPUT, "HDR: %u pixels where %llu are left in the line",
-                               count, (unsigned long long)(reader->width - x));
+                return err_set(
+                    err, ERR_INPUT,
+                    "HDR: a run or literal of %u pixels; expected 1 to %llu, the rest of the line",
+                    count, (unsigned long long)(reader->width - x));
             size_t stored = run ? 1 : count;
             if (stored > reader->size - reader->at)
                 return truncated(err);
@@ -101,8 +104,8 @@ static bool read_components(struct hdr_reader *reader, uint8_t (*row)[4], struct
     return true;
 }
 
-// Flat pixels with the old runs: (1, 1, 1, n) repeats the previous pixel n times; in consecutive
-// runs the n are the bytes of a longer count, the low one first.
+// Reads flat pixels with runs of the old encoding: (1, 1, 1, n) repeats the previous pixel n times;
+// in consecutive runs the n are the bytes of a longer count, low byte first.
 static bool read_pixels_flat(struct hdr_reader *reader, uint8_t (*row)[4], struct err *err)
 {
     unsigned shift = 0;
@@ -118,7 +121,8 @@ static bool read_pixels_flat(struct hdr_reader *reader, uint8_t (*row)[4], struc
         }
         uint64_t count = shift < 32 ? (uint64_t)pixel[3] << shift : UINT64_MAX;
         if (x == 0 || count > reader->width - x)
-            return err_set(err, ERR_INPUT, "HDR: a run of %llu pixels at column %llu of %llu",
+            return err_set(err, ERR_INPUT,
+                           "HDR: a run of %llu pixels at column %llu exceeds the line of %llu",
                            (unsigned long long)count, (unsigned long long)x,
                            (unsigned long long)reader->width);
         for (; count > 0; count--, x++)
@@ -133,7 +137,7 @@ static bool read_row(struct hdr_reader *reader, uint8_t (*row)[4], struct err *e
     const uint8_t *start = reader->data + reader->at;
     if (reader->size - reader->at < 4)
         return truncated(err);
-    // Widths that the new encoding's marker (2, 2, width) can hold.
+    // The marker of the new encoding, (2, 2, width), can only hold these widths.
     bool encoded = reader->width >= 8 && reader->width <= 32767 && start[0] == 2 && start[1] == 2 &&
                    (unsigned)(start[2] << 8 | start[3]) == reader->width;
     if (!encoded)
@@ -142,9 +146,9 @@ static bool read_row(struct hdr_reader *reader, uint8_t (*row)[4], struct err *e
     return read_components(reader, row, err);
 }
 
-// The value is m 2^(e - 136), a mantissa in 1/256 and an exponent biased by 128. Ward's own reader
-// adds half a step to each mantissa, which makes 0 positive; like most other readers this one does
-// not.
+// Converts a line to floats. A value is m 2^(e - 136), with a mantissa in units of 1/256 and an
+// exponent biased by 128. Ward's own reader adds half a step to each mantissa, which makes 0
+// positive; like most other readers this one does not.
 static void decode_row(const struct hdr_reader *reader, uint8_t (*row)[4], uint64_t y,
                        const struct pixels *out)
 {
@@ -166,8 +170,9 @@ bool image_hdr_read(const struct image_source *source, struct arena *arena, stru
     struct hdr_reader reader = {.data = source->data, .size = source->size};
     if (!read_header(&reader, err) || !read_resolution(&reader, err))
         return false;
-    // The old runs can repeat a pixel without limit, the new ones 127 times per byte: the file's
-    // length gives no lower bound to check, so only the budget limits the size.
+    // Runs of the old encoding can repeat a pixel without limit, those of the new one 127 times per
+    // byte. So the file's length gives no lower bound to check, and only the budget limits the
+    // size.
     uint64_t row_bytes = reader.width * 4;
     const struct pixels_size size = {reader.width, reader.height, 32, row_bytes};
     if (!pixels_allocate(source, &size, arena, out, err))

@@ -1,6 +1,6 @@
-// Declarations that the files of this module share. Each format has one reader and one writer,
-// which work in memory: so a decoder never touches a file, and a file is only replaced by an image
-// that has been decoded again and compared with the original.
+// Declarations that the files of this module share. Each format has a reader, and EXR and PNG have
+// a writer. They work in memory, so that decoders never access files, and a file is only replaced
+// by an image that has been decoded again and compared with the original.
 #ifndef LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 #define LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 
@@ -14,57 +14,59 @@ struct byte_buffer {
     size_t size, capacity;
 };
 
-// Writes at `offset`, over what is there; what lies beyond the end grows the buffer, and a gap
-// before the offset is filled with zeros (EXR's table of offsets is written last). False when out
-// of memory.
+// Writes at `offset`, overwriting existing bytes. Writing beyond the end makes the buffer grow, and
+// a gap before the offset is filled with zeros (EXR's table of offsets is written last). Returns
+// false when out of memory.
 bool byte_buffer_write(struct byte_buffer *buffer, size_t offset, const void *data, size_t size);
 void byte_buffer_finish(struct byte_buffer *buffer);
 
 // --- pixels.c -----------------------------------------------------------------------------------
 // An encoded picture in memory, what is wanted of it and what may be spent on decoding it.
 struct image_source {
-    const char *path; // for messages
+    const char *path; // names the image in messages
     const uint8_t *data;
     size_t size;
-    const char *layer; // EXR; NULL: the plain channels
-    uint32_t side_max; // 0: any
-    bool is_linear;    // codes of PNG and JPEG are not sRGB
-    bool with_alpha;   // RGBA, in halves where they will do; else RGB in floats
+    const char *layer; // EXR: layer to read; NULL: the channels without a layer
+    uint32_t side_max; // maximum side; 0: no limit
+    bool is_linear;    // PNG and JPEG: codes are linear, not sRGB-encoded
+    bool with_alpha;   // RGBA, in halves if these suffice; else RGB in floats
     const struct progress *progress;
 };
 
-// Pixels as decoded: RGB or RGBA.
+// Decoded pixels: RGB or RGBA.
 struct pixels {
     uint32_t width, height;
     unsigned components;
-    bool is_half; // else float
+    bool is_half; // halves, else floats
     void *values;
 };
 
 struct pixels_size {
     uint64_t width, height;
-    unsigned bits;        // a component in the file: up to 8 fit into halves
+    unsigned bits;        // bits per component in the file; up to 8 fit into halves
     uint64_t extra_bytes; // bytes that the decoder needs in addition to the pixels
 };
 
-// Checks the sides and, with the decoder's own bytes, the budget, then allocates in the arena.
+// Checks the sides, and the budget for the pixels and the decoder's bytes; then allocates the
+// pixels in the arena.
 bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
                      struct arena *arena, struct pixels *out, struct err *err);
 
-// Called once per row: fails with ERR_STOPPED when the work is to stop. Polls only now and then.
+// Must be called once per row. Fails with ERR_STOPPED if the work is to stop. Polls only from time
+// to time.
 bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err);
 
-// The values of 8-bit codes: [0] for colours, [1] for alpha.
+// The value of each 8-bit code: [0] for colours, [1] for alpha.
 struct code_table {
     float values[2][256];
     uint16_t halves[2][256];
 };
 void code_table_fill(const struct image_source *source, struct code_table *table);
-// Stores a row of codes, `components` per pixel; alpha is 1 if it is missing.
+// Stores a row of codes with `components` per pixel. Alpha is 1 if it is missing.
 void pixels_put_codes(const struct pixels *out, uint64_t row, const uint8_t *codes,
                       unsigned components, const struct code_table *table);
 
-// Returns the components of pixel number `index` of float pixels.
+// Returns the components of the pixel with this index. Only for float pixels.
 static inline float *pixels_at(const struct pixels *pixels, uint64_t index)
 {
     return (float *)pixels->values + index * pixels->components;
@@ -77,8 +79,8 @@ bool image_exr_read_attributes(const struct image_source *source, struct arena *
                                struct image_attribute **out, uint32_t *count, struct err *err);
 bool image_exr_write(const struct image_write_params *params, struct byte_buffer *out,
                      struct err *err);
-// Returns whether decoding the file gives what was to be in it, bit for bit: pixels, layers,
-// metadata; ERR_OUTPUT naming the first difference.
+// Decodes an encoded file and compares it, bit for bit, with the input: pixels, layers and
+// metadata. Fails with ERR_OUTPUT, naming the first difference.
 bool image_exr_verify(const struct image_write_params *params, const struct byte_buffer *file,
                       struct err *err);
 

@@ -1,23 +1,23 @@
-// JPEG by libjpeg-turbo: grey or colour, 8 bits, baseline or progressive.
+// Reads JPEG with libjpeg-turbo: grey or colour, 8 bits, baseline or progressive.
 #include "image/image_internal.h"
 
 #include "base/memory.h"
 #include <setjmp.h>
-#include <stdio.h> // jpeglib.h wants FILE and size_t
+#include <stdio.h> // jpeglib.h needs FILE and size_t
 #include <stdlib.h>
 #include <string.h>
 
 #include <jerror.h>
 #include <jpeglib.h>
 
-// A progressive file may repeat scans over the whole image without limit, each a few bytes long.
-// The standard's progression for three components needs ten; ten times that is more than real
-// images have.
+// The maximum number of scans. A progressive file may repeat scans over the whole image without
+// limit, each a few bytes long. The standard's progression for three components needs ten; ten
+// times that is more than real images have.
 enum { SCANS_MAX = 100 };
 
-// Everything that must survive a longjmp lives here, outside of the function that calls setjmp.
+// Everything that must survive a longjmp is in this struct, outside the function that calls setjmp.
 struct jpeg_reader {
-    struct jpeg_error_mgr error; // first, so that the library's pointer to it leads here
+    struct jpeg_error_mgr error; // first: the library's pointer to it is cast to this struct
     struct jpeg_progress_mgr progress;
     jmp_buf on_error;
     char message[JMSG_LENGTH_MAX];
@@ -27,8 +27,8 @@ struct jpeg_reader {
     struct arena *arena;
     struct pixels *out;
     struct err *err;
-    bool reported;          // err is filled in already
-    uint64_t library_bytes; // taken from the budget on the library's behalf
+    bool reported;          // err has been filled in
+    uint64_t library_bytes; // taken from the budget on behalf of the library
     JSAMPROW row;
 };
 
@@ -40,8 +40,9 @@ static void leave(j_common_ptr common)
     longjmp(reader->on_error, 1);
 }
 
-// Level -1 is a warning: the library continues with made-up pixels. Warnings about bytes between
-// segments or a marker's version do not affect the image.
+// Decides whether a message of the library is an error. Level -1 is a warning: the library
+// continues with invented pixels, so it is an error here, except for warnings about bytes between
+// segments and about JFIF, Adobe and ICC markers, which do not affect the image.
 static void judge_message(j_common_ptr common, int level)
 {
     int code = common->err->msg_code;
@@ -56,7 +57,7 @@ static void print_nothing(j_common_ptr common)
     (void)common;
 }
 
-// Called by the library for each row of blocks.
+// Limits the number of scans, and polls for a stop. The library calls this for each row of blocks.
 static void limit_work(j_common_ptr common)
 {
     struct jpeg_reader *reader = (struct jpeg_reader *)common->err;
@@ -76,7 +77,7 @@ static bool allocate(struct jpeg_reader *reader)
 {
     const struct jpeg_decompress_struct *decompress = &reader->decompress;
     uint64_t width = decompress->image_width, height = decompress->image_height;
-    // A progressive image's coefficients are stored completely, two bytes each, padded to blocks of
+    // The coefficients of a progressive image are all stored, two bytes each, padded to blocks of
     // 16 pixels; subsampled components take less.
     uint64_t padded = (width + 15) / 16 * 16 * ((height + 15) / 16 * 16);
     uint64_t extra = padded * 2 * (uint64_t)decompress->num_components + width * 3;
@@ -97,7 +98,7 @@ static void decode_row(struct jpeg_reader *reader, const struct code_table *tabl
     pixels_put_codes(reader->out, row, reader->row, 3, table);
 }
 
-// Runs the library; returns false after an error that came by longjmp or is in reader->err.
+// Runs the library. Returns false after an error that came by longjmp or is in reader->err.
 static bool run(struct jpeg_reader *reader, const struct code_table *table)
 {
     struct jpeg_decompress_struct *decompress = &reader->decompress;
@@ -105,10 +106,10 @@ static bool run(struct jpeg_reader *reader, const struct code_table *table)
         return false;
     jpeg_create_decompress(decompress);
     decompress->progress = &reader->progress;
-    // If the library's type is shorter than size_t, a longer file counts as truncated.
+    // If unsigned long is shorter than size_t, a longer file counts as truncated.
     jpeg_mem_src(decompress, reader->source->data, (unsigned long)reader->source->size);
     jpeg_read_header(decompress, TRUE);
-    decompress->out_color_space = JCS_RGB; // also from grey; from CMYK it is an error
+    decompress->out_color_space = JCS_RGB; // converts grey, too; CMYK is an error
     if (!allocate(reader)) {
         reader->reported = true;
         return false;

@@ -1,4 +1,4 @@
-// Error handling by longjmp, for reading and writing PNG with libpng.
+// Memory and error handling (by longjmp) for reading and writing PNG with libpng.
 #ifndef LAMPYRIS_IMAGE_IMAGE_PNG_H
 #define LAMPYRIS_IMAGE_IMAGE_PNG_H
 
@@ -15,11 +15,11 @@ struct png_failure {
     bool out_of_memory;
 };
 
-// Callbacks for png_create_*_struct: errors are stored and jump, warnings are dropped (libpng would
-// print both).
+// Callbacks for png_create_*_struct. An error is stored and then jumps; a warning is dropped.
+// (libpng would print both.)
 void png_keep_error(png_structp png, png_const_charp message) __attribute__((noreturn));
 void png_drop_warning(png_structp png, png_const_charp message);
-// Allocates memory from the budget of the process.
+// Callbacks that take libpng's memory from the budget of the process.
 void *png_take_memory(png_structp png, png_alloc_size_t bytes);
 void png_give_memory(png_structp png, void *data);
 

@@ -1,4 +1,4 @@
-// PNG of any colour type and depth.
+// Reads PNG of any colour type and depth.
 #include "image/image_png.h"
 
 #include "base/memory.h"
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Everything that must survive a longjmp lives here, outside of the function that calls setjmp.
+// Everything that must survive a longjmp is in this struct, outside the function that calls setjmp.
 struct png_reader {
     const struct image_source *source;
     size_t at;
@@ -16,8 +16,8 @@ struct png_reader {
     struct arena *arena;
     struct pixels *out;
     struct err *err;
-    bool reported;             // err is filled in already
-    unsigned components, bits; // format of the lines: 3 or 4 components of 8 or 16 bits
+    bool reported;             // err has been filled in
+    unsigned components, bits; // of the lines: 3 or 4 components of 8 or 16 bits
     size_t row_bytes;
     png_bytep bytes;
     png_bytepp rows;
@@ -32,8 +32,8 @@ static void read_bytes(png_structp png, png_bytep data, size_t size)
     reader->at += size;
 }
 
-// Checks that every chunk (length, type, data, checksum) lies inside the file: libpng allocates
-// some by their length alone.
+// Checks that every chunk (length, type, data, checksum) lies inside the file, because libpng
+// allocates memory for some chunks by their length alone.
 static void check_chunks(struct png_reader *reader)
 {
     const uint8_t *data = reader->source->data;
@@ -48,16 +48,18 @@ static void check_chunks(struct png_reader *reader)
     }
 }
 
-// Limits what libpng allocates itself: chunks, the decompressor, a line.
+// Limits the memory that libpng allocates itself: for chunks, the decompressor and a line.
 static void set_limits(struct png_reader *reader)
 {
-    // Text and colour profiles; the bound keeps compressed ones from growing without end.
+    // Chunks with text and colour profiles may be compressed; the limit keeps them from growing
+    // without end.
     const png_alloc_size_t chunk_bytes_max = 64u << 20;
     png_set_user_limits(reader->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_chunk_malloc_max(reader->png, chunk_bytes_max);
 }
 
-// Called before the transformations are set up, because libpng then allocates lines itself.
+// Checks the size and allocates the pixels. Must be called before the transformations are set up,
+// because libpng then allocates lines itself.
 static bool allocate(struct png_reader *reader)
 {
     uint64_t width = png_get_image_width(reader->png, reader->info);
@@ -65,8 +67,8 @@ static bool allocate(struct png_reader *reader)
     reader->components = reader->source->with_alpha ? 4 : 3;
     reader->bits = png_get_bit_depth(reader->png, reader->info) == 16 ? 16 : 8;
     uint64_t row_bytes = reader->components * width * (reader->bits / 8);
-    // Interlaced images come in seven passes over all lines, so all are stored. libpng stores two
-    // lines, with at most four components of 16 bits.
+    // Interlaced images come in seven passes over all lines, so all lines are stored. libpng stores
+    // two lines, with at most four components of 16 bits.
     const uint64_t library_bytes = 2 * 4 * 2 * width;
     uint64_t extra;
     if (__builtin_mul_overflow(row_bytes + sizeof *reader->rows, height, &extra) ||
@@ -85,12 +87,12 @@ static bool allocate(struct png_reader *reader)
     return true;
 }
 
-// For any input, the output has three or four components of 8 or 16 bits.
+// Makes libpng convert any input to three or four components of 8 or 16 bits.
 static void set_transformations(struct png_reader *reader)
 {
     bool has_alpha = (png_get_color_type(reader->png, reader->info) & PNG_COLOR_MASK_ALPHA) ||
                      png_get_valid(reader->png, reader->info, PNG_INFO_tRNS);
-    png_set_expand(reader->png); // palettes, fewer than 8 bits, and transparent colours to alpha
+    png_set_expand(reader->png); // palettes, less than 8 bits, transparent colours
     png_set_gray_to_rgb(reader->png);
     if (!reader->source->with_alpha)
         png_set_strip_alpha(reader->png);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Everything that must survive a longjmp lives here, outside of the function that calls setjmp.
+// Everything that must survive a longjmp is in this struct, outside the function that calls setjmp.
 struct png_verifier {
     const struct image_write_params *params;
     const uint8_t *codes;
@@ -70,13 +70,13 @@ static void check_row(struct png_verifier *verifier, uint32_t y)
     }
 }
 
-// Runs libpng; returns false after an error that came by longjmp.
+// Runs libpng. Returns false after an error that came by longjmp.
 static bool run(struct png_verifier *verifier)
 {
     if (setjmp(png_jmpbuf(verifier->png)))
         return false;
     png_set_user_limits(verifier->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    png_set_chunk_malloc_max(verifier->png, 0); // no bound: the file is our own
+    png_set_chunk_malloc_max(verifier->png, 0); // no limit: the file was just written
     png_set_read_fn(verifier->png, verifier, read_bytes);
     png_read_info(verifier->png, verifier->info);
     check_header(verifier);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Everything that must survive a longjmp lives here, outside of the function that calls setjmp:
+// Everything that must survive a longjmp is in this struct, outside the function that calls setjmp:
 // automatic variables changed after setjmp are indeterminate after longjmp (C17 7.13.2.1).
 struct png_writer {
     const struct image_write_params *params;
@@ -38,13 +38,14 @@ static bool is_ascii(const char *text)
     return true;
 }
 
-// tEXt is Latin-1, so text that is not ASCII goes to iTXt, which is UTF-8.
+// Writes the metadata. tEXt is Latin-1, so text that is not ASCII goes to iTXt, which is UTF-8.
 static void set_texts(struct png_writer *writer)
 {
     const struct image_write_params *params = writer->params;
     for (uint32_t i = 0; i < params->attribute_count; i++) {
         const struct image_attribute *attribute = &params->attributes[i];
-        // libpng copies both; its pointers are not const for the sake of its readers.
+        // libpng copies key and text; its pointers are not const only because readers use them,
+        // too.
         writer->texts[i] = (png_text){
             .compression =
                 is_ascii(attribute->value) ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
@@ -55,7 +56,7 @@ static void set_texts(struct png_writer *writer)
     png_set_text(writer->png, writer->info, writer->texts, (int)params->attribute_count);
 }
 
-// Runs libpng; returns false after an error that came by longjmp.
+// Runs libpng. Returns false after an error that came by longjmp.
 static bool run(struct png_writer *writer)
 {
     if (setjmp(png_jmpbuf(writer->png)))
@@ -92,9 +93,9 @@ static bool prepare(struct png_writer *writer, struct err *err)
     return err_memory(err, "the PNG writer", 3ull * params->image->width);
 }
 
-// PNG specification 11.3.4.2: 1 to 79 printable Latin-1 characters, of which only ASCII is written.
-// libpng drops other keys with a warning, and the image could then not be reproduced from its
-// metadata.
+// Checks the metadata's keys: 1 to 79 printable Latin-1 characters (PNG specification 11.3.4.2), of
+// which only ASCII is permitted here. libpng drops other keys with a warning, and the image could
+// then not be reproduced from its metadata.
 static bool check_keys(const struct image_write_params *params, struct err *err)
 {
     for (uint32_t i = 0; i < params->attribute_count; i++) {

@@ -5,8 +5,8 @@
 #include <float.h>
 #include <math.h>
 
-// IEC 61966-2-1, 5.2: the inverse of the curve of image_srgb_to_linear, with the segments meeting
-// where that one's do.
+// Encodes sRGB: the inverse of image_srgb_to_linear() (IEC 61966-2-1, 5.2), with the segments
+// meeting where those of that function do.
 float image_srgb_from_linear(float linear)
 {
     if (linear <= 0.0031308f)
@@ -14,7 +14,7 @@ float image_srgb_from_linear(float linear)
     return (float)(1.055 * pow(linear, 1 / 2.4) - 0.055);
 }
 
-// IEC 61966-2-1, 5.3.
+// Decodes sRGB (IEC 61966-2-1, 5.3).
 float image_srgb_to_linear(float encoded)
 {
     if (encoded <= 0.04045f)
@@ -27,16 +27,16 @@ uint8_t image_quantize(float display)
     return (uint8_t)(display * 255.0f + 0.5f);
 }
 
-// Negative values and NaN become 0, infinity the greatest float. Double, because the curves square
-// it.
+// Replaces negative values and NaN by 0, and infinity by the greatest float. The result is a
+// double, because the curves square it.
 static double clean(double value)
 {
     return value > 0 ? fmin(value, FLT_MAX) : 0;
 }
 
-// Reinhard, Stark, Shirley, Ferwerda 2002, "Photographic tone reproduction for digital images",
-// equation 3, L / (1 + L), on the luminance. A saturated colour
-// can pass 1 in a channel and is clamped.
+// Applies the curve of Reinhard, Stark, Shirley, Ferwerda 2002, "Photographic tone reproduction for
+// digital images", equation 3, L / (1 + L), to the luminance. A saturated colour can exceed 1 in a
+// channel and is clamped.
 static void reinhard(double rgb[3])
 {
     double divisor = 1 + vec3_luminance(rgb);
@@ -45,36 +45,37 @@ static void reinhard(double rgb[3])
 }
 
 // Narkowicz 2015, "ACES filmic tone mapping curve": a rational fit of the ACES reference rendering
-// and sRGB output transforms, a channel at a time. It tends to 2.51 / 2.43 and is clamped at 1.
+// and sRGB output transforms, applied to each channel. It tends to 2.51 / 2.43 and is clamped at 1.
 static double aces(double x)
 {
     return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
 }
 
-// The approach of Sobotka's AgX (2019-2022): pull the primaries towards white so that bright
-// saturated colours bleach instead of clipping, take the logarithm, and shape it by a sigmoid
-// through middle grey. The numbers are our own:
+// The approach of Sobotka's AgX (2019-2022): move the primaries towards white so that bright
+// saturated colours become white instead of clipping, take the logarithm, and shape it by a sigmoid
+// through middle grey. The numbers are this program's own.
 //
 // The inset moves each Rec. 709 primary's chromaticity a share k = 20 % of its way to the white
-// point D65: with S the sum X + Y + Z of a primary's or white's tristimulus values, primary j
+// point D65. With S the sum X + Y + Z of the tristimulus values of a primary or of white, primary j
 // becomes (1 - k) XYZ_j + k S_j / S_white XYZ_white, and the matrix on RGB is (1 - k) I + k 1 s^T
 // with s_j = S_j / S_white. All its entries are positive, so every output grows with every input.
-// AgX's later versions undo the inset after the curve; this one does not, for the undoing has
+// AgX's later versions undo the inset after the curve; this one does not, because the inverse has
 // negative entries and a channel could then fall while its input rises.
 static const double agx_inset = 0.2;
-// S_j / S_white of ITU-R BT.709-6, table 1, from its chromaticities; a test derives them again.
+// S_j / S_white of ITU-R BT.709-6, table 1, from its chromaticities; a test derives these numbers
+// again.
 static const double agx_white_share[3] = {0.2119946452, 0.3921508255, 0.3958545292};
 
-// Stops around middle grey that the logarithm spans, as in AgX.
+// Stops below and above middle grey that the logarithm covers, as in AgX.
 static const double agx_stops_below = 10, agx_stops_above = 6.5;
 static const double agx_middle_grey = 0.18;
-// The encoding in which the sigmoid works is a power of 2.2; the slope there is 2.4 and both ends
+// The sigmoid works on values encoded by a power of 1 / 2.2. Its slope there is 2.4, and both ends
 // bend with exponent 1.5, as in AgX.
 static const double agx_power = 2.2, agx_slope = 2.4, agx_bend = 1.5;
 
-// Rises from 0 with the slope agx_slope and reaches `height` at `length`. With q = slope length,
-// g(u) = u / (1 + u^p)^(1/p) scaled to s g(slope x / s): solving s g(q / s) = height for s gives
-// s = q / ((q / height)^p - 1)^(1/p).
+// A half of the sigmoid: rises from 0 with the slope agx_slope and reaches `height` at `length`.
+// With q = slope length, g(u) = u / (1 + u^p)^(1/p) is scaled to s g(slope x / s); solving s g(q /
+// s) = height for s gives s = q / ((q / height)^p - 1)^(1/p).
 static double agx_half_sigmoid(double x, double length, double height)
 {
     double q = agx_slope * length;
@@ -83,12 +84,12 @@ static double agx_half_sigmoid(double x, double length, double height)
     return scale * u / pow(1 + pow(u, agx_bend), 1 / agx_bend);
 }
 
-// From linear to linear.
+// Maps a linear value to a linear display value.
 static double agx_curve(double value)
 {
     const double pivot = agx_stops_below / (agx_stops_below + agx_stops_above);
     const double grey = pow(agx_middle_grey, 1 / agx_power);
-    double stops = log2(value / agx_middle_grey); // -inf for 0
+    double stops = log2(value / agx_middle_grey); // -inf for 0, which fmax() below replaces
     double x = fmin(fmax((stops + agx_stops_below) / (agx_stops_below + agx_stops_above), 0), 1);
     double y = x < pivot ? grey - agx_half_sigmoid(pivot - x, pivot, grey)
                          : grey + agx_half_sigmoid(x - pivot, 1 - pivot, 1 - grey);

@@ -318,7 +318,7 @@ class Report(unittest.TestCase):
                 (('--reference', '/nonexistent.exr'), '/nonexistent.exr'),
                 (('--reference-from', 'auto'), 'auto: No such file'),
                 (('--reference-from', 'a.exr', '--reference', 'none'), 'exclude each other'),
-                (('--reference', SCENE), 'no picture that can be read'),
+                (('--reference', SCENE), 'not an image that can be read'),
                 (('--vary', 'max-bounces=1,x'), '"x"'),
                 (('--spp', '1G', '--spp-from', '1G'), '100 times the samples')):
             result = run('converge', SCENE, '--size', '4x4', *arguments)

@@ -88,9 +88,11 @@ TEST(new_runs)
     uint8_t broken[sizeof line];
     memcpy(broken, line, sizeof line);
     broken[4] = 138;
-    check_refused(HEADER "-Y 1 +X 9\n", broken, sizeof line, "10 pixels where 9 are left");
+    check_refused(HEADER "-Y 1 +X 9\n", broken, sizeof line,
+                  "a run or literal of 10 pixels; expected 1 to 9");
     broken[4] = 0;
-    check_refused(HEADER "-Y 1 +X 9\n", broken, sizeof line, "0 pixels where 9 are left");
+    check_refused(HEADER "-Y 1 +X 9\n", broken, sizeof line,
+                  "a run or literal of 0 pixels; expected 1 to 9");
 }
 
 TEST(orientation_and_exposure)

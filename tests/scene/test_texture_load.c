@@ -171,7 +171,7 @@ TEST(what_cannot_be_read)
           "%s", error.msg);
     const struct texture_source text = {.data = "P6 1 1 255", .size = 10, .name = "images[3]"};
     CHECK(!texture_image_load(&scene, &text, &index, &error) && error.code == ERR_INPUT &&
-              strstr(error.msg, "images[3]: is no picture"),
+              strstr(error.msg, "images[3]: is not an image"),
           "%s", error.msg);
     CHECK(scene.image_count == 0);
     // A budget that the texels do not fit into.
