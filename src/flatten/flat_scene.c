@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-// Returns the index of the first of `count` ascending values that is above `value`, or `count`.
+// Returns the index of the first of `count` ascending values that exceeds `value`; `count` if none
+// does.
 static uint32_t first_above(const uint32_t *values, uint32_t count, uint32_t value)
 {
     uint32_t low = 0;
@@ -17,7 +18,8 @@ static uint32_t first_above(const uint32_t *values, uint32_t count, uint32_t val
     return low;
 }
 
-// Finds the source by the index among all triangles, including dropped ones.
+// Finds the instance and the triangle in its mesh by a number among all triangles of the scene,
+// including dropped ones.
 static void find_source(const struct flat_scene *flat, uint32_t number, uint32_t *instance,
                         uint32_t *triangle)
 {
@@ -40,8 +42,8 @@ void flat_dropped_source(const struct flat_scene *flat, uint32_t k, uint32_t *in
     find_source(flat, flat->dropped_before[k] + k, instance, triangle);
 }
 
-// Returns the first flat triangle that is not among the first `source` ones, including dropped
-// ones: the dropped triangle number i was at position dropped_before[i] + i.
+// Returns the flat triangle that follows the first `source` triangles of the scene, of which some
+// may have been dropped. The dropped triangle number i was at position dropped_before[i] + i.
 static uint32_t first_from(const struct flat_scene *flat, uint32_t source)
 {
     uint32_t dropped = 0, end = flat->dropped_degenerate;

@@ -1,5 +1,5 @@
-// Converts to single precision, in world space or in the space of a shared mesh, for the BVH and
-// the kernels.
+// Flattens a scene: converts its triangles to single precision, in world space or in the space of a
+// shared mesh, for the BVH and the kernels.
 #include "base/log.h"
 #include "flatten/flatten_census.h"
 #include "flatten/flatten_instances.h"
@@ -13,27 +13,27 @@
 
 // --- triangles -----------------------------------------------------------------------------------
 
-// Emissive triangles without area that are dropped; reported together.
+// Emissive triangles that are dropped because they have no area. One warning reports all of them.
 struct lost_emitters {
     uint32_t count;
-    const struct mesh *mesh; // mesh of the first one
-    double corner[3];        // its corner in the world, metres
-    double longest;          // edge of all of them, in metres
+    const struct mesh *mesh; // mesh of the first dropped triangle
+    double corner[3];        // its first corner in world space, in metres
+    double longest;          // longest edge of all dropped triangles, in metres
 };
 
 struct flattening {
     const struct flatten_params *params;
     struct flat_scene *flat;
     struct arena *arena;
-    uint64_t triangle_count; // the total, including dropped ones
+    uint64_t triangle_count; // all triangles, including dropped ones
     struct lost_emitters lost;
     struct lamps lamps;
     uint32_t next_lamp; // index in lamps.triangles
 };
 
-// Computes the normal of a triangle from its rounded corners, not normalised. Exactly zero for a
-// triangle without area: differences of floats, and products of two such differences, are exact in
-// double precision unless their exponents are far apart.
+// Computes the normal of a triangle from its rounded corners, not normalised. It is exactly zero
+// for a triangle without area: differences of floats, and products of two such differences, are
+// exact in double precision unless their exponents are far apart.
 static void triangle_normal(const struct flat_triangle *triangle, double out[3])
 {
     double edges[2][3];
@@ -43,8 +43,8 @@ static void triangle_normal(const struct flat_triangle *triangle, double out[3])
     vec3_cross(edges[0], edges[1], out);
 }
 
-// Returns the index of the lamp to which a triangle of an instance belongs, or SCENE_NONE. Must be
-// called in ascending order.
+// Returns the index in lamps.triangles of an instance's triangle, or SCENE_NONE if it belongs to no
+// lamp. Must be called in ascending order of instances and triangles.
 static uint32_t take_lamp(struct flattening *f, const struct instance *instance, uint32_t triangle)
 {
     const struct lamps *lamps = &f->lamps;
@@ -57,14 +57,15 @@ static uint32_t take_lamp(struct flattening *f, const struct instance *instance,
     return next->lamp;
 }
 
-// Returns false for a triangle without area, which is not added.
+// Adds a triangle. Returns false for a triangle without area, which is not added.
 static bool add_triangle(struct flattening *f, const struct placement *placement, uint32_t index)
 {
     const struct scene *scene = f->params->scene;
     struct flat_scene *flat = f->flat;
     const struct mesh *mesh = placement->mesh;
     const uint32_t *corners = mesh->indices[index];
-    // A reflection reverses the orientation; exchanging two corners keeps the front side outside.
+    // A reflection reverses the orientation of a triangle; exchanging two corners restores it, so
+    // that the front side stays the front side.
     const uint32_t vertices[3] = {
         corners[0],
         corners[placement->is_mirrored ? 2 : 1],
@@ -89,8 +90,8 @@ static bool add_triangle(struct flattening *f, const struct placement *placement
     return true;
 }
 
-// The list of dropped triangles is doubled when it is full, which is when their number is a power
-// of 2.
+// Records a dropped triangle. The list is doubled when it is full, that is, when its length is a
+// power of 2.
 static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
 {
     uint32_t count = flat->dropped_degenerate;
@@ -129,15 +130,16 @@ static void note_lost(struct flattening *f, const struct placement *placement, u
 static void warn_of_lost(const struct lost_emitters *lost)
 {
     if (lost->count > 0)
-        log_warn("%u emissive triangles are left out and send no light, as they have no area in "
-                 "single precision: their longest edge is %g m, the first one lies at (%g, %g, %g) "
-                 "in mesh \"%s\"; expected larger ones",
-                 lost->count, lost->longest, lost->corner[0], lost->corner[1], lost->corner[2],
-                 lost->mesh->name);
+        log_warn(
+            "%u emissive triangles are omitted and emit no light, because they have no area in "
+            "single precision: their longest edge is %g m, the first one lies at (%g, %g, %g) "
+            "in mesh \"%s\"; expected larger triangles",
+            lost->count, lost->longest, lost->corner[0], lost->corner[1], lost->corner[2],
+            lost->mesh->name);
 }
 
-// Adds all triangles of an instance, or of a shared mesh as an instance of itself. `run`: where to
-// record its first triangle.
+// Adds all triangles of an instance; a shared mesh is added as an instance of itself. `run` is the
+// index in flat->instance_first at which the first triangle is recorded.
 static bool add_triangles(struct flattening *f, const struct placement *placement, uint32_t run,
                           struct err *err)
 {
@@ -159,8 +161,8 @@ static bool add_triangles(struct flattening *f, const struct placement *placemen
     return true;
 }
 
-// Returns whether the triangles from `first` on are all small ones, which are as they should be
-// wherever they are.
+// Returns whether all triangles from `first` on are small triangles of lamps, whose light is right
+// at any distance.
 static bool are_small(const struct flat_scene *flat, uint32_t first)
 {
     for (uint32_t i = first; i < flat->triangle_count; i++)
@@ -234,7 +236,7 @@ static bool add_meshes(struct flattening *f, const struct census *census, struct
     return true;
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- the whole scene -----------------------------------------------------------------------------
 
 static bool reserve(const struct scene *scene, const struct census *census, struct arena *arena,
                     struct flat_scene *flat, struct err *err)

@@ -16,7 +16,8 @@ static uint32_t uv_set(const struct texture *texture)
     return texture->flags & TEXTURE_UV1 ? 1 : 0;
 }
 
-// The attributes that a material uses, and the UV set for its tangents if a mesh has none.
+// The attributes that a material uses, and the set of texture coordinates from which its tangents
+// are computed if a mesh has none.
 struct material_needs {
     bool uvs[2], tangents;
     uint32_t tangent_set;
@@ -60,7 +61,7 @@ void attributes_census(const struct scene *scene, const struct instance *instanc
                        struct attribute_needs *needs)
 {
     const struct mesh *mesh = &scene->meshes[instance->mesh];
-    uint32_t known = SCENE_NONE; // runs of triangles share their material
+    uint32_t known = SCENE_NONE; // consecutive triangles often share a material
     if (mesh->triangle_count == 0)
         return;
     needs->normals |= mesh->normals != NULL;
@@ -100,7 +101,7 @@ bool attributes_reserve(const struct attribute_needs *needs, size_t count, struc
             ok = (flat->uvs[set] = arena_alloc(arena, count, sizeof *flat->uvs[set])) && ok;
     if (needs->colors)
         ok = (flat->colors = arena_alloc(arena, count, sizeof *flat->colors)) && ok;
-    return ok || err_memory(err, "what triangles' corners carry", count * attributes_bytes(needs));
+    return ok || err_memory(err, "vertex attributes", count * attributes_bytes(needs));
 }
 
 // --- one triangle --------------------------------------------------------------------------------
@@ -124,7 +125,7 @@ static void place_normal(const struct placement *placement, uint32_t vertex,
         out[i] = (float)normal[i];
 }
 
-// Coordinates that are not finite, and missing ones, are 0.
+// Gets texture coordinates, replacing missing and non-finite ones by 0.
 static void place_uv(const struct mesh *mesh, int set, uint32_t vertex, float out[2])
 {
     for (int i = 0; i < 2; i++) {
@@ -142,12 +143,13 @@ static void place_color(const struct mesh *mesh, uint32_t vertex, float out[4])
 // The orientation of the texture on the surface.
 struct uv_frame {
     double tangent[3]; // unit, towards growing u
-    double down[3];    // towards growing v, of some length
+    double down[3];    // direction of increasing v, not normalised
 };
 
-// Computes the directions of the derivatives of position by u and v: p(u, v) is linear with e1 = u1
-// p_u + v1 p_v and e2 likewise, so that p_u = (v2 e1 - v1 e2) / (u1 v2 - u2 v1) and p_v = (u1 e2 -
-// u2 e1) / (u1 v2 - u2 v1). If the coordinates are degenerate, the direction is along an edge.
+// Computes the directions of the derivatives of position by u and v. p(u, v) is linear: with e1 =
+// u1 p_u + v1 p_v and e2 likewise, p_u = (v2 e1 - v1 e2) / (u1 v2 - u2 v1) and p_v = (u1 e2 - u2
+// e1) / (u1 v2 - u2 v1). If the texture coordinates are degenerate, the direction is that of an
+// edge.
 static struct uv_frame uv_frame(const struct flat_triangle *triangle, const float uv[3][2])
 {
     double e[2][3], d[2][2];
@@ -168,12 +170,12 @@ static struct uv_frame uv_frame(const struct flat_triangle *triangle, const floa
             frame.tangent[i] = e[0][i];
             frame.down[i] = -e[1][i];
         }
-    vec3_normalize(frame.tangent); // it is not zero, because the triangle has an area
+    vec3_normalize(frame.tangent); // not zero, because the triangle has an area
     return frame;
 }
 
-// Tangents lie in the surface, so the matrix itself transforms them. A reflection reverses
-// cross(normal, tangent), so the sign changes.
+// Transforms a mesh's tangent. Tangents lie in the surface, so the matrix itself transforms them. A
+// reflection reverses cross(normal, tangent), so the sign changes.
 static bool place_tangent(const struct placement *placement, uint32_t vertex, float out[4])
 {
     if (!placement->mesh->tangents)
@@ -190,7 +192,8 @@ static bool place_tangent(const struct placement *placement, uint32_t vertex, fl
     return true;
 }
 
-// The bitangent points up in the texture (glTF 2.0, section 3.9.3: +Y is up), where v is smaller.
+// Computes a tangent from the texture's orientation. The bitangent points up in the texture (glTF
+// 2.0, section 3.9.3: +Y is up), where v is smaller.
 static void derive_tangent(const struct uv_frame *frame, const double normal[3], float out[4])
 {
     double bitangent[3];

@@ -1,31 +1,33 @@
-// Flattens the attributes of triangles' corners. Part of flatten.c.
+// Flattens vertex attributes. Part of flatten.c.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_ATTRIBUTES_H
 #define LAMPYRIS_FLATTEN_FLATTEN_ATTRIBUTES_H
 
 #include "flatten/flatten_placement.h"
 
-// The optional arrays of struct flat_scene that some triangle needs and some mesh has.
+// The optional arrays of struct flat_scene that are needed by some triangle and provided by some
+// mesh.
 struct attribute_needs {
     bool normals, tangents, uvs[2], colors;
 };
 
-// Adds what an instance needs, by the materials of its triangles.
+// Adds the needs of an instance, by the materials of its triangles.
 void attributes_census(const struct scene *scene, const struct instance *instance,
                        struct attribute_needs *needs);
-// Returns the bytes that one triangle takes of them.
+// Returns the bytes per triangle of the arrays that are needed.
 uint64_t attributes_bytes(const struct attribute_needs *needs);
 bool attributes_reserve(const struct attribute_needs *needs, size_t triangle_count,
                         struct arena *arena, struct flat_scene *flat, struct err *err);
-// Stores the attributes of the next flat triangle, whose corners are these vertices of the mesh.
-// `geometric`: its unit normal.
+// Stores the attributes of the next flat triangle. The last arguments are its vertices in the mesh
+// and its geometric unit normal.
 void attributes_place(struct flat_scene *flat, const struct scene *scene,
                       const struct placement *placement, const uint32_t vertices[3],
                       const double geometric[3]);
 
-// Returns the set of texture coordinates for a material's tangents if a mesh has none.
+// Returns the set of texture coordinates from which a material's tangents are computed if a mesh
+// has none.
 uint32_t attributes_tangent_set(const struct scene *scene, uint32_t material);
 
-// Returns a number that identifies the material's requirements on corner attributes.
+// Returns a number that identifies the set of vertex attributes that a material needs.
 uint32_t attributes_of_material(const struct scene *scene, uint32_t material);
 
 // Returns the material of a triangle of the instance's mesh.

@@ -1,5 +1,5 @@
-// Counts before flattening: the number of triangles, the size of the world, the attributes, and
-// which meshes are stored once for all their instances.
+// Takes a census before flattening: the number of triangles, the bounds of the world, the
+// attributes, and which meshes are stored once for all their instances.
 #include "flatten/flatten_census.h"
 
 #include "base/log.h"
@@ -10,12 +10,12 @@
 
 // --- meshes --------------------------------------------------------------------------------------
 
-// Single-precision coordinates in a file that are far from its own origin have lost their digits
-// already: beyond this ratio of position to size a mesh is resolved in fewer than 2^24 / 2^18 = 64
+// Single-precision coordinates in a file that are far from the file's origin have already lost
+// digits: above this ratio of position to size, a mesh is resolved in fewer than 2^24 / 2^18 = 64
 // steps (docs/verification.md, C2).
 #define COARSE_RATIO 262144
 
-// The largest extent along an axis, and the largest coordinate.
+// Computes the largest extent along an axis, and the largest absolute coordinate.
 static void bounds_size(const struct bounds *bounds, double *extent, double *farthest)
 {
     *extent = *farthest = 0;
@@ -37,12 +37,13 @@ static void warn_if_coarse(const struct mesh *mesh, const struct bounds *bounds)
 {
     double extent, farthest;
     if (!mesh->exact_positions && flatten_is_coarse(bounds, &extent, &farthest))
-        log_warn("mesh \"%s\" is %g in size and %g from its origin: single precision resolves it "
-                 "in steps of %.2g",
-                 mesh->name, extent, farthest, farthest * (double)FLT_EPSILON);
+        log_warn(
+            "mesh \"%s\" has size %g at distance %g from its origin: single precision resolves it "
+            "in steps of %.2g",
+            mesh->name, extent, farthest, farthest * (double)FLT_EPSILON);
 }
 
-// Coordinates up to 16 times the size cost four of the 24 bits; beyond that the arrays get an
+// Coordinates up to 16 times the size cost four of the 24 bits; above that ratio the arrays get an
 // origin of their own.
 #define REBASE_RATIO 16
 
@@ -59,9 +60,10 @@ void flatten_choose_origin(const struct bounds *bounds, double origin[3])
             origin[i] = bounds->min[i] + (bounds->max[i] - bounds->min[i]) / 2;
 }
 
-// Extents that are not scaled. In single precision a scene of 2^20 may have details of 2^-30, whose
-// areas' squares are the first to underflow; one of 2^-10 likewise. Large scenes are scaled to the
-// upper end, small ones to 1, so that their details are far from that.
+// Extents from 2^-10 to 2^20 m are not scaled. In single precision a scene of 2^20 may have details
+// of 2^-30; the squares of their areas are the first quantities to underflow. The same holds for a
+// scene of 2^-10. Larger scenes are scaled to the upper end, smaller ones to 1, so that their
+// details are far from underflow.
 #define SCALED_EXTENT_MIN_EXPONENT (-10)
 #define SCALED_EXTENT_MAX_EXPONENT 20
 
@@ -88,8 +90,8 @@ bool flatten_check_extent(const struct scene *scene, const struct bounds *bounds
     if (extent == 0 || (extent >= SCENE_EXTENT_MIN && extent <= SCENE_EXTENT_MAX))
         return true;
     return err_set(err, ERR_INPUT,
-                   "%s: the scene is %g m across; expected %g m to %g m: its numbers may be in "
-                   "another unit of length",
+                   "%s: the scene is %g m across; expected %g m to %g m; its lengths may be in "
+                   "another unit than metres",
                    scene->path ? scene->path : "scene", extent, SCENE_EXTENT_MIN, SCENE_EXTENT_MAX);
 }
 
@@ -101,7 +103,8 @@ bool flatten_in_range(const double point[3])
     return true;
 }
 
-// Each triangle of an emitter is an emitter of its own, in world space.
+// Each triangle of an emitter is an emitter of its own, in world space, so its mesh cannot be
+// shared.
 bool flatten_emits(const struct scene *scene, uint32_t material)
 {
     const struct material *m = &scene->materials[material];
@@ -113,12 +116,12 @@ bool flatten_is_lamp(const struct scene *scene, uint32_t kind, uint32_t material
     return kind != SHAPE_PLANE && kind != SHAPE_SDF && flatten_emits(scene, material);
 }
 
-// Finds what a mesh's materials say about sharing it.
+// Finds out whether a mesh's materials permit sharing it.
 static void survey_materials(const struct scene *scene, const struct mesh *mesh,
                              struct mesh_use *use)
 {
     const struct instance own = {.material = SCENE_NONE};
-    uint32_t known = SCENE_NONE; // runs of triangles share their material
+    uint32_t known = SCENE_NONE; // consecutive triangles often share a material
     for (uint32_t t = 0; t < mesh->triangle_count && use->may_be_shared; t++) {
         uint32_t index = instance_material(mesh, &own, t);
         if (index == known)
@@ -160,8 +163,8 @@ static bool survey_mesh(const struct flatten_params *params, const struct mesh *
 // --- instances -----------------------------------------------------------------------------------
 
 // Rays are transformed into a shared mesh's space by the inverse of its transform, in single
-// precision. A transform that squashes or shears by more than about 1 : 4096 would lose 12 of 24
-// bits.
+// precision. A transform that squashes or shears by more than about 1 : 4096 would cost 12 of the
+// 24 bits.
 #define SHARED_CONDITION_MAX (3.0 * 4096.0)
 #define SHARED_SCALE_MIN 1e-15
 #define SHARED_SCALE_MAX 1e15
@@ -188,7 +191,7 @@ static bool can_share(const struct scene *scene, const struct instance *instance
         return false;
     if (instance->material == SCENE_NONE)
         return true;
-    // Tangents from texture coordinates are generated once for all instances.
+    // Tangents that are computed from texture coordinates are stored once for all instances.
     bool tangents_agree = scene->meshes[instance->mesh].tangents ||
                           attributes_tangent_set(scene, instance->material) == use->tangent_set;
     return tangents_agree && !flatten_emits(scene, instance->material);
@@ -255,9 +258,9 @@ static void warn_of_skipped(const struct scene *scene, const struct census *cens
 
 // A mesh of fewer triangles is smaller than the records of its instances.
 #define SHARED_TRIANGLES_MIN 12
-// The least number of triangles that sharing must save. Two levels take 1.3 times as long to trace
-// as one (docs/performance.md); this many more triangles in one level take some 80 MiB on the
-// device, and seconds to upload.
+// The least number of triangles that sharing must save. Tracing two levels takes 1.3 times as long
+// as tracing one (docs/performance.md), while this many triangles more in one level take some 80
+// MiB on the device, and seconds to upload.
 #define SAVED_TRIANGLES_MIN (1u << 20)
 
 static bool would_save(const struct mesh *mesh, const struct mesh_use *use)
@@ -302,7 +305,7 @@ bool flatten_check_memory(const struct scene *scene, const struct census *census
         (scene->instance_count + (uint64_t)census->shared_count) * sizeof *flat->instance_first +
         census->shared_count * sizeof *flat->meshes +
         census->placed_count * sizeof *flat->instances;
-    return memory_check(bytes, "the flattened scene, with what its triangles' corners carry", err);
+    return memory_check(bytes, "the flattened scene with its vertex attributes", err);
 }
 
 // --- the world -----------------------------------------------------------------------------------
@@ -319,7 +322,7 @@ static bool fail_vertex(const struct scene *scene, const struct instance *instan
                    point[2], SCENE_COORDINATE_MAX);
 }
 
-// Adds an instance to the bounds; false with *err set when a vertex is out of range.
+// Adds an instance to the bounds. Returns false with *err set when a vertex is out of range.
 static bool measure_vertices(const struct flatten_params *params, const struct instance *instance,
                              struct bounds *bounds, struct err *err)
 {
@@ -342,7 +345,8 @@ static bool measure_vertices(const struct flatten_params *params, const struct i
     return true;
 }
 
-// Measures one of very many instances by its mesh's box, unless that leaves the range.
+// Adds one of very many instances to the bounds by its mesh's bounding box, unless the box leaves
+// the permitted range.
 static bool measure_box(const struct flatten_params *params, const struct instance *instance,
                         const struct bounds *box, struct bounds *bounds, struct err *err)
 {
@@ -366,7 +370,8 @@ static bool measure_world(const struct flatten_params *params, struct census *ce
             continue;
         if (i % FLATTEN_POLL == 0 && !flatten_goes_on(params, FLATTEN_CENSUS_PART / 2, err))
             return false;
-        // The requirements of its own materials are the same for every instance.
+        // The needs of the mesh's own materials are the same for every instance, so they are added
+        // once.
         if (instance->material != SCENE_NONE || use->own_material++ == 0)
             attributes_census(scene, instance, &census->needs);
         if (census->instances[i] == INSTANCE_SHARES) {

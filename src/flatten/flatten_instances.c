@@ -12,8 +12,8 @@ static void round_matrix(const double m[3][4], float out[3][4])
             out[i][j] = (float)m[i][j];
 }
 
-// Computes the map from the mesh's array, which has an origin and a unit of its own, to the
-// scene's, in double precision. The inverse is that of the rounded map, so that both agree.
+// Computes the map from the mesh's array, which has its own origin and unit, to the scene's
+// coordinates, in double precision. The inverse is that of the rounded map, so that both agree.
 static bool set_transforms(const double transform[3][4], const struct bounds *mesh,
                            const struct flat_scene *flat, struct flat_instance *out)
 {
@@ -37,8 +37,8 @@ static bool set_transforms(const double transform[3][4], const struct bounds *me
     return true;
 }
 
-// Computes the box of the mesh's rounded vertices after the rounded transform, with a margin: each
-// coordinate is a sum of four terms.
+// Adds the box of the mesh's rounded vertices after the rounded transform to the bounds. It has a
+// margin for rounding: each coordinate is a sum of four terms.
 static void bound_instance(struct flat_scene *flat, const struct flat_instance *instance)
 {
     const struct flat_mesh *mesh = &flat->meshes[instance->mesh];
@@ -70,7 +70,7 @@ bool flatten_instances(const struct flatten_params *params, const struct census 
         if (census->instances[i] != INSTANCE_SHARES)
             continue;
         struct flat_instance *placed = &out->instances[out->placed_count];
-        // All of its triangles may have no area in its own space.
+        // In the mesh's own space, all of its triangles may be without area.
         if (out->meshes[use->flat].triangle_count == 0)
             continue;
         *placed = (struct flat_instance){

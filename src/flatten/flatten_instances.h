@@ -4,8 +4,8 @@
 
 #include "flatten/flatten_precision.h"
 
-// Fills out->instances, which has room, and adds them to the bounds; out->meshes is complete. Those
-// that are too small for where they are join `coarse`.
+// Fills out->instances, which has room, and adds the instances to the bounds; out->meshes is
+// complete. Instances that are too small for their distance from the origin are added to `coarse`.
 bool flatten_instances(const struct flatten_params *params, const struct census *census,
                        struct flat_scene *out, struct coarse_objects *coarse, struct err *err);
 

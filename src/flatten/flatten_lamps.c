@@ -6,18 +6,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The ratio of distance to size above which rounding may change an object's triangles' areas by
-// SMALL_TOLERANCE.
+// The ratio of distance to size above which rounding may change the areas of an object's triangles
+// by SMALL_TOLERANCE.
 #define SMALL_RATIO 4096
-// The greatest relative change of an emitter's area and normal by rounding.
+// The maximum relative change of an emitter's area and normal by rounding.
 #define SMALL_TOLERANCE 0x1p-11
-// Parts of a lamp are connected if they are within this fraction of their coordinates: 16
-// roundings, by which rays may pass between them on the wrong side.
+// Parts of a lamp are connected if their distance is at most this fraction of their coordinates. It
+// is 16 rounding errors; rays may pass between such parts on the wrong side.
 #define NEAR_TOLERANCE 0x1p-20
-// A light sample tests all triangles of its lamp for occlusion; this many are fewer than the
+// A light sample tests all triangles of its lamp for occlusion. This number is below the number of
 // iterations that a driver permits (shaders/shared/methods.h).
 #define LAMP_TRIANGLES_MAX 4096
-// The greatest number of tests for all samples of a vertex that is connected to every emitter.
+// The maximum number of such tests for all samples of a vertex that is connected to every emitter.
 #define LAMP_TESTS_MAX 32768
 
 // Connected triangles that may belong to a lamp: a node of a union-find forest, whose roots
@@ -26,7 +26,7 @@ struct part {
     struct bounds bounds;
     uint32_t triangle_count;
     uint32_t lamp;
-    bool is_lost; // rounding changes some triangle too much
+    bool is_lost; // whether rounding changes some triangle too much
 };
 
 struct search {
@@ -35,9 +35,9 @@ struct search {
     const struct flat_scene *flat;
     struct arena *scratch;
     struct part *parts;
-    uint32_t *parents; // parents of parts
+    uint32_t *parents; // the union-find forest, by parts
     uint32_t part_count, part_capacity, parent_count, parent_capacity;
-    struct lamp_triangle *triangles; // `lamp`: for now the part
+    struct lamp_triangle *triangles; // their member `lamp` is the index of a part at first
     uint32_t triangle_count, triangle_capacity;
 };
 
@@ -68,8 +68,8 @@ static void edges_of(const double corners[3][3], double edges[2][3])
     vec3_subtract(corners[2], corners[0], edges[1]);
 }
 
-// Not inlined, because GCC 12.2 optimises away the conversion to single precision and back of two
-// adjacent numbers in a loop.
+// This function must not be inlined: GCC 12.2 would optimise away the conversion of two adjacent
+// numbers to single precision and back in a loop.
 __attribute__((noinline)) static void round_corners(const double corners[3][3], float out[3][3])
 {
     for (int corner = 0; corner < 3; corner++)
@@ -77,9 +77,9 @@ __attribute__((noinline)) static void round_corners(const double corners[3][3], 
             out[corner][i] = (float)corners[corner][i];
 }
 
-// Returns whether rounding moves points on a triangle too far for its size. Corners that single
-// precision happens to have exactly do not help: what a light's sample is, and what hides it, is
-// rounded, too.
+// Returns whether rounding moves points on a triangle too far for its size. Corners that are exact
+// in single precision do not help, because points of light samples and of occluders are rounded,
+// too.
 static bool is_coarse(const double corners[3][3], const double edges[2][3])
 {
     double farthest = 0;
@@ -90,7 +90,7 @@ static bool is_coarse(const double corners[3][3], const double edges[2][3])
     return farthest * (double)FLT_EPSILON / 2 > SMALL_TOLERANCE * longest;
 }
 
-// Returns whether rounding changes a triangle, its area or its normal too much.
+// Returns whether rounding changes a triangle's points, its area or its normal too much.
 static bool is_lost(const double corners[3][3])
 {
     double edges[2][3], exact[3], normal[3], difference[3];
@@ -108,18 +108,19 @@ static bool is_lost(const double corners[3][3])
     return vec3_length(difference) > SMALL_TOLERANCE * vec3_length(exact);
 }
 
-// --- the forest ----------------------------------------------------------------------------------
+// --- union-find forest ---------------------------------------------------------------------------
 
 static uint32_t find_root(uint32_t *parents, uint32_t i)
 {
     while (parents[i] != i) {
-        parents[i] = parents[parents[i]]; // halves the path
+        parents[i] = parents[parents[i]]; // path halving
         i = parents[i];
     }
     return i;
 }
 
-// Returns the one that is no root any more, or the common root.
+// Joins two trees. Returns the root that became a child, or the common root if the two were in one
+// tree already.
 static uint32_t join_roots(uint32_t *parents, uint32_t a, uint32_t b)
 {
     a = find_root(parents, a);
@@ -183,7 +184,8 @@ static bool has_small_triangles(const struct search *s, const struct placement *
     return false;
 }
 
-// Finds the first vertex of each run of emissive triangles that share vertices, for each of them.
+// Returns a union-find forest of the mesh's vertices, in which the vertices of connected emissive
+// triangles have a common root.
 static uint32_t *connect_vertices(const struct search *s, const struct placement *placement,
                                   struct arena *arena)
 {
@@ -223,7 +225,8 @@ static void measure_triangle(struct search *s, uint32_t part, const double corne
     p->is_lost = p->is_lost || is_lost(corners);
 }
 
-// Adds the emissive triangles of an instance, a part for each run of them; or one for all.
+// Adds the emissive triangles of an instance as parts: one for each connected set of triangles, or
+// one for all.
 static bool add_parts(struct search *s, const struct placement *placement, uint32_t *roots,
                       uint32_t *part_of_root, struct err *err)
 {
@@ -257,7 +260,7 @@ static bool search_mesh(struct search *s, const struct placement *placement, str
     uint32_t *roots = connect_vertices(s, placement, &arena);
     uint32_t *part_of_root = arena_alloc(&arena, count, sizeof *part_of_root);
     bool ok = (roots && part_of_root) ||
-              err_memory(err, "parts of a mesh that emits", 8 * (uint64_t)count);
+              err_memory(err, "the parts of an emissive mesh", 8 * (uint64_t)count);
     for (uint32_t v = 0; ok && v < count; v++)
         part_of_root[v] = SCENE_NONE;
     ok = ok && add_parts(s, placement, roots, part_of_root, err);
@@ -308,7 +311,7 @@ static bool join_near_parts(struct search *s, struct err *err)
     uint32_t *reaching = ARENA_NEW(s->scratch, uint32_t, s->part_count);
     if (!order || !boxes || !reaching)
         return err_memory(err, "small lamps", s->part_count * (sizeof *order + sizeof *boxes));
-    memcpy(boxes, s->parts, s->part_count * sizeof *boxes); // joining changes bounds
+    memcpy(boxes, s->parts, s->part_count * sizeof *boxes); // joining parts changes bounds
     for (uint32_t i = 0; i < s->part_count; i++)
         if (is_small(&boxes[i].bounds))
             order[count++] = &boxes[i];
@@ -378,7 +381,7 @@ bool flatten_find_lamps(const struct flatten_params *params, const struct census
     return s.part_count == 0 || (join_near_parts(&s, err) && list_lamps(&s, out, err));
 }
 
-// --- their triangles -----------------------------------------------------------------------------
+// --- triangles of lamps --------------------------------------------------------------------------
 
 // Returns the end of an edge that starts at `from`, rounded away from it.
 static float round_away(float from, float edge)

@@ -1,9 +1,9 @@
-// Lamps of triangles that are small relative to their coordinates. Part of flatten.c.
+// Mesh lamps that are small relative to their coordinates. Part of flatten.c.
 //
-// Corners rounded in the scene's coordinates lose the form of such a lamp: areas, normals and
-// occlusion. So the lamp gets coordinates of its own: its triangles keep their exact edges, which
-// determine their light, and their corners about the lamp's centre, which determine how the lamp
-// occludes its own points from a lit surface.
+// Rounding the corners of such a lamp in the scene's coordinates changes areas, normals and
+// occlusion too much. The lamp therefore gets coordinates of its own. Its triangles keep their
+// exact edges, which determine their light, and corners relative to the lamp's centre, which
+// determine how the lamp occludes its own points as seen from a surface that it lights.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_LAMPS_H
 #define LAMPYRIS_FLATTEN_FLATTEN_LAMPS_H
 
@@ -17,7 +17,7 @@ struct lamp {
     uint32_t triangle_count;
 };
 
-// A triangle of a lamp, by its place in the scene.
+// A triangle of a lamp: an instance, a triangle in its mesh, and the index of the lamp.
 struct lamp_triangle {
     uint32_t instance, triangle, lamp;
 };
@@ -25,23 +25,24 @@ struct lamp_triangle {
 struct lamps {
     struct lamp *items;
     uint32_t count;
-    struct lamp_triangle *triangles; // ascending by instance and triangle
+    struct lamp_triangle *triangles; // in ascending order of instance and triangle
     uint32_t triangle_count;
 };
 
-// Finds the lamps among the instances that are flattened into the world. Memory comes from
-// `scratch`. out->origin and out->scale are set.
+// Finds the small lamps among the instances that are flattened into the world. Memory comes from
+// `scratch`. flat->origin and flat->scale must be set.
 bool flatten_find_lamps(const struct flatten_params *params, const struct census *census,
                         const struct flat_scene *flat, struct arena *scratch, struct lamps *out,
                         struct err *err);
 
-// Adds a triangle of a lamp to flat->small, which has room, with its index in flat->triangles, and
-// gives it corners there that contain it: edges are rounded away from the first corner. `normal`
-// becomes that of the exact corners, not normalised. A triangle without area is not added.
+// Adds triangle `number` of lamps->triangles to flat->small, which has room. Its corners in
+// flat->triangles are set so that their box contains it: edges are rounded away from the first
+// corner. `normal` becomes the normal of the exact corners, not normalised. A triangle without area
+// is not added.
 void lamp_add_triangle(const struct lamps *lamps, uint32_t number, const double corners[3][3],
                        double normal[3], struct flat_scene *flat);
 
-// Sorts the triangles of each lamp into adjacent places.
+// Sorts the small triangles by lamp.
 bool lamps_finish(const struct lamps *lamps, struct flat_scene *flat, struct arena *scratch,
                   struct err *err);
 

@@ -13,7 +13,8 @@ struct placement placement_create(const struct scene *scene, const struct instan
         .scale = scale,
         .is_mirrored = affine_determinant(instance->transform) < 0,
     };
-    // Cofactors are the inverse transpose times the determinant, whose sign is undone here.
+    // The cofactor matrix is the inverse transpose times the determinant; the determinant's sign is
+    // removed here.
     affine_cofactors(instance->transform, placement.normals);
     for (int i = 0; i < 9 && placement.is_mirrored; i++)
         placement.normals[i / 3][i % 3] *= -1;

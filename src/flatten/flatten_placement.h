@@ -1,15 +1,15 @@
-// An instance's triangles in the arrays' coordinates, before rounding. Part of flatten.c.
+// Places an instance's triangles in the arrays' coordinates, before rounding. Part of flatten.c.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_PLACEMENT_H
 #define LAMPYRIS_FLATTEN_FLATTEN_PLACEMENT_H
 
 #include "flatten/flatten.h"
 
-// The prepared transform of an instance.
+// An instance's transform, prepared for its triangles.
 struct placement {
     const struct mesh *mesh;
     const struct instance *instance;
     double origin[3];     // origin of the flat scene
-    double scale;         // likewise
+    double scale;         // scale of the flat scene
     double normals[3][3]; // inverse transpose up to a positive factor
     bool is_mirrored;
 };

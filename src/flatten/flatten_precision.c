@@ -1,10 +1,10 @@
 // Chooses the arrays' origin if the objects of a scene are too far apart for single precision, and
-// reports objects that are far from it.
+// reports objects that are too far from it.
 //
 // A position at distance d from the origin has an error of up to 2^-24 d. Seen from a camera at the
-// origin this is an angle of 2^-24 for any d: far less than a pixel. So the origin follows the
-// camera if objects differ so much in size and position that the centre of the scene is unsuitable;
-// the form of small, far objects is then wrong, but the camera cannot resolve it.
+// origin this is an angle of 2^-24 for any d, far less than a pixel. So the origin follows the
+// camera if objects differ so much in size and position that the centre of the scene is unsuitable.
+// The form of small, distant objects is then wrong, but too small for the camera to resolve.
 #include "flatten/flatten_precision.h"
 
 #include "base/log.h"
@@ -16,13 +16,13 @@
 
 // --- the origin ----------------------------------------------------------------------------------
 
-// Above this ratio of coordinates to the size and distance of visible objects, rounding moves these
-// by more than 2^-24 * 2^12 of that: a tenth of a pixel if they fill an image of 800 pixels, as in
-// render/far_camera.c.
+// Above this ratio of coordinates to the size or distance of a visible object, whichever is larger,
+// rounding moves the object by more than 2^-24 * 2^12 of that: a tenth of a pixel if it fills an
+// image of 800 pixels, as in render/far_camera.c.
 #define FOLLOW_RATIO 4096.0
 
-// The point of an object's box that is nearest to the camera, for the object with the least
-// `scale`, the larger of its size and distance.
+// The object whose size and distance from the camera have the smallest maximum, `scale`, and the
+// point of its box that is nearest to the camera.
 struct nearest {
     double scale;
     double point[3];
@@ -89,9 +89,10 @@ void flatten_follow_camera(const struct flatten_params *params, const struct cen
         memcpy(out->origin, nearest.point, sizeof out->origin);
 }
 
-// --- what is reported ----------------------------------------------------------------------------
+// --- warnings ------------------------------------------------------------------------------------
 
-// Adds a box in the world, of the object `name`.
+// Adds an object with this bounding box in the world if it is coarse. Returns true if it is the
+// first one, whose name the caller must set.
 static bool add_box(const struct flat_scene *flat, const double low[3], const double high[3],
                     struct coarse_objects *coarse)
 {
@@ -143,11 +144,11 @@ void coarse_warn(const struct coarse_objects *coarse)
 {
     double step = coarse->farthest * (double)FLT_EPSILON;
     if (coarse->count > 0)
-        log_warn("%u objects are small for where they are: %s is %g m across and lies at (%g, %g, "
-                 "%g), %g m from where the kernels' coordinates begin: single precision knows it "
-                 "there in steps of %.2g m, %.2g %% of its size, so that its form, its shadows and "
-                 "the light that it sends are wrong; expected larger objects, or a camera near "
-                 "them, which these coordinates follow",
+        log_warn("%u objects are too small for their distance from the coordinates' origin: %s is "
+                 "%g m across and lies at (%g, %g, %g), %g m from that origin; single precision "
+                 "resolves it in steps of %.2g m, %.2g %% of its size, so that its form, its "
+                 "shadows and the light that it emits are wrong; expected larger objects, or a "
+                 "camera near them, because the origin follows the camera",
                  coarse->count, coarse->first, coarse->extent, coarse->place[0], coarse->place[1],
                  coarse->place[2], coarse->farthest, step, 100 * step / coarse->extent);
 }

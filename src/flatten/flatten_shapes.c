@@ -30,8 +30,8 @@ static struct shape exact_shape(const struct flat_shape *flat)
     return shape;
 }
 
-// A plane's point may be far away, which costs accuracy: it is moved near, unless a texture depends
-// on it.
+// Moves the point of a plane to the point nearest to the origin, because a distant one costs
+// accuracy. Textured planes keep their point, because their texture depends on it.
 static void move_near(const struct scene *scene, const double origin[3], struct shape *plane)
 {
     if (plane->kind != SHAPE_PLANE || scene->materials[plane->material].texture_count > 0)
@@ -50,7 +50,8 @@ static bool is_in_range(const struct shape *shape)
            flatten_in_range(shape->axes[2]);
 }
 
-// Counts axes that are lengths; those of planes, and across round shapes, are unit vectors.
+// Returns the number of axes that are lengths. The axes of planes, and the axes across round
+// shapes, are unit vectors.
 static int count_edges(enum shape_kind kind)
 {
     switch (kind) {
@@ -134,7 +135,8 @@ bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out,
 }
 
 // Planes extend to the limit of the kernels' coordinates, but not equally in all directions, so
-// that their centre is far from everything else, and the first split of a BVH separates them.
+// that the centre of their box is far from everything else, and the first split of a BVH separates
+// them.
 static void plane_box(const struct flat_shape *shape, float min[3], float max[3])
 {
     const float *n = shape->normal;

@@ -4,8 +4,8 @@
 
 #include "flatten/flatten.h"
 
-// Appends all shapes in sight to out->shapes, which has room, and adds those with ends to the
-// bounds; those that are too small for where they are join `coarse`.
+// Appends all visible shapes to out->shapes, which has room, and adds those of finite extent to the
+// bounds. Shapes that are too small for their distance from the origin are added to `coarse`.
 struct coarse_objects;
 bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out,
                     struct coarse_objects *coarse, struct err *err);
@@ -16,7 +16,7 @@ void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3]);
 // Returns a shape of the scene in the arrays' coordinates and unit, before rounding.
 struct shape flatten_place_shape(const struct flat_scene *flat, const struct shape *shape);
 
-// The limit of the kernels' coordinates in any unit: their squares are finite in single precision.
+// The limit of the kernels' coordinates in any unit. Their squares are finite in single precision.
 #define FLAT_COORDINATE_MAX 1e18
 
 // Adds the box to the scene's bounds.

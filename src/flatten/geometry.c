@@ -10,14 +10,14 @@
 
 // --- trees ---------------------------------------------------------------------------------------
 
-// The trees that are built together: the world's and those of the shared meshes.
+// Trees that are built together: the world's and those of the shared meshes.
 struct build {
     const struct geometry_params *p;
     const struct flat_scene *flat;
     struct bvh *meshes;   // one for each shared mesh
-    struct bvh_cut *cuts; // one for each
+    struct bvh_cut *cuts; // for each shared mesh, boxes that bound it (bvh_cut)
     struct arena *arenas; // one for each thread
-    double done, part;    // fractions of all triangles: finished, and in the current tree
+    double done, part;    // fractions of all triangles: in finished trees, and in the current tree
     struct bvh_cache cache;
     double spared_seconds; // build time of the trees that were loaded from the cache
 };
@@ -71,9 +71,10 @@ static bool build_tree(struct build *build, struct bvh_params *params, struct ar
 
 // --- shared meshes -------------------------------------------------------------------------------
 
-// Small meshes are built in parallel, one thread each; larger ones one by one with all threads.
+// Smaller meshes are built in parallel, one thread each; larger ones one after the other with all
+// threads.
 #define SMALL_MESH 16384
-#define MESHES_AT_ONCE 256 // between looks at whether to stop
+#define MESHES_AT_ONCE 256 // meshes between two polls for a stop
 
 struct mesh_job {
     struct build *build;
@@ -92,7 +93,7 @@ static void build_small(void *context, size_t begin, size_t end, unsigned thread
         params.threads = 1;
         if (mesh->triangle_count > SMALL_MESH ||
             !bvh_build(&params, &build->arenas[thread], &build->meshes[i], &err))
-            build->meshes[i].node_count = 0; // build_meshes builds it or reports its error
+            build->meshes[i].node_count = 0; // makes build_meshes() build it, or fail
     }
 }
 
@@ -120,15 +121,15 @@ static bool build_meshes(struct build *build, struct arena *arena, struct err *e
 
 // --- instances' boxes ----------------------------------------------------------------------------
 
-// Rays are transformed in single precision, so their hits have errors of a few roundings of the
-// coordinates in world space and in mesh space. Each coordinate is a sum of four products, which
-// carries errors from one axis to the others.
+// Rays are transformed in single precision, so that their hits have errors of a few roundings of
+// the coordinates in world space and in mesh space. Each coordinate is a sum of four products,
+// which carries errors from one axis to the others.
 #define BOX_ROUNDINGS (32.0 * 0x1p-24)
 
 struct box_job {
     const struct build *build;
     struct bvh_box *boxes;
-    uint32_t *trees; // for each instance
+    uint32_t *trees; // for each instance, the tree of its mesh
 };
 
 static struct bvh_box instance_box(const struct flat_instance *instance, const struct bvh_cut *cut)
@@ -177,7 +178,7 @@ static void make_boxes(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- the whole geometry --------------------------------------------------------------------------
 
 static bool build_world(struct build *build, const struct bvh_box *instance_boxes,
                         struct arena *scratch, struct arena *arena, struct bvh *out,
@@ -255,7 +256,7 @@ bool geometry_prepare(const struct geometry_params *p, struct arena *arena, stru
     return build_bvh(p, flat, arena, bvh, err);
 }
 
-// --- shared --------------------------------------------------------------------------------------
+// --- geometry shared by renderers ----------------------------------------------------------------
 
 static bool same_bits(const void *a, const void *b, size_t bytes)
 {
@@ -283,8 +284,8 @@ static bool same_instances(const struct flat_scene *a, const struct flat_scene *
     return true;
 }
 
-// Returns whether build_bvh() would be given the same bits: all that it reads of a flat scene, and
-// by that the same hierarchy would come of it.
+// Returns whether build_bvh() would read the same bits from both scenes, and so build the same
+// hierarchy.
 static bool same_places(const struct flat_scene *a, const struct flat_scene *b)
 {
     if (!same_counts(a, b) || !same_instances(a, b))
@@ -329,7 +330,8 @@ bool geometry_refresh(const struct geometry_params *p, struct geometry *geometry
 {
     const struct flatten_params params = flatten_params(p);
     struct geometry next = {.method = p->bvh, .key = flatten_key(&params)};
-    // The hierarchy of an empty scene has a root, too.
+    // Even an empty scene has a hierarchy with a root, so node_count is 0 only before the first
+    // build.
     bool is_built = geometry->bvh.node_count > 0 && same_method(next.method, geometry->method);
     if (is_built && next.key == geometry->key)
         return true;

@@ -1,4 +1,4 @@
-// Decides whether a scene has spheres that need more digits than a float has.
+// Decides whether a scene has spheres that need more than single precision.
 #ifndef LAMPYRIS_FLATTEN_LARGE_SPHERES_H
 #define LAMPYRIS_FLATTEN_LARGE_SPHERES_H
 
@@ -6,13 +6,13 @@
 
 // Points on a sphere that are computed in single precision have errors of up to 14 roundings of its
 // radius (lib/shape_surface.glsl), some 1e-6 of it. A sphere is large if that exceeds a thousandth
-// of a visible scale next to it: of the distance from the camera to its surface, of the smallest
-// other shape's size, or of the extent of all triangles. Intersections with all spheres are then
+// of a visible scale next to it: the distance from the camera to its surface, the size of the
+// smallest other shape, or the extent of the triangles. Intersections with all spheres are then
 // computed with twice the digits (lib/large_sphere.glsl).
 bool has_large_spheres(const struct flat_scene *flat, const struct camera *camera);
 
-// The two parts of the test: for any camera, which takes time proportional to the number of
-// triangles, and for this camera.
+// The two parts of the test: the first for any camera, which takes time proportional to the number
+// of triangles, the second for this camera.
 bool has_large_spheres_anyway(const struct flat_scene *flat);
 bool is_close_to_large_sphere(const struct flat_scene *flat, const struct camera *camera);
 

@@ -220,7 +220,7 @@ class Budget(Base):
         # Loads in 44 MB, is flat in 80, and needs twice that for the tree.
         torus = {'type': 'torus', 'segments': 1000, 'tube_segments': 500, 'material': 'm'}
         scene = self.shapes(torus)
-        self.refuse('info', scene, memory='64M', thing="triangles' corners")
+        self.refuse('info', scene, memory='64M', thing='vertex attributes')
         self.refuse('info', scene, memory='160M', thing='building the BVH', peak=250 * MIB)
 
     def test_pictures_on_the_host(self):

@@ -288,7 +288,7 @@ static char warning[1024];
 static void keep_warning(void *context, enum log_level level, const char *message)
 {
     (void)context;
-    if (level == LOG_WARN && strstr(message, "small for where"))
+    if (level == LOG_WARN && strstr(message, "too small for their distance"))
         snprintf(warning, sizeof warning, "%s", message);
 }
 

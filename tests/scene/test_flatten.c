@@ -379,7 +379,7 @@ TEST(emitters_without_area_are_warned_of)
     f.materials[1].emission[0] = 1;
     REQUIRE(flatten(&f), "%s", f.err.msg);
     CHECK(f.flat.dropped_degenerate == 1 && warnings == 1 &&
-              strstr(warning, "1 emissive triangles are left out") &&
+              strstr(warning, "1 emissive triangles are omitted") &&
               strstr(warning, "longest edge is 1 m") && strstr(warning, "mesh \"triangle\""),
           "%s", warning);
     end(&f);
@@ -432,7 +432,8 @@ TEST(meshes_beyond_their_precision_are_warned_of)
     for (int v = 0; v < 3; v++)
         f.positions[v][0] += 4e6f;
     REQUIRE(flatten(&f), "%s", f.err.msg);
-    CHECK(warnings == 1 && strstr(warning, "\"triangle\" is 1 in size and 4e+06 from its origin"),
+    CHECK(warnings == 1 &&
+              strstr(warning, "\"triangle\" has size 1 at distance 4e+06 from its origin"),
           "%s", warning);
     end(&f);
 }
