@@ -1,4 +1,4 @@
-// From a path to a complete scene: calls the loader for the extension, then adds what the file
+// Loads a complete scene from a path: calls the loader for the extension, then adds what the file
 // lacks.
 #include "scene/core/scene.h"
 
@@ -62,8 +62,8 @@ static void look_for_surfaces(struct scene *scene)
     scene->is_hidden = has_any && !has_visible;
 }
 
-// A surface that uses a missing image becomes pink all over, whatever the image was for, so that
-// nobody overlooks it and no other map or lobe hides it.
+// Makes the materials with missing images pink. A surface becomes pink all over, whatever the image
+// was for, so that nobody overlooks it and no other map or lobe hides it.
 static bool mark_missing_textures(struct scene *scene, struct err *err)
 {
     uint32_t images = 0, materials = 0;
@@ -87,8 +87,8 @@ static bool mark_missing_textures(struct scene *scene, struct err *err)
     return true;
 }
 
-// Scene files of our own format have "define" and one scene; models in them are shown without
-// animation.
+// Checks that options for glTF are only used with glTF files. Scene files (.json) have "define" and
+// one scene, and show models in them without animation.
 static bool check_gltf_only(const struct scene_load_params *params, struct err *err)
 {
     const struct {
@@ -100,7 +100,7 @@ static bool check_gltf_only(const struct scene_load_params *params, struct err *
                   {params->variant, "--variant"}};
     for (size_t i = 0; i < sizeof wishes / sizeof wishes[0]; i++)
         if (wishes[i].value)
-            return err_set(err, ERR_USAGE, "%s: %s is for .gltf and .glb files alone", params->path,
+            return err_set(err, ERR_USAGE, "%s: %s is only for .gltf and .glb files", params->path,
                            wishes[i].option);
     return true;
 }
@@ -154,9 +154,10 @@ static bool finish_environment(struct scene *scene, const struct scene_load_para
            scene_add_sky_sun(scene, err);
 }
 
-// A model was not composed as an image, so its exposure is computed from the luminance of the
-// image, and its tone curve has a shoulder for highlights. The same holds under a sky from the
-// command line, whose radiance does not fit the exposure that the file chose for its own light.
+// Chooses exposure and tone curve for a scene that does not set them. A model was not composed as
+// an image, so its exposure is computed from the luminance of the image, and its tone curve has a
+// shoulder for highlights. The same holds under a sky from the command line, whose radiance does
+// not fit the exposure that the file chose for its own light.
 static bool provide_exposure(struct scene *scene, const struct scene_load_params *params)
 {
     struct settings *settings = &scene->settings;
@@ -172,7 +173,8 @@ static bool provide_exposure(struct scene *scene, const struct scene_load_params
     return true;
 }
 
-// A file with a "base" changes a scene that is complete already.
+// Adds what the scene lacks, but not to a file with a "base", which changes a scene that is
+// complete already.
 static bool provide_missing(struct scene *scene, const struct scene_load_params *params,
                             struct err *err)
 {

@@ -408,7 +408,7 @@ TEST(bad_animations)
     check_rejected(
         &builder, node,
         "{" CHANNEL("'node':0,'path':'rotation'") "," SAMPLER("'input':1,'output':6") "}",
-        "accessors[6]: the zero quaternion after key 1 is no rotation");
+        "accessors[6]: the zero quaternion after key 1 is not a rotation");
     snprintf(both, sizeof both, "{%s,%s}", CHANNEL("'node':1,'path':'translation'"), good);
     check_rejected(&builder, node, both, "target.node: 1, expected an index below 1");
     snprintf(both, sizeof both, "{%s,%s}", CHANNEL("'node':0,'path':'color'"), good);

@@ -262,7 +262,7 @@ static const struct {
      TWO_TEXTURES, "is beyond 1e+13"},
     {"{'normalTexture':{'index':0}}",
      ",'textures':[{'source':0,'sampler':0}],'samplers':[{'wrapS':1}],'images':[{'uri':'%s'}]",
-     "samplers[0].wrapS: 1 is no value of a sampler's \"wrapS\"; the default is 10497"},
+     "samplers[0].wrapS: 1 is not a value of a sampler's \"wrapS\"; the default is 10497"},
     {"{'normalTexture':{'index':0}}",
      ",'textures':[{'source':0,'sampler':0}],'samplers':[{'magFilter':9987}],"
      "'images':[{'uri':'%s'}]",

@@ -439,10 +439,10 @@ TEST(errors_name_file_line_value_and_expectation)
     } cases[] = {
         {SQUARE "f 1 0 2\n", "mesh.obj:5: vertex 0, expected indices from 1"},
         {SQUARE "f 1 2 5\n", "mesh.obj:5: vertex 5, but the file has 4"},
-        {SQUARE "f 1 2 -5\n", "mesh.obj:5: vertex -5, but only 4 stand above"},
+        {SQUARE "f 1 2 -5\n", "mesh.obj:5: vertex -5, but only 4 are defined above"},
         {SQUARE "f 1 2 99999999999999999999\n", "mesh.obj:5: vertex 9223372036854775807, but"},
         {SQUARE "f 1 2 -99999999999999999999\n", "mesh.obj:5: vertex -9223372036854775807, but"},
-        {"f -1 -2 -3\n" SQUARE, "mesh.obj:1: vertex -1, but only 0 stand above"},
+        {"f -1 -2 -3\n" SQUARE, "mesh.obj:1: vertex -1, but only 0 are defined above"},
         {SQUARE "f 1//1 2//1 3//1\n", "mesh.obj:5: normal 1, but the file has 0"},
         {SQUARE "vn 0 0 1\nf 1//0 2//1 3//1\n", "mesh.obj:6: normal 0, expected"},
         {SQUARE "f 1/2 2/1 3/1\n", "mesh.obj:5: texture coordinate 2, but the file has 0"},

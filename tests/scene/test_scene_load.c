@@ -56,13 +56,13 @@ TEST(unknown_files_are_refused)
                   "-D a: only .json scenes");
     const double seconds = 0;
     check_refused(&(struct scene_load_params){.path = "a.json", .at_seconds = &seconds}, ERR_USAGE,
-                  "a.json: --at is for .gltf and .glb files alone");
+                  "a.json: --at is only for .gltf and .glb files");
     check_refused(&(struct scene_load_params){.path = "a.obj", .animation = "x"}, ERR_USAGE,
-                  "a.obj: --animation is for .gltf and .glb files alone");
+                  "a.obj: --animation is only for .gltf and .glb files");
     check_refused(&(struct scene_load_params){.path = "a.ply", .scene_name = "0"}, ERR_USAGE,
-                  "a.ply: --scene is for .gltf and .glb files alone");
+                  "a.ply: --scene is only for .gltf and .glb files");
     check_refused(&(struct scene_load_params){.path = "a.json", .variant = "red"}, ERR_USAGE,
-                  "a.json: --variant is for .gltf and .glb files alone");
+                  "a.json: --variant is only for .gltf and .glb files");
 }
 
 TEST(an_emitter_in_use_is_light_enough)

@@ -434,7 +434,7 @@ TEST(values_that_are_refused)
     check_not_written(&e, saved, ERR_INPUT, "light 0");
     e.scene.lights[0].direction[0] = 0;
     e.scene.cameras[0].direction[0] = 2;
-    check_not_written(&e, saved, ERR_INPUT, "camera: cannot be written down exactly");
+    check_not_written(&e, saved, ERR_INPUT, "camera: cannot be written exactly");
     e.scene.cameras[0] = e.before.cameras[0];
     e.scene.settings.filter_radius = 99;
     check_not_written(&e, saved, ERR_INPUT, "settings.filter_radius: 99 is outside [0, 16]");

@@ -8,7 +8,7 @@
 
 extern const double AFFINE_IDENTITY[3][4];
 
-// Computes out = a b, which applies b first. out may be a or b.
+// Computes out = a b, which applies b first. `out` may be `a` or `b`.
 void affine_multiply(const double a[3][4], const double b[3][4], double out[3][4]);
 void affine_point(const double m[3][4], const double p[3], double out[3]);
 // Transforms a vector, ignoring the translation.
@@ -18,19 +18,20 @@ void affine_vector(const double m[3][4], const double v[3], double out[3]);
 // when the axis points to the viewer. Returns false when the axis has no direction.
 bool affine_rotation(const double axis[3], double angle, double out[3][4]);
 
-// Returns the determinant of the linear part; exactly 0 when the part is singular up to the
-// rounding error of the determinant itself.
+// Returns the determinant of the linear part; exactly 0 if it does not exceed its own rounding
+// error.
 double affine_determinant(const double m[3][4]);
-// Computes the matrix of cofactors, determinant times inverse transpose. It transforms normals
-// without a division, for singular maps too. A negative determinant reverses the normals.
+// Computes the matrix of cofactors, which is the determinant times the inverse transpose. It
+// transforms normals without a division, even for singular maps. A negative determinant reverses
+// the normals.
 void affine_cofactors(const double m[3][4], double out[3][3]);
-// Returns false, without setting out, when the map is singular.
+// Computes the inverse. Returns false, leaving `out` unchanged, if the map is singular.
 bool affine_inverse(const double m[3][4], double out[3][4]);
-// Computes the bounding box of the image of a box.
+// Computes the bounding box of a transformed box.
 void affine_box(const double m[3][4], const double min[3], const double max[3], double out_min[3],
                 double out_max[3]);
-// Returns whether the linear part is a rotation or a reflection times one scale, and writes the
-// scale.
+// Returns whether the linear part is a rotation or a reflection times one scale factor, and stores
+// that factor.
 bool affine_uniform_scale(const double m[3][4], double *scale);
 
 #endif

@@ -24,8 +24,8 @@ void mesh_vertex(const struct mesh *mesh, uint32_t vertex, double out[3])
 
 void bounds_add_point(struct bounds *bounds, const double point[3])
 {
-    // Comparisons rather than fmin and fmax, which are function calls: this is the inner loop of
-    // every pass over a mesh.
+    // Comparisons are used because fmin() and fmax() are function calls, and this is the inner loop
+    // of every pass over a mesh.
     for (int i = 0; i < 3; i++) {
         if (point[i] < bounds->min[i])
             bounds->min[i] = point[i];
@@ -102,8 +102,8 @@ bool bounds_are_a_point(const struct bounds *bounds)
     return true;
 }
 
-// Calls `visit` with every corner of an instance's triangles. It is inlined so that `visit` is
-// inlined as well.
+// Calls `visit` for every corner of an instance's triangles. Inlined, so that `visit` is inlined as
+// well.
 static inline void each_corner(const struct scene *scene, const struct instance *instance,
                                void (*visit)(void *context, const double point[3]), void *context)
 {
@@ -201,7 +201,7 @@ static double shape_radius(const struct shape *shape, const double center[3])
     default:
         return 0;
     }
-    // The farthest points are among the corners, or around the ends of an axis.
+    // The farthest points are among the corners, or on the rims at the ends of the axis.
     bool is_round = shape->kind == SHAPE_CYLINDER || shape->kind == SHAPE_TUBE;
     double across = is_round ? 0 : 1;
     double depth = shape->kind == SHAPE_BOX || shape->kind == SHAPE_SDF ? 1 : 0;

@@ -1,28 +1,28 @@
-// Bounds of the objects of a scene in the world, in double precision.
+// Bounds of a scene's objects in world space, in double precision.
 #ifndef LAMPYRIS_SCENE_CORE_BOUNDS_H
 #define LAMPYRIS_SCENE_CORE_BOUNDS_H
 
 #include "scene/core/scene.h"
 
-// A range of instances and a range of shapes.
+// Part of a scene: a range of instances and a range of shapes.
 struct scene_part {
     uint32_t first_instance, instance_count;
     uint32_t first_shape, shape_count;
 };
 
 struct bounds {
-    double min[3], max[3]; // min > max when empty
+    double min[3], max[3]; // min > max if empty
 };
 
 extern const struct bounds BOUNDS_EMPTY;
 
 struct scene_part scene_whole(const struct scene *scene);
 
-// Writes the position of a vertex in its mesh's space, as exactly as it is known.
+// Gets the position of a vertex in its mesh's space, from the exact positions if the mesh has them.
 void mesh_vertex(const struct mesh *mesh, uint32_t vertex, double out[3]);
 
 void bounds_add_point(struct bounds *bounds, const double point[3]);
-// Planes are infinite and add nothing.
+// Adds the bounding box of a shape. Planes are infinite and add nothing.
 void bounds_add_shape(struct bounds *bounds, const struct shape *shape);
 // Computes how far a shape extends from its centre along each axis. Returns false if it is
 // infinite.
@@ -30,13 +30,14 @@ bool shape_reach(const struct shape *shape, double reach[3]);
 // Returns the largest n.(v - centre) over the points v of the shape; n may have any length.
 double shape_extent(const struct shape *shape, const double n[3]);
 bool bounds_is_empty(const struct bounds *bounds);
-bool bounds_are_a_point(const struct bounds *bounds); // true for empty bounds, too
+bool bounds_are_a_point(const struct bounds *bounds); // also true for empty bounds
 
-// Vertices that no triangle uses do not count. If scene->progress asks to stop, this and the two
-// functions below return part of the result: the caller asks scene->progress afterwards.
+// Computes the bounds of a part, without vertices that no triangle uses. If scene->progress asks to
+// stop, this and the two functions below return an incomplete result, and the caller must ask
+// scene->progress afterwards.
 struct bounds bounds_of_part(const struct scene *scene, const struct scene_part *part);
 // Computes for each normal n the largest n.v over the points v of the part; -INFINITY if it is
-// empty. Planes do not count.
+// empty. Planes are ignored.
 void bounds_support(const struct scene *scene, const struct scene_part *part, uint32_t count,
                     const double (*normals)[3], double *out);
 // Returns the largest distance from `center` to any point of the part; 0 if it is empty.

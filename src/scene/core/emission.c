@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-// Scales `count` parameters, beginning with `first`, by the means of their textures.
+// Multiplies `count` parameters, beginning with `first`, by the means of their textures.
 static void scale_by_textures(const struct scene *scene, const struct material *material,
                               uint32_t first, uint32_t count, float *values)
 {
@@ -135,8 +135,8 @@ static double cap_solid_angle(double angle)
     return 4 * M_PI * half * half;
 }
 
-// Returns the solid angle of the directions in which a light at this place emits and that hit the
-// sphere.
+// Returns the solid angle of the directions in which a light at this position emits and that hit
+// the sphere.
 static double solid_angle_towards(const struct light *light, const double center[3], double radius)
 {
     double towards[3];

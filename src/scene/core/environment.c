@@ -28,8 +28,8 @@ static bool hash_file(struct scene *scene, const char *path, struct err *err)
     return ok;
 }
 
-// Sets texels that are no valid radiance to 0. Returns false with *err set if a texel exceeds the
-// greatest radiance.
+// Sets invalid texels to 0 and counts them. Returns false with *err set if a texel exceeds the
+// maximum radiance.
 static bool clean_texels(struct scene *scene, const char *path, struct image *image,
                          const float factor[3], uint64_t *zeroed, struct err *err)
 {

@@ -5,13 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-// A three-quarter view: from the right of the front, which shows depth, and from above, which shows
-// the ground. The field of view is that of a 45 mm lens and film 24 mm high, which hardly distorts.
+// A three-quarter view: from the front right, which shows depth, and from above, which shows the
+// ground. The field of view is that of a 45 mm lens and film 24 mm high, which hardly distorts.
 #define FRAMED_AZIMUTH (35 * DEGREE)
 #define FRAMED_ELEVATION (20 * DEGREE)
 #define FRAMED_FOV_Y (30 * DEGREE)
-// The part of the image's width or height, whichever is the tighter, that the model fills. The rest
-// is a margin and shows its shadow.
+// The fraction of the image's width or height, whichever is the tighter, that the model fills. The
+// rest is a margin and shows the model's shadow.
 #define FRAMED_PART 0.8
 
 struct scene_axes scene_axes(enum scene_up up)
@@ -38,16 +38,16 @@ void framing_towards_camera(enum scene_up up, double out[3])
             cos(FRAMED_ELEVATION) * cos(FRAMED_AZIMUTH), out);
 }
 
-// The model to frame, in the axes of the camera: x to the right, y up, z towards the camera.
+// The model to frame, in camera axes: x to the right, y up, z towards the camera.
 struct subject {
     const struct scene *scene;
     double axes[3][3];
     double center[3]; // centre of its bounding box
-    bool is_a_point;  // or empty: it is framed like a ball of radius 1
+    bool is_a_point;  // or empty; framed like a ball of radius 1
 };
 
-// Computes the largest s.v + t z.v over the points v relative to the centre, where s is the
-// camera's axis, +x or +y, for out[0] and the opposite axis for out[1].
+// Computes the largest s.v + t z.v over the points v relative to the centre, where t is `tangent`
+// and s is the camera's axis, +x or +y, for out[0] and the opposite axis for out[1].
 static void support_pair(const struct subject *subject, int axis, double tangent, double out[2])
 {
     double normals[2][3];
@@ -63,10 +63,10 @@ static void support_pair(const struct subject *subject, int axis, double tangent
                                      : out[i] - vec3_dot(normals[i], subject->center);
 }
 
-// The whole model lies between the two planes through the camera at slope `tangent` to either side
-// of its axis, and touches both. With a and b the supports, a camera at (p, d) along x and z needs
-// t d >= a - p and t d >= b + p. The nearest camera that sees everything has p = (a - b) / 2 and d
-// = (a + b) / 2t.
+// Computes the nearest camera that sees the whole model along one axis. The model lies between the
+// two planes through the camera at slope `tangent` to either side of its axis, and touches both.
+// With a and b the supports (see support_pair), a camera at (p, d) along x and z needs t d >= a - p
+// and t d >= b + p. The nearest one has p = (a - b) / 2 and d = (a + b) / 2t.
 static double fit_pair(const struct subject *subject, int axis, double tangent, double *position)
 {
     double support[2];
@@ -75,10 +75,10 @@ static double fit_pair(const struct subject *subject, int axis, double tangent, 
     return (support[0] + support[1]) / (2 * tangent);
 }
 
-// Finds the position that centres the model at a given distance: both planes are equally tight at
+// Finds the position that centres the model at a given distance d: both planes are equally tight at
 // the tangent t = (a(t) + b(t)) / 2d. The derivative of a and b by t is the depth of a point, which
-// is less than a quarter of the distance; so each step of this iteration reduces the error to a
-// quarter, and five of them to 4^-5.
+// is less than a quarter of the distance. So each step of this iteration reduces the error to a
+// quarter, and five steps reduce it to 4^-5.
 static double center_pair(const struct subject *subject, int axis, double tangent, double distance)
 {
     double position;

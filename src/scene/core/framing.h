@@ -1,4 +1,4 @@
-// The camera that is added to a model without one, and the axes that follow from the up axis.
+// The camera for a model without one, and the axes that follow from the up axis.
 #ifndef LAMPYRIS_SCENE_CORE_FRAMING_H
 #define LAMPYRIS_SCENE_CORE_FRAMING_H
 
@@ -11,7 +11,7 @@ struct scene_axes {
 };
 struct scene_axes scene_axes(enum scene_up up);
 
-// Writes the unit direction from the model to the framed camera.
+// Computes the unit direction from the model to the framed camera.
 void framing_towards_camera(enum scene_up up, double out[3]);
 
 // Adds a framed camera to the scene unless it has a camera.

@@ -16,7 +16,7 @@ const char *const light_kind_names[] = {
 
 void light_init(struct light *light)
 {
-    memset(light, 0, sizeof *light); // clears padding, too: editors compare lights byte by byte
+    memset(light, 0, sizeof *light); // clears padding: editors compare lights byte by byte
     light->name = "";
     light->kind = LIGHT_POINT;
     light->direction[1] = -1;
@@ -41,8 +41,8 @@ double spot_width(const struct light *light)
     return width > SPOT_WIDTH_MIN ? width : SPOT_WIDTH_MIN;
 }
 
-// The falloff integrates to a third of `width` over the cosines from the outer one to `width` above
-// it, and to the full solid angle inside of that.
+// Over the cosines from the outer one to `width` above it, the falloff integrates to a third of
+// `width`; above that range it is 1.
 double spot_solid_angle(const struct light *light)
 {
     double width = spot_width(light), cone = versine((double)light->outer_angle);
@@ -60,7 +60,8 @@ void light_aim(struct light *light, const double direction[3])
     memcpy(light->direction, d, sizeof d);
     if (!light->profile)
         return;
-    // If the plane's direction is the new axis, the old axis is perpendicular to it.
+    // If the profile's plane has the direction of the new axis, the old axis is perpendicular to
+    // the new one.
     memcpy(x, light->profile_x, sizeof x);
     if (fabs(vec3_dot(x, d)) > 0.999)
         memcpy(x, former, sizeof x);

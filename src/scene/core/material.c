@@ -11,16 +11,17 @@
 #define MICROFACETS                                                                                \
     (PRINCIPLED | ONLY(MATERIAL_DIELECTRIC) | ONLY(MATERIAL_CONDUCTOR) | ONLY(MATERIAL_MICROFACET))
 
-// Squares and sums of this many do not overflow in single precision; see SCENE_RADIANCE_MAX.
+// Squares and sums of values up to this limit do not overflow in single precision; see
+// SCENE_RADIANCE_MAX.
 #define RADIANCE_MAX 1e30f
 #define EXPONENT_MAX 1e6f
 
 const struct material_parameter material_parameters[] = {
     {"base_color", PARAMETER_BASE_COLOR, 3, 0, 1, 0.5f,
      ALL & ~(ONLY(MATERIAL_DIELECTRIC) | ONLY(MATERIAL_CONDUCTOR)),
-     "Reflectance: of the diffuse part, of a mirror, of a metal at normal incidence."},
+     "Reflectance of the diffuse part, of a mirror, or of a metal at normal incidence."},
     {"opacity", PARAMETER_OPACITY, 1, 0, 1, 1, ALL,
-     "Probability that the surface is there; works with \"alpha\"."},
+     "Probability that a ray hits the surface; needs \"alpha\"."},
     {"emission", PARAMETER_EMISSION, 3, 0, RADIANCE_MAX, 0, ALL,
      "Radiance emitted from both sides, W/(sr m^2)."},
     {"anisotropic", PARAMETER_ANISOTROPIC, 1, 0, 1, 0, PRINCIPLED,
@@ -30,7 +31,7 @@ const struct material_parameter material_parameters[] = {
     {"metallic", PARAMETER_METALLIC, 1, 0, 1, 0, PRINCIPLED,
      "Blends from a dielectric (0) to a metal (1)."},
     {"anisotropic_rotation", PARAMETER_ANISOTROPIC_ROTATION, 1, -1, 1, 0, PRINCIPLED,
-     "Turns the tangent counter-clockwise; 1 is a full turn."},
+     "Rotates the tangent counter-clockwise; 1 is a full turn."},
     {"specular_color", PARAMETER_SPECULAR_COLOR, 3, 0, 1e3f, 1, PRINCIPLED | CLASSICAL,
      "Scales the reflectance at normal incidence; the specular reflectance of the classical "
      "models."},
@@ -47,29 +48,29 @@ const struct material_parameter material_parameters[] = {
      "Tints reflection at normal incidence towards the base colour."},
     {"clearcoat", PARAMETER_CLEARCOAT, 1, 0, 1, 0, PRINCIPLED, "Weight of the coat."},
     {"clearcoat_roughness", PARAMETER_CLEARCOAT_ROUGHNESS, 1, 0, 1, 0, PRINCIPLED,
-     "Perceptual roughness of a GGX coat (glTF); giving it chooses that coat."},
+     "Perceptual roughness of a GGX coat (glTF); setting it selects that coat."},
     {"clearcoat_gloss", PARAMETER_CLEARCOAT_GLOSS, 1, 0, 1, 1, PRINCIPLED,
-     "Gloss of Burley's coat (GTR1): 0 satin, 1 gloss."},
+     "Gloss of Burley's coat (GTR1), from satin (0) to glossy (1)."},
     {"normal_scale", PARAMETER_NORMAL_SCALE, 1, -1e3f, 1e3f, 1, ALL,
      "Scales x and y of the normal map."},
     {"sheen_color", PARAMETER_SHEEN_COLOR, 3, 0, 1, 0, PRINCIPLED,
      "Reflectance of the layer of fibres (glTF, Charlie)."},
     {"sheen_roughness", PARAMETER_SHEEN_ROUGHNESS, 1, 0, 1, 0, PRINCIPLED,
-     "Perceptual roughness of that layer."},
+     "Perceptual roughness of the layer of fibres."},
     {"subsurface", PARAMETER_SUBSURFACE, 1, 0, 1, 0, PRINCIPLED,
-     "Blends the diffuse part to Burley's approximation of scattering below the surface."},
+     "Blends the diffuse part towards Burley's approximation of subsurface scattering."},
     {"sheen", PARAMETER_SHEEN, 1, 0, 1, 0, PRINCIPLED, "Burley's grazing reflection of cloth."},
     {"sheen_tint", PARAMETER_SHEEN_TINT, 1, 0, 1, 0.5f, PRINCIPLED,
-     "Tints that towards the base colour."},
+     "Tints the sheen towards the base colour."},
     {"diffuse_transmission", PARAMETER_DIFFUSE_TRANSMISSION, 1, 0, 1, 0, PRINCIPLED,
-     "Part of the diffuse light that leaves on the other side (thin-walled only)."},
+     "Fraction of the diffuse light that leaves on the other side (thin-walled only)."},
     {"iridescence", PARAMETER_IRIDESCENCE, 1, 0, 1, 0, PRINCIPLED, "Weight of the thin film."},
     {"film_thickness", PARAMETER_FILM_THICKNESS, 1, 0, 1e6f, 400, PRINCIPLED,
      "Thickness of the film, nm."},
     {"film_ior", PARAMETER_FILM_IOR, 1, 1, 100, 1.3f, PRINCIPLED,
      "Index of refraction of the film."},
     {"dispersion", PARAMETER_DISPERSION, 1, 0, 10, 0, PRINCIPLED | ONLY(MATERIAL_DIELECTRIC),
-     "20 / Abbe number."},
+     "Dispersion: 20 / Abbe number."},
     {"conductor_eta", PARAMETER_CONDUCTOR_ETA, 3, 1e-3f, 100, 0.2f, ONLY(MATERIAL_CONDUCTOR),
      "Real part of the index of refraction, for red, green and blue."},
     {"exponent", PARAMETER_EXPONENT, 1, 0, EXPONENT_MAX, 32,

@@ -8,7 +8,7 @@
 struct placement placement_none(const double about[3])
 {
     struct placement none;
-    memset(&none, 0, sizeof none); // clears padding, too: placements are compared byte by byte
+    memset(&none, 0, sizeof none); // clears padding: placements are compared byte by byte
     memcpy(none.about, about, sizeof none.about);
     for (int c = 0; c < 3; c++)
         none.scale[c] = 1;
@@ -25,7 +25,7 @@ bool placement_is_none(const struct placement *p)
 
 // --- transforms ----------------------------------------------------------------------------------
 
-// The rotation about x, then y, then z; exactly the identity if all angles are 0.
+// Computes the rotation about x, then y, then z; exactly the identity if all angles are 0.
 static void rotation_of(const struct placement *p, double out[3][4])
 {
     memcpy(out, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
@@ -37,8 +37,8 @@ static void rotation_of(const struct placement *p, double out[3][4])
     }
 }
 
-// Applies a placement to the transform M: the linear part becomes R M S, and the point that M maps
-// to `about` is still mapped there.
+// Applies a placement to the transform M: the linear part becomes R M S, with rotation R and scale
+// S, and the point that M maps to `about` is still mapped there before the translation.
 static bool place_transform(const struct placement *p, const double from[3][4], double to[3][4],
                             struct err *err)
 {
@@ -58,8 +58,7 @@ static bool place_transform(const struct placement *p, const double from[3][4], 
     return true;
 }
 
-// Returns how many of a shape's axes are edges, which have a length. The others are unit vectors or
-// 0.
+// Returns how many of a shape's axes are edges with a length. The other axes are unit vectors or 0.
 static int edge_count(enum shape_kind kind)
 {
     switch (kind) {
@@ -143,8 +142,8 @@ static bool place_shape(const struct placement *p, const struct shape *from, str
 
 // --- the placed objects of a scene ---------------------------------------------------------------
 
-// Returns the index of the object in the list of placed objects, or at which to insert it: the list
-// is in ascending order.
+// Returns the object's index in the list of placed objects, or the index at which to insert it. The
+// list is in ascending order.
 static uint32_t place_in_list(const struct scene *scene, uint32_t object)
 {
     uint32_t low = 0, high = scene->placed_count;
@@ -246,7 +245,7 @@ bool scene_place(struct scene *scene, uint32_t object, const struct placement *t
     bool is_back = placement_is_none(to), ok = is_back || place(scene, placed, to, err);
     if (is_back)
         put_back(scene, placed);
-    // An entry that was added for a placement that failed is removed again.
+    // An entry that was added for a failed placement is removed again.
     if (is_back || placement_is_none(&placed->placement))
         remove_placed(scene, placed);
     return ok;

@@ -10,7 +10,7 @@ const char *const scene_up_names[] = {"y", "x", "z", NULL};
 const char *const scene_studio_names[] = {"off", "auto", "on", NULL};
 const char *const scene_ground_names[] = {"auto", "on", "off", NULL};
 
-// Appends to scene->ITEMS, of which there are ITEM_count; writes the new index unless `index` is
+// Appends to scene->ITEMS, which has ITEM_count elements. Stores the new index unless `index` is
 // NULL.
 #define APPEND(scene, items, item, index)                                                          \
     arena_append(&(scene)->arena, &(scene)->items, &(scene)->item##_count,                         \

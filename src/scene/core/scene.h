@@ -1,8 +1,8 @@
-// A scene as plain arrays. Loaders fill it; scene_flatten() turns it into what the BVH and the
-// kernels take. Nothing here depends on Vulkan.
+// A scene as plain arrays. Loaders fill them; scene_flatten() converts them for the BVH and the
+// kernels. No Vulkan.
 //
-// Units: metres, radiance in W/(sr m^2) in linear Rec. 709 primaries, angles in radians.
-// Right-handed world, any up axis; matrices are row-major, column vectors: p' = M p.
+// Units: metres, radiance in W/(sr m^2) in linear Rec. 709 primaries, angles in radians. The world
+// is right-handed, with any up axis. Matrices are row-major and multiply column vectors: p' = M p.
 //
 // Threads: any thread may call these functions, but only one at a time for the same scene.
 #ifndef LAMPYRIS_SCENE_CORE_SCENE_H
@@ -19,18 +19,19 @@
 
 #define SCENE_NONE UINT32_MAX // invalid index
 
-// Positions and lengths are in metres. Objects may be 1e12 m away; the rest of the range is for
-// cameras and lights around them.
+// Maximum |coordinate| and length, in metres. Objects may be up to 1e12 m away; the rest of the
+// range is for cameras and lights around them.
 #define SCENE_COORDINATE_MAX 1e13
-// The smallest radius, height or range that a part of a scene may have.
+// The minimum radius, height or range of any object, in metres.
 #define SCENE_LENGTH_MIN 1e-18
-#define SCENE_LENS_MAX_MM (1e3 * SCENE_COORDINATE_MAX) // radius of a camera's lens
+#define SCENE_LENS_MAX_MM (1e3 * SCENE_COORDINATE_MAX) // maximum radius of a camera's lens
 #define SCENE_LENS_BLADES_MAX 64
-#define SCENE_TURN_MAX 1e6 // rotation of an environment, degrees
-// The largest and the smallest extent of a whole scene along an axis, metres.
+#define SCENE_TURN_MAX 1e6 // maximum rotation of an environment, degrees
+// The maximum and minimum extent of a whole scene along an axis, in metres.
 #define SCENE_EXTENT_MAX (2 * SCENE_COORDINATE_MAX)
 #define SCENE_EXTENT_MIN 1e-13
-// This leaves a factor of 1e8 for sums over samples and for products with throughputs.
+// The maximum radiance. It leaves a factor of 1e8 for sums over samples and for products with
+// throughputs.
 #define SCENE_RADIANCE_MAX 1e30 // W/(sr m^2)
 
 // A triangle mesh in its own space.
@@ -38,32 +39,31 @@ struct mesh {
     const char *name;
     uint32_t vertex_count;
     uint32_t triangle_count;
-    float (*positions)[3];        // vertex_count
-    double (*exact_positions)[3]; // vertex_count; `positions` before they were rounded; or NULL:
-                                  // not known
-    float (*normals)[3];          // vertex_count, unit length or (0,0,0) where missing; or NULL
-    float (*tangents)[4];         // vertex_count, unit length and the bitangent's sign; or NULL
-    float (*uvs[2])[2];           // two sets, vertex_count each, t downwards; or NULL
-    float (*colors)[4];           // vertex_count, linear RGBA; or NULL
-    uint32_t (*indices)[3];       // triangle_count, each below vertex_count
-    uint32_t *triangle_material;  // triangle_count; or NULL: `material` for all
+    float (*positions)[3];        // vertex_count elements
+    double (*exact_positions)[3]; // `positions` before rounding; NULL: not known
+    float (*normals)[3];          // unit vectors, or (0,0,0) where missing; NULL: none
+    float (*tangents)[4];         // unit vectors and the bitangent's sign; NULL: none
+    float (*uvs[2])[2];           // two sets, t points down; NULL: none
+    float (*colors)[4];           // linear RGBA; NULL: none
+    uint32_t (*indices)[3];       // triangle_count elements, each below vertex_count
+    uint32_t *triangle_material;  // triangle_count elements; NULL: `material` for all
     uint32_t material;
 };
 
 struct instance {
     uint32_t mesh;
-    uint32_t material;      // replaces the mesh's materials; SCENE_NONE keeps them
+    uint32_t material;      // overrides the mesh's materials; SCENE_NONE: does not
     double transform[3][4]; // mesh space to world
-    bool hidden;            // left out of the render
+    bool hidden;            // omitted from the render
 };
 
-// The order is that of SHAPE_KIND_* in shaders/shared/types.h.
+// In the order of SHAPE_KIND_* in shaders/shared/types.h.
 enum shape_kind {
     SHAPE_SPHERE,
     SHAPE_DISC,
     SHAPE_PLANE,    // infinite
     SHAPE_QUAD,     // a parallelogram
-    SHAPE_BOX,      // its edges are perpendicular; it may have any orientation
+    SHAPE_BOX,      // perpendicular edges, any orientation
     SHAPE_CYLINDER, // closed by caps at both ends
     SHAPE_TUBE,     // an open cylinder, without caps
     SHAPE_SDF,      // a signed distance field
@@ -71,31 +71,30 @@ enum shape_kind {
 };
 
 // An analytic shape in world space. Transforms are applied when it is loaded; a transform that
-// would turn it into another kind of shape is an input error.
+// would make it another kind of shape is an input error.
 struct shape {
     enum shape_kind kind;
     uint32_t material;
     double center[3]; // plane: any point of it; distance field: centre of its box
     double normal[3]; // disc, plane: unit normal
     double radius;    // sphere, disc, cylinder, open cylinder: > 0
-    // Quad: two half edges. Box: three perpendicular half edges, right-handed. Cylinder and open
-    // cylinder: [0] leads from the centre to an end, [1] is the unit vector across at which u is 0.
-    // Plane: [1] likewise. Distance field: half edges of its box.
+    // Quad: two half edges. Box: three perpendicular half edges, right-handed. Cylinders: [0] leads
+    // from the centre to an end, [1] is the perpendicular unit vector at which u is 0. Plane: [1]
+    // as for cylinders. Distance field: half edges of its box.
     double axes[3][3];
-    uint32_t sdf; // index of scene.sdfs
-    bool hidden;  // left out of the render
+    uint32_t sdf; // index in scene.sdfs
+    bool hidden;  // omitted from the render
 };
 
-// A signed distance field, see shared/sdf.h, in the space of its description. Its shapes place it
-// in the world (sdf_to_world() in sdf.h).
+// A signed distance field (shared/sdf.h), in the space of its description. Its shapes place it in
+// the world; see sdf_to_world().
 struct gpu_sdf_instruction;
 struct sdf {
-    double min[3], max[3]; // its box, in that space
+    double min[3], max[3]; // its box in that space
     struct gpu_sdf_instruction *code;
     uint32_t count;   // number of instructions
-    double lipschitz; // upper bound of the gradient's length of the described field; the program's
-                      // is at most 1
-    double magnitude; // largest |coordinate| that the program computes within the box
+    double lipschitz; // upper bound of the described field's gradient; the program's is at most 1
+    double magnitude; // maximum |coordinate| that the program computes within the box
 };
 
 struct camera {
@@ -105,37 +104,36 @@ struct camera {
     uint32_t kind;         // CAMERA_*
     double fov_y;          // perspective: vertical field of view, radians, in (0, pi)
     double height;         // orthographic: height of the visible region, metres
-    double lens_radius;    // radius of the lens, metres; 0: a pinhole
-    double focus_distance; // along the direction, metres, > 0 with a lens
-    uint32_t lens_blades;  // number of blades of the aperture, at least 3; 0: a round one
+    double lens_radius;    // metres; 0: a pinhole
+    double focus_distance; // distance along `direction`, metres; > 0 with a lens
+    uint32_t lens_blades;  // blades of the aperture, at least 3; 0: a round aperture
     double lens_rotation;  // rotation of the blades, radians
     const char *name;
 };
 
-// The sun of a sky. It becomes a light when the scene is complete.
+// The sun of a sky. When the scene is complete, it becomes a light.
 struct environment_sun {
     double direction[3];   // unit vector in which its light travels
-    float irradiance[3];   // on a surface that faces the sun, W/m^2
-    double angular_radius; // 0: there is no sun
-    uint32_t light;        // index in scene.lights of the light that it became, plus 1; 0: it is no
-                           // light yet
+    float irradiance[3];   // on a surface facing the sun, W/m^2
+    double angular_radius; // radians; 0: there is no sun
+    uint32_t light;        // 1 + index in scene.lights of its light; 0: it has none yet
 };
 
 struct sky;
 struct environment_gradient;
 
-// The light that arrives where a ray leaves the scene. With an image, radiance multiplies it.
+// The light from outside the scene, which rays that hit nothing find. With an image, `radiance`
+// multiplies it.
 struct environment {
     bool present;
-    float radiance[3];      // constant radiance, or the factor on the image
-    double rotation;        // about +Y, radians, see environment.h
-    uint32_t width, height; // 0 x 0: constant
-    float (*texels)[3];     // latitude-longitude, row 0 at the top (+Y), see environment.h
+    float radiance[3];      // constant radiance, or the image's factor
+    double rotation;        // about +Y, radians; see environment.h
+    uint32_t width, height; // 0 x 0: constant radiance
+    float (*texels)[3];     // latitude-longitude, row 0 at the top (+Y); see environment.h
     struct environment_sun sun;
-    uint64_t zeroed; // number of texels of the file that were negative or not finite, and were set
-                     // to black
-    // The source of the texels, for writers of scene files. At most one of these is set; if none
-    // is, the environment is constant.
+    uint64_t zeroed; // number of texels of the file that were negative or not finite, and became 0
+    // The source of the texels, for writing scene files. At most one of these is set; if none is,
+    // the environment is constant.
     const char *file; // relative to the working directory
     const struct sky *sky;
     const struct environment_gradient *gradient;
@@ -144,35 +142,35 @@ struct environment {
 struct scene_base;
 struct placed_object;
 
-// A path as it is written in an override, and relative to the working directory.
+// A path as written in an override, and the same path relative to the working directory.
 struct scene_path {
     const char *text, *path;
 };
 
-// The axis of the world that points up, for light and ground that are added to a model.
+// The up axis of the world, for light and ground that are added to a model.
 enum scene_up { SCENE_UP_Y, SCENE_UP_X, SCENE_UP_Z };
 extern const char *const scene_up_names[]; // "y", "x", "z", NULL
 
-// The light of a scene that has none of its own, see studio.h.
+// The light for a scene that has none of its own; see studio.h.
 enum scene_studio {
     SCENE_STUDIO_OFF,  // a constant environment
-    SCENE_STUDIO_AUTO, // models get the studio; scene files of our own format with a camera get OFF
-    SCENE_STUDIO_ON,   // the studio replaces the environment in every case
+    SCENE_STUDIO_AUTO, // ON for models, OFF for .json scenes with a camera
+    SCENE_STUDIO_ON,   // the studio always replaces the environment
 };
 extern const char *const scene_studio_names[]; // "off", "auto", "on", NULL
 enum scene_ground {
-    SCENE_GROUND_AUTO, // together with the studio, unless a camera of the file is below the ground
+    SCENE_GROUND_AUTO, // with the studio, unless a camera of the file is below the ground
     SCENE_GROUND_ON,
     SCENE_GROUND_OFF,
 };
 extern const char *const scene_ground_names[]; // "auto", "on", "off", NULL
 
 struct scene {
-    struct arena arena;              // owns everything below
-    const struct progress *progress; // notified while the scene is loaded; NULL: no listener
+    struct arena arena;              // owns all data of the scene
+    const struct progress *progress; // listener while the scene is loaded; NULL: none
     const char *path;                // as given on the command line
     struct material *materials;
-    uint32_t material_count; // at least 1: loaders add a grey default where a file has none
+    uint32_t material_count; // at least 1: loaders add a grey default if a file has none
     struct mesh *meshes;
     uint32_t mesh_count;
     struct instance *instances;
@@ -181,58 +179,53 @@ struct scene {
     uint32_t shape_count;
     struct sdf *sdfs;
     uint32_t sdf_count;
-    struct camera *cameras;   // as in the file; the first is used unless chosen otherwise
-    uint32_t camera_count;    // at least 1 after scene_load: a framed camera is added to a model
-                              // without one
-    uint32_t animation_count; // number of animations of a glTF file
-    double animation_seconds; // time of the last key of the animation in use, or else of the first
-                              // animation
-    bool camera_is_framed; // cameras[0] was added by the loader: scene_frame_camera fits it to the
-                           // size of the image
-    bool is_model;         // the file, or the base of the file, is not of our own format
-    bool is_empty;   // there is no triangle with an area, no shape and no environment of its own
-    bool is_hidden;  // all surfaces are hidden, and there is no environment of its own
-    bool has_studio; // the studio's light was added
-    double weak_emission;                // light of its own that is too weak to count, see studio.h
-    bool has_ground;                     // the last shape is the ground that was added
+    struct camera *cameras;   // as in the file; the first is used unless another is chosen
+    uint32_t camera_count;    // at least 1 after scene_load
+    uint32_t animation_count; // number of animations in a glTF file
+    double animation_seconds; // time of the last key of the selected animation, else of the first
+    bool camera_is_framed;    // the loader added cameras[0]; see scene_frame_camera
+    bool is_model;            // the file, or its base, is in another format than this program's
+    bool is_empty;            // no triangle with an area, no shape and no environment of its own
+    bool is_hidden;           // all surfaces are hidden, and there is no environment of its own
+    bool has_studio;          // the studio's light was added
+    double weak_emission;     // the file's own light if too weak to count, see studio.h
+    bool has_ground;          // the last shape is an added ground
     bool has_own_exposure, has_own_tone; // the file sets them
-    bool exposure_is_replaced;           // the file's exposure was meant for the environment that
-                                         // --env replaces
-    bool is_strict;                      // a missing image is an error
-    uint32_t missing_image_count;        // number of images that are shown in pink
+    bool exposure_is_replaced;           // the file's was for an environment that --env replaces
+    bool is_strict;                      // missing images are errors
+    uint32_t missing_image_count;        // number of images that are replaced by pink
     enum scene_up up;
     struct texture_image *images;
     uint32_t image_count;
     struct texture *textures; // the textures of one material are adjacent
     uint32_t texture_count;
-    struct light *lights; // punctual and directional lights; see struct light
+    struct light *lights; // see struct light
     uint32_t light_count;
-    struct placed_object *placed; // objects with a new placement, see placement.h
+    struct placed_object *placed; // placed objects, see placement.h
     uint32_t placed_count;
-    const struct light_profile *profiles; // the profile that was read last; the others follow by
-                                          // `next`, see ies.h
+    // The light profile that was read last; the others follow by `next`, see ies.h.
+    const struct light_profile *profiles;
     struct environment environment;
     struct settings settings; // the defaults, overridden by the file
-    uint64_t hash; // hash of the bytes of the file and of all files that it names, and of the
-                   // overrides
-    // The loader's remarks on what it added or changed, for the report: "no camera in the file:
-    // framed from the front"
+    uint64_t hash;            // hash of the file, of all files that it names, and of the overrides
+    // The loader's notes on what it added or changed, for the report, such as "no camera in the
+    // file: framed from the front".
     const char **notes;
     uint32_t note_count;
-    // For writers of scene files: the strings of the overrides that were read as paths, and the
-    // edits of a file with a "base" (scene_edits.h). base is NULL if the file has none.
+    // For writing scene files: the strings of overrides that were read as paths, and the base and
+    // edits of a file with a "base" (scene_edits.h). `base` is NULL if the file has none.
     struct scene_path *override_paths;
     uint32_t override_path_count, override_path_capacity;
     const struct scene_base *base;
-    // Capacities of the arrays above. Only the scene_add_ functions and scene_note use them.
+    // Capacities of the arrays above, for the scene_add_ functions and scene_note() only.
     uint32_t material_capacity, mesh_capacity, instance_capacity, shape_capacity, camera_capacity;
     uint32_t note_capacity, image_capacity, texture_capacity, light_capacity, sdf_capacity;
     uint32_t placed_capacity;
 };
 
 struct scene_override {
-    const char *key;   // dotted path into the document, or the name of an entry of "define"
-    const char *value; // JSON; text that is not valid JSON is taken as a string
+    const char *key;   // path in the document, with dots, or the name of an entry of "define"
+    const char *value; // JSON; text that is not valid JSON is a string
 };
 
 // A mesh in arrays of the caller's, which {"type": "mesh", "array": NAME} places in a scene file.
@@ -254,8 +247,8 @@ struct scene_array {
 };
 
 struct scene_load_params {
-    const char *path; // .json (our format), .gltf, .glb, .obj, .ply; by extension, case-insensitive
-    const struct scene_override *overrides; // -D key=value; our JSON format only
+    const char *path; // .json (this program's format), .gltf, .glb, .obj or .ply, in any case
+    const struct scene_override *overrides; // -D key=value; for .json only
     uint32_t override_count;
     const char *text; // replaces the file's contents; our own format only. `path` is then only a
                       // name
@@ -265,21 +258,21 @@ struct scene_load_params {
     // The overrides come from a file in this folder: paths in them are relative to it and confined
     // to it. NULL: they come from the user.
     const char *override_folder;
-    uint32_t base_depth; // number of files that name this one, directly or not, as their "base"
-    // These replace the file's environment, see environment.h and sky.h. If all are NULL, it is
+    uint32_t base_depth; // number of files that have this one as a "base", in a chain
+    // These replace the file's environment; see environment.h and sky.h. If all are NULL, it is
     // kept.
     const char *environment_file;
-    const float *environment_radiance; // 3
+    const float *environment_radiance; // 3 components
     const struct sky *environment_sky;
-    double environment_rotation;        // is added to the environment's rotation, radians
-    const double *environment_strength; // a further factor on the environment's radiance; NULL: 1
-    enum scene_studio studio;           // 0: off, for measurements
+    double environment_rotation;        // added to the environment's rotation, radians
+    const double *environment_strength; // additional factor on the environment's radiance; NULL: 1
+    enum scene_studio studio;           // 0 (off) for measurements
     enum scene_ground ground;
     enum scene_up up;
-    bool is_strict; // a missing image is an error instead of pink
-    // The following apply to glTF only.
-    // Time of the pose in animation 0, or in the animation named below. NULL: the nodes as they are
-    // without animation, or the beginning of the named animation.
+    bool is_strict; // missing images are errors instead of pink
+    // The following apply to glTF only. Time in seconds at which to pose animation 0, or the
+    // animation named below. NULL: the nodes are not animated, or are at the beginning of the named
+    // animation.
     const double *at_seconds;
     const char *animation;  // name or index; NULL: the first
     const char *scene_name; // name or index; NULL: the file's default
@@ -287,27 +280,27 @@ struct scene_load_params {
     const struct progress *progress;
 };
 
-// Loads and checks a scene. If it has no camera, one is framed; if it has no light, light is added;
-// notes say so. On failure *out is finished and {0}, and err names file, place, value and what was
+// Loads and checks a scene. If it has no camera or no light, these are added, with notes. On
+// failure *out is finished and {0}, and *err names the file, the place, the value and what was
 // expected.
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err);
-// Adds a file to *scene, without initialising *scene as scene_load does.
+// Adds a file to *scene, which must be initialised already, unlike with scene_load().
 bool scene_load_into(struct scene *scene, const struct scene_load_params *params, struct err *err);
 void scene_finish(struct scene *scene); // accepts NULL and {0}
 
-// Moves the camera that was added to a scene without one so that the whole scene, without the
+// Moves the camera that was added to a scene without one, so that the whole scene, without the
 // ground, fills the image of settings.width x settings.height. Call it again when these change.
-// Cameras of the file are not moved.
+// Does not move cameras of the file.
 void scene_frame_camera(struct scene *scene);
 
-// Adds the formatted text to scene->notes. Returns false when out of memory.
+// Appends a formatted text to scene->notes. Returns false when out of memory.
 bool scene_note(struct scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// Reports the fraction that is done of a long part of loading. Fails with ERR_STOPPED when the
-// listener wants to stop.
+// Reports the progress of a long part of loading, a fraction in [0, 1]. Fails with ERR_STOPPED when
+// the listener wants to stop.
 bool scene_loading(const struct scene *scene, double fraction, struct err *err);
-// Fails with ERR_STOPPED, without a report, when the listener wants to stop at iteration `i` of a
-// loop: see progress_stops_at().
+// Polls for a stop at iteration `i` of a loop, without a report (see progress_stops_at). Fails with
+// ERR_STOPPED when the listener wants to stop.
 bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err);
 
 // --- what the loaders share (scene_load.c calls exactly one of these by extension) ---------------
@@ -346,13 +339,13 @@ bool load_array(struct scene *scene, const struct scene_array *array, uint32_t d
 bool load_gltf_into(struct scene *scene, const char *path, const double place[3][4],
                     bool allow_outside_paths, struct err *err);
 
-// These grow arrays in the scene's arena. They return the new element, zeroed except that names are
-// "", or NULL when out of memory; *index receives its index if it is not NULL. Pointers to earlier
-// elements become invalid, because the array may move.
+// Append elements to arrays in the scene's arena. They return the new element, zeroed except that
+// names are "", or NULL when out of memory. *index becomes its index if `index` is not NULL.
+// Pointers to earlier elements become invalid, because the array may move.
 struct material *scene_add_material(struct scene *scene, uint32_t *index);
 struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
-// Reserves room for this many more elements at once, so that they are not copied repeatedly.
+// Reserve room for this many more elements at once, so that they are not copied repeatedly.
 bool scene_reserve_instances(struct scene *scene, uint64_t more);
 bool scene_reserve_shapes(struct scene *scene, uint64_t more);
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index);
@@ -364,17 +357,17 @@ struct light *scene_add_light(struct scene *scene, uint32_t *index);
 struct scene_path *scene_add_override_path(struct scene *scene);
 struct placed_object *scene_add_placed(struct scene *scene);
 
-// Returns whether a texture of the material scales this parameter, PARAMETER_*, so that its value
+// Returns whether a texture of the material scales this parameter (PARAMETER_*), so that its value
 // may vary below the constant.
 bool scene_parameter_is_textured(const struct scene *scene, const struct material *material,
                                  uint32_t parameter);
 
-// Appends a copy of *mesh; its arrays live in the scene's arena already.
+// Appends a copy of *mesh, whose arrays must already live in the scene's arena.
 bool scene_append_mesh(struct scene *scene, const struct mesh *mesh, uint32_t *index,
                        struct err *err);
 
-// Adds one instance, with the identity as its transform and with the mesh's own materials, for each
-// of `count` meshes.
+// Adds one instance, with the identity as its transform and the mesh's own materials, for each of
+// `count` meshes.
 bool scene_place_meshes(struct scene *scene, uint32_t first_mesh, uint32_t count, struct err *err);
 
 #endif

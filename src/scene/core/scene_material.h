@@ -12,28 +12,29 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Microfacets with alpha = roughness^2 below this are a perfect mirror, because single precision
-// does not resolve a narrower GGX distribution. It equals SMALLEST_ALPHA of lib/microfacet.glsl.
+// Microfacet distributions with alpha = roughness^2 below this are treated as perfectly specular,
+// because single precision does not resolve a narrower GGX distribution. Equals SMALLEST_ALPHA of
+// lib/microfacet.glsl.
 #define MATERIAL_SMALLEST_ALPHA 1e-4f
 
 struct material_parameter {
     const char *name;      // in scene files: "base_color"
-    uint32_t first, count; // PARAMETER_*, 1 or 3 components
+    uint32_t first, count; // PARAMETER_* and number of components, 1 or 3
     float min, max;        // range of each component
     float fallback;        // default of each component
-    uint32_t models;       // bits 1 << MATERIAL_*: the models that use it
+    uint32_t models;       // bits 1 << MATERIAL_* of the models that use it
     const char *help;      // one sentence, with the unit
 };
 
 extern const struct material_parameter material_parameters[];
 extern const uint32_t material_parameter_count;
-// "diffuse" …, indexed by model; ended by NULL.
+// Names such as "diffuse", indexed by model; ended by NULL.
 extern const char *const material_model_names[MATERIAL_MODEL_COUNT + 1];
 
 struct material {
-    const char *name; // never NULL; "" when the file gives none
+    const char *name; // never NULL; "" if the file gives none
     uint32_t model;   // MATERIAL_LAMBERT …
-    uint32_t flags;   // MATERIAL_ALPHA_MASK …; NORMAL_MAP, MEDIUM and EMITS are set at upload
+    uint32_t flags; // MATERIAL_ALPHA_MASK …; NORMAL_MAP, MEDIUM and EMITS are only set at upload
     union {
         float parameters[PARAMETER_COUNT];
         struct { // the same memory, by name
@@ -50,12 +51,11 @@ struct material {
             float conductor_k[3], alpha_cutoff;
         };
     };
-    uint32_t first_texture, texture_count; // in scene->textures
-    // The medium inside of the material's closed surfaces, for models that transmit and are not
-    // thin.
-    float extinction[3];      // 1/m; INFINITY is allowed and means opaque at any distance but 0
-    uint32_t medium_priority; // 1 to 255, default 1; where media overlap, the one with the highest
-                              // priority applies
+    uint32_t first_texture, texture_count; // range in scene->textures
+    // The medium inside the material's closed surfaces, for models that transmit and are not
+    // thin-walled.
+    float extinction[3];      // 1/m; INFINITY is opaque at any distance but 0
+    uint32_t medium_priority; // 1 to 255, default 1; the highest priority wins where media overlap
 };
 
 _Static_assert(offsetof(struct material, dispersion) ==
@@ -65,13 +65,13 @@ _Static_assert(offsetof(struct material, alpha_cutoff) ==
                    offsetof(struct material, parameters[PARAMETER_ALPHA_CUTOFF]),
                "names and numbers of the parameters must agree");
 
-// The flags of a material that scene files set, under their names there ("alpha", "thin" …): each
-// row is a bit or a choice. Flags that are derived at upload are not among them.
+// The flags of a material that scene files set, with their names there ("alpha", "thin" …). Each
+// row is a bit or a choice. Flags that are derived at upload are not listed.
 extern const struct field material_flags[];
 extern const size_t material_flag_count;
-const struct field *material_flag(const char *key); // one of these
+const struct field *material_flag(const char *key); // returns the row with this key
 
-// A grey Lambert surface with every parameter at its fallback.
+// Initialises a grey Lambert material with the default of every parameter.
 void material_init(struct material *material);
 // Sets the absorption (Beer-Lambert law) so that white light has `color` after `distance` metres (>
 // 0): -log(color) / distance; infinite where a channel is 0.
@@ -82,37 +82,35 @@ uint32_t material_shading_model(const struct material *material);
 // Returns the CLASS_* that shades the material.
 uint32_t material_class(const struct material *material);
 // Convert between Phong's exponent and roughness by alpha_p = 2 / alpha^2 - 2 (Walter et al. 2007,
-// section 5.2), alpha = roughness^2. The exponent is INFINITY at roughness 0.
+// section 5.2), with alpha = roughness^2. The exponent is INFINITY at roughness 0.
 double material_phong_exponent(double roughness);
 double material_phong_roughness(double exponent);
-// Returns whether its surfaces bound a medium: the material transmits light, refracted or not, and
+// Returns whether the material's surfaces bound a medium: it transmits light, refracted or not, and
 // is not thin-walled.
 bool material_has_inside(const struct material *material);
-// Returns whether it may emit light that can be sampled or hit. Unlit materials are shown but do
-// not light the scene.
+// Returns whether the material may emit light that can be sampled or hit. Unlit materials are
+// displayed but do not light the scene.
 bool material_emits(const struct material *material);
 
-// Texels in memory, decoded to linear values: RGBA, four halves or four floats.
+// Texels in memory, decoded to linear RGBA: four halves or four floats.
 struct texture_image {
     const char *name;       // for messages
     uint32_t width, height; // at most 65535
-    bool is_float;          // 16 bytes a texel, else 8
+    bool is_float;          // 16 bytes per texel, else 8
     bool has_alpha;         // some texel has an alpha below 1
-    bool is_missing;        // the file is missing: one pink texel stands in for it
+    bool is_missing;        // the file is missing, and one pink texel replaces it
     const void *texels;     // row 0 at the top
     float mean[4];          // mean of all texels
     float greatest;         // greatest component of all texels
-    uint64_t zeroed;        // number of texels that were negative or not finite, and were set to
-                            // black
-    uint64_t hash;          // hash of the file's bytes and of the parameters of decoding
+    uint64_t zeroed;        // number of texels that were negative or not finite, and became 0
+    uint64_t hash;          // hash of the file and of the decoding parameters
 };
 
-// One use of an image by a material: the texture transform and what the texels scale.
+// One use of an image by a material: the texture transform, and what the texels scale.
 struct texture {
     uint32_t image;
     uint32_t flags;        // TEXTURE_* except TEXTURE_FLOAT
-    float transform[2][3]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); t grows downwards from
-                           // the top
+    float transform[2][3]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); t points down
 };
 
 static inline bool texture_is_scale(const struct texture *texture)
@@ -145,18 +143,17 @@ struct light {
     const char *name;
     uint32_t kind;                  // LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL
     double position[3];             // point, spot
-    double direction[3];            // unit vector in which light travels: spot, directional
+    double direction[3];            // spot, directional: unit vector in which light travels
     float radiant[3];               // point, spot: intensity, W/sr; directional: irradiance, W/m^2
     float range;                    // metres, > 0; INFINITY: unlimited
     float inner_angle, outer_angle; // spot: half-angles, radians, 0 <= inner < outer <= pi / 2
-    double angular_radius; // directional: angular radius of its disc, radians, up to pi / 2; 0: a
-                           // delta light
-    // Point, spot: scales the intensity by direction, see ies.h; or NULL. Its vertical angle is 0
-    // along `direction`, of a point light too; its horizontal angle is 0 in the half-plane of
+    double angular_radius;          // directional: of the disc, radians, to pi / 2; 0: delta light
+    // Point, spot: scales the intensity by direction, see ies.h; or NULL. The vertical angle is 0
+    // along `direction`, for point lights too. The horizontal angle is 0 in the half-plane of
     // profile_x, a unit vector orthogonal to `direction`.
     const struct light_profile *profile;
     double profile_x[3];
-    bool hidden; // left out of the render
+    bool hidden; // omitted from the render
 };
 
 #endif

@@ -1,5 +1,5 @@
-// Settings of a render: everything that is not the scene. settings_default() gives the defaults;
-// the scene file overrides them, and the command line overrides both.
+// The settings of a render: everything except the scene. settings_default() sets the defaults; the
+// scene file overrides them, and the command line overrides both.
 #ifndef LAMPYRIS_SCENE_CORE_SETTINGS_H
 #define LAMPYRIS_SCENE_CORE_SETTINGS_H
 
@@ -33,34 +33,32 @@ enum setting_id {
 #include "scene/core/settings_list.h"
     SETTING_TOTAL
 };
-// The settings of the section "film" in scene files; the others are in "settings".
+// Settings in the section "film" of scene files; the others are in "settings".
 #define SETTINGS_FILM_FIRST SETTING_WIDTH
 #define SETTINGS_FILM_LAST SETTING_TONE
 
 struct setting {
     struct field field;
-    const char *option;   // without the dashes; NULL: only scene files have it
+    const char *option;   // without dashes; NULL: for scene files only
     const char *group;    // group of the option in the help
     const char *help;     // sentences, with the unit
-    const char *brief;    // one line for --help; NULL: the option is in --help-all alone
-    bool changes_samples; // changes the values of samples; false: changes only their number or how
-                          // the film is shown
+    const char *brief;    // one line for --help; NULL: only --help-all shows the option
+    bool changes_samples; // not only their number or the display of the film
     double fallback;      // the default
-    // The meaning of the word that stands in place of a number, or of the least number if there is
-    // no word; NULL: there is no special meaning.
+    // The meaning of the setting's word, or of its least number if it has no word; NULL: no special
+    // meaning.
     const char *special;
     const char *argument; // placeholder of the number in the help
-    // The label in the viewer's panel; NULL: it is not in the panel's list of settings.
+    // The label in the viewer's panel; NULL: not shown there.
     const char *label;
     const char *unit; // shown after the number
-    double drag;      // change by dragging over the whole width of the control; 0: derived from the
-                      // range
-    bool gap;         // leave a gap before it
-    // The setting matters only while the setting `needs` has one of these values, one bit each; 0:
-    // always.
+    double drag;      // change by dragging across the whole control; 0: derived from the range
+    bool gap;         // leave a gap before it in the panel
+    // The setting has an effect only while the setting `needs` has one of these values, one bit
+    // each; 0: always.
     enum setting_id needs;
     uint32_t needs_values;
-    bool needs_image; // likewise: only if the environment is an image
+    bool needs_image; // has an effect only if the environment is an image
 };
 
 extern const struct setting settings_table[SETTING_TOTAL];
@@ -70,20 +68,20 @@ struct settings settings_default(void);
 bool settings_same(const struct settings *a, const struct settings *b);
 bool setting_is_in_use(const struct setting *setting, const struct settings *settings,
                        bool has_image);
-// Writes "From 0.01 to 1.", with the meaning of its word or its least number; "" for choices and
-// switches.
+// Writes "From 0.01 to 1.", and the meaning of the setting's word or least number; "" for choices
+// and switches.
 #define SETTING_RANGE_MAX 120
 void setting_range(const struct setting *setting, char out[SETTING_RANGE_MAX]);
 // Writes the default, such as "off (any distance)".
 void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_MAX]);
 
-// Returns the radius that was set, or else the filter's default radius.
+// Returns the radius that was set, or else the filter's default.
 float settings_filter_radius(const struct settings *settings);
 
-// Returns whether samples lie at more than one position in a pixel.
+// Returns whether samples are spread over the pixel instead of all being at its centre.
 bool settings_spread_over_pixel(const struct settings *settings);
 
-// The names of the choices in the order of their values; each list ends with NULL. Scene files,
+// The names of choices, in the order of their values; each list ends with NULL. Scene files,
 // options and reports use these names.
 extern const char *const integrator_names[];
 extern const char *const sampler_names[];

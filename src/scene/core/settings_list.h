@@ -1,10 +1,9 @@
-// Every setting of a render, one row each: the only place that lists them. The including file first
-// defines
+// The list of all settings of a render, one row each. The including file first defines
 //   SETTING(ID, C type, member of struct settings, key in scene files, option, group in the help,
 //           help, designated members of struct field in parentheses, those of struct setting)
-// A row with SETTING_OF_FILE has no option of its own. One with SETTING_OF_COUNT changes the number
-// of samples in the film but not their values. One with SETTING_OF_IMAGE changes how the film is
-// displayed, and no bit of the film.
+// A row with SETTING_OF_FILE has no option of its own. A row with SETTING_OF_COUNT changes the
+// number of samples in the film but not their values. A row with SETTING_OF_IMAGE changes how the
+// film is displayed, and no bit of the film.
 //
 // Ranges: counts end at 2^20, where paths end, or are "off". Numbers that are stored in single
 // precision end at 3.4e38, which is just below its maximum, and lengths begin at 1e-37, above which
@@ -50,7 +49,8 @@ SETTING(SEED, uint32_t, seed, "seed", "seed", "Sampling",
     "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
     (COUNT(0, UINT32_MAX)), .fallback = 0, .argument = "N", .label = "Seed")
 SETTING(MAX_BOUNCES, uint32_t, max_bounces, "max_bounces", "max-bounces", "Sampling",
-    "The most scattering events on a path: 0 gives emission only, 1 gives direct light too.",
+    "Maximum number of scattering events on a path: 0 gives emission only, 1 gives direct light "
+    "too.",
     (COUNT(0, SETTINGS_BOUNCES_MAX)), .brief = "Scattering events on a path: 1 is direct light.",
     .fallback = 9, .argument = "N", .label = "Bounces")
 
@@ -60,7 +60,7 @@ SETTING(INTEGRATOR, uint32_t, integrator, "integrator", "integrator", "Method",
     "shadows and Phong shading, for comparison.",
     (CHOICE(integrator_names)), .fallback = INTEGRATOR_PATH, .label = "Integrator", .gap = true)
 SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
-    "How far away a surface still occludes, in metres, with the integrator ao.",
+    "Maximum distance of occluders, in metres, for the integrator ao.",
     (REAL(SETTINGS_LENGTH_MIN, SETTINGS_REAL_MAX), .word = "off", .word_value = INFINITY),
     .fallback = INFINITY, .special = "any distance", .argument = "METRES", .unit = "m",
     .label = "  distance", NEEDS(INTEGRATOR, 1u << INTEGRATOR_AO))
@@ -93,9 +93,9 @@ SETTING(FILTER_RADIUS, float, filter_radius, "filter_radius", "filter-radius", "
     .argument = "PIXELS", .unit = "px", .label = "  radius", .drag = 4,
     NEEDS(PIXEL_JITTER, 1u << true))
 SETTING(LIGHT_CHOICE, uint32_t, light_choice, "light_choice", "light-choice", "Method",
-    "How the emitter is chosen to which a vertex sends a shadow ray: all with the same "
-    "probability, in proportion to their power, or by an estimate of what they send to that vertex "
-    "(a light tree); or a shadow ray is sent to each of them.",
+    "How the emitter for a vertex's shadow ray is chosen: all with the same probability, in "
+    "proportion to their power, or by an estimate of the light that they send to the vertex (a "
+    "light tree); or a shadow ray is sent to each of them.",
     (CHOICE(light_choice_names)), .fallback = LIGHT_CHOICE_AUTO, .label = "Light choice",
     .gap = true, NEEDS(NEE, 1u << true))
 SETTING(NEE, bool, nee, "nee", "nee", "Method",
@@ -173,8 +173,8 @@ SETTING(ROULETTE_SURVIVAL, float, roulette_survival, "roulette_survival", "roule
     NEEDS(ROULETTE, 1u << ROULETTE_CONSTANT | 1u << ROULETTE_FRAME))
 SETTING(ENVIRONMENT_FILTER, uint32_t, environment_filter, "environment_filter", "env-filter",
     "Method",
-    "How radiance is found between the texels of an environment's image: by bilinear "
-    "interpolation, or as that of the nearest texel.",
+    "How radiance is interpolated between the texels of an environment's image: bilinearly, or "
+    "as that of the nearest texel.",
     (CHOICE(environment_filter_names)), .fallback = ENVIRONMENT_FILTER_BILINEAR,
     .label = "Environment", .gap = true, .needs_image = true)
 SETTING(ENVIRONMENT_SAMPLING, uint32_t, environment_sampling, "environment_sampling",

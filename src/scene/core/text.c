@@ -1,4 +1,4 @@
-// Words, numbers and lines of text formats. Numbers are parsed here because strtof depends on the
+// Words, numbers and lines of text formats. Numbers are parsed here because strtof() depends on the
 // locale, and takes twice as long for the short numbers of meshes.
 #include "scene/core/text.h"
 
@@ -13,7 +13,7 @@
 
 struct text_reader text_open(const char *path, const struct file_bytes *bytes)
 {
-    static const char byte_order_mark[] = "\xef\xbb\xbf"; // some editors begin UTF-8 with it
+    static const char byte_order_mark[] = "\xef\xbb\xbf"; // some editors begin UTF-8 files with it
     const char *data = (const char *)bytes->data;
     size_t skipped = strncmp(data, byte_order_mark, 3) == 0 ? 3 : 0;
     return (struct text_reader){
@@ -153,7 +153,7 @@ void text_printable(struct text_span span, char *out, size_t size)
 
 // A decimal number as written: digits * 10^exponent.
 struct decimal {
-    uint64_t digits; // the first 19 significant ones, which always fit
+    uint64_t digits; // the first 19 significant digits, which always fit
     int64_t exponent;
     bool is_negative;
     bool is_truncated; // there were more significant digits
@@ -180,7 +180,7 @@ static const char *scan_digits(const char *at, bool is_fraction, int *digit_coun
     return at;
 }
 
-// Reads an exponent such as "e+12" if there is one; otherwise does not move.
+// Reads an exponent such as "e+12" if there is one; otherwise returns `at` unchanged.
 static const char *scan_exponent(const char *at, struct decimal *out)
 {
     if (*at != 'e' && *at != 'E')
@@ -189,7 +189,7 @@ static const char *scan_exponent(const char *at, struct decimal *out)
     const char *digits = at + (at[1] == '-' || at[1] == '+' ? 2 : 1);
     if (!is_digit(*digits))
         return at;
-    // No text is long enough for its digits to bring a larger exponent back into range.
+    // A larger exponent cannot be brought back into range by the digits of any text.
     const int64_t bound = INT64_C(100000000000000000);
     int64_t exponent = 0;
     for (; is_digit(*digits); digits++)
@@ -221,7 +221,7 @@ static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 static const int64_t max_power = sizeof powers / sizeof powers[0] - 1;
 
-// Computes digits * 10^exponent with one operation; |exponent| is at most max_power.
+// Computes digits * 10^exponent with one operation. |exponent| must be at most max_power.
 static double scale_digits(const struct decimal *decimal)
 {
     double value = (double)decimal->digits;
@@ -229,12 +229,12 @@ static double scale_digits(const struct decimal *decimal)
                                  : value * powers[decimal->exponent];
 }
 
-// Converts with one double operation (Clinger 1990, "How to read floating point numbers
-// accurately", the fast path), then rounds to float. The conversion of the digits and the operation
-// each err by at most half an ulp, 2^-53 of the value, together by less than 2.1 ulps of the
-// double. So the float is correctly rounded unless the double lies within 3 ulps of the midpoint
-// between two floats, which its last 29 bits show. Returns false in that case, and outside of the
-// floats' normal range.
+// Converts with one double operation (the fast path of Clinger 1990, "How to read floating point
+// numbers accurately"), then rounds to float. The conversion of the digits and the operation each
+// err by at most half an ulp, 2^-53 of the value, together by less than 2.1 ulps of the double. So
+// the float is correctly rounded unless the double lies within 3 ulps of the midpoint between two
+// floats, which its last 29 bits show. Returns false in that case, and outside the floats' normal
+// range.
 static bool convert_fast(const struct decimal *decimal, float *out)
 {
     double value = 0;
@@ -256,8 +256,8 @@ static bool convert_fast(const struct decimal *decimal, float *out)
     return true;
 }
 
-// Does the same for double precision: if digits and power are exact, the one operation rounds
-// correctly.
+// As convert_fast(), but for double precision: if the digits and the power are exact, the one
+// operation rounds correctly.
 static bool convert_fast_double(const struct decimal *decimal, double *out)
 {
     if (decimal->is_truncated || decimal->digits > UINT64_C(1) << 53)

@@ -15,7 +15,7 @@ struct text_reader {
     const char *end;  // the NUL byte after the last character
     const char *path; // for messages
     uint64_t line;    // line number of `at`, from 1
-    bool joins_lines; // a backslash right before the end of a line continues it (OBJ, MTL)
+    bool joins_lines; // a backslash at the end of a line continues it (OBJ, MTL)
 };
 
 // A piece of the text; not NUL-terminated.
@@ -31,37 +31,36 @@ size_t text_remaining(const struct text_reader *text); // number of bytes up to 
 void text_skip_blanks(struct text_reader *text);
 // Skips blanks and line ends.
 void text_skip_space(struct text_reader *text);
-// Skips blanks. Returns whether the line or the text ends there or a comment (#) begins.
+// Skips blanks. Returns whether the line or the text ends there, or a comment (#) begins.
 bool text_line_ended(struct text_reader *text);
-// Moves to the next line, past continuations unless the line is a comment. Lines end with LF, CR LF
-// or CR.
+// Moves to the next line. Skips continuations, too, unless the line is a comment. Lines end with
+// LF, CR LF or CR.
 void text_next_line(struct text_reader *text);
 
-// Returns the next word of the line after blanks; empty at its end. A # in a word is an ordinary
-// character.
+// Skips blanks and returns the next word of the line; empty at the line's end. A # inside a word is
+// an ordinary character.
 struct text_span text_word(struct text_reader *text);
 // Returns the rest of the line without blanks around it, for names that may contain spaces. Does
-// not move.
+// not advance.
 struct text_span text_rest_of_line(const struct text_reader *text);
 bool text_equals(struct text_span span, const char *word);
-char *text_copy(struct arena *arena, struct text_span span); // NUL-terminated; NULL when memory is
-                                                             // out
+char *text_copy(struct arena *arena, struct text_span span); // NUL-terminated, or NULL
 // Copies as much of the span as fits, NUL-terminated. Characters that are not printable become '?'.
 void text_printable(struct text_span span, char *out, size_t size);
 
-// Reads the number after blanks, correctly rounded to single precision like strtof. "nan" and "inf"
-// are numbers; a number that is too large becomes infinite. Returns false and does not move if the
-// word is not a number.
+// Skips blanks and reads a number, correctly rounded to single precision like strtof(). "nan" and
+// "inf" are numbers; a number that is too large becomes infinite. Returns false, without advancing,
+// if the word is not a number.
 bool text_take_float(struct text_reader *text, float *out);
-// Reads a number likewise, rounded to double precision.
+// As text_take_float(), but rounds to double precision.
 bool text_take_double(struct text_reader *text, double *out);
-// Reads a decimal integer likewise; values beyond int64_t saturate. Stops after the last digit,
-// whatever follows: see text_word_ended.
+// As text_take_float(), but reads a decimal integer; values beyond int64_t saturate. Stops after
+// the last digit, whatever follows: see text_word_ended().
 bool text_take_integer(struct text_reader *text, int64_t *out);
 // Returns whether a blank, the end of the line or the end of the text follows.
 bool text_word_ended(const struct text_reader *text);
-// These do the same but fail with ERR_INPUT, naming the place, what was found and that `what` was
-// expected.
+// As the functions above, but fail with ERR_INPUT. The message names the place, what was found, and
+// that `what` was expected.
 bool text_float(struct text_reader *text, const char *what, float *out, struct err *err);
 bool text_double(struct text_reader *text, const char *what, double *out, struct err *err);
 bool text_integer(struct text_reader *text, const char *what, int64_t *out, struct err *err);

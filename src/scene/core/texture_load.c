@@ -1,4 +1,4 @@
-// Loads images as textures: each is read and decoded once, and its texels are checked.
+// Loads images as textures. Each image is read and decoded once, and its texels are checked.
 #include "scene/core/texture_load.h"
 
 #include "base/file.h"
@@ -7,19 +7,19 @@
 #include <math.h>
 #include <string.h>
 
-#define SIDE_MAX 65535 // gpu_texture.size keeps a side in 16 bits
+#define SIDE_MAX 65535 // gpu_texture.size stores each side in 16 bits
 
 // --- texels --------------------------------------------------------------------------------------
 
-// Statistics of a pass over the texels.
+// Statistics of the texels of an image.
 struct judgement {
     double sum[4];
     float greatest;
-    size_t zeroed; // number of texels
+    size_t zeroed; // number of invalid texels, which become 0
     bool has_alpha;
 };
 
-// A texture scales a parameter or is mapped from [0, 1], so negative texels are invalid.
+// Texels scale parameters or are mapped from [0, 1], so negative ones are invalid.
 static bool is_usable(const float texel[4])
 {
     for (int c = 0; c < 4; c++)
@@ -37,7 +37,8 @@ static void judge_texel(const float texel[4], struct judgement *judgement)
     judgement->has_alpha |= texel[3] < 1;
 }
 
-// Halves are decoded from codes, so they are in [0, 1]. Invalid floats become 0, with alpha 1.
+// Checks texels and computes their statistics. Halves are decoded from codes, so they are in [0,
+// 1]. Invalid floats become 0, with alpha 1.
 static void judge_texels(const struct image_texels *texels, const struct progress *progress,
                          struct judgement *out)
 {
@@ -68,7 +69,7 @@ struct texture_file {
     const char *name;
     const void *data;
     size_t size;
-    uint64_t hash; // hash of the bytes and of the parameters of decoding
+    uint64_t hash; // hash of the file and of the decoding parameters
 };
 
 static bool find_image(const struct scene *scene, uint64_t hash, uint32_t *index)
@@ -121,7 +122,7 @@ static bool load_file(struct scene *scene, struct texture_file *file, bool is_sr
         .side_max = SIDE_MAX,
         .is_linear = !is_srgb,
     };
-    // If the encoding makes no difference, both encodings share one image.
+    // If the encoding makes no difference, uses with both encodings share one image.
     const uint8_t decoding = is_srgb && image_has_encoding(file->data, file->size);
     struct image_texels texels;
     scene->hash = hash_bytes(scene->hash, file->data, file->size);
@@ -214,7 +215,8 @@ bool material_is_missing(const struct material *material)
 
 // --- textures ------------------------------------------------------------------------------------
 
-// lib/texture.glsl clamps texels that would take parameters out of their range.
+// Notes whether texels are cut: lib/texture.glsl clamps texels that would take parameters out of
+// their range.
 static bool note_if_cut(struct scene *scene, const struct material *material,
                         const struct texture *texture, struct err *err)
 {

@@ -1,6 +1,6 @@
-// Procedural figures for tests, benchmarks and images that need the size and detail of a scan: a
-// skull, a dragon, a monkey's head. A field of smoothly joined parts is converted to a mesh, which
-// is subdivided and displaced by scales, sutures, wrinkles and pits. Only correctly rounded
+// Procedural figures (a skull, a dragon, a monkey's head) for tests, benchmarks and images that
+// need the size and detail of a scan. A field of smoothly joined parts is converted to a mesh,
+// which is subdivided and displaced by scales, sutures, wrinkles and pits. Only correctly rounded
 // operations are used, so that the mesh is the same on every machine; below 50000 triangles it also
 // depends on the version of meshoptimizer.
 #ifndef LAMPYRIS_SCENE_GENERATE_FIGURE_H
@@ -16,12 +16,12 @@ extern const char *const figure_names[FIGURE_COUNT + 1]; // ended by NULL
 // The numbers of triangles of the scans that the figures replace: 10000, 900000, 500.
 extern const uint32_t figure_triangles[FIGURE_COUNT];
 
-// Appends a closed mesh with normals and about `triangles` triangles (FIGURE_TRIANGLES_MIN to _MAX;
-// within a tenth). y is up. The heads look along +z and are about 2 high; the dragon looks along
-// +x, is about 4 long and stands on y = 0.
+// Appends a closed mesh with normals and about `triangles` triangles (FIGURE_TRIANGLES_MIN to
+// FIGURE_TRIANGLES_MAX; the result is within a tenth of it). y is up. The heads face +z and are
+// about 2 high; the dragon faces +x, is about 4 long and stands on y = 0.
 bool generate_figure(struct scene *scene, enum figure figure, uint32_t triangles, uint32_t material,
                      uint32_t *index, struct err *err);
-// Returns the memory for the mesh and for its generation.
+// Returns the memory, in bytes, of the mesh and its generation.
 uint64_t generate_figure_bytes(uint32_t triangles);
 
 #endif

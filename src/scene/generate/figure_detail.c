@@ -1,5 +1,5 @@
-// The detail of a figure's surface: noise (Perlin 2002, "Improving noise"), its ridges (Musgrave
-// 1994, in "Texturing and modeling") in a domain that noise warps, and cells (Worley 1996, "A
+// The detail of a figure's surface: noise (Perlin 2002, "Improving noise"), ridged noise (Musgrave
+// 1994, in "Texturing and modeling") in a domain that noise distorts, and cells (Worley 1996, "A
 // cellular texture basis function").
 #include "scene/generate/figure_field.h"
 #include "scene/generate/scatter.h"
@@ -22,7 +22,8 @@ static double mix(double a, double b, double t)
     return a + t * (b - a);
 }
 
-// The dot product with one of twelve gradients, which point to the midpoints of a cube's edges.
+// Returns the dot product with one of twelve gradients, which point to the midpoints of a cube's
+// edges.
 static double gradient(uint32_t bits, double x, double y, double z)
 {
     uint32_t h = bits & 15;
@@ -30,7 +31,7 @@ static double gradient(uint32_t bits, double x, double y, double z)
     return (h & 1 ? -u : u) + (h & 2 ? -v : v);
 }
 
-// Perlin's noise, in about [-1, 1].
+// Returns Perlin's noise, in about [-1, 1].
 static double noise(const double p[3])
 {
     double cell[3], f[3], corner[8];
@@ -69,8 +70,8 @@ static void warp(const double p[3], double frequency, double amount, double out[
         out[i] = p[i] + amount * noise_at(p, frequency, 11.3 + 7.1 * i);
 }
 
-// Returns a sum of octaves of noise, or of its ridges, each with half the height and twice the
-// frequency.
+// Returns a sum of octaves of noise, or of ridged noise, each with half the height and twice the
+// frequency of the previous one.
 static double octaves(const double p[3], double frequency, int count, bool ridges, double finest)
 {
     double sum = 0, height = 1;
@@ -81,8 +82,8 @@ static double octaves(const double p[3], double frequency, int count, bool ridge
     return sum;
 }
 
-// Computes the distances to the nearest and to the second nearest point, one of which is in each
-// cell.
+// Computes the distances to the nearest and to the second nearest point of a set with one point in
+// each cell.
 static void cells(const double p[3], double out[2])
 {
     double base[3] = {floor(p[0]), floor(p[1]), floor(p[2])};
@@ -117,7 +118,7 @@ static double scales(const double p[3], double size, double finest)
     return size * shown(size, finest) * (0.22 * groove * (2 - groove) - 0.18 * d[0]);
 }
 
-// A wave of period 1 between -1 and 1, made of parabolas.
+// Returns a wave of period 1 between -1 and 1, made of parabolas.
 static double wave(double x)
 {
     double u = 2 * (x - floor(x)) - 1;

@@ -1,5 +1,5 @@
-// The field of a figure's parts: distances with smooth minima (Quilez 2013, "smooth minimum", the
-// quadratic polynomial).
+// The field of a figure's parts: distances joined by smooth minima (Quilez 2013, "smooth minimum",
+// the quadratic polynomial).
 #include "scene/generate/figure_field.h"
 
 #include "base/maths.h"
@@ -22,8 +22,8 @@ static double cone_distance(const struct part *part, const double p[3])
     return sqrt(vec3_dot(off, off)) - (part->radii[0] + t * (part->radii[1] - part->radii[0]));
 }
 
-// The distance to first order: the value of |q| - 1 with q = p / radii, divided by the length of
-// its gradient.
+// Returns the distance to first order: the value of |q| - 1 with q = p / radii, divided by the
+// length of its gradient.
 static double ellipsoid_distance(const struct part *part, const double p[3])
 {
     double k = 0, g = 0;
@@ -55,7 +55,7 @@ static double web_distance(const struct part *part, const double p[3])
     vec3_subtract(part->c, part->a, v);
     vec3_subtract(p, part->a, w);
     vec3_cross(u, v, n);
-    // Barycentric coordinates of the projection onto the plane.
+    // The barycentric coordinates of the projection onto the triangle's plane.
     double uu = vec3_dot(u, u), uv = vec3_dot(u, v), vv = vec3_dot(v, v), wu = vec3_dot(w, u),
            wv = vec3_dot(w, v);
     double scale = uu * vv - uv * uv, s = (vv * wu - uv * wv) / scale,
@@ -104,7 +104,7 @@ double figure_field_value(const struct figure_field *field, const double p[3], e
         double q[3], off[3];
         mirror(part, p, q);
         vec3_subtract(q, field->centers[i], off);
-        // A part that is farther away than its blend distance changes nothing.
+        // A part that is farther away than its blend distance has no influence.
         double known = part->carves ? -value : value;
         double square = vec3_dot(off, off), least = known + part->blend + field->reach[i];
         if (isfinite(known) && (least < 0 || square > least * least))

@@ -1,18 +1,18 @@
-// The fields that define figures: those of the parts, and the detail on their surfaces.
+// The fields that define figures: the field of the parts, and the detail on their surfaces.
 #ifndef LAMPYRIS_SCENE_GENERATE_FIGURE_FIELD_H
 #define LAMPYRIS_SCENE_GENERATE_FIGURE_FIELD_H
 
 #include "scene/generate/figure.h"
 
 enum part_kind {
-    PART_CONE,      // from a to b, with a spherical end of its radius at both
-    PART_ELLIPSOID, // about a, with the semi-axes b
+    PART_CONE,      // from a to b, with spherical ends; one radius for each end
+    PART_ELLIPSOID, // centre a, semi-axes b
     PART_WEB        // the triangle a, b, c, thickened by radii[0]
 };
 enum part_mirror {
     MIRROR_NONE,
-    MIRROR_X, // mirrored at x = 0, too
-    MIRROR_Z  // mirrored at z = mirror_at, too
+    MIRROR_X, // also mirrored at x = 0
+    MIRROR_Z  // also mirrored at z = mirror_at
 };
 enum part_skin { SKIN_BONE, SKIN_TOOTH, SKIN_SCALES, SKIN_HORN, SKIN_WEB, SKIN_FUR, SKIN_PLAIN };
 
@@ -20,8 +20,8 @@ struct part {
     enum part_kind kind;
     enum part_skin skin;
     double a[3], b[3], c[3], radii[2];
-    double blend; // distance within which it joins smoothly with other parts
-    bool carves;  // is subtracted
+    double blend; // distance within which the part joins smoothly with others
+    bool carves;  // the part is subtracted
     enum part_mirror mirror;
     double mirror_at;
 };
@@ -36,13 +36,14 @@ struct figure_field {
     double low[3], high[3], thinnest;
 };
 
-// Webs are at least twice `thinnest` thick, so that a coarse net does not miss them.
+// Makes the field of a figure. Webs are at least twice `thinnest` thick, so that a coarse grid does
+// not miss them.
 void figure_field_make(enum figure figure, double thinnest, struct figure_field *out);
-// Returns the value of the field: negative inside, and about the distance near the surface. *skin,
-// unless NULL, is that of the nearest part.
+// Returns the value of the field: negative inside, and near the surface about the distance. *skin
+// becomes that of the nearest part, unless `skin` is NULL.
 double figure_field_value(const struct figure_field *field, const double p[3],
                           enum part_skin *skin);
-// Computes the outward unit normal.
+// Computes the outward unit normal by differences over `step`.
 void figure_field_normal(const struct figure_field *field, const double p[3], double step,
                          double out[3]);
 // Returns the displacement of the surface at a point by details that are no finer than `finest`.

@@ -147,7 +147,7 @@ static const struct part dragon[] = {
      SIDES},
 };
 
-// From the tip of the tail to the head: position and radius.
+// The spine from the tip of the tail to the head: position and radius.
 static const double spine[][4] = {
     {-1.05, 0.05, 1.42, 0.015}, {-1.45, 0.06, 1.36, 0.045}, {-1.85, 0.08, 1.05, 0.075},
     {-2.02, 0.11, 0.55, 0.105}, {-1.88, 0.17, 0.12, 0.14},  {-1.45, 0.30, -0.06, 0.19},
@@ -157,7 +157,7 @@ static const double spine[][4] = {
 };
 enum { SPINE_POINTS = sizeof spine / sizeof *spine, SPINE_STEPS = 5 };
 
-// A spline through the points of the spine, after Catmull and Rom 1974.
+// Computes a point of the spline through the points of the spine (Catmull and Rom 1974).
 static void spine_at(uint32_t segment, double t, double out[4])
 {
     uint32_t last = SPINE_POINTS - 1;
@@ -266,7 +266,7 @@ static void add_spine(struct figure_field *field)
     }
 }
 
-// Adds upper teeth along the snout, and lower ones.
+// Adds teeth along the upper and the lower jaw.
 static void add_fangs(struct figure_field *field)
 {
     for (int i = 0; i < 6; i++) {

@@ -7,10 +7,11 @@
 
 #define PI 3.14159265358979323846
 
-// The surface is r(d) d over unit directions d with r(d) = 1 + sum of a_i sin(k_i . d). A sine of a
-// linear form is odd in d, so that the mean radius over all directions is exactly 1. The amplitudes
-// add up to 0.32: the radius stays within [0.68, 1.32]. The wave vectors k_i are arbitrary; their
-// lengths of 3 to 20 give bumps from a third of the circumference down to a twentieth.
+// The surface is r(d) d over unit directions d, with r(d) = 1 + sum of a_i sin(k_i . d). The sine
+// of a linear form is odd in d, so that the mean radius over all directions is exactly 1. The
+// amplitudes add up to 0.32: the radius stays within [0.68, 1.32]. The wave vectors k_i are
+// arbitrary; their lengths of 3 to 20 give bumps from a third of the circumference down to a
+// twentieth.
 static const struct wave {
     double amplitude, vector[3];
 } waves[] = {
@@ -20,9 +21,9 @@ static const struct wave {
     {0.02, {-11.3, 9.1, 13.7}},
 };
 
-// Writes the point and the unit normal in the direction d. The surface is where
-// F(p) = |p| - r(p / |p|) vanishes; its gradient there is d - (g - (g . d) d) / r with
-// g = sum of a_i k_i cos(k_i . d), the gradient of r's formula.
+// Computes the point and the unit normal in the direction d. The surface is where F(p) = |p| - r(p
+// / |p|) vanishes; its gradient there is d - (g - (g . d) d) / r with g = sum of a_i k_i cos(k_i .
+// d), the gradient of r's formula.
 static void evaluate(const double d[3], float position[3], float normal[3])
 {
     double radius = 1.0, g[3] = {0.0, 0.0, 0.0};
@@ -36,21 +37,21 @@ static void evaluate(const double d[3], float position[3], float normal[3])
     double along = vec3_dot(g, d), n[3];
     for (int c = 0; c < 3; c++)
         n[c] = d[c] - (g[c] - along * d[c]) / radius;
-    double length = vec3_norm(n); // at least 1: n . d is 1
+    double length = vec3_norm(n); // at least 1, because n . d is 1
     for (int c = 0; c < 3; c++) {
         position[c] = (float)(radius * d[c]);
         normal[c] = (float)(n[c] / length);
     }
 }
 
-// The grid: `rings` circles of latitude between the poles, each of `columns` vertices. The vertices
-// are the north pole, the rings from north to south, the south pole.
+// A latitude-longitude grid: `rings` circles of latitude between the poles, each of `columns`
+// vertices. The vertices are in the order north pole, rings from north to south, south pole.
 struct grid {
     uint32_t rings, columns;
 };
 
-// With n bands of latitude, n - 1 rings and 2 n columns there are 4 n (n - 1) triangles: the bands
-// at the poles have one triangle per column, the others two.
+// Chooses a grid. With n bands of latitude, n - 1 rings and 2 n columns there are 4 n (n - 1)
+// triangles: the bands at the poles have one triangle per column, the others two.
 static struct grid choose_grid(uint32_t triangles)
 {
     double bands = floor(0.5 * (1.0 + sqrt(1.0 + (double)triangles)));

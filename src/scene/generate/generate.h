@@ -6,20 +6,20 @@
 #include "scene/core/scene.h"
 
 // Appends a closed, bumpy sphere ("blob") about the origin with mean radius 1 and normals: a
-// latitude-longitude grid with about `triangles` triangles (at least 8), with its radius modulated
-// by sums of sines so that curvature and triangle size vary. Deterministic.
+// latitude-longitude grid of about `triangles` triangles (at least 8). Its radius is modulated by
+// sums of sines so that curvature and triangle size vary. Deterministic.
 bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, uint32_t *mesh,
                    struct err *err);
-// memory of the mesh; likewise for the functions below
+// Returns the memory of the mesh in bytes; likewise the functions below.
 uint64_t generate_blob_bytes(uint32_t triangles);
 
 #define TEAPOT_RESOLUTION_MAX 1024
 
 // Appends the Utah teapot, with normals and texture coordinates: 32 patches of `resolution` (1 to
-// TEAPOT_RESOLUTION_MAX) squared cells. It stands on y = 0, its lid's knob is at y = 3.15, its
+// TEAPOT_RESOLUTION_MAX) squared cells. It stands on y = 0; the knob of its lid is at y = 3.15, its
 // spout points to +x (to x = 3.434), its handle to -x (to x = -3). It is not closed: the spout is
 // open, and there is a gap between body and lid. The texture covers each of body, lid, bottom,
-// handle and spout once: s around it, t along it.
+// handle and spout once: s runs around the part, t along it.
 bool generate_teapot(struct scene *scene, uint32_t resolution, uint32_t material, uint32_t *mesh,
                      struct err *err);
 uint64_t generate_teapot_bytes(uint32_t resolution);
@@ -27,7 +27,7 @@ uint64_t generate_teapot_bytes(uint32_t resolution);
 #define TORUS_SEGMENTS_MAX 4096
 
 struct torus {
-    double tube;                      // radius of the tube, below 1
+    double tube;                      // radius of the tube, in (0, 1)
     uint32_t segments, tube_segments; // 3 to TORUS_SEGMENTS_MAX
 };
 
@@ -41,12 +41,13 @@ uint64_t generate_torus_bytes(const struct torus *torus);
 
 struct stadium {
     uint32_t steps;    // steps of the stands, 1 to STADIUM_STEPS_MAX
-    uint32_t segments; // segments around, 3 to STADIUM_SEGMENTS_MAX
+    uint32_t segments; // segments around the axis, 3 to STADIUM_SEGMENTS_MAX
 };
 
-// Appends an elliptic stadium about the y axis, without normals: a field on y = 0 with semi-axes
-// 0.6 along x and 0.4 along z, and around it stands 0.4 wide that rise in equal steps to y = 0.25,
-// with a wall outside. It has segments * (4 steps + 3) triangles and is open at the bottom.
+// Appends an elliptic stadium about the y axis, without normals. Its field lies on y = 0 with
+// semi-axes 0.6 along x and 0.4 along z. Around it, stands 0.4 wide rise in equal steps to y =
+// 0.25, with a wall outside. The mesh has segments * (4 steps + 3) triangles and is open at the
+// bottom.
 bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32_t material,
                       uint32_t *index, struct err *err);
 uint64_t generate_stadium_bytes(const struct stadium *stadium);

@@ -1,8 +1,8 @@
 // Converts a figure's field to a mesh: surface nets (Gibson 1998, "Constrained elastic surface
 // nets", with vertices at the mean of a cell's crossings), whose quadrilaterals are split into four
-// as often as needed; vertices are moved to the surface and displaced along its normal. Figures of
-// few triangles are made of more and simplified (Garland and Heckbert 1997, by meshoptimizer), so
-// that the triangles are where the shape needs them.
+// as often as needed; then vertices are moved to the surface and displaced along its normal.
+// Figures with few triangles are simplified from more triangles (Garland and Heckbert 1997, by
+// meshoptimizer), so that the triangles are where the shape needs them.
 #include "scene/generate/figure_field.h"
 
 #include "base/maths.h"
@@ -12,10 +12,10 @@
 #include <string.h>
 
 #define NOTHING UINT32_MAX
-// The maximal number of quadrilaterals of the net; splitting makes finer meshes.
+// The maximum number of quadrilaterals in the net; finer meshes are made by splitting these.
 #define NET_MAX 40000.0
-// Figures of fewer triangles than SIMPLIFIED_BELOW are simplified from SIMPLIFIED_OF times as many,
-// at least from SIMPLIFIED_MIN.
+// Figures of fewer than SIMPLIFIED_BELOW triangles are simplified from SIMPLIFIED_OF times as many,
+// and from at least SIMPLIFIED_MIN.
 #define SIMPLIFIED_BELOW 50000u
 #define SIMPLIFIED_OF 12.0
 #define SIMPLIFIED_MIN 24000.0
@@ -23,9 +23,9 @@
 
 struct grid {
     double origin[3], step;
-    uint32_t size[3]; // samples
+    uint32_t size[3]; // number of samples along each axis
     float *values;
-    uint32_t *vertices; // vertex of the cell that begins at each sample
+    uint32_t *vertices; // for each sample, the vertex of the cell that begins there
 };
 
 struct net {
@@ -36,7 +36,8 @@ struct net {
 
 // --- sampling ------------------------------------------------------------------------------------
 
-// Ellipsoids' values overestimate distances, by at most a factor of two in these figures.
+// The distance to the surface is at least this fraction of the field's value: ellipsoids' values
+// overestimate distances, by at most a factor of two in these figures.
 #define SAFE_PART 0.4
 
 struct sampling {
@@ -61,8 +62,7 @@ static void sample_rows(void *context, size_t begin, size_t end, unsigned thread
                                  g->origin[1] + g->step * (double)(row % g->size[1]),
                                  g->origin[2] + g->step * (double)(row / g->size[1])};
             double value = figure_field_value(s->field, p, NULL);
-            // The distance to the surface is at least a part of the value, so samples up to there
-            // are on the same side.
+            // Samples that are nearer than the distance to the surface are on the same side of it.
             double known = SAFE_PART * fabs(value) / g->step;
             next = x + 1 + (known < g->size[0] - x - 1 ? (uint32_t)known : g->size[0] - x - 1);
             for (uint32_t i = x; i < next; i++)
@@ -70,7 +70,7 @@ static void sample_rows(void *context, size_t begin, size_t end, unsigned thread
         }
 }
 
-// The grid has a margin of a cell around the figure.
+// Makes a grid with a margin of one cell around the figure.
 static bool grid_make(const struct figure_field *field, double step,
                       const struct progress *progress, struct arena *arena, struct grid *out)
 {
@@ -118,7 +118,8 @@ static bool cell_vertex(const struct grid *g, const uint32_t cell[3], double out
     return crossings > 0;
 }
 
-// Writes the positions unless `positions` is NULL, and returns their number.
+// Places a vertex in each cell that the surface crosses. Stores the positions unless `positions` is
+// NULL, and returns their number.
 static uint32_t place_vertices(struct grid *g, double (*positions)[3])
 {
     uint32_t count = 0;
@@ -138,7 +139,7 @@ static uint32_t place_vertices(struct grid *g, double (*positions)[3])
 }
 
 // Makes a quadrilateral around each edge of the grid that the surface crosses, from the vertices of
-// the four cells, counter-clockwise as seen from outside.
+// the four adjacent cells, counter-clockwise as seen from outside.
 static uint32_t place_quads(const struct grid *g, uint32_t (*quads)[4])
 {
     const size_t strides[3] = {1, g->size[0], (size_t)g->size[0] * g->size[1]};
@@ -176,7 +177,7 @@ static bool net_make(struct grid *grid, struct arena *arena, struct net *out)
 
 // --- splitting -----------------------------------------------------------------------------------
 
-// A hash table of the midpoints of edges, by their ends; at most half full.
+// A hash table of the midpoints of edges, indexed by the edges' ends; at most half full.
 struct middles {
     struct {
         uint32_t ends[2], vertex;
@@ -245,7 +246,8 @@ struct displacement {
     const struct progress *progress;
 };
 
-// Moves vertices to the surface by one step of Newton's method, then outwards by the detail there.
+// Moves vertices to the surface by one step of Newton's method, then outwards by the detail at that
+// point.
 static void displace(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;
@@ -255,7 +257,8 @@ static void displace(void *context, size_t begin, size_t end, unsigned thread)
         enum part_skin skin = SKIN_PLAIN;
         figure_field_normal(d->field, p, 0.5 * d->edge, n);
         double away = figure_field_value(d->field, p, &skin);
-        // The step is limited to the edge length: where parts join, the value is not a distance.
+        // The step is limited to the edge length, because where parts join the field's value is not
+        // a distance.
         double limit = d->edge;
         away = fmin(fmax(away, -limit), limit);
         double out = figure_detail(skin, p, d->edge) - away;
@@ -264,7 +267,7 @@ static void displace(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-// Splits it along the shorter diagonal.
+// Splits a quadrilateral along its shorter diagonal.
 static void split_quad(const struct net *net, uint32_t quad, uint32_t triangles[2][3])
 {
     const uint32_t *q = net->quads[quad];
@@ -280,7 +283,7 @@ static void split_quad(const struct net *net, uint32_t quad, uint32_t triangles[
             triangles[t][i] = q[(first + 2 * t + i) % 4];
 }
 
-// The normals are means of the triangles' normals, weighted by area.
+// Sets each normal to the mean of the adjacent triangles' normals, weighted by area.
 static void set_normals(struct mesh *mesh)
 {
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
@@ -315,8 +318,8 @@ uint64_t generate_figure_bytes(uint32_t triangles)
            (triangles + triangles / 8) * (uint64_t)sizeof *mesh->indices;
 }
 
-// Makes a net of about `quads` quadrilaterals, and its field, from the area that the previous grid
-// found. *step is the step of the grid.
+// Makes a net of about `quads` quadrilaterals, and its field, with a grid step chosen from the area
+// that the previous grid found. *step is the step of the grid.
 static bool fit_net(enum figure figure, double quads, const struct progress *progress,
                     struct arena *arena, struct figure_field *field, double *step, struct net *net)
 {
@@ -362,8 +365,8 @@ static bool mesh_of_net(const struct net *net, struct arena *arena, struct mesh 
     return true;
 }
 
-// Makes a mesh of about `triangles` triangles from a finer one by collapsing edges; vertices stay
-// where they are.
+// Makes a mesh of about `triangles` triangles from a finer one by collapsing edges; the remaining
+// vertices keep their positions.
 static bool mesh_simplify(const struct mesh *fine, uint32_t triangles, struct arena *scratch,
                           struct arena *arena, struct mesh *out)
 {

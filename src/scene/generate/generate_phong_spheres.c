@@ -1,7 +1,7 @@
-// Spheres of Phong's model after D. Kuri 2018, "GPU Path Tracing in Unity", part 2, whose image has
+// Spheres with Phong's model after D. Kuri 2018, "GPU Path Tracing in Unity", part 2. Its image has
 // the seed 1223832719, radii from 5 to 30, 10000 tries and a disc of radius 100. The random numbers
 // are those of the Unity engine, which are public knowledge: Marsaglia 2003, "Xorshift RNGs"
-// (xor128 of section 4), its state initialised by the multiplier of Knuth's line 26 (1812433253,
+// (xor128 of section 4), with a state initialised by the multiplier of Knuth's line 26 (1812433253,
 // increment 1); 23 bits per number; ranges run from their end to their start. All arithmetic is in
 // single precision.
 #include "scene/generate/phong_spheres.h"
@@ -30,7 +30,7 @@ static float draw(struct sequence *sequence)
     return (float)(s[3] & 0x7fffff) / 8388607.0f;
 }
 
-// Returns 1 - u, as the engine draws angles and squared radii.
+// Returns 1 - u, because the engine draws angles and squared radii that way.
 static float draw_down(struct sequence *sequence)
 {
     return 1.0f - draw(sequence);
@@ -42,7 +42,7 @@ static float draw_between(struct sequence *sequence, float low, float high)
 }
 
 // Draws a point uniformly in the unit disc. The sine and the cosine are rounded from double
-// precision, so they are the same on every machine.
+// precision, so that they are the same on every machine.
 static void draw_in_disc(struct sequence *sequence, float out[2])
 {
     float angle = draw_down(sequence) * 6.2831853071795865f;
@@ -51,8 +51,8 @@ static void draw_in_disc(struct sequence *sequence, float out[2])
     out[1] = (float)sin((double)angle) * radius;
 }
 
-// Smith 1978, "Color gamut transform pairs", the hexcone model. A fourth number, the opacity, is
-// drawn and not used.
+// Draws a colour by hue, saturation and value (Smith 1978, "Color gamut transform pairs", the
+// hexcone model). A fourth number, the opacity, is drawn and not used.
 static void draw_color(struct sequence *sequence, float least_value, float most_value, float out[3])
 {
     float hue = 6.0f * draw(sequence), saturation = draw(sequence);
@@ -81,7 +81,7 @@ static bool overlaps(const struct phong_sphere *sphere, const struct phong_spher
     return false;
 }
 
-// Four in ten are metal, four are plastic, and two emit light.
+// Draws a material: four in ten are metal, four are plastic, and two emit light.
 static void draw_material(struct sequence *sequence, struct phong_sphere *sphere)
 {
     float color[3];
@@ -94,7 +94,7 @@ static void draw_material(struct sequence *sequence, struct phong_sphere *sphere
     bool is_metal = chance < 0.4f;
     for (int c = 0; c < 3; c++) {
         sphere->specular_color[c] = is_metal ? color[c] : 0.04f;
-        // The light that is not reflected specularly is available for diffuse reflection.
+        // Only light that is not reflected specularly is available for diffuse reflection.
         sphere->base_color[c] = is_metal ? 0.0f : fminf(color[c], 1.0f - 0.04f);
     }
     sphere->smoothness = draw(sequence);
@@ -115,7 +115,7 @@ bool phong_spheres_place(const struct phong_spheres *params, struct phong_sphere
                                                              (float)params->max_radius)};
         float place[2];
         draw_in_disc(&sequence, place);
-        // The engine's coordinates are left-handed; the sign of z changes.
+        // The sign of z changes, because the engine's coordinates are left-handed.
         sphere.center[0] = place[0] * (float)params->disc_radius;
         sphere.center[1] = sphere.radius;
         sphere.center[2] = -place[1] * (float)params->disc_radius;

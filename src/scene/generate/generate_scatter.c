@@ -9,8 +9,8 @@
 
 // --- random numbers ------------------------------------------------------------------------------
 
-// The finalizer of MurmurHash3 (Appleby 2011): a bijection in which every output bit depends on all
-// input bits.
+// Mixes bits by the finalizer of MurmurHash3 (Appleby 2011): a bijection in which every output bit
+// depends on all input bits.
 static uint32_t mix(uint32_t x)
 {
     x = (x ^ x >> 16) * 0x85ebca6bu;
@@ -31,12 +31,12 @@ static double random_number(const struct scatter *scatter, uint32_t sphere, uint
 
 // --- placing -------------------------------------------------------------------------------------
 
-// Spheres by the cell in which their centre lies. A cell is at least as wide as the largest
-// horizontal distance of the centres of two overlapping spheres.
+// A grid of spheres by the cell of their centre. A cell is at least as wide as the largest
+// horizontal distance between the centres of two overlapping spheres.
 struct grid {
     uint32_t side;
     double origin, cells_per_metre;
-    uint32_t *first, *next; // first sphere of a cell; next sphere after a sphere
+    uint32_t *first, *next; // first sphere of each cell; next sphere in the same cell
 };
 
 static uint32_t cell_of(const struct grid *grid, double x)
@@ -45,8 +45,8 @@ static uint32_t cell_of(const struct grid *grid, double x)
     return cell < 0 ? 0 : cell >= grid->side ? grid->side - 1 : (uint32_t)cell;
 }
 
-// Spheres on a plane touch where the squared distance of their points of contact with it is 4 r1
-// r2.
+// Returns whether two spheres on a plane overlap: they touch if the squared distance of their
+// contact points with the plane is 4 r1 r2.
 static bool overlap(const struct scattered_sphere *a, const struct scattered_sphere *b)
 {
     double x = a->center[0] - b->center[0], z = a->center[2] - b->center[2];
@@ -65,9 +65,10 @@ static bool is_free(const struct grid *grid, const struct scattered_sphere *sphe
     return true;
 }
 
-// A position may take a thousand tries, and a try as many comparisons as there are spheres.
+// Counts work between two polls for a stop: a position may take a thousand tries, and a try as many
+// comparisons as there are spheres.
 struct polling {
-    uint64_t work, polled; // comparisons and tries: so far, and at the last poll
+    uint64_t work, polled; // comparisons and tries, in total and at the last poll
     bool is_stopped;
 };
 
@@ -79,7 +80,8 @@ static void poll(struct polling *polling, const struct progress *progress)
     polling->is_stopped = progress_should_stop(progress);
 }
 
-// Positions are uniform over the part of the disc in which the whole sphere lies above it.
+// Finds a free position. Positions are uniform over the part of the disc in which the whole sphere
+// lies above the disc.
 static bool find_place(const struct scatter *scatter, const struct grid *grid,
                        const struct scattered_sphere *spheres, uint32_t number,
                        struct scattered_sphere *sphere, struct polling *polling)
@@ -164,7 +166,8 @@ static void between(const double a[3], const double b[3], double out[3])
         out[c] = sum[c] / length;
 }
 
-// Vertices are not shared: neighbours compute theirs from the same two ends, so they are equal.
+// Splits a triangle. Vertices are not shared, but neighbours compute equal ones, because they use
+// the same two ends.
 static void split(struct mesh *mesh, const double a[3], const double b[3], const double c[3],
                   uint32_t subdivision)
 {
@@ -204,7 +207,8 @@ uint64_t generate_icosphere_bytes(uint32_t subdivision)
 
 bool generate_icosphere(struct scene *scene, uint32_t subdivision, uint32_t *index, struct err *err)
 {
-    // Corners of three golden rectangles; faces are counter-clockwise as seen from outside.
+    // The icosahedron: corners of three golden rectangles; faces are counter-clockwise as seen from
+    // outside.
     static const double g = 1.6180339887498949;
     const double corners[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
                                    {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},

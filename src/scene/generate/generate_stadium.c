@@ -6,11 +6,11 @@
 // Semi-axes of the field and of the outer wall along x and z, and the height of the stands.
 static const double field[2] = {0.6, 0.4}, outside[2] = {1.0, 0.8}, height = 0.25;
 
-// Computes point `at` of the section from the field's edge up the steps and down the outer wall:
-// `out` grows from 0 at the field to 1 outside, y is the height.
+// Computes point `at` of the cross section, which runs from the field's edge up the steps and down
+// the outer wall. *out grows from 0 at the field to 1 outside; *y is the height.
 static void section(uint32_t steps, uint32_t at, double *out, double *y)
 {
-    uint32_t trodden = at / 2, risen = (at + 1) / 2; // riser and tread in turn
+    uint32_t trodden = at / 2, risen = (at + 1) / 2; // risers and treads alternate
     *out = (double)trodden / steps;
     *y = risen <= steps ? height * risen / steps : 0.0;
 }
@@ -57,14 +57,14 @@ bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32
     mesh.indices = arena_alloc(arena, triangles, sizeof *mesh.indices);
     if (!mesh.positions || !mesh.indices)
         return err_memory(err, "a stadium", generate_stadium_bytes(stadium));
-    mesh.vertex_count = 1; // the middle of the field
+    mesh.vertex_count = 1; // the centre of the field
     for (uint32_t at = 0; at < rings; at++) {
         if (!scene_goes_on(scene, 0, err))
             return false;
         add_ring(&mesh, stadium, at);
     }
-    // Triangles are counter-clockwise as seen from the field and from above; those of the wall,
-    // from outside.
+    // Triangles are counter-clockwise as seen from the field and from above; those of the wall as
+    // seen from outside.
     for (uint32_t i = 0; i < segments; i++) {
         uint32_t next = (i + 1) % segments;
         add_triangle(&mesh, 0, 1 + i, 1 + next);

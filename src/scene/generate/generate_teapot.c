@@ -16,8 +16,8 @@ struct ring {
     double radius, handle, height;
 };
 
-// The profiles: from the rim's inner edge to the bottom's edge; from the lid's knob to its edge;
-// from the edge of the bottom to its centre. The outside is to the right along each profile.
+// Profiles: the body from the rim's inner edge to the bottom's edge, the lid from its knob to its
+// edge, the bottom from its edge to its centre. The outside is to the right along each profile.
 static const struct ring body[] = {
     {1.4, 0.784, 2.4},   {1.3375, 0.749, 2.53125}, {1.4375, 0.805, 2.53125}, {1.5, 0.84, 2.4},
     {1.75, 0.98, 1.875}, {2.0, 1.12, 1.35},        {2.0, 1.12, 0.9},         {2.0, 1.12, 0.45},
@@ -34,8 +34,8 @@ static const struct ring bottom[] = {
     {0.0, 0.0, 0.0},
 };
 
-// A control point of a tube: (x, z) of the side where a half begins and of the other side, and the
-// distance of the two control points between them from the plane y = 0.
+// A control point of a tube: (x, z) of the side on which a half begins and of the opposite side,
+// and the distance from the plane y = 0 of the two control points between them.
 struct section {
     double near[2], far[2], half_width;
 };
@@ -53,11 +53,11 @@ static const struct section spout[] = {
     {{2.8, 2.4}, {3.2, 2.4}, 0.15},
 };
 
-// A profile or a tube: a chain of curves, each of which begins with the last point of the previous
+// A profile or a tube: a chain of curves, each of which begins at the last point of the previous
 // one, swept over two halves or four quarters.
 static const struct part {
-    const struct ring *rings;       // or NULL
-    const struct section *sections; // or NULL
+    const struct ring *rings;       // NULL: a tube
+    const struct section *sections; // NULL: a profile
     uint32_t curves, turns;
 } parts[] = {
     {body, NULL, 3, 4},   {lid, NULL, 2, 4},   {bottom, NULL, 1, 4},
@@ -71,7 +71,7 @@ static const struct part {
 struct patch {
     double points[4][4][3];      // [along the profile][across it]
     bool pole_first, pole_last;  // the first or last row is one point
-    double s, s_size, t, t_size; // the texture coordinates' range
+    double s, s_size, t, t_size; // range of the texture coordinates
 };
 
 static void revolve(const struct ring *rings, uint32_t turn, struct patch *patch)
@@ -137,9 +137,9 @@ static struct patch make_patch(const struct part *part, uint32_t curve, uint32_t
 
 // --- points on a patch ---------------------------------------------------------------------------
 
-// Computes the weights of the four control points for the point and the derivative of a cubic
+// Computes the weights of the four control points for a point and for the derivative of a cubic
 // curve. The derivative's weights apply to differences of control points, so that it is exactly 0
-// where these are.
+// where these are 0.
 static void bernstein(double t, double point[4], double difference[3])
 {
     double s = 1.0 - t;
@@ -152,7 +152,7 @@ static void bernstein(double t, double point[4], double difference[3])
     difference[2] = 3.0 * t * t;
 }
 
-// Computes the point and the derivative of a row of control points at v.
+// Computes a point and the derivative at v for one row of control points.
 static void evaluate_row(const double row[4][3], const double weight[4], const double difference[3],
                          double point[3], double derivative[3])
 {
@@ -165,7 +165,7 @@ static void evaluate_row(const double row[4][3], const double weight[4], const d
     }
 }
 
-// Computes the point, and the normal dP/du x dP/dv. At a pole dP/dv vanishes like u or 1 - u, and
+// Computes the point and the normal dP/du x dP/dv. At a pole dP/dv vanishes like u or 1 - u, and
 // its direction is that of d2P/dudv.
 static void evaluate(const struct patch *patch, double u, double v, double point[3],
                      double normal[3])

@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-// Computes the point at angle `around` the axis and angle `about` the tube, radians.
+// Computes the point at angle `around` about the torus's axis and angle `about` about the tube, in
+// radians.
 static void evaluate(double around, double about, double tube, float position[3], float normal[3])
 {
     const double n[3] = {cos(about) * cos(around), sin(about), -cos(about) * sin(around)};

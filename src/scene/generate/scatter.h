@@ -5,14 +5,14 @@
 #include "scene/core/scene.h"
 
 #define SCATTER_COUNT_MAX 1000000
-#define STREW_COUNT_MAX (1u << 24) // instances and shapes of scattered copies
+#define STREW_COUNT_MAX (1u << 24) // maximum number of instances and shapes of scattered copies
 #define SCATTER_SUBDIVISION_MAX 6
 #define SCATTER_SUBDIVISION 3 // the default
 
 struct scatter {
     uint32_t count, seed;
-    double disc_radius;            // about the origin, in the plane y = 0, on which the spheres lie
-    double min_radius, max_radius; // 0 < min <= max <= disc_radius; small ones are more frequent
+    double disc_radius;              // disc about the origin, in the plane y = 0, for the spheres
+    double min_radius, max_radius;   // 0 < min <= max <= disc_radius; small radii are more frequent
     const struct progress *progress; // NULL: no listener
 };
 
@@ -22,22 +22,23 @@ struct scattered_sphere {
 };
 
 // Places spheres that do not overlap. Each takes the first free one of 1024 random positions, or is
-// omitted. `out` has room for `count` spheres; *placed is the number of those placed. ERR_STOPPED
-// when `progress` asks to stop. The result is the same on every machine: integers are hashed, and
-// only correctly rounded operations follow. scratch is used during the call only.
+// omitted. `out` must have room for `count` spheres; *placed is the number of spheres placed. Fails
+// with ERR_STOPPED when `progress` requests a stop. The result is the same on every machine: random
+// numbers come from hashed integers, and only correctly rounded operations follow. `scratch` is
+// only used during the call.
 bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
                      struct scattered_sphere *out, uint32_t *placed, struct err *err);
 
-// Returns the memory of the call and of `out`.
+// Returns the memory, in bytes, for scatter_spheres() and `out`.
 uint64_t scatter_spheres_bytes(uint32_t count);
 
-// Returns random number `n` of item `item`.
+// Returns random number `n` of item `item`, 32 bits.
 uint32_t scatter_bits(uint32_t seed, uint32_t item, uint32_t n);
 
-// Appends a sphere of radius 1 about the origin with normals: the icosahedron's 20 triangles, each
-// split into four `subdivision` times (at most SCATTER_SUBDIVISION_MAX).
+// Appends a sphere of radius 1 about the origin with normals: the 20 triangles of an icosahedron,
+// each split into four `subdivision` times (at most SCATTER_SUBDIVISION_MAX).
 bool generate_icosphere(struct scene *scene, uint32_t subdivision, uint32_t *index,
                         struct err *err);
-uint64_t generate_icosphere_bytes(uint32_t subdivision); // memory of the mesh
+uint64_t generate_icosphere_bytes(uint32_t subdivision); // memory of the mesh in bytes
 
 #endif

@@ -1,4 +1,4 @@
-// Accessors, glTF 2.0, section 3.6.2.
+// Reads accessors (glTF 2.0, section 3.6.2).
 #include "scene/gltf/gltf_accessor.h"
 
 #include <math.h>
@@ -22,16 +22,16 @@ static const char *const type_names[] = {
 
 // --- the window ----------------------------------------------------------------------------------
 
-// A range of elements of a buffer view that an accessor, or its sparse part, uses.
+// A range of elements of a buffer view, claimed by an accessor or its sparse part.
 struct claim {
-    const struct json_node *holder; // the object with "bufferView" and "byteOffset"
+    const struct json_node *holder; // the JSON object with "bufferView" and "byteOffset"
     uint32_t count, size, component_size;
     bool is_vertex_attribute;
 };
 
 struct buffer_view {
     struct json_node node;
-    uint64_t offset, length, stride; // stride 0: not given
+    uint64_t offset, length, stride; // stride 0: the file gives none
     const uint8_t *data;
 };
 
@@ -58,7 +58,7 @@ static bool read_buffer_view(const struct gltf_document *document, uint32_t inde
                          (unsigned long long)out->offset, (unsigned long long)out->length, buffer,
                          (unsigned long long)its->size);
     if (out->stride % 4 != 0)
-        return node_fail(node, err, "byteStride %llu is no multiple of 4",
+        return node_fail(node, err, "byteStride %llu is not a multiple of 4",
                          (unsigned long long)out->stride);
     out->data = decoded ? decoded : its->data + (size_t)out->offset;
     if (decoded)
@@ -76,7 +76,7 @@ bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struc
     return true;
 }
 
-// Chooses the distance between elements: the view's stride, or the size of an element if it has
+// Chooses the distance between elements: the view's stride, or the size of an element if it gives
 // none.
 static bool choose_stride(const struct buffer_view *view, const struct claim *claim,
                           uint64_t *stride, struct err *err)
@@ -85,7 +85,8 @@ static bool choose_stride(const struct buffer_view *view, const struct claim *cl
     if (*stride < claim->size)
         return node_fail(claim->holder, err, "elements of %u bytes, but a byteStride of %llu",
                          claim->size, (unsigned long long)*stride);
-    // Only vertex attributes may have a stride; one that equals the element's size is harmless.
+    // Only vertex attributes may have a stride. A stride that equals the element's size is
+    // harmless.
     if (!claim->is_vertex_attribute && *stride != claim->size)
         return node_fail(claim->holder, err,
                          "a byteStride of %llu; expected elements of %u bytes without gaps",
@@ -96,8 +97,8 @@ static bool choose_stride(const struct buffer_view *view, const struct claim *cl
     return true;
 }
 
-// Converts a claim to a pointer to its first byte and a stride. Checks that every byte of it lies
-// inside the buffer view, and the buffer view inside the buffer.
+// Converts a claim to a pointer to its first byte, and a stride. Checks that every byte of the
+// claim lies inside the buffer view, and the buffer view inside the buffer.
 static bool open_window(const struct gltf_document *document, const struct claim *claim,
                         const uint8_t **data, size_t *stride_out, struct err *err)
 {
@@ -118,7 +119,7 @@ static bool open_window(const struct gltf_document *document, const struct claim
                          "bufferViews[%u] of %llu bytes",
                          claim->count, claim->size, (unsigned long long)offset, index,
                          (unsigned long long)view.length);
-    uint64_t start = view.offset + offset; // below the buffer's size: no overflow
+    uint64_t start = view.offset + offset; // below the buffer's size, so there is no overflow
     uint32_t alignment = claim->is_vertex_attribute ? 4 : claim->component_size;
     if (offset % alignment != 0 || start % claim->component_size != 0)
         return node_fail(claim->holder, err,
@@ -141,9 +142,9 @@ static bool read_component_type(const struct json_node *object, uint32_t allowed
     if (!gltf_require(object, "componentType", err) ||
         !node_read_integer(object, "componentType", 0, INT64_MAX, &code, err))
         return false;
-    uint64_t type = code - COMPONENT_CODE_BASE; // wraps to a large number if it is too small
+    uint64_t type = code - COMPONENT_CODE_BASE; // a code that is too small wraps to a large number
     if (type >= COMPONENT_TYPE_COUNT || !components[type].name)
-        return node_fail(&node, err, "%llu is no component type", (unsigned long long)code);
+        return node_fail(&node, err, "%llu is not a component type", (unsigned long long)code);
     if (!(allowed & COMPONENT_BIT(type)))
         return node_fail(&node, err, "%llu (%s) is not allowed for %s", (unsigned long long)code,
                          components[type].name, use);
@@ -217,7 +218,7 @@ static bool check_sparse_indices(const struct accessor_view *view, const struct 
                              "element %u is %u; expected indices that ascend strictly below the "
                              "accessor's count, %u",
                              i, index, view->count);
-        least = index + 1; // count is at most GLTF_MAX_COUNT
+        least = index + 1; // no overflow: count is at most GLTF_MAX_COUNT
     }
     return true;
 }
@@ -291,7 +292,7 @@ bool accessor_view(const struct gltf_document *document, uint32_t index,
 
 // --- reading -------------------------------------------------------------------------------------
 
-// Section 3.6.2.2 has the conversions of normalized integers.
+// Converts a signed integer; section 3.6.2.2 defines the conversions of normalized integers.
 static float signed_to_float(int32_t value, int32_t max, bool is_normalized)
 {
     return is_normalized ? fmaxf((float)value / (float)max, -1.0f) : (float)value;
@@ -320,7 +321,8 @@ static float load_float(const uint8_t *at, enum component_type type, bool is_nor
     return value;
 }
 
-// replaced: counts numbers that are not finite, which become 0; NULL: such numbers are errors.
+// Reads an element. If `replaced` is not NULL, numbers that are not finite become 0 and are counted
+// there; if it is NULL, they are errors.
 static bool read_element(const struct accessor_view *view, const uint8_t *at, uint32_t element,
                          float *out, uint32_t *replaced, struct err *err)
 {
@@ -372,7 +374,8 @@ bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_
 static bool check_index(const struct accessor_view *view, uint32_t element, uint32_t limit,
                         const char *limit_name, uint32_t index, struct err *err)
 {
-    // Section 3.7.2.1: the largest value of the type would restart the primitive on some systems.
+    // The largest value of the type is not allowed: it would restart the primitive on some systems
+    // (section 3.7.2.1).
     uint32_t restart = view->type == COMPONENT_U8    ? UINT8_MAX
                        : view->type == COMPONENT_U16 ? UINT16_MAX
                                                      : UINT32_MAX;
@@ -386,7 +389,7 @@ static bool check_index(const struct accessor_view *view, uint32_t element, uint
     return true;
 }
 
-// Loads the components of element `at` as integers.
+// Reads the components of element `at` as integers.
 static void load_joints(const struct accessor_view *view, const uint8_t *at, uint32_t out[4])
 {
     for (size_t c = 0; c < 4; c++)

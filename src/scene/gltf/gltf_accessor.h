@@ -4,8 +4,8 @@
 
 #include "scene/gltf/gltf_document.h"
 
-// The codes of the specification minus COMPONENT_CODE_BASE; 5124 (INT) is not supported there
-// either.
+// The codes of the specification minus COMPONENT_CODE_BASE. The specification does not support 5124
+// (INT) either.
 enum component_type {
     COMPONENT_I8 = 0,
     COMPONENT_U8 = 1,
@@ -20,27 +20,27 @@ enum component_type {
 #define COMPONENTS_SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
 #define COMPONENTS_SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
 
-// The largest count of an accessor without a buffer view, whose elements are zeros: it is the only
-// size that the size of the file does not bound. 2^24 is more than real files need and needs little
-// memory.
+// The maximum count of an accessor without a buffer view, whose elements are zeros: it is the only
+// size that is not bounded by the size of the file. 2^24 is more than real files need, and needs
+// little memory.
 #define ACCESSOR_MAX_UNBACKED_COUNT (UINT64_C(1) << 24)
 
-#define ACCESSOR_MAT4 16 // components
+#define ACCESSOR_MAT4 16 // number of components
 
 // The requirements that a use of an accessor has.
 struct accessor_rule {
-    const char *use;               // "POSITION", for messages
+    const char *use;               // name for messages, such as "POSITION"
     uint32_t components;           // 1 SCALAR, 2 VEC2, 3 VEC3, 4 VEC4, 16 MAT4
     uint32_t fewer_components;     // number of components of another permitted type; 0: none
     uint32_t types;                // COMPONENT_BITs permitted without "normalized"
     uint32_t normalized_types;     // COMPONENT_BITs permitted with "normalized": true
-    uint32_t quantized_types;      // like `types`, but only with KHR_mesh_quantization
-    uint32_t quantized_normalized; // like `normalized_types`, but only with KHR_mesh_quantization
-    bool is_vertex_attribute;      // may be interleaved; elements aligned to 4 bytes
+    uint32_t quantized_types;      // like `types`, but only permitted with KHR_mesh_quantization
+    uint32_t quantized_normalized; // likewise like `normalized_types`
+    bool is_vertex_attribute;      // may be interleaved; elements are aligned to 4 bytes
 };
 
 // A checked view of an accessor's elements: every byte of every element lies inside its buffer, and
-// sparse indices increase strictly and are below the count. Valid as long as the document.
+// sparse indices increase strictly and are below the count. Valid as long as the document exists.
 struct accessor_view {
     struct json_node node; // for messages
     uint32_t count, components;
@@ -57,22 +57,21 @@ struct accessor_view {
 bool accessor_view(const struct gltf_document *document, uint32_t index,
                    const struct accessor_rule *rule, struct accessor_view *out, struct err *err);
 
-// Writes count * components numbers. A number that is not finite is an error that names the
-// element.
+// Reads count * components numbers. Fails if a number is not finite, naming its element.
 bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err);
-// Like accessor_read_floats(), but numbers that are not finite become 0 and are counted in
-// *replaced. Returns true.
+// As accessor_read_floats(), but numbers that are not finite become 0 and are counted in *replaced.
+// Always returns true.
 bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_t *replaced);
-// Writes 4 * count unsigned integers of a VEC4 accessor, each of which must be below `limit`, the
-// number of joints.
+// Reads 4 * count unsigned integers of a VEC4 accessor. Each must be below `limit`, the number of
+// joints.
 bool accessor_read_joints(const struct accessor_view *view, uint32_t limit, uint32_t *out,
                           struct err *err);
-// Writes count unsigned integers of a SCALAR accessor. An index that is not below `limit` is an
-// error that names the limit, such as "the vertex count", and so is the primitive restart value.
+// Reads count unsigned integers of a SCALAR accessor. Fails if one is not below `limit`, naming the
+// limit, such as "the vertex count", or if one is the primitive restart value.
 bool accessor_read_indices(const struct accessor_view *view, uint32_t limit, const char *limit_name,
                            uint32_t *out, struct err *err);
 
-// Returns the bytes of buffer view `index`, which is below the document's count. The document owns
+// Gets the bytes of buffer view `index`, which is below the document's count. The document owns
 // them.
 bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struct file_bytes *out,
                      struct err *err);

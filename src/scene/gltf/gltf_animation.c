@@ -1,4 +1,5 @@
-// Animations, glTF 2.0, section 3.11 and appendix C: the value of every channel at one time.
+// Evaluates animations (glTF 2.0, section 3.11 and appendix C): the values of all channels at one
+// time.
 #include "scene/gltf/gltf_pose.h"
 
 #include "scene/core/affine.h"
@@ -29,7 +30,7 @@ static const struct accessor_rule value_rules[] = {
                       .normalized_types = SMALL},
 };
 
-// A channel with its sampler, and the position of the time between its keys.
+// A channel with its sampler, and the position of the time among its keys.
 struct channel {
     struct arena arena;
     enum path path;
@@ -39,9 +40,9 @@ struct channel {
     uint32_t key_count;
     const float *times; // owned by the player
     float *values;
-    struct json_node output; // the accessor of the values, for messages
-    // The time is `part` (0 to 1) of the `interval`, in seconds, from key `before` to the next;
-    // before the first key and after the last, part is 0.
+    struct json_node output; // accessor of the values, for messages
+    // The time is a fraction `part` (0 to 1) of the `interval`, in seconds, from key `before` to
+    // the next one. Before the first key and after the last, `part` is 0.
     uint32_t before;
     double part, interval;
 };
@@ -53,9 +54,9 @@ struct player {
     struct json_node samplers;
     double seconds;
     struct gltf_node_pose *poses;
-    // Accessors that are inputs are read and checked once, because channels share them.
+    // Input accessors are read and checked once, because channels share them.
     struct key_times {
-        float *values; // NULL: not read yet
+        float *values; // NULL: not yet read
         uint32_t count;
     } * times;
 };
@@ -144,7 +145,8 @@ static bool read_sampler(struct player *player, const struct json_node *sampler,
     return read_times(player, channel, input, err) && read_values(load, channel, output, err);
 }
 
-// Finds the number of components of the channel's value. Fails if the node has no such property.
+// Finds the number of components of the channel's value. Fails if the node lacks the animated
+// property.
 static bool find_width(struct gltf_load *load, const struct json_node *target,
                        struct channel *channel, struct err *err)
 {
@@ -164,7 +166,7 @@ static bool find_width(struct gltf_load *load, const struct json_node *target,
            node_fail(target, err, "nodes[%u] has no mesh with morph targets", channel->node);
 }
 
-// Reads the target of a channel. *is_ignored: only an extension knows the target.
+// Reads the target of a channel. *is_ignored: the target belongs to an extension.
 static bool read_target(struct gltf_load *load, const struct json_node *node,
                         struct channel *channel, bool *is_ignored, struct err *err)
 {
@@ -203,7 +205,7 @@ static void place_time(struct channel *channel, double seconds)
     channel->part = (seconds - (double)channel->times[low]) / channel->interval;
 }
 
-// Returns component c of key `key`; slot of a spline: 0 in-tangent, 1 value, 2 out-tangent.
+// Returns component c of key `key`. `slot` is for splines: 0 in-tangent, 1 value, 2 out-tangent.
 static double key_number(const struct channel *channel, uint32_t key, uint32_t slot, uint32_t c)
 {
     size_t index = channel->interpolation == CUBICSPLINE ? 3 * (size_t)key + slot : key;
@@ -221,10 +223,10 @@ static bool read_rotation_key(const struct channel *channel, uint32_t key, doubl
     for (int c = 0; c < 4 && square > 0; c++)
         out[c] /= sqrt(square);
     return square > 0 ||
-           node_fail(&channel->output, err, "key %u: the zero quaternion is no rotation", key);
+           node_fail(&channel->output, err, "key %u: the zero quaternion is not a rotation", key);
 }
 
-// Spherical linear interpolation on the shorter way (appendix C.4; Shoemake 1985).
+// Interpolates rotations spherically along the shorter arc (appendix C.4; Shoemake 1985).
 static bool turn(const struct channel *channel, double out[4], struct err *err)
 {
     double a[4], b[4], dot = 0;
@@ -241,7 +243,7 @@ static bool turn(const struct channel *channel, double out[4], struct err *err)
     return true;
 }
 
-// Appendix C.5: a cubic Hermite spline, with tangents per second.
+// Evaluates a cubic Hermite spline, whose tangents are per second (appendix C.5).
 static double spline(const struct channel *channel, uint32_t c)
 {
     double t = channel->part, t2 = t * t, t3 = t2 * t;
@@ -266,15 +268,15 @@ static bool evaluate(const struct channel *channel, double *out, struct err *err
         out[c] = value;
     }
     if (channel->path == PATH_ROTATION && out[0] == 0 && out[1] == 0 && out[2] == 0 && out[3] == 0)
-        return node_fail(&channel->output, err, "the zero quaternion after key %u is no rotation",
-                         channel->before);
+        return node_fail(&channel->output, err,
+                         "the zero quaternion after key %u is not a rotation", channel->before);
     return true;
 }
 
 // --- the pose ------------------------------------------------------------------------------------
 
-// Returns where to store the channel's value; NULL with *err set when another channel sets it
-// already.
+// Returns where to store the channel's value; NULL with *err set if another channel has already set
+// it.
 static double *open_value(struct gltf_load *load, const struct json_node *node,
                           const struct channel *channel, struct gltf_node_pose *pose,
                           struct err *err)

@@ -1,4 +1,4 @@
-// Vertex attributes, glTF 2.0, section 3.7.2.1, with the additions of KHR_mesh_quantization.
+// Reads vertex attributes (glTF 2.0, section 3.7.2.1, with the additions of KHR_mesh_quantization).
 #include "scene/gltf/gltf_attribute.h"
 
 #include "scene/gltf/gltf_accessor.h"
@@ -42,11 +42,11 @@ static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
 static void unit_tangent(float tangent[4])
 {
     mesh_unit_normal(tangent, tangent);
-    // The specification has 1 or -1. Quantized values are rounded, and 0 counts as 1.
+    // The specification permits 1 and -1. Quantized values are rounded; 0 counts as 1.
     tangent[3] = tangent[3] < 0 ? -1.0f : 1.0f;
 }
 
-// The colour multiplies a reflectance, so a component above 1 would create energy.
+// Clamps a colour. It multiplies a reflectance, so a component above 1 would create energy.
 static bool clamp_color(float color[4])
 {
     bool was_outside = false;
@@ -73,8 +73,8 @@ static void prepare(struct gltf_tally *tally, enum gltf_attribute attribute, uin
 
 // --- reading -------------------------------------------------------------------------------------
 
-// Expands `count` elements of three numbers in place to four, from the last to the first; alpha is
-// 1.
+// Expands `count` elements from three numbers to four, in place, from the last to the first; alpha
+// is 1.
 static void widen_colors(float *values, uint32_t count)
 {
     for (uint32_t i = count; i-- > 0;) {
@@ -84,7 +84,8 @@ static void widen_colors(float *values, uint32_t count)
     }
 }
 
-// Decodes an accessor into the scene's arena unless *cached, its entry in load->vectors, is set.
+// Decodes an accessor into the scene's arena unless *cached, its entry in load->vectors, is already
+// set.
 static bool share_values(struct gltf_load *load, uint32_t accessor, enum gltf_attribute attribute,
                          float **cached, struct err *err)
 {

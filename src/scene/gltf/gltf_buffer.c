@@ -6,8 +6,8 @@
 
 // --- GLB -----------------------------------------------------------------------------------------
 
-// glTF 2.0, section 4.4: a header of magic, version and total length, then chunks of length, type
-// and content, all little-endian and aligned to 4 bytes.
+// The binary container (glTF 2.0, section 4.4): a header of magic, version and total length, then
+// chunks of length, type and content, all little-endian and aligned to 4 bytes.
 enum {
     GLB_HEADER_BYTES = 12,
     GLB_CHUNK_HEADER_BYTES = 8,
@@ -44,7 +44,7 @@ struct glb_chunk {
     struct file_bytes content;
 };
 
-// Reads the chunk at *at and moves *at to its end.
+// Reads the chunk at *at and advances *at to its end.
 static bool glb_next_chunk(const struct file_bytes *bytes, size_t *at, struct glb_chunk *out,
                            struct err *err)
 {
@@ -107,8 +107,8 @@ static int base64_digit(char c)
                                   : -1;
 }
 
-// Strict base64 (RFC 4648, section 4): padded, no other characters, unused bits zero. Decodes into
-// `out` of length / 4 * 3 bytes; returns false on anything else.
+// Decodes strict base64 (RFC 4648, section 4): padded, no other characters, unused bits zero. `out`
+// has length / 4 * 3 bytes. Returns false for anything else.
 static bool base64_decode(const char *text, size_t length, uint8_t *out, size_t *size)
 {
     if (length % 4 != 0)
@@ -135,7 +135,7 @@ static bool base64_decode(const char *text, size_t length, uint8_t *out, size_t 
     return true;
 }
 
-// data:MEDIA-TYPE;base64,TEXT (RFC 2397), the only form of data URI that glTF files use.
+// Decodes data:MEDIA-TYPE;base64,TEXT (RFC 2397), the only form of data URI that glTF files use.
 static bool decode_data_uri(const struct json_node *uri, const char *text, struct arena *arena,
                             struct file_bytes *out, struct err *err)
 {
@@ -154,7 +154,7 @@ static bool decode_data_uri(const struct json_node *uri, const char *text, struc
     }
     *out = (struct file_bytes){.data = data};
     if (!base64_decode(encoded, length, data, &out->size))
-        return node_fail(uri, err, "a data URI that is no valid base64");
+        return node_fail(uri, err, "a data URI that is not valid base64");
     return true;
 }
 
@@ -194,7 +194,7 @@ bool gltf_uri_load(const struct gltf_document *document, const struct json_node 
 
 // --- buffers -------------------------------------------------------------------------------------
 
-// Finds the bytes of one buffer; data stays NULL if the file names none.
+// Finds the bytes of one buffer. *out stays without data if the file names none.
 static bool find_bytes(struct gltf_document *document, const struct json_node *node,
                        const struct file_bytes *binary, struct file_bytes *out, bool *is_external,
                        struct err *err)
@@ -229,7 +229,7 @@ static bool load_buffer(struct gltf_document *document, uint32_t index,
         return true;
     if (!find_bytes(document, &node, binary, &bytes, &buffer->is_external, err))
         return false;
-    // More bytes than byteLength are allowed: the chunk of a GLB file is padded.
+    // There may be more bytes than byteLength, because the chunk of a GLB file is padded.
     if (bytes.data && bytes.size < buffer->size)
         return node_fail(&node, err, "\"byteLength\" is %llu, but there are %zu bytes",
                          (unsigned long long)buffer->size, bytes.size);

@@ -8,23 +8,24 @@
 // The two chunks of a GLB file that the specification defines.
 struct glb_chunks {
     struct file_bytes json;
-    struct file_bytes binary; // data is NULL when there is none
+    struct file_bytes binary; // data is NULL if there is none
 };
 
-bool glb_is_container(const struct file_bytes *bytes); // begins with the magic "glTF"
+bool glb_is_container(const struct file_bytes *bytes); // whether it begins with the magic "glTF"
 // Finds the chunks and checks the whole container. Errors do not name the file.
 bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err *err);
 
-// Loads all buffers into document->buffers. `binary` is the GLB file's chunk, data NULL if none.
+// Loads all buffers into document->buffers. `binary` is the GLB file's binary chunk; its data are
+// NULL if there is none.
 bool gltf_buffers_load(struct gltf_document *document, const struct file_bytes *binary,
                        struct err *err);
 
 // gltf_meshopt.c: decodes the buffer views with EXT_meshopt_compression into
-// document->decoded_views. Buffers that only such views use need not have bytes.
+// document->decoded_views. Buffers that only such views use may lack bytes.
 bool gltf_meshopt_decode(struct gltf_document *document, struct err *err);
 
 // Loads the bytes of a "uri" into `arena`: a data URI, or a file in a permitted folder. *path is
-// the file's path, NULL for a data URI.
+// the file's path; NULL for a data URI.
 bool gltf_uri_load(const struct gltf_document *document, const struct json_node *uri,
                    struct arena *arena, struct file_bytes *out, const char **path, struct err *err);
 

@@ -21,7 +21,7 @@ static const char *const list_names[GLTF_LIST_COUNT] = {
 
 #define QUANTIZATION "KHR_mesh_quantization"
 
-// The extensions that the loader supports and that a file may therefore require.
+// The extensions that the loader supports; a file may require these.
 static const char *const known_extensions[] = {
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -157,7 +157,7 @@ static bool parse_json(struct gltf_document *document, const struct file_bytes *
 
 // --- asset and extensions ------------------------------------------------------------------------
 
-// Parses "MAJOR.MINOR", which may contain only digits around the one dot.
+// Parses "MAJOR.MINOR"; only digits are allowed around the dot.
 static bool parse_version(const char *text, unsigned *major, unsigned *minor)
 {
     static const char digits[] = "0123456789";
@@ -289,7 +289,7 @@ static bool check_frame(struct gltf_document *document, struct err *err)
     return true;
 }
 
-// Finds the JSON text and the binary chunk in either container.
+// Finds the JSON text and the binary chunk in either kind of file.
 static bool open_container(const struct gltf_source *source, struct glb_chunks *out,
                            struct err *err)
 {

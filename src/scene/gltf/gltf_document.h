@@ -1,5 +1,5 @@
-// An opened glTF 2.0 file (JSON or binary container): its JSON is checked for structure, its
-// buffers are in memory. Internal to scene/.
+// An opened glTF 2.0 file (JSON or binary container). Its JSON has been checked for structure, and
+// its buffers are in memory. Internal to scene/.
 #ifndef LAMPYRIS_SCENE_GLTF_GLTF_DOCUMENT_H
 #define LAMPYRIS_SCENE_GLTF_GLTF_DOCUMENT_H
 
@@ -10,8 +10,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define GLTF_NONE UINT32_MAX             // no index
-#define GLTF_MAX_COUNT (UINT32_MAX - 1u) // most elements: indices are 32-bit, GLTF_NONE is taken
+#define GLTF_NONE UINT32_MAX // no index
+// The maximum number of elements: indices have 32 bits, and GLTF_NONE is reserved.
+#define GLTF_MAX_COUNT (UINT32_MAX - 1u)
 
 // The document's arrays of objects.
 enum gltf_list {
@@ -35,13 +36,12 @@ enum gltf_list {
 struct gltf_source {
     const char *path;         // for messages, and for the folder of the buffers
     struct file_bytes bytes;  // must outlive the document
-    bool allow_outside_paths; // permits buffers outside of that folder
+    bool allow_outside_paths; // permits buffers outside the file's folder
 };
 
 struct gltf_buffer {
-    const uint8_t *data; // NULL: the file has no bytes for it, as for the fallback of a compressed
-                         // view
-    uint64_t size;       // byteLength; all bytes are in memory unless data is NULL
+    const uint8_t *data; // NULL: no bytes, as for the fallback of a compressed view
+    uint64_t size;       // byteLength; all these bytes are in memory unless data is NULL
     bool is_external;    // read from a file of its own
 };
 
@@ -49,31 +49,30 @@ struct gltf_document {
     const struct gltf_source *source;
     struct arena arena; // owns the buffers and other data that lives as long as the document
     json_t *json;
-    struct json_node root; // the nodes point into this struct: do not copy it
+    struct json_node root; // do not copy this struct: nodes point into it
     struct json_node lists[GLTF_LIST_COUNT];
     uint32_t counts[GLTF_LIST_COUNT];
-    struct gltf_buffer *buffers; // counts[GLTF_BUFFERS]
-    // counts[GLTF_BUFFER_VIEWS] elements: the decompressed byteLength bytes; NULL: the view is in a
-    // buffer.
+    struct gltf_buffer *buffers; // counts[GLTF_BUFFERS] elements
+    // counts[GLTF_BUFFER_VIEWS] elements: the byteLength decompressed bytes; NULL: the view is not
+    // compressed.
     const uint8_t **decoded_views;
-    bool is_quantized;              // KHR_mesh_quantization is declared
-    const char *ignored_extensions; // "A, B": extensions that the file uses and that are unknown
-                                    // here; NULL: none
+    bool is_quantized;              // the file declares KHR_mesh_quantization
+    const char *ignored_extensions; // "A, B": unknown extensions that the file uses; NULL: none
 };
 
 // Parses and checks *source, which must outlive *document, and loads all buffers.
 bool gltf_document_open(struct gltf_document *document, const struct gltf_source *source,
                         struct err *err);
-void gltf_document_close(struct gltf_document *document); // accepts {0} and half-opened ones
+void gltf_document_close(struct gltf_document *document); // accepts {0} and partly opened ones
 
-// Sets ERR_SYSTEM with the file's name as prefix; returns false.
+// Sets ERR_SYSTEM with the file's name as prefix. Returns false.
 bool gltf_no_memory(const struct gltf_document *document, const char *what, uint64_t bytes,
                     struct err *err);
-// As in err.h: analysers see that the value is false.
+// As in err.h, shows analysers that the value is false.
 #define gltf_no_memory(...) (gltf_no_memory(__VA_ARGS__), err_false())
 
-// Returns an element of one of the arrays, which is always an object. index <
-// document->counts[list].
+// Returns element `index`, below document->counts[list], of one of the arrays. It is always an
+// object.
 struct json_node gltf_item(const struct gltf_document *document, enum gltf_list list,
                            uint32_t index);
 
@@ -83,25 +82,26 @@ bool gltf_require(const struct json_node *object, const char *key, struct err *e
 // Reads an index below `count`; GLTF_NONE if the key is absent.
 bool gltf_read_index(const struct json_node *object, const char *key, uint32_t count, uint32_t *out,
                      struct err *err);
-// Finds the element of a list with this name, or else with this index; `what` names the kind of
-// element, "animation". The name comes from the command line: ERR_USAGE if there is none.
+// Finds the element of a list with this name, or else with this index. `what` names the kind of
+// element in messages, such as "animation". The name comes from the command line: fails with
+// ERR_USAGE if there is none.
 bool gltf_find(const struct gltf_document *document, enum gltf_list list, const char *what,
                const char *wanted, uint32_t *out, struct err *err);
-// Read a member that is an object, or an array, or absent; its value is NULL then.
+// Read a member that is an object or an array, or is absent; *out then has the value NULL.
 bool gltf_read_object(const struct json_node *object, const char *key, struct json_node *out,
                       struct err *err);
 bool gltf_read_array(const struct json_node *object, const char *key, struct json_node *out,
                      struct err *err);
-// Reads object.extensions.NAME. The caller keeps `extensions`, because *out points at it.
+// Reads object.extensions.NAME. The caller must keep *extensions, because *out points to it.
 bool gltf_read_extension(const struct json_node *object, const char *name,
                          struct json_node *extensions, struct json_node *out, struct err *err);
-// Copies object.name into the arena; "" if it has none.
+// Copies object.name into the arena; "" if it is absent.
 bool gltf_read_name(const struct json_node *object, struct arena *arena, const char **out,
                     struct err *err);
-// Reads a number in single precision; an absent key leaves *out unchanged.
+// Reads a number in single precision. If the key is absent, *out is unchanged.
 bool gltf_read_float(const struct json_node *object, const char *key, struct range range,
                      float *out, struct err *err);
-// Reads exactly `count` finite numbers; an absent key leaves *out unchanged.
+// Reads exactly `count` finite numbers. If the key is absent, *out is unchanged.
 bool gltf_read_numbers(const struct json_node *object, const char *key, size_t count, double *out,
                        struct err *err);
 

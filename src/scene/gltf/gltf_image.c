@@ -1,5 +1,5 @@
-// Images of a glTF document, section 3.8.3: they are located, identified by their content, and
-// decoded in parallel.
+// Images of a glTF document (section 3.8.3) are located, identified by their content, and decoded
+// in parallel.
 #include "scene/gltf/gltf_material.h"
 
 #include "base/hash.h"
@@ -16,12 +16,12 @@
 struct image_source {
     struct json_node node;
     struct file_bytes bytes;
-    const char *name; // for messages: a file's path, or the place of the image in the document
+    const char *name; // for messages: a file's path, or the image's place in the document
     bool is_file, is_mislabelled;
 };
 
-// Finds the bytes from "uri" or "bufferView", one of which must be given. Files, decoded URIs and
-// names are put into `arena`.
+// Finds the bytes from "uri" or "bufferView", exactly one of which must be given. Files, decoded
+// URIs and names are stored in `arena`.
 static bool find_bytes(const struct gltf_document *document, struct image_source *source,
                        struct arena *arena, struct err *err)
 {
@@ -41,15 +41,15 @@ static bool find_bytes(const struct gltf_document *document, struct image_source
     return source->name || err_memory(err, "a name", 0);
 }
 
-// If a message begins with a file's name, prepends which image that is; an image inside the
-// document is named already. Returns false.
+// Adds the image's place in the document to a message that begins with a file's name; the name of
+// an embedded image contains it already. Returns false.
 static bool fail_image(const struct image_source *source, struct err *err)
 {
     return source->is_file ? node_prepend(&source->node, err) : err_false();
 }
 
-// The content determines the type; "mimeType" is only compared with it. A file that is neither PNG
-// nor JPEG may be of an extension that is not supported.
+// Checks the format. The content determines it; "mimeType" is only compared with it. A file that is
+// neither PNG nor JPEG may belong to an extension that is not supported.
 static bool check_content(struct image_source *source, struct err *err)
 {
     static const uint8_t png_magic[4] = {0x89, 'P', 'N', 'G'};
@@ -79,7 +79,7 @@ struct image_job {
 };
 
 // Green becomes mix(ends[0], ends[1], green), so that a minimum and a maximum need only one factor
-// on the texel; linear interpolation between texels commutes with this.
+// on the texel. Linear interpolation between texels commutes with this.
 static void map_green(struct texture_image *image, const float ends[2])
 {
     size_t count = (size_t)image->width * image->height;
@@ -178,7 +178,8 @@ static bool adopt_image(struct gltf_load *load, struct image_job *job, struct er
     return true;
 }
 
-// Releases the images, which are decoded again later, one at a time with all the memory.
+// Releases the images; they are decoded again later, one at a time, with all of the memory
+// available.
 static void release(struct image_job *jobs, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-// Adds instances of meshes, single ones and those of EXT_mesh_gpu_instancing.
+// Adds instances of meshes: single ones, and those of EXT_mesh_gpu_instancing.
 #include "scene/gltf/gltf_load.h"
 
 #include "scene/core/affine.h"
@@ -30,7 +30,7 @@ struct parts {
     struct arena arena;
     uint32_t count;
     float *values[ATTRIBUTE_COUNT];
-    struct json_node nodes[ATTRIBUTE_COUNT]; // the accessors, for messages
+    struct json_node nodes[ATTRIBUTE_COUNT]; // accessors, for messages
 };
 
 bool gltf_instance_add(struct gltf_load *load, const double transform[3][4],
@@ -85,7 +85,7 @@ static bool read_parts(struct gltf_load *load, const struct json_node *attribute
     return true;
 }
 
-// Overwrites the default in `out` with element `i` of a component, if the file has it.
+// Replaces the default in `out` by element `i` of a component, if the file has that component.
 static void take(const struct parts *parts, int attribute, uint32_t i, double *out)
 {
     uint32_t n = rules[attribute].components;
@@ -103,7 +103,7 @@ static bool add_one(struct gltf_load *load, const struct parts *parts, uint32_t 
     take(parts, SCALE, i, scale);
     if (!gltf_compose(translation, rotation, scale, transform))
         return node_fail(&parts->nodes[ROTATION], err,
-                         "element %u: the zero quaternion is no rotation", i);
+                         "element %u: the zero quaternion is not a rotation", i);
     affine_multiply(world, transform, transform);
     return gltf_instance_add(load, transform, meshes, err);
 }

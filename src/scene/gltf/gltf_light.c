@@ -1,6 +1,6 @@
-// Lights of KHR_lights_punctual. Intensities are in candela and illuminances in lux in the file, in
-// W/sr and W/m^2 in the scene. As with emission the numbers are not converted: exporters disagree
-// on whether they include 683 lm/W, and the spectrum is not specified.
+// Lights of KHR_lights_punctual. Intensities are in candela and illuminances in lux in the file,
+// and in W/sr and W/m^2 in the scene. As with emission the numbers are not converted: exporters
+// disagree on whether they include 683 lm/W, and the spectrum is not specified.
 #include "scene/gltf/gltf_load.h"
 
 #include "scene/core/affine.h"
@@ -8,8 +8,8 @@
 
 #define EXTENSION "KHR_lights_punctual"
 
-// Reads the half-angles of a spot's cone. The specification requires them to differ; exporters make
-// them equal for a sharp edge. The falloff has a minimal width in either case.
+// Reads the half-angles of a spot light's cone. The specification requires them to differ, but
+// exporters make them equal for a sharp edge. The falloff has a minimum width in either case.
 static bool read_cone(const struct json_node *node, struct light *light, struct err *err)
 {
     const struct range right_angle = {0, M_PI / 2, false};
@@ -19,7 +19,7 @@ static bool read_cone(const struct json_node *node, struct light *light, struct 
         !node_read_number(&spot, "innerConeAngle", right_angle, &inner, err) ||
         !node_read_number(&spot, "outerConeAngle", right_angle, &outer, err))
         return false;
-    // They are compared in single precision, as the kernels use them.
+    // The angles are compared in single precision, as the kernels use them.
     light->inner_angle = (float)inner;
     light->outer_angle = (float)outer;
     if (light->inner_angle == light->outer_angle)
@@ -52,7 +52,8 @@ static bool read_light(struct gltf_load *load, const struct json_node *node, str
     return light->kind != LIGHT_SPOT || read_cone(node, light, err);
 }
 
-// A light is at its node's origin and shines along its -Z axis; scale has no other effect.
+// Places a light at its node's origin, shining along the node's -Z axis. The node's scale has no
+// other effect.
 static bool place_light(const struct json_node *holder, const double world[3][4],
                         struct light *light, bool *has_direction, struct err *err)
 {
@@ -67,7 +68,7 @@ static bool place_light(const struct json_node *holder, const double world[3][4]
     return true;
 }
 
-// The document's list of lights; `extensions` and `extension` are its parents, for messages.
+// The document's list of lights. `extensions` and `extension` are its parents, for messages.
 struct light_list {
     struct json_node extensions, extension, lights;
 };

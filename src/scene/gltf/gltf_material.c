@@ -1,6 +1,6 @@
-// Materials, glTF 2.0, section 3.9, as principled ones: metallic-roughness, normals, emission and
-// alpha, or their replacements. Back faces are not culled: both sides have the same material,
-// "doubleSided" or not.
+// Converts materials (glTF 2.0, section 3.9) to the principled model: metallic-roughness, normals,
+// emission and alpha, or the models that replace these. Back faces are not culled: both sides have
+// the same material, whatever "doubleSided" says.
 #include "scene/gltf/gltf_material.h"
 
 #include "scene/core/texture_load.h"
@@ -10,7 +10,7 @@
 
 #define OPAQUE_MASK (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)
 
-// The keys of a colour, with alpha if the material is not opaque, and of the texture that scales
+// The keys of a colour (with alpha if the material is not opaque), and of the texture that scales
 // it.
 struct color_keys {
     const char *factor, *texture;
@@ -59,9 +59,10 @@ static bool read_metallic_roughness(struct gltf_material_reader *reader, struct 
                              err);
 }
 
-// KHR_materials_pbrSpecularGlossiness, archived, replaces the above: a dielectric whose reflectance
-// at normal incidence is the specular colour, over a diffuse base that receives the remaining
-// light. The parameter is relative to the reflectance of the material's index of refraction, 1.5.
+// KHR_materials_pbrSpecularGlossiness (archived) replaces metallic-roughness: a dielectric whose
+// reflectance at normal incidence is the specular colour, over a diffuse base that receives the
+// remaining light. The parameter is relative to the reflectance of the material's index of
+// refraction, 1.5.
 static bool read_specular_glossiness(struct gltf_material_reader *reader,
                                      const struct json_node *object, struct err *err)
 {
@@ -123,7 +124,7 @@ static const struct gltf_texture_use emission_texture = {
     .is_srgb = true,
 };
 
-// Emission is in candela per square metre in the file and in W/(sr m^2) in the scene. The numbers
+// Emission is in candela per square metre in the file, and in W/(sr m^2) in the scene. The numbers
 // are not converted, because the spectrum is not specified.
 static bool read_emission(struct gltf_material_reader *reader, struct err *err)
 {
@@ -155,8 +156,7 @@ static bool read_alpha(struct gltf_material_reader *reader, struct err *err)
     return true;
 }
 
-// KHR_materials_unlit: the base colour is displayed; of the other parameters only alpha has an
-// effect.
+// KHR_materials_unlit displays the base colour; of the other parameters only alpha has an effect.
 static bool read_unlit(struct gltf_material_reader *reader, struct err *err)
 {
     struct material *material = reader->material;

@@ -8,8 +8,7 @@
 // One of these extensions in a material.
 struct layer {
     struct gltf_material_reader *reader;
-    struct json_node extensions, node; // node.value is NULL if the material does not have the
-                                       // extension
+    struct json_node extensions, node; // node.value is NULL if the material lacks the extension
 };
 
 static bool open_layer(struct gltf_material_reader *reader, const char *name, struct layer *out,
@@ -30,7 +29,7 @@ static bool read_channel(const struct layer *layer, const char *key, uint32_t pa
 {
     int channels[4] = {-1, -1, -1, -1};
     channels[parameter % 4] = channel;
-    // Alpha is linear in either case; if the image holds colours, too, both uses share it.
+    // Alpha is linear in either case; if the image also contains colours, both uses share it.
     const struct gltf_texture_use use = {
         .flags = texture_scales(parameter / 4, channels),
         .is_srgb = channel == 3,
@@ -80,8 +79,9 @@ static bool read_sheen(struct gltf_material_reader *reader, struct err *err)
            read_channel(&layer, "sheenRoughnessTexture", PARAMETER_SHEEN_ROUGHNESS, 3, err);
 }
 
-// Without a texture the thickness is the maximum. With one it is mix(minimum, maximum, green): the
-// parameter is the greater of both, and the texture is converted so that it scales this.
+// Reads the film's thickness: without a texture, the maximum; with a texture, mix(minimum, maximum,
+// green). In the latter case the parameter is the greater of both, and the texture is converted so
+// that it scales this.
 static bool read_film_thickness(const struct layer *layer, float *thickness, struct err *err)
 {
     const struct range thicknesses = {0, 1e6, false}; // nm; the range of film_thickness
@@ -118,8 +118,8 @@ static bool read_iridescence(struct gltf_material_reader *reader, struct err *er
 // --- the base's reflection -----------------------------------------------------------------------
 
 // An index of 0 stands for an infinite one: only KHR_materials_specular then limits the
-// reflectance. Specular-glossiness materials are exported so. As there, the colour is relative to
-// the index 1.5.
+// reflectance. Specular-glossiness materials are exported in this form. As in these, the colour is
+// relative to the index 1.5.
 static bool read_ior(struct gltf_material_reader *reader, bool *is_infinite, struct err *err)
 {
     const struct range iors = {0, 100, false};
@@ -145,7 +145,7 @@ static bool read_specular(struct gltf_material_reader *reader, struct err *err)
     bool is_infinite;
     if (!read_ior(reader, &is_infinite, err))
         return false;
-    // This limits the parameter to 1000.
+    // The range limits the parameter to 1000.
     const struct range colors = {0, is_infinite ? 1e3 * (double)GLTF_REFLECTANCE : 1e3, false};
     if (!open_layer(reader, "KHR_materials_specular", &layer, err) ||
         !node_read_color(&layer.node, "specularColorFactor", colors, material->specular_color,
@@ -161,12 +161,11 @@ static bool read_specular(struct gltf_material_reader *reader, struct err *err)
 
 // The extension widens the lobe along the tangent, alpha_t = mix(alpha, 1, strength^2), and keeps
 // alpha_b = alpha. The parameters here are alpha' / aspect and alpha' aspect with aspect^2 = 1 -
-// 0.9 anisotropic (Burley 2012, addendum). alpha'^2 = alpha_t alpha_b and aspect^2 = alpha_b /
-// alpha_t make both equal, unless the ratio is below 1 / 10 or a texture scales the factors.
+// 0.9 anisotropic (Burley 2012, addendum). With alpha'^2 = alpha_t alpha_b and aspect^2 = alpha_b /
+// alpha_t both agree, unless the ratio is below 1 / 10 or a texture scales the factors.
 static bool read_anisotropy(struct gltf_material_reader *reader, struct err *err)
 {
-    const struct range turns = {-1e6, 1e6, false}; // beyond this, single precision does not resolve
-                                                   // angles
+    const struct range turns = {-1e6, 1e6, false}; // more is not resolved
     static const char key[] = "anisotropyTexture";
     struct material *material = reader->material;
     struct layer layer;
@@ -209,7 +208,8 @@ static bool is_same_color(const float a[3], const float b[3])
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-// Diffusely transmitted light has the base colour here, but a separate colour in the extension.
+// Diffusely transmitted light has the base colour here, while the extension has a separate colour
+// for it.
 static bool read_diffuse_transmission(struct gltf_material_reader *reader, struct err *err)
 {
     static const char key[] = "diffuseTransmissionColorTexture";
@@ -229,8 +229,8 @@ static bool read_diffuse_transmission(struct gltf_material_reader *reader, struc
     return true;
 }
 
-// With a thickness, the surface is the boundary of a medium, and rays find its thickness
-// themselves. Without one, the surface is a thin sheet that does not refract.
+// With a thickness, the surface is the boundary of a medium, whose actual thickness rays determine
+// by themselves. Without one, the surface is a thin sheet that does not refract.
 static bool read_volume(struct gltf_material_reader *reader, struct err *err)
 {
     const struct range lengths = {0, SCENE_COORDINATE_MAX, false};

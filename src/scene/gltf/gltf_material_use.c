@@ -53,8 +53,8 @@ bool gltf_materials_finish(struct gltf_load *load, struct err *err)
         return gltf_no_memory(&load->document, "materials", count, err);
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
         const struct mesh *mesh = &scene->meshes[i];
-        uint32_t material = mesh->material - load->first_material; // wraps to a large number for
-                                                                   // materials of other files
+        // The difference wraps to a large number for materials of other files.
+        uint32_t material = mesh->material - load->first_material;
         if (material >= count)
             continue;
         load->tally.meshes_without_texcoords +=

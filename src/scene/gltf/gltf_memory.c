@@ -1,5 +1,5 @@
-// Computes a lower bound of the memory for the nodes of a glTF file, from the accessors' counts,
-// before any of them is loaded.
+// Computes a lower bound of the memory for the nodes of a glTF file from the accessors' counts,
+// before any node is loaded.
 #include "scene/gltf/gltf_load.h"
 
 #include "base/memory.h"
@@ -7,9 +7,9 @@
 
 struct tally {
     const struct gltf_load *load;
-    struct gltf_mesh_needs *meshes; // for each glTF mesh
-    bool *counted;                  // for each: it is in `meshes`, and its arrays are in `bytes`
-    uint8_t *seen;                  // for each accessor, see gltf_mesh_count
+    struct gltf_mesh_needs *meshes; // one for each glTF mesh
+    bool *counted;                  // whether it is in `meshes` and its arrays are in `bytes`
+    uint8_t *seen;                  // one for each accessor, see gltf_mesh_count()
     uint64_t bytes;
 };
 

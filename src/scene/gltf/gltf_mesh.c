@@ -1,4 +1,5 @@
-// Meshes, glTF 2.0, section 3.7: a mesh of the scene for each primitive that consists of triangles.
+// Converts meshes (glTF 2.0, section 3.7): each primitive that consists of triangles becomes a mesh
+// of the scene.
 #include "scene/gltf/gltf_load.h"
 
 #include "scene/gltf/gltf_accessor.h"
@@ -25,8 +26,8 @@ static const struct accessor_rule index_rule = {
 // --- vertices ------------------------------------------------------------------------------------
 
 // Reads the arrays of *mesh, which primitives with the same accessors share. All attributes are
-// kept, whether the material uses them or not, because the arrays are shared; flattening omits what
-// no material needs.
+// kept, whether the material uses them or not, because the arrays are shared; flattening omits
+// those that no material needs.
 static bool read_vertices(struct gltf_load *load, const struct json_node *attributes,
                           uint32_t position_accessor, struct mesh *mesh, struct err *err)
 {
@@ -42,7 +43,7 @@ static bool read_vertices(struct gltf_load *load, const struct json_node *attrib
         return false;
     mesh->vertex_count = count;
     mesh->positions = (float(*)[3])positions;
-    // Section 3.7.2.1: a mesh without normals is flat-shaded, and its tangents are ignored.
+    // A mesh without normals is flat-shaded, and its tangents are ignored (section 3.7.2.1).
     mesh->normals = (float(*)[3])normals;
     mesh->tangents = normals ? (float(*)[4])tangents : NULL;
     for (int set = 0; set < 2; set++)
@@ -74,7 +75,7 @@ static void triangle_corners(enum primitive_mode mode, uint32_t i, uint32_t corn
     }
 }
 
-// Checks that `count` vertices or indices, given by `node`, make whole triangles.
+// Checks that `count` vertices or indices, given by `node`, form whole triangles.
 static bool count_triangles(const struct json_node *node, enum primitive_mode mode, uint32_t count,
                             uint32_t *out, struct err *err)
 {
@@ -87,7 +88,7 @@ static bool count_triangles(const struct json_node *node, enum primitive_mode mo
     return true;
 }
 
-// Allocates the triangles of `count` vertices or indices, which `node` gives.
+// Allocates the triangles of `count` vertices or indices, given by `node`.
 static bool allocate_triangles(struct gltf_load *load, const struct json_node *node,
                                enum primitive_mode mode, uint32_t count, struct mesh *mesh,
                                struct err *err)
@@ -101,8 +102,8 @@ static bool allocate_triangles(struct gltf_load *load, const struct json_node *n
     return true;
 }
 
-// sequence: the order of the vertices; NULL: 0, 1, 2, … Strips repeat vertices to turn: triangles
-// with the same vertex twice are omitted from them.
+// Stores the triangles. `sequence` is the order of the vertices; NULL: 0, 1, 2, … Strips repeat
+// vertices to turn, so triangles with a repeated vertex are omitted from them.
 static void write_triangles(struct mesh *mesh, enum primitive_mode mode, const uint32_t *sequence)
 {
     uint32_t count = 0;
@@ -169,7 +170,7 @@ static bool read_material(struct gltf_load *load, const struct json_node *primit
     return true;
 }
 
-// Returns whether the primitive has triangles and positions; counts it if it has not.
+// Returns whether the primitive has triangles and positions. If not, counts it as omitted.
 static bool is_drawable(struct gltf_tally *tally, enum primitive_mode mode, uint32_t position)
 {
     if (mode <= MODE_LINE_STRIP)
@@ -182,7 +183,7 @@ static bool is_drawable(struct gltf_tally *tally, enum primitive_mode mode, uint
 // The deformation of a mesh by a node.
 struct deformation {
     const struct gltf_weights *weights;
-    const struct gltf_skin *skin; // or NULL
+    const struct gltf_skin *skin; // NULL: none
 };
 
 static bool load_primitive(struct gltf_load *load, const struct json_node *primitive,
@@ -264,7 +265,7 @@ bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_we
 
 // --- memory --------------------------------------------------------------------------------------
 
-// Errors in the file are reported by the readers above; here they count as nothing.
+// The readers above report errors in the file; here such parts count as nothing.
 
 static uint64_t new_vertex_bytes(const struct gltf_document *document,
                                  const struct json_node *attributes, uint8_t *seen)
@@ -329,7 +330,7 @@ static void count_primitive(const struct gltf_document *document, const struct j
         return;
     needs->vertex_bytes += new_vertex_bytes(document, &attributes, seen);
     needs->primitive_bytes += triangles * (uint64_t)sizeof *mesh->indices;
-    // All triangles of a strip may be omitted.
+    // All triangles of a strip may be omitted, so it is not certain to become a mesh.
     needs->count += triangles > 0 && (mode == MODE_TRIANGLES || !is_indexed);
 }
 

@@ -1,5 +1,5 @@
-// EXT_meshopt_compression: buffer views that hold compressed vertices or indices. All are decoded
-// when the document is opened; accessors then check the decoded bytes like any others.
+// EXT_meshopt_compression: buffer views with compressed vertices or indices. All are decoded when
+// the document is opened; accessors then check the decoded bytes like any others.
 #include "scene/gltf/gltf_buffer.h"
 
 #include <meshoptimizer.h>
@@ -7,10 +7,10 @@
 enum mode { ATTRIBUTES, TRIANGLES, INDICES };
 enum filter { NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL };
 
-#define MAX_STRIDE 256 // greatest stride of mode ATTRIBUTES
+#define MAX_STRIDE 256 // maximum stride in mode ATTRIBUTES
 
 struct compressed {
-    struct json_node node; // the extension's object
+    struct json_node node; // JSON object of the extension
     const uint8_t *data;
     size_t size;
     uint64_t count, stride;

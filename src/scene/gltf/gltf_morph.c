@@ -1,4 +1,4 @@
-// Morph targets, glTF 2.0, section 3.7.2.2: weighted displacements of vertex attributes.
+// Applies morph targets (glTF 2.0, section 3.7.2.2): weighted displacements of vertex attributes.
 #include "scene/gltf/gltf_pose.h"
 
 #include "scene/gltf/gltf_accessor.h"
@@ -7,8 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-// The rules of displacements: that of a tangent has no sign, and that of a colour may have no
-// alpha.
+// Accessor rules of displacements: a tangent's has no sign, and a colour's may lack alpha.
 static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
     [GLTF_POSITION] = {.use = "displacements of POSITION",
                        .components = 3,
@@ -100,7 +99,7 @@ bool gltf_morph_weights(struct gltf_load *load, uint32_t node, uint32_t mesh,
 
 // --- displacements -------------------------------------------------------------------------------
 
-// An attribute of a mesh while its displacements are added.
+// An attribute of a mesh while displacements are added to it.
 struct sum {
     struct arena arena;
     const struct json_node *targets;
@@ -108,8 +107,8 @@ struct sum {
     const char *key;
     enum gltf_attribute attribute;
     uint32_t vertex_count, width;
-    double *numbers; // vertex_count * width; NULL until a target changes them
-    float *scratch;  // room for as many numbers
+    double *numbers; // vertex_count * width sums; NULL until a target changes them
+    float *scratch;  // room for vertex_count * width numbers
 };
 
 static bool open_sum(struct gltf_load *load, const float *base, struct sum *sum, struct err *err)

@@ -1,5 +1,5 @@
-// Nodes, glTF 2.0, section 3.5. Nothing here recurses, because a chain of nodes may be as long as
-// the file.
+// Reads nodes (glTF 2.0, section 3.5). Nothing here recurses, because a chain of nodes may be as
+// long as the file.
 #include "scene/gltf/gltf_node.h"
 
 #include "scene/core/affine.h"
@@ -10,8 +10,8 @@
 
 // --- transforms ----------------------------------------------------------------------------------
 
-// Shoemake 1985, "Animating rotation with quaternion curves", appendix: the matrix of a unit
-// quaternion, for column vectors.
+// Computes the matrix of a unit quaternion, for column vectors (Shoemake 1985, "Animating rotation
+// with quaternion curves", appendix).
 static void quaternion_matrix(const double q[4], double out[3][3])
 {
     double x = q[0], y = q[1], z = q[2], w = q[3];
@@ -31,7 +31,8 @@ bool gltf_compose(const double translation[3], const double rotation[4], const d
         largest = fmax(largest, fabs(rotation[i]));
     if (!(largest > 0))
         return false;
-    // It is scaled by the largest component, so that no square overflows or underflows.
+    // The quaternion is divided by its largest component, so that no square overflows or
+    // underflows.
     double q[4], square = 0;
     for (int i = 0; i < 4; i++) {
         q[i] = rotation[i] / largest;
@@ -49,7 +50,7 @@ bool gltf_compose(const double translation[3], const double rotation[4], const d
     return true;
 }
 
-// "matrix" has 16 numbers in column-major order; its last row must be that of an affine map.
+// Reads "matrix": 16 numbers in column-major order, whose last row must be that of an affine map.
 static bool read_matrix(const struct json_node *node, double out[3][4], struct err *err)
 {
     static const char *const others[] = {"translation", "rotation", "scale"};
@@ -60,8 +61,8 @@ static bool read_matrix(const struct json_node *node, double out[3][4], struct e
     double m[16];
     if (!gltf_read_numbers(node, "matrix", 16, m, err))
         return false;
-    // Exporters write products of single-precision matrices: rounding errors do not make a
-    // projection.
+    // Exporters write products of single-precision matrices, so rounding errors in the last row are
+    // permitted.
     bool is_affine = fabs(m[3]) <= FLT_EPSILON && fabs(m[7]) <= FLT_EPSILON &&
                      fabs(m[11]) <= FLT_EPSILON && fabs(m[15] - 1) <= FLT_EPSILON;
     const struct json_node matrix = node_member(node, "matrix");
@@ -74,7 +75,7 @@ static bool read_matrix(const struct json_node *node, double out[3][4], struct e
     return true;
 }
 
-// pose: values that an animation sets, or NULL.
+// Computes a node's local transform. `pose` has the values that an animation sets, or is NULL.
 static bool read_local(const struct json_node *node, const struct gltf_node_pose *pose,
                        double out[3][4], struct err *err)
 {
@@ -93,7 +94,7 @@ static bool read_local(const struct json_node *node, const struct gltf_node_pose
         memcpy(scale, pose->scale, sizeof scale);
     const struct json_node rotation_node = node_member(node, "rotation");
     if (!gltf_compose(translation, rotation, scale, out))
-        return node_fail(&rotation_node, err, "the zero quaternion is no rotation");
+        return node_fail(&rotation_node, err, "the zero quaternion is not a rotation");
     return true;
 }
 
@@ -142,8 +143,9 @@ static bool link_children(const struct gltf_document *document, struct gltf_node
     return true;
 }
 
-// As every node has at most one parent, following the parents from a node ends at a root or is a
-// cycle. Every node is visited once: visit[n] is the start from which it was visited, plus one.
+// Checks that there are no cycles. Every node has at most one parent, so following the parents from
+// a node ends at a root or finds a cycle. Every node is visited once: visit[n] is 1 + the start
+// from which node n was visited.
 static bool check_acyclic(const struct gltf_document *document, const struct gltf_nodes *nodes,
                           uint32_t *visit, struct err *err)
 {
@@ -163,8 +165,8 @@ static bool check_acyclic(const struct gltf_document *document, const struct glt
 
 // --- the scene -----------------------------------------------------------------------------------
 
-// The nodes in the scene, parents before children: [0, count) are known, and the children of those
-// below `next` were added.
+// The nodes in the scene, parents before children. Nodes [0, count) are known; the children of
+// nodes below `next` have been added.
 struct walk {
     const struct gltf_nodes_params *params;
     uint32_t *order;

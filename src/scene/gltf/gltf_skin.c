@@ -1,5 +1,5 @@
-// Skins, glTF 2.0, section 3.7.3: vertices follow joints, by weights. The mesh is baked in world
-// space, where its joints are; the transform of its own node is ignored.
+// Applies skins (glTF 2.0, section 3.7.3): joints move vertices, by weights. The result is in world
+// space, where the joints are; the transform of the mesh's own node is ignored.
 #include "scene/gltf/gltf_pose.h"
 
 #include "scene/core/affine.h"
@@ -36,7 +36,7 @@ static bool read_joint(const struct gltf_nodes *nodes, const struct json_node *j
     return true;
 }
 
-// Section 3.7.3.1: the last row is (0, 0, 0, 1). Viewers ignore any other values.
+// The last row must be (0, 0, 0, 1) (section 3.7.3.1). As in viewers, other values are ignored.
 static bool is_affine(const float m[16])
 {
     return fabsf(m[3]) <= FLT_EPSILON && fabsf(m[7]) <= FLT_EPSILON &&
@@ -105,7 +105,7 @@ const struct gltf_skin *gltf_skin_open(struct gltf_load *load, const struct gltf
 
 // --- weights -------------------------------------------------------------------------------------
 
-// A mesh while the transforms of its vertices are summed up.
+// A mesh while the weighted transforms of its vertices are summed.
 struct blend {
     struct arena arena;
     const struct gltf_skin *skin;
@@ -113,7 +113,7 @@ struct blend {
     double (*transforms)[3][4];
     double *totals; // sums of weights
     uint32_t *joints;
-    float *weights; // weights of one set: four per vertex
+    float *weights; // one set of weights: four per vertex
 };
 
 static bool no_blend_memory(struct gltf_load *load, const struct blend *blend, struct err *err)
@@ -169,7 +169,7 @@ static void add_joint(struct blend *blend, uint32_t vertex, uint32_t joint, doub
                 weight * blend->skin->joints[joint][row][column];
 }
 
-// Adds JOINTS_set and WEIGHTS_set; *found: they exist.
+// Adds JOINTS_set and WEIGHTS_set; *found is whether they exist.
 static bool add_set(struct gltf_load *load, const struct json_node *attributes, uint32_t set,
                     struct blend *blend, bool *found, struct err *err)
 {
@@ -191,8 +191,8 @@ static bool add_set(struct gltf_load *load, const struct json_node *attributes, 
     return true;
 }
 
-// Weights add up to 1 except for their rounding. A vertex without weights follows the first joint,
-// as in other viewers.
+// Divides by the sums of weights, which are 1 except for rounding. As in other viewers, a vertex
+// without weights follows the first joint.
 static void normalize_weights(struct gltf_load *load, struct blend *blend)
 {
     for (uint32_t v = 0; v < blend->vertex_count; v++) {
@@ -234,8 +234,8 @@ static bool move_position(const double transform[3][4], const float from[3], dou
     return true;
 }
 
-// Transforms a normal by the inverse transpose up to a positive factor; a degenerate result becomes
-// zero.
+// Transforms a normal by the inverse transpose, up to a positive factor. A degenerate result
+// becomes zero.
 static void move_normal(const double transform[3][4], const float from[3], float to[3])
 {
     double cofactors[3][3], turned[3];
@@ -284,7 +284,7 @@ static bool move_vertices(struct gltf_load *load, const struct json_node *primit
     return true;
 }
 
-// Exchanges two corners of triangles that the joints reflect, so that their front stays outside.
+// Exchanges two corners of triangles that the joints reflect, so that the front side stays outside.
 static void turn_reflected(const struct blend *blend, struct mesh *mesh)
 {
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {

@@ -1,4 +1,4 @@
-// Textures and samplers, glTF 2.0, section 3.8, and KHR_texture_transform.
+// Reads textures and samplers (glTF 2.0, section 3.8) and KHR_texture_transform.
 #include "scene/gltf/gltf_material.h"
 
 #include "scene/core/texture_load.h"
@@ -6,7 +6,7 @@
 
 // --- sampling ------------------------------------------------------------------------------------
 
-// The codes are those of WebGL; the specification's default comes first.
+// The codes are those of WebGL. The specification's default comes first.
 struct sampler_code {
     uint32_t code, meaning;
 };
@@ -23,7 +23,7 @@ static const struct sampler_code magnifications[] = {
     {9728, TEXTURE_NEAREST},
     {SAMPLER_CODES_END, 0},
 };
-// The filter is only checked: many samples per pixel have the effect of minification filters.
+// The minification filter is only checked: many samples per pixel have its effect.
 static const struct sampler_code minifications[] = {
     {9729, 0}, {9728, 0}, {9984, 0}, {9985, 0}, {9986, 0}, {9987, 0}, {SAMPLER_CODES_END, 0},
 };
@@ -40,7 +40,7 @@ static bool read_code(const struct json_node *sampler, const char *key,
         if (known->code == code)
             return true;
     }
-    return node_fail(&node, err, "%llu is no value of a sampler's \"%s\"; the default is %u",
+    return node_fail(&node, err, "%llu is not a value of a sampler's \"%s\"; the default is %u",
                      (unsigned long long)code, key, codes[0].code);
 }
 
@@ -62,8 +62,8 @@ static bool read_sampler(const struct gltf_document *document, const struct json
     return true;
 }
 
-// As v points downwards, this rotates coordinates counter-clockwise, as the text and the first
-// example of the extension do.
+// Reads a transform. Because v points down, it rotates coordinates counter-clockwise, as the text
+// and the first example of the extension do.
 static bool read_transform(const struct json_node *transform, struct texture *texture,
                            struct err *err)
 {
@@ -81,7 +81,8 @@ static bool read_transform(const struct json_node *transform, struct texture *te
     return true;
 }
 
-// Reads the set of texture coordinates and their transform; the extension's set replaces the other.
+// Reads the set of texture coordinates and their transform. A set given by the extension replaces
+// the other.
 static bool read_coordinates(const struct json_node *info, struct texture *texture, struct err *err)
 {
     struct json_node extensions, transform;
@@ -117,7 +118,8 @@ static bool is_same_transform(const struct texture *a, const struct texture *b)
     return true;
 }
 
-// Returns whether one fetch serves both: the same image, sampled alike, scaling the same group.
+// Returns whether one fetch serves both textures: the same image, sampled in the same way, scaling
+// the same group.
 static bool can_merge(const struct gltf_texture *a, const struct gltf_texture *b)
 {
     const uint32_t differing = SCALES_MASK | CHANNELS_MASK;
@@ -134,7 +136,7 @@ static bool append_texture(struct gltf_material_reader *reader, const struct glt
     struct gltf_material *state = reader->state;
     for (struct gltf_texture *other = state->first_texture; other; other = other->next)
         if (can_merge(other, texture)) {
-            // The channels of parameters that are not scaled are 0.
+            // The channels of parameters that a texture does not scale are 0.
             other->texture.flags |= texture->texture.flags;
             return true;
         }
@@ -183,7 +185,7 @@ bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_no
         !read_coordinates(&info, &texture.texture, err))
         return false;
     if (texture.image == GLTF_NONE) {
-        // Only an unsupported extension names the image.
+        // The image may be named by an unsupported extension only.
         reader->load->tally.textures_without_image++;
         return true;
     }
@@ -192,7 +194,7 @@ bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_no
 
 // --- textures of the scene -----------------------------------------------------------------------
 
-// Removes scales without effect: of a parameter that is 0, or is 1 where 1 - parameter is scaled.
+// Removes scales without effect: of a parameter that is 0, or that is 1 if 1 - parameter is scaled.
 // Returns false when the texture has no effect left.
 static bool keep_what_matters(const struct material *material, struct texture *texture)
 {
@@ -207,18 +209,17 @@ static bool keep_what_matters(const struct material *material, struct texture *t
     return scaled(texture) != 0;
 }
 
-// The distinct images of the used textures, and for each texture, in their order, the index of its
-// image.
+// The distinct images of the used textures and, for each texture in order, the index of its image.
 struct image_list {
     struct gltf_image *images;
     uint32_t count;
-    uint32_t *by_source; // for each of the document's images, linear and sRGB: 1 + index in
-                         // `images`; 0: none
+    uint32_t *by_source; // linear and sRGB, by image: 1 + index in `images`; 0: none
 };
 
 static void find_image(struct image_list *list, const struct gltf_texture *texture, uint32_t *index)
 {
-    // Images with changed green are few, and the scene stores each once in any case.
+    // Images with changed green are few, so they are not looked up; the scene stores equal ones
+    // once.
     bool is_changed = texture->green[0] != 0 || texture->green[1] != 0;
     uint32_t *known = is_changed ? NULL : &list->by_source[2 * texture->image + texture->is_srgb];
     *index = known && *known ? *known - 1 : list->count;
@@ -233,7 +234,7 @@ static void find_image(struct image_list *list, const struct gltf_texture *textu
     };
 }
 
-// Is called for each texture of a used material that has an effect.
+// Called for each texture of a used material that has an effect.
 typedef bool visit_fn(struct gltf_load *load, struct image_list *list, struct material *material,
                       struct gltf_texture *texture, struct err *err);
 

@@ -32,7 +32,7 @@ static bool read_variant_name(const struct variant_list *list, uint32_t index, c
     return gltf_require(&node, "name", err) && node_read_string(&node, "name", name, err);
 }
 
-// Lists as many names as fit into a message.
+// Fails with a list of as many names of variants as fit into a message.
 static bool fail_unknown(const struct gltf_load *load, const struct variant_list *list,
                          const char *wish, struct err *err)
 {
@@ -73,7 +73,7 @@ bool gltf_variant_find(struct gltf_load *load, const char *name, struct err *err
     return fail_unknown(load, &list, name, err);
 }
 
-// *found: the mapping contains the variant.
+// Reads a mapping. *found: it contains the selected variant.
 static bool read_mapping(const struct gltf_load *load, const struct json_node *mapping,
                          uint32_t variant_count, bool *found, uint32_t *material, struct err *err)
 {

@@ -12,8 +12,8 @@
 
 // --- cameras -------------------------------------------------------------------------------------
 
-// A camera looks along the -Z axis of its node with +Y up (section 3.10.2). Returns false when the
-// node's transform is degenerate in these directions.
+// Places a camera, which looks along the -Z axis of its node with +Y up (section 3.10.2). Returns
+// false when the node's transform is degenerate in these directions.
 static bool place_camera(const double world[3][4], struct camera *camera)
 {
     double side[3];
@@ -38,8 +38,8 @@ static bool read_perspective(const struct json_node *node, double *fov_y, struct
            node_read_number(&perspective, "yfov", (struct range){0, pi, true}, fov_y, err);
 }
 
-// The file gives half of the height; the width follows from the image. Rays begin in the camera's
-// plane, whatever znear is, and are infinite.
+// Reads the height of an orthographic camera. The file gives half of it; the width follows from the
+// image. Rays begin in the camera's plane, whatever znear is, and have no end.
 static bool read_orthographic(const struct json_node *node, double *height, struct err *err)
 {
     static const struct range coordinates = {-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
@@ -56,7 +56,7 @@ static bool read_orthographic(const struct json_node *node, double *height, stru
            node_fail(&ymag, err, "%g; expected a height that is not 0", half);
 }
 
-// `holder` is the camera's node; its name is used for a camera without one.
+// Loads a camera. `holder` is its node, whose name is used if the camera has none.
 static bool load_camera(struct gltf_load *load, uint32_t index, const struct json_node *holder,
                         const double world[3][4], struct err *err)
 {
@@ -90,7 +90,7 @@ static bool load_camera(struct gltf_load *load, uint32_t index, const struct jso
 
 // --- nodes ---------------------------------------------------------------------------------------
 
-// A skinned mesh is in world space already.
+// Loads a skinned mesh, which is already in world space.
 static bool load_skinned_mesh(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t skin,
                               uint32_t mesh, const struct gltf_weights *weights, struct err *err)
 {
@@ -150,7 +150,7 @@ struct note {
     const char *text;
 };
 
-// Notes "NAME: N TEXT" for every count that is not zero.
+// Adds a note "NAME: N TEXT" for every count that is not zero.
 static bool add_notes(struct gltf_load *load, const struct note *notes, size_t count)
 {
     const char *name = path_name(load->document.source->path);
@@ -215,7 +215,7 @@ static void hash_files(struct gltf_load *load)
             *hash = hash_bytes(*hash, document->buffers[i].data, document->buffers[i].size);
 }
 
-// Hashes the caller's choices, which decide what is loaded, as the files are hashed.
+// Hashes the caller's choices in addition to the files, because they determine what is loaded.
 static void hash_wishes(struct scene *scene, const struct gltf_load_params *params)
 {
     const char *const names[] = {params->animation, params->scene_name, params->variant};
@@ -242,8 +242,9 @@ static bool allocate_tables(struct gltf_load *load, struct err *err)
                           err);
 }
 
-// Finds the duration of the first animation if none is posed, so that it can be played. Errors in
-// it are no reason to reject a file that does not show it: its duration stays 0.
+// Finds the duration of the first animation if none is selected, so that it can be played. Errors
+// in the animation do not make loading fail, because the animation is not shown: its duration stays
+// 0.
 static void find_length(struct gltf_load *load)
 {
     const struct gltf_tally tally = load->tally;
@@ -254,8 +255,8 @@ static void find_length(struct gltf_load *load)
     load->tally = tally;
 }
 
-// If neither an animation nor a time is selected, the nodes are not animated, as in viewers that do
-// not play animations.
+// Poses the nodes. If neither an animation nor a time is selected, they are not animated, as in
+// viewers that do not play animations.
 static bool pose_nodes(struct gltf_load *load, const struct gltf_load_params *params,
                        struct err *err)
 {
@@ -273,7 +274,7 @@ static bool pose_nodes(struct gltf_load *load, const struct gltf_load_params *pa
            gltf_no_memory(&load->document, "notes", sizeof(char *), err);
 }
 
-// Cameras and instances are added in the order of the file's nodes.
+// Adds cameras and instances in the order of the file's nodes.
 static bool convert(struct gltf_load *load, const struct gltf_load_params *params, struct err *err)
 {
     struct gltf_nodes nodes;

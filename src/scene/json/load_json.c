@@ -1,4 +1,4 @@
-// Our scene format: reads the document as a whole.
+// Reads a scene file of this program's format (.json) as a whole.
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
@@ -41,7 +41,7 @@ static bool load_sections(struct json_loader *loader, const struct json_node *do
     if (node_member(document, "base").value)
         return load_json_base(loader, document, err);
     if (edits.value)
-        return node_fail(&edits, err, "goes with a \"base\" only, the file that it edits");
+        return node_fail(&edits, err, "requires a \"base\", the file that it edits");
     return load_json_section(loader, document, "camera", load_json_camera, err) &&
            load_json_section(loader, document, "film", load_json_film, err) &&
            load_json_section(loader, document, "settings", load_json_settings, err) &&
@@ -83,7 +83,7 @@ static void hash_inputs(struct scene *scene, const struct file_bytes *bytes,
 {
     scene->hash = hash_bytes(scene->hash, bytes->data, bytes->size);
     for (uint32_t i = 0; i < params->override_count; i++) {
-        // The final NUL bytes are included, so that different lists of strings have different
+        // The terminating NUL bytes are included, so that different lists of strings have different
         // bytes.
         const char *key = params->overrides[i].key, *value = params->overrides[i].value;
         scene->hash = hash_bytes(scene->hash, key, strlen(key) + 1);

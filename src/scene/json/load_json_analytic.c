@@ -1,4 +1,5 @@
-// Analytic shapes: sphere, disc, plane, cylinder; quads and boxes on request. And their transforms.
+// Analytic shapes (sphere, disc, plane, cylinder; quads and boxes on request), and their
+// transforms.
 #include "scene/json/load_json.h"
 
 #include "scene/core/affine.h"
@@ -56,7 +57,7 @@ bool load_json_sphere(struct scene *scene, const struct json_node *sphere, uint3
         !node_read_integer(sphere, "subdivision", 0, SCATTER_SUBDIVISION_MAX, &subdivision, err))
         return false;
     if (analytic && divided.value)
-        return node_fail(&divided, err, "goes with \"as\": \"triangles\"");
+        return node_fail(&divided, err, "requires \"as\": \"triangles\"");
     return analytic ? add_shape(scene, &shape, err)
                     : add_icosphere(scene, &shape, (uint32_t)subdivision, err);
 }
@@ -80,8 +81,8 @@ bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t 
 
 // --- plane, cylinder -----------------------------------------------------------------------------
 
-// Replaces v by the unit vector orthogonal to the unit vector n that is nearest to it. Returns
-// false if v is parallel to n.
+// Replaces v by the nearest unit vector that is orthogonal to the unit vector n. Returns false if v
+// is parallel to n.
 static bool make_orthogonal(const double n[3], double v[3])
 {
     double along;
@@ -92,7 +93,7 @@ static bool make_orthogonal(const double n[3], double v[3])
         v[c] -= along * n[c];
     if (!(vec3_dot(v, v) > 1e-12) || !vec3_normalize(v))
         return false;
-    // The second pass removes the rounding error that cancellation left in the first.
+    // The second pass removes the rounding error that cancellation left after the first.
     along = vec3_dot(n, v);
     for (int c = 0; c < 3; c++)
         v[c] -= along * n[c];
@@ -116,7 +117,7 @@ bool load_json_plane(struct scene *scene, const struct json_node *plane, uint32_
            add_shape(scene, &shape, err);
 }
 
-// Reads the axis from both ends, or from centre, direction and height.
+// Reads the axis, given by both ends, or by centre, direction and height.
 static bool read_axis(const struct json_node *cylinder, struct shape *shape, struct err *err)
 {
     double ends[2][3], height = 0;
@@ -126,8 +127,8 @@ static bool read_axis(const struct json_node *cylinder, struct shape *shape, str
         return false;
     for (int i = 0; i < 3; i++)
         if (keys[!by_ends][i] && node_member(cylinder, keys[!by_ends][i]).value)
-            return node_fail(cylinder, err, "\"%s\" does not go with \"%s\"", keys[!by_ends][i],
-                             keys[by_ends][0]);
+            return node_fail(cylinder, err, "\"%s\" cannot be combined with \"%s\"",
+                             keys[!by_ends][i], keys[by_ends][0]);
     if (!node_member(cylinder, keys[by_ends][1]).value)
         return node_fail(cylinder, err, "\"%s\" is missing", keys[by_ends][1]);
     if (!by_ends) {
@@ -176,7 +177,7 @@ bool load_json_cylinder(struct scene *scene, const struct json_node *cylinder, u
 
 // --- quad, box -----------------------------------------------------------------------------------
 
-// With six digits or more in the file, angles count as right and edges as equal.
+// The tolerance for right angles and equal edges; numbers in files have six digits or more.
 #define SHAPE_TOLERANCE 1e-5
 
 static bool check_edge(const struct json_node *node, const double half_edge[3], struct err *err)
@@ -217,7 +218,7 @@ bool load_json_analytic_quad(struct scene *scene, const struct json_node *quad,
     if (!(gap <= SHAPE_TOLERANCE * size))
         return node_fail(
             quad, err,
-            "the vertices are no parallelogram: its diagonals miss each other by %.9g; "
+            "the vertices do not form a parallelogram: its diagonals miss each other by %.9g; "
             "expected one, or \"as\": \"triangles\"",
             gap);
     return check_area(quad, &shape, err) && add_shape(scene, &shape, err);
@@ -255,24 +256,25 @@ static bool move_round(const struct json_node *node, const double m[3][4], struc
                          "translation and uniform scale");
     shape->radius *= scale;
     affine_vector(m, shape->normal, shape->normal);
-    vec3_normalize(shape->normal); // stays zero for spheres
+    vec3_normalize(shape->normal); // zero stays zero, for spheres
     return check_radius(node, shape->radius, err);
 }
 
 static bool move_plane(const struct json_node *node, const double m[3][4], struct shape *shape,
                        struct err *err)
 {
-    // The cofactors are the inverse transpose times the determinant, whose sign is undone.
+    // The cofactor matrix is the inverse transpose times the determinant; the determinant's sign is
+    // removed here.
     double cofactors[3][3], normal[3], determinant = affine_determinant(m);
     affine_cofactors(m, cofactors);
     for (int c = 0; c < 3; c++)
         normal[c] = copysign(1, determinant) * vec3_dot(cofactors[c], shape->normal);
     if (determinant == 0 || !vec3_normalize(normal))
-        return node_fail(node, err, "is singular; a plane would be no plane any more");
+        return node_fail(node, err, "is singular; the plane would collapse");
     memcpy(shape->normal, normal, sizeof normal);
     affine_vector(m, shape->axes[1], shape->axes[1]);
     return make_orthogonal(normal, shape->axes[1]) ||
-           node_fail(node, err, "shears a plane beyond what double precision holds");
+           node_fail(node, err, "shears a plane more than double precision represents");
 }
 
 static bool move_quad(const struct json_node *node, const double m[3][4], struct shape *shape,
@@ -306,12 +308,12 @@ static bool move_box(const struct json_node *node, const double m[3][4], struct 
     for (int i = 0; i < 3; i++)
         if (!is_right_angle(axes[i], axes[(i + 1) % 3]))
             return node_fail(node, err,
-                             "turns a box's right angles into others; expected rotation, "
+                             "changes a box's right angles; expected rotation, "
                              "translation and scales along its edges, or \"as\": \"triangles\"");
     memcpy(unit, axes, sizeof unit);
     if (!vec3_normalize(unit[0]) || !make_orthogonal(unit[0], unit[1]))
         return node_fail(node, err, "is singular; a box would have no volume");
-    vec3_cross(unit[0], unit[1], unit[2]); // right-handed, after a reflection, too
+    vec3_cross(unit[0], unit[1], unit[2]); // right-handed even after a reflection
     for (int i = 0; i < 3; i++)
         for (int c = 0; c < 3; c++)
             axes[i][c] = lengths[i] * unit[i][c];
@@ -345,7 +347,7 @@ static bool move_cylinder(const struct json_node *node, const double m[3][4], st
             node_fail(node, err, "is singular; a cylinder would have no volume"));
 }
 
-// A reflection is allowed and changes the handedness of the axes.
+// Transforms a distance field. A reflection is permitted; it changes the handedness of the axes.
 static bool move_field(const struct json_node *node, const double m[3][4], struct shape *shape,
                        struct err *err)
 {

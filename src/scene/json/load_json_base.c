@@ -1,4 +1,5 @@
-// A document with a "base": loads another scene file and then applies the differences of this one.
+// Reads a document with a "base": loads that other scene file, then applies the differences of this
+// one.
 #include "scene/json/load_json.h"
 
 #include "base/ascii.h"
@@ -12,14 +13,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Deeper nesting is an error, which also catches files that name themselves.
+// The maximum depth of nesting; deeper nesting is an error, which also catches files that name
+// themselves.
 #define BASE_DEPTH_MAX 8
 
 static const struct range RANGE_SECONDS = {-1e9, 1e9, false};
 
-// --- what is loaded ------------------------------------------------------------------------------
+// --- loading the base ----------------------------------------------------------------------------
 
-// Returns the text of an override's value, which load_json_apply_overrides parses again.
+// Returns the text of an override's value, which load_json_apply_overrides() will parse again.
 static const char *dump_value(struct arena *arena, const json_t *value)
 {
     char *dumped = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
@@ -69,7 +71,7 @@ static bool read_overrides(struct json_loader *loader, const struct json_node *l
 static bool fail_not_gltf(const struct json_node *node, const struct scene_load_params *load,
                           struct err *err)
 {
-    return node_fail(node, err, "goes with a .gltf or .glb file only; the base is %s", load->path);
+    return node_fail(node, err, "is only for .gltf and .glb files; the base is %s", load->path);
 }
 
 static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
@@ -100,8 +102,8 @@ static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
                : err_memory(err, "a time", sizeof at);
 }
 
-// The light and the ground for a base without light are as the command line says, unless this file
-// sets them.
+// Reads the parameters for loading the base. For a base without light, light and ground are chosen
+// by the command line, unless this file chooses them.
 static bool read_base(struct json_loader *loader, const struct json_node *node,
                       struct scene_load_params *load, struct err *err)
 {
@@ -153,7 +155,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
         return false;
     }
     scene->path = path;
-    scene->placed_count = 0; // in this file objects have no placement relative to the base
+    scene->placed_count = 0; // this file's placements are relative to the base
     base->base = scene->base;
     base->override_paths = scene->override_paths;
     base->override_path_count = scene->override_path_count;
@@ -162,7 +164,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
 
 // --- the differences -----------------------------------------------------------------------------
 
-// Keeps the base, so that differences from it can be found.
+// Keeps the base, so that differences from it can be found later.
 static bool keep_base(struct scene *scene, struct scene_base *base, struct err *err)
 {
     base->environment = scene->environment;
@@ -172,7 +174,8 @@ static bool keep_base(struct scene *scene, struct scene_base *base, struct err *
     return base->lights || err_memory(err, "lights", scene->light_count * sizeof *scene->lights);
 }
 
-// The camera precedes those of the base, so that it is the one in use; a framed camera is removed.
+// Puts the document's camera before those of the base, so that it is used by default; a framed
+// camera is removed.
 static bool put_camera_first(struct json_loader *loader, const struct json_node *node,
                              struct err *err)
 {

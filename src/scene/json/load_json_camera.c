@@ -13,7 +13,7 @@
 static const struct range RANGE_MILLIMETRES = {1e-6, 1e6, false};
 static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
 
-// First the keys of every camera, then those of perspective ones only, last those of a lens.
+// The keys of every camera, then those of perspective cameras only, then those of a lens.
 static const char *const optional_keys[] = {
     "name",
     "type",
@@ -35,7 +35,7 @@ static const char *const optional_keys[] = {
     "blade_rotation_radians",
     NULL,
 };
-enum { PERSPECTIVE_KEYS = 6, LENS_KEYS = 13 }; // indices of the first of each group
+enum { PERSPECTIVE_KEYS = 6, LENS_KEYS = 13 }; // index of the first key of each group
 
 bool load_json_direction(const struct json_node *node, const double position[3],
                          double direction[3], struct err *err)
@@ -57,7 +57,7 @@ bool load_json_direction(const struct json_node *node, const double position[3],
            node_fail(&direction_node, err, "is zero; expected a direction");
 }
 
-// The camera's basis is accurate in single precision as long as `up` deviates from the line of
+// Reads "up". The camera's basis is accurate in single precision if `up` deviates from the line of
 // sight by more than that precision resolves.
 static bool read_up(const struct json_node *node, struct camera *camera, struct err *err)
 {
@@ -87,13 +87,13 @@ static bool read_field_of_view(const struct json_node *node, struct camera *came
         return false;
     const struct json_node sensor = node_member(node, "sensor_height_mm");
     if (sensor.value && camera->fov_y > 0)
-        return node_fail(&sensor, err, "goes with \"focal_length_mm\", not with \"fov_degrees\"");
+        return node_fail(&sensor, err, "requires \"focal_length_mm\" instead of \"fov_degrees\"");
     if (focal_length > 0)
         camera->fov_y = 2 * atan(sensor_height / (2 * focal_length));
     return true;
 }
 
-// Computes the distance along the direction of the plane through the point, which is in focus.
+// Computes the distance, along the direction, of the plane through the point that is in focus.
 static bool read_focus(const struct json_node *node, struct camera *camera, struct err *err)
 {
     double point[3], to_point[3];
@@ -113,8 +113,8 @@ static bool read_focus(const struct json_node *node, struct camera *camera, stru
                      camera->focus_distance, RANGE_RADIUS.min, RANGE_RADIUS.max);
 }
 
-// Reads the radius of the aperture, or computes it from the f-number, the focal length divided by
-// the diameter.
+// Reads the radius of the aperture, or computes it from the f-number, which is the focal length
+// divided by the diameter.
 static bool read_aperture(const struct json_node *node, struct camera *camera, struct err *err)
 {
     double f_number = 0, focal_length = 0;
@@ -127,7 +127,7 @@ static bool read_aperture(const struct json_node *node, struct camera *camera, s
     const struct json_node f_node = node_member(node, "f_number");
     if (f_node.value) {
         if (!node_member(node, "focal_length_mm").value)
-            return node_fail(&f_node, err, "goes with \"focal_length_mm\"");
+            return node_fail(&f_node, err, "requires \"focal_length_mm\"");
         if (!node_read_number(node, "focal_length_mm", RANGE_MILLIMETRES, &focal_length, err))
             return false;
         camera->lens_radius = focal_length / (2 * f_number) * 1e-3;
@@ -149,7 +149,7 @@ static bool read_blades(const struct json_node *node, struct camera *camera, str
     return true;
 }
 
-// Fails if one of the keys, ended by NULL, is present.
+// Fails if one of the keys is present. The list ends with NULL.
 static bool check_absent(const struct json_node *node, const char *const *keys, const char *reason,
                          struct err *err)
 {
@@ -166,25 +166,24 @@ static bool read_lens(const struct json_node *node, struct camera *camera, struc
     if (!node_member(node, "aperture_radius_mm").value &&
         !node_member(node, "aperture_radius").value && !node_member(node, "f_number").value)
         return check_absent(node, &optional_keys[LENS_KEYS],
-                            "goes with \"aperture_radius_mm\" or \"f_number\": a pinhole has no "
+                            "requires \"aperture_radius_mm\" or \"f_number\": a pinhole has no "
                             "focus",
                             err);
     return read_aperture(node, camera, err) && read_focus(node, camera, err) &&
            read_blades(node, camera, err);
 }
 
-// Reads the keys of one kind of camera, and rejects those of others.
+// Reads the keys of one kind of camera, and rejects the keys of other kinds.
 static bool read_kind(const struct json_node *node, struct camera *camera, struct err *err)
 {
     static const char *const of_orthographic[] = {"height", NULL};
     if (!node_read_choice(node, "type", camera_names, &camera->kind, err))
         return false;
-    if (camera->kind != CAMERA_PERSPECTIVE &&
-        !check_absent(node, &optional_keys[PERSPECTIVE_KEYS], "goes with a perspective camera only",
-                      err))
+    if (camera->kind != CAMERA_PERSPECTIVE && !check_absent(node, &optional_keys[PERSPECTIVE_KEYS],
+                                                            "is only for perspective cameras", err))
         return false;
     if (camera->kind != CAMERA_ORTHOGRAPHIC &&
-        !check_absent(node, of_orthographic, "goes with an orthographic camera only", err))
+        !check_absent(node, of_orthographic, "is only for orthographic cameras", err))
         return false;
     if (camera->kind == CAMERA_PERSPECTIVE)
         return read_field_of_view(node, camera, err) && read_lens(node, camera, err);

@@ -1,5 +1,5 @@
-// The section "edits": changes of a complete scene. Numbers are stored as they are in memory, and
-// keys that are absent change nothing.
+// The section "edits": changes of a complete scene. Numbers are stored as in memory, and absent
+// keys change nothing.
 #include "scene/json/load_json.h"
 
 #include "base/maths.h"
@@ -18,7 +18,7 @@ static const char *const none[] = {NULL};
 
 // A list of the scene whose elements have indices and names.
 struct list {
-    const char *what; // one element: "material"
+    const char *what; // name of one element for messages, such as "material"
     uint32_t count;
     const char *(*name)(const struct scene *scene, uint32_t index);
 };
@@ -41,7 +41,7 @@ static bool find_index(const struct json_node *node, const char *what, uint32_t 
     return true;
 }
 
-// Finds the only element of that name.
+// Finds the only element with that name.
 static bool find_name(const struct scene *scene, const struct json_node *node,
                       const struct list *list, uint32_t *index, struct err *err)
 {
@@ -59,7 +59,7 @@ static bool find_name(const struct scene *scene, const struct json_node *node,
     if (found == 0)
         return node_fail(node, err, "the base has no %s %s", list->what,
                          node_describe(node->value).text);
-    return node_fail(node, err, "the base has %u of the name %s; expected \"index\" instead", found,
+    return node_fail(node, err, "the base has %u named %s; expected \"index\" instead", found,
                      node_describe(node->value).text);
 }
 
@@ -94,7 +94,7 @@ static bool check_keys(const struct json_node *node, const char *const *others,
 
 // --- additions -----------------------------------------------------------------------------------
 
-// Reads whether the element is an addition and not a change of an existing one.
+// Reads whether the element is an addition rather than a change of an existing one.
 static bool read_is_new(const struct json_node *node, bool *out, struct err *err)
 {
     const struct json_node index = node_member(node, "index");
@@ -144,7 +144,7 @@ static bool edit_material(struct json_loader *loader, const struct json_node *no
 
 // --- lights --------------------------------------------------------------------------------------
 
-// Normalizes a vector that was given.
+// Normalizes a vector that the file gives.
 static bool make_unit(const struct json_node *object, const char *key, bool may_be_zero,
                       double vector[3], struct err *err)
 {
@@ -154,7 +154,7 @@ static bool make_unit(const struct json_node *object, const char *key, bool may_
            node_fail(&node, err, "is zero; expected a direction");
 }
 
-// Rejects the key for the radiance of another kind of light.
+// Rejects the radiance key of another kind of light.
 static bool check_radiant(const struct json_node *node, const struct light *light, struct err *err)
 {
     bool is_directional = light->kind == LIGHT_DIRECTIONAL;
@@ -164,13 +164,13 @@ static bool check_radiant(const struct json_node *node, const struct light *ligh
                      light_kind_names[light->kind], is_directional ? "irradiance" : "intensity");
 }
 
-// A profile may be removed, and its plane at 0 degrees may be rotated.
+// Edits a light's profile: it may be removed, and its plane at 0 degrees may be rotated.
 static bool read_profile(const struct json_node *node, struct light *light, struct err *err)
 {
     const struct json_node profile = node_member(node, "profile");
     const struct json_node x = node_member(node, "profile_x");
     if (profile.value && !json_is_false(profile.value))
-        return node_unexpected(&profile, "false, which takes it away", err);
+        return node_unexpected(&profile, "false, which removes it", err);
     if (profile.value)
         light->profile = NULL;
     if (light->profile && light->kind == LIGHT_DIRECTIONAL)
@@ -184,7 +184,7 @@ static bool read_profile(const struct json_node *node, struct light *light, stru
                      along);
 }
 
-// Inserts a light before the sky's sun, which is the last one, with the defaults of a scene file.
+// Inserts a light with the defaults of a scene file before the sky's sun, which is the last light.
 static bool add_light(struct scene *scene, const struct json_node *node, uint32_t *index,
                       struct err *err)
 {
@@ -228,7 +228,7 @@ static bool edit_light(struct json_loader *loader, const struct json_node *node,
 
 // --- objects -------------------------------------------------------------------------------------
 
-// Reads a material by index or name, or null for the mesh's own.
+// Reads a material by index or name, or null for the mesh's own material.
 static bool read_material(const struct scene *scene, const struct json_node *node, bool may_be_own,
                           uint32_t *out, struct err *err)
 {
@@ -245,7 +245,7 @@ static bool read_material(const struct scene *scene, const struct json_node *nod
                                    "an index or a name");
 }
 
-// Reads the first object, and the number of objects beginning with it.
+// Reads the index of the first object, and the number of objects from it on.
 static bool read_span(const struct json_node *node, uint32_t total, uint32_t *first,
                       uint32_t *count, struct err *err)
 {
@@ -262,7 +262,7 @@ static bool read_span(const struct json_node *node, uint32_t total, uint32_t *fi
     return true;
 }
 
-// Adds a quad, the only kind of shape that can be added: a lamp that an editor places.
+// Adds a quad, the only kind of shape that can be added: a lamp that a user places in an editor.
 static bool add_shape(struct scene *scene, const struct json_node *node, struct err *err)
 {
     static const char *const kinds[] = {"quad", NULL};
@@ -370,7 +370,7 @@ static bool edit_each(struct json_loader *loader, const struct json_node *list, 
     return true;
 }
 
-// Keeps a copy of what is edited.
+// Keeps copies of the materials and objects that the section edits.
 static bool keep_former(struct json_loader *loader, bool has_materials, bool has_objects,
                         struct err *err)
 {

@@ -48,7 +48,7 @@ static bool read_gradient(struct json_loader *loader, const struct json_node *no
            (scene_set_gradient(loader->scene, &gradient, err) || node_prepend(node, err));
 }
 
-// Reads the sun's direction, as a vector or as two angles.
+// Reads the sun's direction, given as a vector or as two angles.
 static bool read_sun(const struct json_node *node, struct sky *sky, struct err *err)
 {
     const struct range elevations = {0, 90, false}, azimuths = {-360, 360, false};
@@ -63,7 +63,7 @@ static bool read_sun(const struct json_node *node, struct sky *sky, struct err *
     }
     if (node_member(node, "elevation_degrees").value || node_member(node, "azimuth_degrees").value)
         return node_fail(&direction, err,
-                         "goes without \"elevation_degrees\" and \"azimuth_degrees\"");
+                         "cannot be combined with \"elevation_degrees\" and \"azimuth_degrees\"");
     return vec3_make_unit(sky->sun_direction) ||
            node_fail(&direction, err, "is zero; expected a direction");
 }
@@ -76,7 +76,7 @@ static bool read_sky(struct json_loader *loader, const struct json_node *node, s
     return scene_set_sky(loader->scene, &sky, err) || node_prepend(node, err);
 }
 
-// Without "type" it is an image if there is a file, else constant.
+// Reads the type. Without "type" the environment is an image if there is a file, else constant.
 static bool read_type(const struct json_node *node, uint32_t *type, struct err *err)
 {
     *type = node_member(node, "file").value ? TYPE_IMAGE : TYPE_CONSTANT;
@@ -101,8 +101,8 @@ bool load_json_environment(struct json_loader *loader, const struct json_node *n
     if (type == TYPE_NONE) {
         loader->scene->environment = (struct environment){0};
         return loader->base || node_fail(node, err,
-                                         "\"none\" goes with a \"base\" only; a scene "
-                                         "has no environment unless it says so");
+                                         "\"none\" requires a \"base\"; any other scene "
+                                         "has no environment unless it names one");
     }
     bool ok = type == TYPE_SKY        ? read_sky(loader, node, err)
               : type == TYPE_GRADIENT ? read_gradient(loader, node, err)

@@ -51,8 +51,8 @@ bool load_json_check_light(const struct json_node *node, const struct light *lig
     return true;
 }
 
-// The plane at 0 degrees contains the world's x axis, or its z axis if light travels along the x
-// axis; it is rotated counter-clockwise as seen against the direction.
+// Places the profile's plane at 0 degrees: it contains the world's x axis, or its z axis if light
+// travels along the x axis, and is rotated counter-clockwise as seen against the direction.
 static void place_profile(struct light *light, double rotation_degrees)
 {
     const double *d = light->direction;
@@ -65,7 +65,7 @@ static void place_profile(struct light *light, double rotation_degrees)
     for (int c = 0; c < 3; c++)
         x[c] -= along * d[c];
     vec3_normalize(x);
-    vec3_cross(x, d, y); // up times x, where up is opposite to the direction
+    vec3_cross(x, d, y); // "up" is opposite to the direction
     for (int c = 0; c < 3; c++)
         light->profile_x[c] = cos(angle) * x[c] + sin(angle) * y[c];
 }
@@ -80,7 +80,7 @@ static bool read_profile(struct json_loader *loader, const struct json_node *nod
     for (int i = light->kind == LIGHT_SPOT ? 2 : 0; i < 3 && !file.value; i++) {
         const struct json_node member = node_member(node, only_with_it[i]);
         if (member.value)
-            return node_fail(&member, err, "goes with \"profile\" only");
+            return node_fail(&member, err, "requires \"profile\"");
     }
     if (!file.value)
         return true;
@@ -98,7 +98,7 @@ static bool read_profile(struct json_loader *loader, const struct json_node *nod
            (ies_load(loader->scene, path, &light->profile, err) || node_prepend(&file, err));
 }
 
-// Reads "intensity", or "power" divided by the solid angle into which it is emitted.
+// Reads "intensity", or "power", which is divided by the solid angle into which it is emitted.
 static bool read_intensity(const struct json_node *node, struct light *light, struct err *err)
 {
     double solid_angle = 4 * M_PI;
@@ -109,7 +109,7 @@ static bool read_intensity(const struct json_node *node, struct light *light, st
     bool is_told = light->profile && !node_member(node, "power").value;
     if (!is_told && !node_check_either(node, "intensity", "power", err))
         return false;
-    // The default is the intensity of the profile's file.
+    // Without "intensity", the intensity is that of the profile's file.
     for (int c = 0; c < 3 && light->profile && !node_member(node, "intensity").value; c++)
         light->radiant[c] = (float)light->profile->greatest;
     const struct json_node power_node = node_member(node, "power");

@@ -1,5 +1,5 @@
-// Materials of a scene file. The parameters are those of material_parameters[]; this file adds
-// choices, switches and alternative keys.
+// Materials of a scene file. material_parameters[] lists the parameters; this file adds choices,
+// switches and alternative keys.
 #include "scene/json/load_json.h"
 
 #include "json/field_json.h"
@@ -19,7 +19,7 @@
 // Keys that are not parameters.
 static const struct {
     const char *name;
-    uint32_t models; // the models that use it
+    uint32_t models; // bits 1 << MATERIAL_* of the models that use it
 } other_keys[] = {
     {"type", ALL_MODELS},
     {"like", ALL_MODELS},
@@ -45,7 +45,7 @@ static const struct {
 
 // --- keys ----------------------------------------------------------------------------------------
 
-// "principled, dielectric": the models of a mask.
+// The models of a mask as text, such as "principled, dielectric".
 struct model_list {
     char text[128];
 };
@@ -64,7 +64,7 @@ static struct model_list list_models(uint32_t models)
     return list;
 }
 
-// Checks that the material does not have the key, or that its model uses it.
+// Checks that the key is absent, or that the material's model uses it.
 static bool check_model(const struct json_node *material, const char *key, uint32_t model,
                         uint32_t models, struct err *err)
 {
@@ -111,8 +111,8 @@ static bool read_parameters(const struct json_node *node, struct material *mater
     return true;
 }
 
-// Sets the defaults of a model: a mirror reflects everything, glass and metal are smooth. The other
-// defaults are in the table.
+// Sets the defaults that depend on the model: a mirror reflects everything, glass and metal are
+// smooth. The other defaults are in the table.
 static void set_fallbacks(struct material *material)
 {
     if (material->model == MATERIAL_MIRROR)
@@ -122,7 +122,8 @@ static void set_fallbacks(struct material *material)
         material->roughness = 0.0f;
 }
 
-// Reads the exponent of the classical models on a perceptually even scale of the highlight's width.
+// Reads "smoothness": the exponent of the classical models on a perceptually even scale of the
+// highlight's width.
 static bool read_smoothness(const struct json_node *node, struct material *material,
                             struct err *err)
 {
@@ -138,8 +139,8 @@ static bool read_smoothness(const struct json_node *node, struct material *mater
     return true;
 }
 
-// P. B. Johnson and R. W. Christy, "Optical Constants of the Noble Metals", Physical Review B 6
-// (1972), 4370-4379, at 616.8, 548.6 and 450.9 nm (2.01, 2.26 and 2.75 eV).
+// Measured by P. B. Johnson and R. W. Christy, "Optical Constants of the Noble Metals", Physical
+// Review B 6 (1972), 4370-4379, at 616.8, 548.6 and 450.9 nm (2.01, 2.26 and 2.75 eV).
 static const struct {
     float eta[3], k[3];
 } metals[] = {
@@ -168,7 +169,7 @@ static bool read_metal(const struct json_node *node, struct material *material, 
 
 // --- choices -------------------------------------------------------------------------------------
 
-// Materials that may be transparent blend by default.
+// Reads "alpha". Materials that may be transparent blend by default.
 static bool read_alpha(const struct scene *scene, const struct json_node *node,
                        struct material *material, struct err *err)
 {
@@ -182,13 +183,13 @@ static bool read_alpha(const struct scene *scene, const struct json_node *node,
         return false;
     const struct json_node cutoff = node_member(node, "alpha_cutoff");
     if (cutoff.value && flags[mode] != MATERIAL_ALPHA_MASK)
-        return node_fail(&cutoff, err, "goes with \"alpha\": \"mask\"");
+        return node_fail(&cutoff, err, "requires \"alpha\": \"mask\"");
     material->flags |= flags[mode];
     return true;
 }
 
-// Reads Smith's masking, for both directions together or separately; the microfacet model has
-// others as well.
+// Reads the masking function: Smith's, for both directions together or separately; the microfacet
+// model also has others.
 static bool read_masking(const struct json_node *node, struct material *material, struct err *err)
 {
     static const char *const names[] = {
@@ -213,7 +214,8 @@ static bool read_masking(const struct json_node *node, struct material *material
     return true;
 }
 
-// Burley's coat and glTF's differ; giving the roughness of glTF's coat selects it.
+// Reads the coat. Burley's coat and glTF's differ; giving the roughness of glTF's coat selects that
+// one.
 static bool read_coat(const struct json_node *node, struct material *material, struct err *err)
 {
     if (!node_member(node, "clearcoat_roughness").value)
@@ -226,7 +228,7 @@ static bool read_coat(const struct json_node *node, struct material *material, s
     return true;
 }
 
-// Reads the exponent of Phong's distribution of normals, which replaces the roughness.
+// Reads the exponent of Phong's distribution of normals, which is given in place of the roughness.
 static bool read_phong_exponent(const struct json_node *node, struct material *material,
                                 struct err *err)
 {
@@ -238,14 +240,14 @@ static bool read_phong_exponent(const struct json_node *node, struct material *m
         return node_fail(node, err,
                          "both \"phong_exponent\" and \"roughness\" are given; expected one");
     if ((material->flags >> MATERIAL_DISTRIBUTION_SHIFT & 3u) != DISTRIBUTION_PHONG)
-        return node_fail(&exponent, err, "goes with \"distribution\": \"phong\"");
+        return node_fail(&exponent, err, "requires \"distribution\": \"phong\"");
     if (!node_number(&exponent, (struct range){0, 1e6, false}, &n, err))
         return false;
     material->roughness = (float)material_phong_roughness(n);
     return true;
 }
 
-// Reads choices and switches whose values in files and in memory are the same.
+// Reads choices and switches whose values in files are those in memory.
 static bool read_flags(const struct json_node *node, struct material *material, struct err *err)
 {
     static const char *const keys[] = {"layers",  "thin",    "compensate",       "distribution",
@@ -309,8 +311,8 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
            read_phong_exponent(node, material, err) && read_inside(node, material, err);
 }
 
-// Gives a material that is "like" an earlier one the keys of that material which it does not set.
-// The values themselves are shared, so that paths in them stay trusted if the user gave them.
+// Copies to a material that is "like" an earlier one the keys of that material which it does not
+// set itself. The values are shared, so that paths in them stay trusted if the user gave them.
 static bool inherit(struct json_loader *loader, const struct json_node *materials,
                     struct json_node *node, struct err *err)
 {
@@ -323,14 +325,14 @@ static bool inherit(struct json_loader *loader, const struct json_node *material
         return true;
     const struct json_node like = node_member(node, "like");
     if (!json_object_get(loader->material_names, other))
-        return node_fail(&like, err, "no material %s stands before this one%s",
+        return node_fail(&like, err, "there is no earlier material %s%s",
                          node_describe(like.value).text,
                          node_suggest_key(other, loader->material_names).text);
     json_t *merged = json_copy(json_object_get(materials->value, other));
     bool ok = merged && json_object_update(merged, node->value) == 0 &&
               json_object_set(materials->value, node->key, merged) == 0;
     node->value = merged;
-    json_decref(merged); // the document holds it
+    json_decref(merged); // the document now owns it
     return ok || err_memory(err, "a material's keys", sizeof *merged);
 }
 

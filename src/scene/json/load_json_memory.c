@@ -1,4 +1,4 @@
-// Computes a lower bound of the memory of the shapes of a scene file, before any is made.
+// Computes a lower bound of the memory for the shapes of a scene file, before any shape is made.
 #include "scene/json/load_json.h"
 
 #include "base/ascii.h"
@@ -8,28 +8,28 @@
 #include "scene/generate/scatter.h"
 #include <string.h>
 
-// The memory of an element of the list. It is a lower bound: only what is certain counts in files
-// that name others, and in spheres that may not find a place.
+// The memory that an element of the list needs. It is a lower bound: of an element that names a
+// file, and of spheres that may not find a place, only what is certain counts.
 struct needs {
-    uint64_t bytes;   // bytes of meshes
-    uint64_t passing; // temporary memory
+    uint64_t bytes;   // for meshes
+    uint64_t passing; // needed only temporarily
     uint64_t instances, shapes;
-    // Capacity that is reserved in addition, which may stay unused.
+    // Additional capacity that is reserved but may stay unused.
     uint64_t spare_instances, spare_shapes;
 };
 
 struct needs_list {
-    struct needs *items; // for all elements so far
-    json_t *names;       // object: the index of each named element
-    // The sums over all elements so far: bytes of meshes, elements of the scene's arrays, and the
-    // capacity of these.
+    struct needs *items; // one for each element so far
+    json_t *names;       // object: index of each named element
+    // Sums over all elements so far: bytes of meshes, elements of the scene's arrays, and capacity
+    // of these arrays.
     uint64_t bytes, instances, shapes, instance_room, shape_room;
     uint64_t peak;
 };
 
 // --- one shape -----------------------------------------------------------------------------------
 
-// The loader reports errors in the document: here the readers' messages are dropped, and erroneous
+// The loader reports errors in the document. Here the readers' messages are dropped, and erroneous
 // elements count as nothing.
 
 static struct needs one_instance(bool is_readable, uint64_t bytes)
@@ -65,7 +65,7 @@ static struct needs flat_sided_needs(const struct json_node *node)
     return is_analytic(node, false) ? (struct needs){.shapes = 1} : one_instance(true, 0);
 }
 
-// A glTF file itself says how many instances it has, so only one mesh file counts here.
+// Counts one mesh file. Only the contents of a glTF file determine how many instances it has.
 static struct needs mesh_needs(const struct json_node *node)
 {
     struct err dropped = {0};
@@ -109,7 +109,7 @@ static struct needs stadium_needs(const struct json_node *node)
     return one_instance(ok, generate_stadium_bytes(&stadium));
 }
 
-// How many of the spheres find a place is not known in advance.
+// Counts the minimum, because it is not known in advance how many spheres find a place.
 static struct needs scatter_needs(const struct json_node *node)
 {
     struct err dropped = {0};
@@ -168,7 +168,8 @@ static uint64_t most(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-// Each copy is one of the kinds, and capacity is reserved for the kind with the most elements.
+// Counts scattered copies. Each copy is one of several kinds, and capacity is reserved for the kind
+// with the most elements.
 static struct needs strew_needs(const struct needs_list *list, const struct json_node *node)
 {
     struct err dropped = {0};
@@ -188,7 +189,7 @@ static struct needs strew_needs(const struct needs_list *list, const struct json
         high.shapes = most(high.shapes, kind->shapes);
     }
     if (count * (high.instances + high.shapes) > STREW_COUNT_MAX)
-        return (struct needs){0}; // this is rejected later
+        return (struct needs){0}; // rejected later
     return (struct needs){
         .instances = count * low.instances,
         .shapes = count * low.shapes,

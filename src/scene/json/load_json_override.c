@@ -10,7 +10,7 @@
 #define MAX_STEP 127
 
 // Copies the next step of a key such as "shapes.0.material" or "shapes[0].material" to `step` and
-// advances *key. Returns false when the key is malformed.
+// advances *key. Returns false if the key is malformed.
 static bool next_step(const char **key, char step[MAX_STEP + 1])
 {
     size_t length = strcspn(*key, ".[]");
@@ -34,7 +34,7 @@ static bool parse_index(const char *step, size_t *index)
     return true;
 }
 
-// Returns the value to which `step` leads from `from`, or NULL with *err set if there is none.
+// Returns the value that `step` selects in `from`; NULL with *err set if there is none.
 static json_t *follow(json_t *from, const char *step, const char *key, struct err *err)
 {
     size_t index;
@@ -47,7 +47,7 @@ static json_t *follow(json_t *from, const char *step, const char *key, struct er
     } else if (json_is_array(from)) {
         to = parse_index(step, &index) ? json_array_get(from, index) : NULL;
         if (!to)
-            err_set(err, ERR_USAGE, "-D %s: \"%s\" is no index into an array of %zu", key, step,
+            err_set(err, ERR_USAGE, "-D %s: \"%s\" is not an index into an array of %zu", key, step,
                     json_array_size(from));
     } else {
         err_set(err, ERR_USAGE, "-D %s: there is no \"%s\" inside %s", key, step,
@@ -56,7 +56,7 @@ static json_t *follow(json_t *from, const char *step, const char *key, struct er
     return to;
 }
 
-// Stores the value at the last step: in an existing element or key, or as a new key.
+// Stores the value at the last step: in an existing element, an existing key, or a new key.
 static bool put(json_t *parent, const char *step, json_t *value, const char *key, struct err *err)
 {
     size_t index;
@@ -144,7 +144,7 @@ bool load_json_apply_overrides(const struct json_node *document,
 
 // --- references ----------------------------------------------------------------------------------
 
-// Returns whether the text is "${NAME}", and copies NAME to *name. *malformed: the text contains
+// Returns whether the text is "${NAME}", and copies NAME to `name`. *malformed: the text contains
 // "${" elsewhere.
 static bool is_reference(const char *text, char name[MAX_STEP + 1], bool *malformed)
 {
@@ -164,7 +164,7 @@ static bool is_reference(const char *text, char name[MAX_STEP + 1], bool *malfor
 
 static bool resolve(const struct json_node *node, json_t *definitions, struct err *err);
 
-// Replaces the string by the definition, which is shared, not copied, so that a path in it stays
+// Replaces the string by its definition, which is shared and not copied, so that a path in it stays
 // trusted if the user gave it.
 static bool resolve_string(const struct json_node *node, json_t *definitions, struct err *err)
 {
@@ -186,8 +186,8 @@ static bool resolve_object(const struct json_node *object, json_t *definitions, 
 {
     const char *key;
     json_t *value;
-    // Replacing the value of an existing key does not disturb the iteration. References in the
-    // overrides of a base refer to the base's definitions.
+    // Replacing the value of an existing key does not disturb the iteration. The overrides of a
+    // base are skipped: references in them refer to the base's definitions.
     bool is_base = object->parent && !object->parent->parent && object->key &&
                    strcmp(object->key, "base") == 0;
     json_object_foreach(object->value, key, value)
@@ -201,8 +201,8 @@ static bool resolve_object(const struct json_node *object, json_t *definitions, 
     return true;
 }
 
-// Replaces every reference at and below the node. The depth of the recursion is that of the
-// document, which jansson limits to 2048.
+// Replaces every reference at and below the node. The recursion is as deep as the document, which
+// jansson limits to 2048 levels.
 static bool resolve(const struct json_node *node, json_t *definitions, struct err *err)
 {
     if (json_is_string(node->value))

@@ -1,4 +1,4 @@
-// Spheres of Phong's model from one sequence of random numbers, each with a material of its own.
+// Spheres with Phong's model, from one sequence of random numbers, each with a material of its own.
 #include "scene/generate/phong_spheres.h"
 #include "scene/json/load_json.h"
 
@@ -55,7 +55,7 @@ static bool read_params(struct scene *scene, const struct json_node *node,
 bool load_json_phong_spheres(struct scene *scene, const struct json_node *node, uint32_t material,
                              struct err *err)
 {
-    (void)material; // has no key
+    (void)material; // this type has no "material" key
     struct phong_spheres params;
     struct arena scratch = {0};
     uint32_t placed;

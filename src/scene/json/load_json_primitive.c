@@ -5,16 +5,17 @@
 #include "scene/generate/generate.h"
 #include <string.h>
 
-// This exceeds any memory that loading may use; the message is clearer than one about exhausted
-// memory.
+// This exceeds any memory that loading may use; a message about the number is clearer than one
+// about exhausted memory.
 #define GENERATED_TRIANGLES_MAX 200000000
 
-// The default: 16,000 triangles look smooth at some hundred pixels.
+// The default: 16,000 triangles look smooth at a size of some hundred pixels.
 #define TEAPOT_RESOLUTION 16
 
-// Appends a mesh of convex quadrilaterals, and an instance of it. Each has its corners in order,
-// the triangles 0 1 2 and 0 2 3, and its corners' texture coordinates. The document's numbers are
-// kept in double precision: they may be far from the origin in a world that is rebased later.
+// Appends a mesh of convex quadrilaterals, and an instance of it. Each quadrilateral has its
+// corners in order, the triangles 0 1 2 and 0 2 3, and texture coordinates for its corners.
+// Positions are stored in double precision, because they may be far from the world's origin, and
+// flattening may choose another origin.
 static bool add_quadrilaterals(struct scene *scene, const char *name, uint32_t material,
                                const double (*corners)[3], const float (*uvs)[2], uint32_t count,
                                struct err *err)
@@ -48,7 +49,7 @@ static bool add_quadrilaterals(struct scene *scene, const char *name, uint32_t m
     return scene_append_mesh(scene, &mesh, &index, err) && scene_place_meshes(scene, index, 1, err);
 }
 
-// The corners of a texture, counter-clockwise from its lower left.
+// Texture coordinates of the corners, counter-clockwise from the lower left of the image.
 static const float picture_corners[4][2] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
 
 // --- quad ----------------------------------------------------------------------------------------
@@ -66,7 +67,7 @@ static bool read_four_vertices(const struct json_node *quad, double vertices[4][
     return true;
 }
 
-// The vertices are corner, corner + u, corner + u + v, corner + v: the normal is along u x v.
+// Computes the vertices corner, corner + u, corner + u + v, corner + v. The normal is along u x v.
 static bool read_parallelogram(const struct json_node *quad, double vertices[4][3], struct err *err)
 {
     double u[3], v[3];
@@ -93,7 +94,7 @@ bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t 
         return false;
     bool has_vertices = node_member(quad, "vertices").value != NULL;
     if (has_vertices && (node_member(quad, "u").value || node_member(quad, "v").value))
-        return node_fail(quad, err, "\"u\" and \"v\" go with \"corner\", not with \"vertices\"");
+        return node_fail(quad, err, "\"u\" and \"v\" require \"corner\" instead of \"vertices\"");
     bool analytic = false;
     if (!(has_vertices ? read_four_vertices : read_parallelogram)(quad, vertices, err) ||
         !load_json_is_analytic(quad, &analytic, err))
@@ -108,10 +109,10 @@ bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t 
 bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t material,
                    struct err *err)
 {
-    // Corner c takes max along x, y, z where bits 0, 1, 2 of c are set. For the faces -x, +x, -y,
-    // +y, -z, +z: the corners counter-clockwise from outside, and the index of the one at the
-    // texture's first corner. The sides show the texture upright, the top with its upper edge at
-    // -z, the bottom at +z.
+    // Corner c takes max along x, y, z if bits 0, 1, 2 of c are set, else min. For each of the
+    // faces -x, +x, -y, +y, -z, +z: its corners, counter-clockwise from outside, and the index of
+    // the corner at the texture's lower left. The sides show the texture upright, the top with its
+    // upper edge at -z, the bottom with its upper edge at +z.
     static const struct {
         uint8_t corners[4], first;
     } faces[6] = {

@@ -1,4 +1,4 @@
-// Scattered spheres on a disc, with materials drawn by weight.
+// Scattered spheres on a disc, with materials chosen at random by weight.
 #include "scene/generate/phong_spheres.h"
 #include "scene/generate/scatter.h"
 #include "scene/json/load_json.h"
@@ -9,8 +9,8 @@
 #define KINDS_MAX 64
 #define SHADES_MAX 64
 
-// One of the materials, with copies whose varying parameters run from their least to their greatest
-// value.
+// One of the materials, with copies whose varying parameters range from their minimum to their
+// maximum.
 struct kind {
     double weight;
     uint32_t first, shades;
@@ -35,7 +35,8 @@ static bool has_exponent(uint32_t model)
     return model == MATERIAL_PHONG || model == MATERIAL_BLINN_PHONG;
 }
 
-// The ranges of parameters that differ between the copies of a material, each two numbers or NULL.
+// The parameters that vary between the copies of a material, each with a range of two numbers, or
+// NULL.
 struct variety {
     const double *roughness, *smoothness, *emission;
 };
@@ -153,8 +154,8 @@ static bool read_scatter(struct json_loader *loader, const struct json_node *nod
     return read_kinds(loader, &kinds, strewn, err);
 }
 
-// Chooses the material of a sphere: its random number falls into a kind's part of the weights, and
-// its position in that part selects the copy.
+// Chooses the material of a sphere. Its random number falls into one kind's share of the weights,
+// and its position in that share selects the copy.
 static uint32_t choose_material(const struct strewn *strewn, uint32_t choice)
 {
     double sum = 0, at;

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-// Reads the settings from `first` to `last`, which are in one section.
+// Reads the settings `first` to `last`, which are in one section.
 static bool read_section(struct settings *settings, const struct json_node *node,
                          enum setting_id first, enum setting_id last, struct err *err)
 {
@@ -35,7 +35,8 @@ bool load_json_film(struct json_loader *loader, const struct json_node *node, st
     return true;
 }
 
-// Attenuation by distance was a setting of earlier versions, whose files have it with value 0.
+// Removes the key of a former setting, attenuation by distance, which files of earlier versions
+// have with the value 0.
 static bool take_out_falloff(const struct json_node *node, struct err *err)
 {
     struct json_node falloff = node_member(node, "falloff");
@@ -51,7 +52,7 @@ static bool take_out_falloff(const struct json_node *node, struct err *err)
     return true;
 }
 
-// The default accumulation was called "compensated" in files of earlier versions.
+// Renames the default accumulation, which was called "compensated" in files of earlier versions.
 static bool rename_accumulation(const struct json_node *node, struct err *err)
 {
     struct json_node name = node_member(node, "film_accumulation");

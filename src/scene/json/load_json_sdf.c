@@ -7,20 +7,21 @@
 #include <math.h>
 #include <string.h>
 
-#define DEPTH_MOST 64 // greatest depth of the tree
+#define DEPTH_MOST 64 // maximum depth of the tree
 #define LIST_MOST SDF_CODE_MAX
 #define BALLS_MOST (4 * (SDF_CODE_MAX - 1))
-#define COUNTS_MOST 1000000001 // most cells: single precision does not distinguish more
+#define COUNTS_MOST 1000000001 // maximum number of cells: single precision distinguishes no more
 
 struct reader {
     struct scene *scene;
-    struct arena scratch; // memory of the tree and its places
+    struct arena scratch; // memory of the tree and of its places in the document
     uint32_t depth;
 };
 
 static const struct range LENGTH_OR_NONE = {0, SCENE_COORDINATE_MAX, false};
 
-// Copies the node's place to memory that lives as long as the tree, because children point at it.
+// Copies the node's place in the document to memory that lives as long as the tree, because
+// children point to it.
 static struct json_node *keep_place(struct reader *reader, struct json_node place)
 {
     struct json_node *kept = ARENA_NEW(&reader->scratch, struct json_node, 1);
@@ -40,7 +41,7 @@ static bool read_length(const struct json_node *node, const char *key, double fa
     return true;
 }
 
-// Reads full edge lengths and halves them.
+// Reads the lengths of whole edges and halves them.
 static bool read_size(const struct json_node *node, double half[3], struct err *err)
 {
     if (!node_read_vector(node, "size", RANGE_RADIUS, half, err))
@@ -117,7 +118,7 @@ static bool read_solid_angle(const struct json_node *node, struct sdf_node *n, s
     if (!read_length(node, "radius", 1, &n->a[0], err) ||
         !node_read_number(node, "degrees", angles, &degrees, err))
         return false;
-    if (degrees == 180) // its side vanishes
+    if (degrees == 180) // the solid angle has no side surface
         n->op = SDF_SPHERE;
     n->b[0] = sin(degrees * DEGREE);
     n->b[1] = cos(degrees * DEGREE);
@@ -132,7 +133,8 @@ static bool read_plane(const struct json_node *node, struct sdf_node *n, struct 
            node_read_number(node, "height", RANGE_COORDINATE, &n->b[0], err);
 }
 
-// |gradient| / k of sin x cos y + sin y cos z + sin z cos x: see docs/distance-fields.md.
+// The bound of |gradient| / k of sin x cos y + sin y cos z + sin z cos x; see
+// docs/distance-fields.md.
 #define GYROID_GRADIENT 1.7320508075688774
 
 static bool read_gyroid(const struct json_node *node, struct sdf_node *n, struct err *err)
@@ -167,7 +169,7 @@ static bool read_metaballs(struct reader *reader, const struct json_node *node, 
             return node_fail(&ball, err, "reaches %.9g; expected at least %g", n->balls[k][3],
                              RANGE_RADIUS.min);
     }
-    // Reducing the factor by the rounding error of single precision keeps it a lower bound.
+    // Reducing the factor by the rounding error of single precision keeps the field a lower bound.
     n->a[1] = (1 - 1e-6) / sdf_metaballs_gradient((const double(*)[4])n->balls, n->count);
     return true;
 }
@@ -234,8 +236,8 @@ static bool read_children(struct reader *reader, struct sdf_node *n, bool is_lis
     return true;
 }
 
-// Reads the "counts" of cells along each axis, which are odd: the middle cell is at the child's
-// position.
+// Reads "counts", the number of cells along each axis, which is odd: the middle cell is at the
+// child's position.
 static bool read_repeat(const struct json_node *node, struct sdf_node *n, struct err *err)
 {
     const struct json_node list = node_member(node, "counts");
@@ -373,7 +375,7 @@ static bool read_placement(const struct json_node *node, struct sdf_node *n, str
                       RANGE_RADIUS.min));
 }
 
-// The packing is a surface without thickness: a shell gives it one.
+// Adds a shell to a packing, which is a surface without thickness.
 static bool thicken(struct reader *reader, const struct json_node *node, struct sdf_node *n,
                     struct err *err)
 {
@@ -420,10 +422,10 @@ static bool read_clip(const struct json_node *bounds, struct bounds *clip, struc
     return true;
 }
 
-#define CUT_SAMPLES 24 // along each edge of the box
+#define CUT_SAMPLES 24 // samples along each edge of the box
 
-// Returns whether the field is negative somewhere on the box, so that the surface has an opening
-// there.
+// Returns whether the field is negative somewhere on the faces of the box, so that the surface has
+// an opening there.
 static bool is_cut(const struct sdf *sdf)
 {
     for (int axis = 0; axis < 3; axis++)

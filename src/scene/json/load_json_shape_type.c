@@ -1,4 +1,4 @@
-// The types of shapes in scene files, and the keys of each.
+// The types of shapes in scene files, and the keys that each type has.
 #include "scene/json/load_json.h"
 
 static const char *const type_names[SHAPE_TYPE_COUNT] = {
@@ -8,7 +8,7 @@ static const char *const type_names[SHAPE_TYPE_COUNT] = {
 
 #define EVERY_SHAPE "name", "transform", "hidden", "visible"
 
-// Keys of each type, "type" included.
+// The keys of each type, including "type".
 static const struct {
     const char *required[6], *optional[11];
 } type_keys[SHAPE_TYPE_COUNT] = {

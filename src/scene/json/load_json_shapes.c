@@ -11,7 +11,7 @@
 struct shape_list {
     struct json_loader *loader;
     struct scene_part *parts;
-    bool *hidden; // for each: only its instances are visible
+    bool *hidden; // for each element, whether only its instances are visible
 };
 
 static bool transform_part(struct scene *scene, const struct scene_part *part,
@@ -88,8 +88,8 @@ static bool load_mesh(struct json_loader *loader, const struct json_node *node, 
     return true;
 }
 
-// Scales the part uniformly to the largest size that fits the box; it is centred in x and z and
-// stands on the floor of the box.
+// Scales the part uniformly to the largest size that fits into the box, centres it in x and z, and
+// puts it on the floor of the box.
 static bool fit_part(struct scene *scene, const struct scene_part *part,
                      const struct json_node *node, struct err *err)
 {
@@ -204,7 +204,8 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
     return err_set(err, ERR_BUG, "shape type %d has no loader", (int)type);
 }
 
-// An instance of a part that is not visible is visible unless its own key says otherwise.
+// Makes a part visible or hidden. Without a key of its own, an instance of a hidden part is
+// visible.
 static void set_visible(struct scene *scene, const struct scene_part *part, bool visible)
 {
     for (uint32_t i = 0; i < part->instance_count; i++)

@@ -1,10 +1,10 @@
-// Reads what several sections of our scene format share: keys, ranges, names and paths.
+// Reads keys, ranges, names and paths, which several sections of a scene file share.
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
 #include <string.h>
 
-// "$schema" names the schema for editors.
+// "$schema" names the schema for text editors.
 const char *const load_json_document_keys[] = {
     "lampyris", "define", "camera", "film",  "settings", "materials", "environment",
     "lights",   "shapes", "base",   "edits", "$schema",  NULL};
@@ -42,7 +42,7 @@ bool load_json_find_part(const struct json_loader *loader, const struct json_nod
     const char *text = json_string_value(name->value);
     const json_t *index = json_object_get(loader->shape_names, text);
     if (!index)
-        return node_fail(name, err, "no shape named \"%s\" stands before this one%s", text,
+        return node_fail(name, err, "there is no earlier shape named \"%s\"%s", text,
                          node_suggest_key(text, loader->shape_names).text);
     *out = parts[json_integer_value(index)];
     return true;
@@ -50,7 +50,7 @@ bool load_json_find_part(const struct json_loader *loader, const struct json_nod
 
 // --- paths ---------------------------------------------------------------------------------------
 
-// Returns whether `wanted` itself, not an equal value, is `value` or inside it.
+// Returns whether `wanted` is `value` itself, or inside it. Identity counts, not equality.
 static bool contains_value(const json_t *value, const json_t *wanted)
 {
     if (value == wanted)

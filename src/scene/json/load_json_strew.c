@@ -12,10 +12,10 @@ struct strew {
     struct scene_part kinds[KINDS_MAX]; // the shapes that are copied
     uint32_t kind_count;
     uint32_t count, seed;
-    double size[2]; // along x and z; of the disc's bounding square
+    double size[2]; // along x and z; of a disc, its bounding square
     bool is_disc;
-    double scale[2]; // the least and the greatest
-    double tilt;     // tangent of half of the largest angle
+    double scale[2]; // minimum and maximum
+    double tilt;     // tangent of half of the maximum angle
     uint32_t drawn;  // number of random numbers drawn for the current copy
 };
 
@@ -27,8 +27,8 @@ static double draw(struct strew *strew, uint32_t copy)
     return scatter_bits(strew->seed, copy, strew->drawn++) * 0x1p-32;
 }
 
-// Draws a direction in the plane by correctly rounded operations only, so that it is the same on
-// every machine.
+// Draws a direction in the plane, using only correctly rounded operations, so that it is the same
+// on every machine.
 static void draw_direction(struct strew *strew, uint32_t copy, double out[2])
 {
     double square;
@@ -44,12 +44,13 @@ static void draw_direction(struct strew *strew, uint32_t copy, double out[2])
 // --- places --------------------------------------------------------------------------------------
 
 // A low-discrepancy sequence by Roberts (2018, "The unreasonable effectiveness of quasirandom
-// sequences") from the plastic number p: steps of 1/p and 1/p^2 are spread evenly for any count.
-// Each position is moved by up to a fifth of the mean distance, so that no rows are visible.
+// sequences"). With the plastic number p, steps of 1/p and 1/p^2 are spread evenly for any count.
+// Each position is moved at random by up to a fifth of the mean distance, so that no rows are
+// visible.
 static const double steps[2] = {0.7548776662466927, 0.5698402909980532};
 #define MOVE 0.2
 
-// Finds the next position at or after number *n of the sequence.
+// Finds the next position at or after number *n of the sequence that lies in the area.
 static void next_place(struct strew *strew, uint32_t copy, uint64_t *n, double out[2])
 {
     const double spacing = sqrt(strew->size[0] * strew->size[1] / strew->count);
@@ -84,7 +85,7 @@ static void make_transform(struct strew *strew, uint32_t copy, const double plac
     };
     memcpy(out, upright, sizeof upright);
     if (strew->tilt > 0) {
-        // The tilt has an angle a whose tan(a/2) is uniform in its range; it is towards the
+        // The angle a of the tilt has a uniform tan(a/2) in its range; the tilt is towards the
         // direction `to`.
         double t = strew->tilt * draw(strew, copy);
         double cosine = (1 - t * t) / (1 + t * t), sine = 2 * t / (1 + t * t);
@@ -103,7 +104,7 @@ static void make_transform(struct strew *strew, uint32_t copy, const double plac
 
 // --- copies --------------------------------------------------------------------------------------
 
-// Appends a copy; memory is reserved.
+// Appends a copy, for which memory has been reserved.
 static bool add_copy(struct scene *scene, const struct scene_part *part, const double m[3][4],
                      const struct json_node *node, struct err *err)
 {
@@ -161,7 +162,7 @@ static bool read_kinds(const struct json_loader *loader, const struct json_node 
     return true;
 }
 
-// Memory is reserved once, because ten million instances are a gigabyte.
+// Reserves all memory once, because ten million instances take a gigabyte.
 static bool reserve(struct scene *scene, const struct strew *strew, const struct json_node *node,
                     struct err *err)
 {
@@ -193,7 +194,7 @@ static bool read_area(const struct json_node *node, struct strew *strew, struct 
     double radius = 0;
     strew->is_disc = node_member(node, "disc_radius").value != NULL;
     if (strew->is_disc == (size.value != NULL))
-        return node_fail(node, err, "expected \"disc_radius\" or \"size\", one of the two");
+        return node_fail(node, err, "expected either \"disc_radius\" or \"size\"");
     if (!strew->is_disc)
         return node_numbers(&size, 2, RANGE_RADIUS, strew->size, err);
     if (!node_read_number(node, "disc_radius", RANGE_RADIUS, &radius, err))

@@ -6,17 +6,18 @@
 #include <math.h>
 #include <string.h>
 
-// A texture scales parameters, or has one of these uses.
+// A texture either scales parameters or has one of these uses.
 static const char *const use_names[] = {"normal", "anisotropy", NULL};
 static const uint32_t uses[] = {TEXTURE_USE_NORMAL, TEXTURE_USE_ANISOTROPY};
 
 // An entry of the list: how its image is sampled, and which parameters it scales.
 struct texture_entry {
-    struct texture texture;       // except its image
+    struct texture texture;       // all members but the image
     int channels[GROUP_COUNT][4]; // channel that scales each parameter; -1: none
     bool invert;
-    bool has_colors, has_data; // it scales parameters that images hold as sRGB colours; or as
-                               // linear numbers
+    // Whether the entry scales parameters that images store as sRGB-encoded colours, and whether it
+    // scales parameters that they store as linear numbers.
+    bool has_colors, has_data;
 };
 
 // --- sampling ------------------------------------------------------------------------------------
@@ -35,7 +36,7 @@ static bool read_transform(const struct json_node *entry, struct texture *textur
     if (!read_pair(entry, "offset", offset, err) || !read_pair(entry, "scale", scale, err) ||
         !node_read_number(entry, "rotation_degrees", RANGE_COORDINATE, &degrees, err))
         return false;
-    // The angle is reduced exactly in degrees: multiples of 360 are no rotation.
+    // The angle is reduced exactly in degrees, so that multiples of 360 are no rotation.
     double angle = fmod(degrees, 360) * DEGREE;
     texture_transform(texture, offset, scale, angle);
     return true;
@@ -46,7 +47,7 @@ static const char *const wraps[] = {[TEXTURE_WRAP_REPEAT] = "repeat",
                                     [TEXTURE_WRAP_MIRROR] = "mirror",
                                     NULL};
 
-// Reads one word for both directions, or a list of two.
+// Reads one word for both directions, or a list of two words.
 static bool read_wrap(const struct json_node *entry, struct texture *texture, struct err *err)
 {
     uint32_t wrap[2] = {TEXTURE_WRAP_REPEAT, TEXTURE_WRAP_REPEAT};
@@ -84,8 +85,9 @@ static bool read_sampling(const struct json_node *entry, struct texture *texture
 
 // --- use -----------------------------------------------------------------------------------------
 
-// The index of refraction and the dispersion also describe the medium, the cutoff is a threshold,
-// and the normal map has its own scale, so textures cannot scale these.
+// Returns whether a texture can scale the parameter. The index of refraction and the dispersion
+// also describe the medium, the cutoff is a threshold, and the normal map has its own scale, so
+// textures cannot scale these.
 static bool is_scalable(const struct material_parameter *p)
 {
     return p->first != PARAMETER_IOR && p->first != PARAMETER_DISPERSION &&
@@ -100,14 +102,14 @@ static bool find_parameter(const struct json_node *node, const struct material *
         if (strcmp((*out)->name, node->key) != 0)
             continue;
         if (!((*out)->models >> material->model & 1u))
-            return node_fail(node, err, "is no parameter of \"type\": \"%s\"",
+            return node_fail(node, err, "is not a parameter of \"type\": \"%s\"",
                              material_model_names[material->model]);
         return is_scalable(*out) || node_fail(node, err, "cannot be scaled by a texture");
     }
-    return node_fail(node, err, "is no parameter of materials");
+    return node_fail(node, err, "is not a parameter of materials");
 }
 
-// Reads "rgb" for a colour, or one channel for all components of a colour or for a number.
+// Reads "rgb" for a colour, or one channel for a number or for all components of a colour.
 static bool read_channels(const struct json_node *node, const struct material_parameter *p,
                           int channels[4], struct err *err)
 {
@@ -123,8 +125,9 @@ static bool read_channels(const struct json_node *node, const struct material_pa
     return true;
 }
 
-// Parameters from 0 to 1 that the file does not set become 1 (or 0 if inverted), so that the texel
-// is the value; others keep their default, unless that is 0.
+// Prepares a parameter for scaling. If its range is 0 to 1 and the file does not set it, it becomes
+// 1 (or 0 if inverted), so that the texel is the value. Other parameters keep their default, which
+// must not be 0.
 static bool begin_parameter(const struct json_node *node, const struct json_node *owner,
                             const struct material_parameter *p, bool invert,
                             struct material *material, struct err *err)
@@ -161,8 +164,8 @@ static bool read_parameters(const struct json_node *list, const struct json_node
             return false;
         bool is_color = p->count == 3 && p->first != PARAMETER_CONDUCTOR_ETA &&
                         p->first != PARAMETER_CONDUCTOR_K;
-        bool is_alpha = entry->channels[p->first / 4][p->first % 4] == 3; // alpha is linear in
-                                                                          // every image
+        // Alpha is linear in every image.
+        bool is_alpha = entry->channels[p->first / 4][p->first % 4] == 3;
         entry->has_colors |= is_color && !is_alpha;
         entry->has_data |= !is_color && !is_alpha;
     }
@@ -225,7 +228,7 @@ static bool add_use(struct scene *scene, const struct json_node *node,
     if (!node_read_choice(node, "use", use_names, &use, err))
         return false;
     if (entry->invert)
-        return node_fail(&use_node, err, "\"invert\" goes with \"parameters\"");
+        return node_fail(&use_node, err, "\"invert\" requires \"parameters\"");
     entry->texture.flags |= uses[use] << TEXTURE_USE_SHIFT;
     if (uses[use] == TEXTURE_USE_ANISOTROPY) {
         if (material->model != MATERIAL_PRINCIPLED)

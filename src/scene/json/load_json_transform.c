@@ -15,7 +15,7 @@ static bool read_rotation(const struct json_node *node, double out[3][4], struct
         !node_read_vector(node, "axis", RANGE_COORDINATE, axis, err) ||
         !node_read_number(node, "degrees", RANGE_COORDINATE, &degrees, err))
         return false;
-    // The angle is reduced exactly in degrees: multiples of 360 are no rotation.
+    // The angle is reduced exactly in degrees, so that multiples of 360 are no rotation.
     const struct json_node axis_node = node_member(node, "axis");
     return affine_rotation(axis, fmod(degrees, 360) * DEGREE, out) ||
            node_fail(&axis_node, err, "is zero; expected a direction");

@@ -1,18 +1,18 @@
-// The origin of a scene file with a "base". scene_write writes such a scene as another file with
-// the same base, so that the files do not form a chain.
+// The origin of a scene file with a "base". scene_write() writes such a scene as another file with
+// the same base, so that files do not form a chain.
 #ifndef LAMPYRIS_SCENE_JSON_SCENE_EDITS_H
 #define LAMPYRIS_SCENE_JSON_SCENE_EDITS_H
 
 #include "scene/core/scene.h"
 
-// Everything is in the scene's arena.
+// All data are in the scene's arena.
 struct scene_base {
-    const struct scene_base *base; // base of that file itself; NULL: it has none
+    const struct scene_base *base; // base of the base; NULL: none
     struct scene_load_params load; // paths are relative to the working directory
     const struct scene_path *override_paths;
     uint32_t override_path_count;
-    // Materials and objects that the file changes, as they are in the base, because an animation
-    // may move them later. NULL: it changes none.
+    // The base's versions of the materials and objects that the file changes, kept because an
+    // animation may move them later. NULL: it changes none.
     struct material *materials;
     struct instance *instances;
     struct shape *shapes;

@@ -26,7 +26,7 @@ static void add(struct scene_fields *out, const struct field *fields, size_t cou
 
 // --- materials -----------------------------------------------------------------------------------
 
-// Returns the decimal number from which a bound of the table was rounded: single precision
+// Returns the decimal number from which a bound of the table was rounded. Single precision
 // preserves up to FLT_DIG digits (0.001f itself is slightly above 0.001).
 static double as_written(float bound)
 {
@@ -121,7 +121,7 @@ const char *scene_light_name(const struct scene *scene, uint32_t light)
 
 // --- objects -------------------------------------------------------------------------------------
 
-// Beyond these a shape would exceed the range of a scene.
+// Scales outside these bounds would move a shape out of the permitted range of a scene.
 #define SCALE_MIN 1e-30
 #define SCALE_MAX 1e30
 

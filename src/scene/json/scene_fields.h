@@ -1,5 +1,5 @@
-// Tables of the fields of materials, lights, cameras and environments in scene files, with their
-// representation in memory: for "edits", and for writing scenes.
+// Tables of the fields of materials, lights, cameras and environments in scene files, and of their
+// representation in memory. They are used by "edits" and for writing scenes.
 #ifndef LAMPYRIS_SCENE_JSON_SCENE_FIELDS_H
 #define LAMPYRIS_SCENE_JSON_SCENE_FIELDS_H
 
@@ -17,23 +17,24 @@ struct scene_fields {
 struct field scene_parameter_field(uint32_t parameter);
 // Lists all fields of a material that may be edited: the model ("type"), parameters, flags, medium.
 void scene_material_fields(struct scene_fields *out);
-// Lists those of a light; the name of its power depends on the kind. The first is the kind itself.
+// Lists the fields of a light. The name of its power depends on the kind. The first field is the
+// kind itself.
 void scene_light_fields(uint32_t kind, struct scene_fields *out);
 // Lists the fields that this camera uses. The fields of a lens of radius 0 are included as far as
-// the format permits.
+// the format permits them.
 void scene_camera_fields(const struct camera *camera, struct scene_fields *out);
 
 extern const struct field scene_placement_fields[4]; // about, move, turn_degrees, scale
-// members of struct shape: center, half_u, half_v
+// Members of struct shape: center, half_u, half_v.
 extern const struct field scene_quad_fields[3];
 
 extern const struct field scene_environment_fields[2]; // radiance, rotation
 extern const struct field scene_gradient_fields[3];
 extern const struct field scene_sky_fields[5];
 
-// members of struct scene_load_params: studio, ground, up
+// Members of struct scene_load_params: studio, ground, up.
 extern const struct field scene_base_fields[3];
-// Text members of scene_load_params: names or indices within a glTF file.
+// A text member of scene_load_params: a name or an index within a glTF file.
 struct scene_base_text {
     const char *key;
     size_t offset;
@@ -43,7 +44,7 @@ extern const struct scene_base_text scene_base_texts[3];
 const char *scene_material_name(const struct scene *scene, uint32_t material);
 const char *scene_light_name(const struct scene *scene, uint32_t light);
 
-// Cameras have these fields, too, in place of other keys of a file.
+// Alternative fields of cameras, which replace other keys of a file.
 extern const struct field scene_fov_field, scene_aperture_field, scene_blade_rotation_field;
 
 #endif

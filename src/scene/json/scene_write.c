@@ -26,9 +26,9 @@ struct writer {
     struct scene before;
     struct settings settings;
     struct camera camera;
-    struct arena arena;     // paths
+    struct arena arena;     // owns paths
     const char *folder;     // folder of the new file, with symbolic links resolved
-    struct scene_base base; // the base that it will have
+    struct scene_base base; // the base of the new file
     bool is_outside;
 };
 
@@ -64,7 +64,7 @@ char *camera_to_json(struct arena *arena, const struct camera *camera)
 
 // --- film and settings ---------------------------------------------------------------------------
 
-// All settings are written, because the base may have others.
+// Writes settings: all of them, because the base may have other values.
 static void put_settings(struct json_text *t, const char *key, const struct settings *settings,
                          enum setting_id first, enum setting_id last)
 {
@@ -91,7 +91,7 @@ static const char *real_path(struct writer *w, const char *path, struct err *err
     return copy;
 }
 
-// Returns the path as the new file names it: relative if the file is in the same folder, else
+// Returns the path for use in the new file: relative if it leads into the new file's folder, else
 // absolute.
 static const char *path_from_folder(struct writer *w, const char *path, struct err *err)
 {
@@ -99,7 +99,7 @@ static const char *path_from_folder(struct writer *w, const char *path, struct e
     if (!real)
         return NULL;
     size_t length = strlen(w->folder);
-    if (w->folder[length - 1] == '/') // the root folder
+    if (w->folder[length - 1] == '/') // the folder is "/" itself
         length--;
     if (strncmp(real, w->folder, length) != 0 || real[length] != '/') {
         w->is_outside = true;
@@ -126,7 +126,7 @@ static bool put_path(struct writer *w, struct json_text *t, const char *key, con
 
 // --- base ----------------------------------------------------------------------------------------
 
-// Replaces the strings that were read as paths by the paths as the new file names them. Steals
+// Replaces strings that were read as paths by the paths for use in the new file. Takes ownership of
 // `value`.
 static json_t *rename_paths(struct writer *w, json_t *value, struct err *err)
 {
@@ -176,7 +176,7 @@ static bool put_override(struct writer *w, struct json_text *t,
     json_release(dumped);
     return dumped || (err && err->code != ERR_NONE) ||
            err_set(err, ERR_INPUT,
-                   "-D %s: \"%s\" cannot be written down; expected a file name in "
+                   "-D %s: \"%s\" cannot be written; expected a file name in "
                    "UTF-8",
                    override->key, override->value);
 }
@@ -222,7 +222,7 @@ static bool same_source(const struct environment *a, const struct environment *b
            a->gradient == b->gradient;
 }
 
-// Writes the source of the environment; "edits" rotates and scales it.
+// Writes the source of the environment; "edits" rotates and scales the environment.
 static bool put_environment(struct writer *w, struct json_text *t, struct err *err)
 {
     const struct environment *environment = &w->params->scene->environment;
@@ -262,7 +262,7 @@ static bool put_document(struct writer *w, struct json_text *t, struct err *err)
         return false;
     if (w->is_outside)
         put_name(t, "comment",
-                 "names files outside of this folder: loads with --allow-outside-paths only");
+                 "refers to files outside of this folder: loading it needs --allow-outside-paths");
     scene_write_edits(t, &w->difference);
     json_text_close(t);
     json_text_raw(t, "\n");
@@ -284,8 +284,8 @@ static char *make_text(struct writer *w, struct err *err)
 
 // --- check of the document -----------------------------------------------------------------------
 
-// Prepares the scene that the loader has before it reads the edits: the scene as it was loaded, or
-// with the environment of the document.
+// Prepares the scene that the loader has before it reads the edits: the scene as loaded, or with
+// the environment of the document.
 static bool prepare_check(const struct writer *w, struct arena *arena, struct scene *out,
                           struct err *err)
 {
@@ -322,15 +322,15 @@ static bool check_parts(const struct writer *w, struct scene *scene,
         return false;
     if (!scene_same_camera(&scene->cameras[scene->camera_count - 1], &w->camera))
         return node_fail(&camera, err,
-                         "cannot be written down exactly: is its direction of unit "
+                         "cannot be written exactly: is its direction of unit "
                          "length?");
     if (!settings_same(&scene->settings, &w->settings))
-        return node_fail(&settings, err, "cannot be written down exactly");
+        return node_fail(&settings, err, "cannot be written exactly");
     return scene_compare_edits(scene, w->params->scene, err) || node_prepend(&edits, err);
 }
 
-// Reads the text as the loader would, on top of the scene as it was loaded, so that values that the
-// format rejects or cannot represent are found before a file is written.
+// Reads the text as the loader would, on top of the scene as loaded, so that values that the format
+// rejects or cannot represent are found before a file is written.
 static bool check_text(const struct writer *w, const char *text, struct err *err)
 {
     const struct file_bytes bytes = {(const uint8_t *)text, strlen(text)};
@@ -340,7 +340,7 @@ static bool check_text(const struct writer *w, const char *text, struct err *err
     bool ok;
     if (!root) {
         if (err && err->code == ERR_INPUT)
-            err->code = ERR_BUG; // this program wrote the text
+            err->code = ERR_BUG; // because this program wrote the text
         ok = false;
     } else {
         const struct json_node document = node_root(w->params->path, root);
@@ -354,15 +354,14 @@ static bool check_text(const struct writer *w, const char *text, struct err *err
 
 // --- writing -------------------------------------------------------------------------------------
 
-// Finds the base of the new file: the file from which the scene was loaded, or that file's own
+// Chooses the base of the new file: the file from which the scene was loaded, or that file's own
 // base.
 static void find_base(struct writer *w)
 {
     const struct scene_load_params *load = w->params->load;
     const struct scene *before = w->params->before;
     w->before = *before;
-    w->before.placed_count = 0; // if a file has placed objects, its base does not have these
-                                // placements
+    w->before.placed_count = 0; // if a file places objects, its base does not have these placements
     if (before->base) {
         const struct scene_base *base = before->base;
         w->base = *base;
@@ -381,8 +380,8 @@ static void find_base(struct writer *w)
         }
         return;
     }
-    // An environment of the command line suppressed the ground, but the file's environment is
-    // applied after the base.
+    // An environment of the command line suppressed the ground. In the new file, though, the
+    // environment is applied after the base is loaded.
     bool is_lit = load->environment_file || load->environment_radiance || load->environment_sky;
     w->base = (struct scene_base){.load = *load,
                                   .override_paths = before->override_paths,
@@ -415,7 +414,7 @@ static bool is_same_file(const char *a, const char *b)
     return file_status(a, &x) && file_status(b, &y) && file_status_same(&x, &y);
 }
 
-// Checks the name, and that the file is none of those on which it is based.
+// Checks the name, and that the file is none of those on which the scene is based.
 static bool check_path(const struct writer *w, struct err *err)
 {
     const char *path = w->params->path;
@@ -456,8 +455,8 @@ static bool write_scene(struct writer *w, struct err *err)
         free(text);
         return false;
     }
-    // A scene that has a base may be saved to the file from which it was opened: check_path() has
-    // ensured that the new file does not need the old one.
+    // A scene that has a base may be saved to the file from which it was opened; check_path() has
+    // ensured that the new file does not depend on the old one.
     if (is_same_file(params->path, params->load->path))
         file_inputs_forget(params->path);
     bool ok = check_text(w, text, err) && file_write_atomic(params->path, text, strlen(text), err);

@@ -1,56 +1,55 @@
-// Writes a scene after editing: a file of our format that names the file from which it was loaded
-// ("base") and lists the differences ("edits", see scene_edits.h), so that loading it again gives
-// the same scene, bit for bit.
+// Writes an edited scene: a .json file that names the file from which the scene was loaded ("base")
+// and lists the differences ("edits", see scene_edits.h), so that loading it gives the same scene,
+// bit for bit.
 #ifndef LAMPYRIS_SCENE_JSON_SCENE_WRITE_H
 #define LAMPYRIS_SCENE_JSON_SCENE_WRITE_H
 
 #include "scene/core/scene.h"
 
-// After scene_load these may be edited:
-// - materials: everything but their names and textures;
-// - lights: everything but their names and their profiles, which may only be removed;
+// After scene_load() the following may be edited:
+// - materials: all members but names and textures;
+// - lights: all members but names and profiles, which may only be removed;
 // - instances and shapes: `hidden` and `material`;
-// - the environment: radiance and rotation; or all of it, by scene_replace_environment;
+// - the environment: radiance and rotation; or all of it, by scene_replace_environment();
 // - the camera and the settings.
 
 // The time of the pose of a glTF base.
 struct scene_pose {
     double seconds;
     uint32_t is_posed; // 0: the nodes are not animated
-    uint32_t unused;   // 0: poses are compared byte by byte
+    uint32_t unused;   // 0, because poses are compared byte by byte
 };
 
 struct scene_write_params {
     const char *path;                     // the new file; an existing one is replaced atomically
-    const struct scene_load_params *load; // the parameters that loaded `before`
-    const struct scene *before;           // as scene_load left it: see scene_snapshot
-    const struct scene *scene;            // the same, edited
-    const struct camera *camera;          // becomes the file's first; NULL: scene->cameras[0]
-    const struct settings *settings;      // NULL: the scene's
-    const struct scene_pose
-        *pose; // the pose that `before` and `scene` have; NULL: the pose as loaded
-    // Receives whether the file names others outside of its folder, so that it loads with
-    // allow_outside_paths only; or NULL. A comment in the file says so, too.
+    const struct scene_load_params *load; // the parameters with which `before` was loaded
+    const struct scene *before;           // the scene as scene_load() left it: see scene_snapshot()
+    const struct scene *scene;            // the edited scene
+    const struct camera *camera;          // the file's first camera; NULL: scene->cameras[0]
+    const struct settings *settings;      // NULL: the scene's settings
+    const struct scene_pose *pose;        // pose of `before` and `scene`; NULL: as loaded
+    // Receives whether the file refers to files outside its folder, so that loading it needs
+    // allow_outside_paths; or NULL. A comment in the file says so, too.
     bool *is_outside;
 };
 
-// Writes the file. ERR_USAGE if the path is the base's own or does not end in ".json"; ERR_INPUT
-// for values that the format cannot represent (not finite, out of range, file names that are not
-// UTF-8); ERR_OUTPUT. On failure no file is written.
+// Writes the file. Fails with ERR_USAGE if the path is the base's own or does not end in ".json";
+// with ERR_INPUT for values that the format cannot represent (not finite, out of range, file names
+// that are not UTF-8); and with ERR_OUTPUT. On failure no file is written.
 bool scene_write(const struct scene_write_params *params, struct err *err);
-// Checks beforehand, from the path and the parameters that loaded `before`, whether a file can be
-// written there: ERR_USAGE as above; ERR_OUTPUT.
+// Checks in advance, from the path and the parameters that loaded `before`, whether a file can be
+// written there. Fails with ERR_USAGE as scene_write() does, or with ERR_OUTPUT.
 bool scene_write_check(const struct scene_write_params *params, struct err *err);
 
 // Makes a shallow copy with its own arrays of materials, lights, instances, shapes and cameras,
 // which may be edited. All other data belongs to the original, which must outlive the copy. The
-// copy's own arena is empty: never finish it.
+// copy's own arena is empty: never finish the copy.
 bool scene_snapshot(struct arena *arena, const struct scene *scene, struct scene *out,
                     struct err *err);
 
-// Returns the text that follows "camera": in a scene file, for a valid camera: one line for each
-// key, indented except for the first. Reading it gives the same bits. NULL when out of memory, or
-// if a number is not finite.
+// Returns the text that follows "camera": in a scene file, for a valid camera: one line per key,
+// indented except for the first. Reading it gives the same bits. NULL when out of memory, or if a
+// number is not finite.
 char *camera_to_json(struct arena *arena, const struct camera *camera);
 
 #endif

@@ -30,7 +30,7 @@ bool scene_same_camera(const struct camera *a, const struct camera *b)
     return a->kind == b->kind && fields_same(fields.list, fields.count, a, b);
 }
 
-// The parts of an instance or a shape that may be edited.
+// The members of an instance or a shape that may be edited.
 struct object {
     bool is_instance, is_hidden;
     uint32_t material;
@@ -48,7 +48,8 @@ static struct object object_of(const struct scene *scene, uint32_t index)
     return (struct object){false, shape->hidden, shape->material, scene_placement(scene, index)};
 }
 
-// Returns whether the objects' geometry or transforms are bitwise equal, however they were placed.
+// Returns whether an object's geometry or transform, without its placement, is bitwise equal in
+// both scenes.
 static bool same_place(const struct scene *a, const struct scene *b, uint32_t object)
 {
     if (object < a->instance_count)
@@ -98,7 +99,7 @@ bool scene_compare_edits(const struct scene *a, const struct scene *b, struct er
 
 // --- lists ---------------------------------------------------------------------------------------
 
-// Opens the list `key` before its first element, and the element.
+// Begins an element; before the first element also begins the list `key`.
 static void begin_element(struct json_text *t, const char *key, bool *is_open)
 {
     if (!*is_open) {
@@ -110,7 +111,7 @@ static void begin_element(struct json_text *t, const char *key, bool *is_open)
     json_text_open(t, '{', true);
 }
 
-// Writes the name, which stays valid if the base changes; or the index if the name is not unique.
+// Writes the name, which stays valid if the base changes, or the index if the name is not unique.
 static void address(struct json_text *t, const struct scene *scene, uint32_t count, uint32_t index,
                     const char *(*name_of)(const struct scene *scene, uint32_t index))
 {
@@ -162,7 +163,7 @@ static void put_materials(struct json_text *t, const struct scene_difference *d)
         json_text_close(t);
 }
 
-// before: NULL to write all fields.
+// Writes a light's fields that differ from `before`; NULL: all fields.
 static void put_light(struct json_text *t, const struct light *now, const struct light *before)
 {
     struct scene_fields fields;
@@ -182,8 +183,8 @@ static void put_light(struct json_text *t, const struct light *now, const struct
     }
 }
 
-// Returns light i of the base, or NULL if the base does not have it. The sun is the last light of
-// both, so the others keep their indices with and without a sun; added lights precede it.
+// Returns light i of the base, or NULL if the base has no such light. The sun is the last light of
+// both scenes, and added lights precede it, so the other lights keep their indices.
 static const struct light *former_light(const struct scene_difference *d, uint32_t i)
 {
     uint32_t sun = scene_sun_light(d->scene), former_sun = scene_sun_light(d->before);
@@ -221,7 +222,7 @@ struct object_edit {
     struct object to;
 };
 
-// `before` does not have the shapes that were added.
+// Finds the edits of an object. `before` lacks shapes that were added.
 static struct object_edit edit_of(const struct scene_difference *d, uint32_t index)
 {
     const struct object to = object_of(d->scene, index);
@@ -272,7 +273,7 @@ static void put_object_edit(struct json_text *t, const struct object_edit *edit)
         fields_write(scene_placement_fields, 4, &edit->to.placement, t);
 }
 
-// Writes one line for each run of objects with the same edit.
+// Writes the edits of objects, one line for each run of objects with the same edit.
 static void put_objects(struct json_text *t, const struct scene_difference *d)
 {
     uint32_t total = d->scene->instance_count + d->scene->shape_count, count;

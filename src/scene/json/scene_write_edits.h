@@ -6,17 +6,18 @@
 #include "scene/core/scene.h"
 
 struct scene_difference {
-    const struct scene *before; // the scene as the base has it
+    const struct scene *before; // the scene as in the base
     const struct scene *scene;
-    bool has_other_environment; // "environment" replaces it, and its sun
-    bool has_other_adjustment;  // the environment was rotated or scaled relative to the base
+    bool has_other_environment; // "environment" replaces the base's, and its sun
+    bool has_other_adjustment;  // it was rotated or scaled relative to the base
 };
 
 void scene_write_edits(struct json_text *t, const struct scene_difference *difference);
 
-// Returns whether all that can be edited is bitwise equal; else ERR_INPUT names what is not.
+// Returns whether everything that can be edited is bitwise equal; otherwise fails with ERR_INPUT,
+// naming the difference.
 bool scene_compare_edits(const struct scene *a, const struct scene *b, struct err *err);
-// Compares the fields that the kind of camera uses.
+// Returns whether the fields that the kind of camera uses are equal.
 bool scene_same_camera(const struct camera *a, const struct camera *b);
 
 #endif

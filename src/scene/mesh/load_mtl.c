@@ -1,6 +1,6 @@
-// Materials of OBJ files: the statements of MTL. Format: Wavefront, "MTL material format", 1995,
-// and the statements for physically based materials that exporters share ("Physically-Based
-// rendering extension" of the MTL format, Exocortex, 2014).
+// Reads the materials of OBJ files: the statements of MTL. Format: Wavefront, "MTL material
+// format", 1995, and the statements for physically based materials that exporters share
+// ("Physically-Based rendering extension" of the MTL format, Exocortex, 2014).
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A file that was read; an element of a list.
+// A file that was read; element of a list.
 struct mtl_file {
     struct mtl_file *next;
     const char *path;
@@ -23,7 +23,7 @@ struct mtl_parser {
     struct arena *arena;
     struct mtl_library *library;
     struct mtl_statements current;
-    // Counts for one warning a file; the lines are those of the first occurrence.
+    // Counts for one warning per file; the lines are those of the first occurrence.
     uint64_t clamped_count, clamped_line;
     uint64_t skipped_count, skipped_line;
 };
@@ -66,7 +66,7 @@ static void count_skipped(struct mtl_parser *parser)
         parser->skipped_line = parser->text.line;
 }
 
-// Clamps to [0, max], counting the colours that were outside.
+// Clamps a colour to [0, max], counting colours that were outside.
 static void clamp_color(struct mtl_parser *parser, float max, float color[3])
 {
     bool is_outside = false;
@@ -79,7 +79,7 @@ static void clamp_color(struct mtl_parser *parser, float max, float color[3])
         parser->clamped_line = parser->text.line;
 }
 
-// "Kd R G B" or "Kd R" for a grey; "Kd spectral FILE" and "Kd xyz X Y Z" are skipped.
+// Reads "Kd R G B", or "Kd R" for a grey. "Kd spectral FILE" and "Kd xyz X Y Z" are skipped.
 static bool read_color(struct mtl_parser *parser, const char *what, float max, float out[3],
                        struct err *err)
 {
@@ -106,7 +106,7 @@ static bool read_color(struct mtl_parser *parser, const char *what, float max, f
     return true;
 }
 
-// Reads a number in [0, max]. A number outside is clamped and counted like colours.
+// Reads a number and clamps it to [0, max]; clamped numbers are counted with the colours.
 static bool read_scalar(struct mtl_parser *parser, const char *what, float max, float *out,
                         struct err *err)
 {
@@ -122,7 +122,7 @@ static bool read_scalar(struct mtl_parser *parser, const char *what, float max, 
     return true;
 }
 
-// Reads all numbers of an option such as "-o U [V [W]]" and keeps two.
+// Reads all numbers of an option such as "-o U [V [W]]" and keeps the first two.
 static void read_pair(struct text_reader *text, float out[2])
 {
     float unused;
@@ -153,7 +153,7 @@ static bool read_map(struct mtl_parser *parser, enum mtl_map_kind kind, struct e
             map.is_clamped = text_equals(text_word(text), "on");
         else if (text_equals(option, "-mm") || text_equals(option, "-t"))
             read_pair(text, unused);
-        else // -blendu on, -blendv on, -cc on, -boost N, -texres N, -imfchan C, -type T
+        else // skips -blendu, -blendv, -cc, -boost, -texres, -imfchan and -type
             text_word(text);
     }
     struct text_span name = text_rest_of_line(text);
@@ -206,7 +206,7 @@ static bool read_statement(struct mtl_parser *parser, struct text_span keyword, 
     };
     if (text_equals(keyword, "newmtl"))
         return begin_material(parser, err);
-    if (!current->name) // Statements before the first material belong to none and are ignored.
+    if (!current->name) // statements before the first newmtl belong to no material
         return true;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         if (text_equals(keyword, numbers[i].word))
@@ -295,7 +295,7 @@ bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library
     return true;
 }
 
-// --- look-up by name -----------------------------------------------------------------------------
+// --- lookup by name ------------------------------------------------------------------------------
 
 static int compare_materials(const void *left, const void *right)
 {
@@ -310,11 +310,10 @@ void mtl_sort(struct mtl_library *library)
         qsort(library->materials, library->count, sizeof *library->materials, compare_materials);
 }
 
-// Like strcmp, for a NUL-terminated name and one of given length.
+// Compares like strcmp(), for a NUL-terminated name and one of given length.
 static int compare_names(const char *name, const char *wanted, size_t length)
 {
-    const char *nul = memchr(wanted, '\0', length); // a damaged file may have NUL bytes in its
-                                                    // names
+    const char *nul = memchr(wanted, '\0', length); // damaged names may contain NUL bytes
     length = nul ? (size_t)(nul - wanted) : length;
     int difference = strncmp(name, wanted, length);
     return difference != 0 ? difference : name[length] != '\0';

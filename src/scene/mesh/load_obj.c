@@ -1,10 +1,10 @@
 // Reads the polygons of a Wavefront OBJ file as one mesh. Format: Wavefront, "Object Files (.obj)",
 // appendix B1 of the Advanced Visualizer manual, 1995.
 //
-// A first pass over the text counts, so that every array is allocated once and every index can be
-// checked where it is used, even if it refers to a vertex further down. A second pass reads.
-// Polygons become fans around their first corner, which is right for convex polygons; others may be
-// divided differently from what a modeller does. Lines, points, curves and surfaces are skipped.
+// A first pass over the text counts elements, so that every array is allocated once and every index
+// can be checked where it is used, even if it refers to a vertex further down. A second pass reads
+// them. Polygons are split into fans around their first corner, which is right for convex polygons;
+// a modelling program may split others differently. Lines, points, curves and surfaces are skipped.
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"
@@ -20,35 +20,34 @@ struct obj_counts {
     uint64_t positions, texture_coordinates, normals;
     uint64_t triangles;
     uint64_t material_statements;
-    uint64_t colored_positions; // positions with six numbers, the last three a colour
+    uint64_t colored_positions; // positions with six numbers, of which the last three are a colour
 };
 
 struct obj_parser {
     struct scene *scene;
     struct arena scratch;
     struct text_reader text, start; // the current position, and the start of the file
-    uint32_t default_material;      // SCENE_NONE: not made yet
+    uint32_t default_material;      // SCENE_NONE: not yet made
     bool allow_outside_paths;
-    struct obj_counts counts; // counts for the whole file
-    struct obj_counts seen;   // by the second pass so far
+    struct obj_counts counts; // counts in the whole file
+    struct obj_counts seen;   // counts in the part that the second pass has read
     struct mtl_library library;
     struct err missing_library; // why the first missing library could not be read
     uint64_t missing_library_count, missing_library_line;
     struct mtl_material *wanted_material; // material of the next faces; NULL: the default one
-    uint32_t material;                    // its index in the scene; SCENE_NONE until a face needs
-                                          // it
+    uint32_t material;                    // its index in the scene; SCENE_NONE until a face uses it
 
     float (*positions)[3];
     double (*exact)[3]; // positions before rounding, if they are needed
     float (*normals)[3];
     float (*uvs)[2];
-    float (*colors)[4];              // colours of positions; NULL in a file without
+    float (*colors)[4];              // colours of positions; NULL if the file has none
     uint32_t (*indices)[3];          // indices of positions
-    uint32_t (*normal_indices)[3];   // NULL in a file without normals
-    uint32_t (*uv_indices)[3];       // NULL in a file without texture coordinates
-    uint32_t *triangle_material;     // NULL in a file without usemtl
-    uint32_t unknown_material_count; // usemtl statements that name no known material
-    uint64_t unknown_material_line;  // the first of them
+    uint32_t (*normal_indices)[3];   // NULL if the file has no normals
+    uint32_t (*uv_indices)[3];       // NULL if the file has no texture coordinates
+    uint32_t *triangle_material;     // NULL if the file has no usemtl
+    uint32_t unknown_material_count; // number of usemtl statements that name an unknown material
+    uint64_t unknown_material_line;  // line of the first of these
     uint64_t skipped_count, skipped_line;
     uint64_t bad_normal_count, bad_normal_line;
 };
@@ -60,8 +59,8 @@ enum obj_keyword {
     OBJ_FACE,
     OBJ_USE_MATERIAL,
     OBJ_MATERIAL_LIBRARY,
-    OBJ_NO_GEOMETRY, // names and groups
-    OBJ_SKIPPED,     // geometry of other kinds, or no OBJ statement
+    OBJ_NO_GEOMETRY, // statements about names and groups
+    OBJ_SKIPPED,     // geometry of other kinds, and unknown statements
 };
 
 static enum obj_keyword read_keyword(struct text_reader *text)
@@ -78,7 +77,7 @@ static enum obj_keyword read_keyword(struct text_reader *text)
         {"g", OBJ_NO_GEOMETRY},
         {"s", OBJ_NO_GEOMETRY},
         {"usemtl", OBJ_USE_MATERIAL},
-        {"fo", OBJ_FACE}, // the form before version 3.0
+        {"fo", OBJ_FACE}, // the statement for faces before version 3.0
         {"mtllib", OBJ_MATERIAL_LIBRARY},
     };
     struct text_span word = text_word(text);
@@ -99,7 +98,8 @@ static uint64_t count_words(struct text_reader *text)
     return count;
 }
 
-// Returns the path of a material library, or NULL if it is not permitted or cannot be made.
+// Returns the path of a material library; NULL with *err set if it is not permitted, or when out of
+// memory.
 static char *library_path(struct obj_parser *parser, struct text_span name, struct err *err)
 {
     char *relative = text_copy(&parser->scratch, name);
@@ -115,8 +115,8 @@ static char *library_path(struct obj_parser *parser, struct text_span name, stru
     return file_resolve(&parser->scratch, &reference, relative, err);
 }
 
-// A library that is missing or not permitted causes a warning, and an error if the scene is strict.
-// The geometry is loaded without its materials.
+// Reads a material library. If it is missing or not permitted, the geometry is loaded without its
+// materials, with a warning; in a strict scene that is an error.
 static bool read_material_library(struct obj_parser *parser, struct err *err)
 {
     struct text_span name = text_rest_of_line(&parser->text);
@@ -175,10 +175,10 @@ static bool count_statement(struct obj_parser *parser, struct err *err)
     return true;
 }
 
-#define LINES_BETWEEN_LOOKS 262144 // between polls of whether to stop
+#define LINES_BETWEEN_LOOKS 262144 // lines between two polls for a stop
 
-// Calls `read` at the first word of every line that has one. `from` and `to` are the range of the
-// progress of loading.
+// Calls `read` at the first word of every line that has one. Progress is reported from `from` to
+// `to`.
 static bool for_each_statement(struct obj_parser *parser, const struct text_reader *start,
                                double from, double to,
                                bool (*read)(struct obj_parser *, struct err *), struct err *err)
@@ -198,7 +198,8 @@ static bool for_each_statement(struct obj_parser *parser, const struct text_read
 
 // --- the second pass: numbers --------------------------------------------------------------------
 
-// Colours after positions (an extension of MeshLab and others) are sRGB-encoded in [0, 1].
+// Reads the colour after a position (an extension of MeshLab and others), which is sRGB-encoded in
+// [0, 1].
 static bool read_color(struct obj_parser *parser, float color[4], struct err *err)
 {
     for (int c = 0; c < 3; c++) {
@@ -218,11 +219,11 @@ static bool read_texture_coordinate(struct obj_parser *parser, struct err *err)
         return false;
     float v = 0.0f; // the second coordinate is optional
     text_take_float(&parser->text, &v);
-    uv[1] = 1.0f - v; // t points downwards in meshes
+    uv[1] = 1.0f - v; // t points down in meshes
     return true;
 }
 
-// A weight after the three numbers has no meaning for polygons and is ignored.
+// Reads a position. A weight after the three numbers has no meaning for polygons and is ignored.
 static bool read_position(struct obj_parser *parser, struct err *err)
 {
     uint64_t index = parser->seen.positions++;
@@ -262,8 +263,8 @@ static bool read_normal(struct obj_parser *parser, struct err *err)
     return true;
 }
 
-// Reads one index and converts it to count from 0. Positive indices count from 1 over the whole
-// file, negative ones back from the last element defined above.
+// Reads one index and converts it to count from 0. In the file, positive indices count from 1 over
+// the whole file, and negative ones count back from the last element defined so far.
 static bool read_index(struct obj_parser *parser, const char *what, uint64_t seen, uint64_t count,
                        uint32_t *out, struct err *err)
 {
@@ -276,13 +277,13 @@ static bool read_index(struct obj_parser *parser, const char *what, uint64_t see
         return text_fail(&parser->text, err, "%s %lld, but the file has %llu", what,
                          (long long)given, (unsigned long long)count);
     if (given < 0 && (uint64_t)-given > seen)
-        return text_fail(&parser->text, err, "%s %lld, but only %llu stand above", what,
+        return text_fail(&parser->text, err, "%s %lld, but only %llu are defined above", what,
                          (long long)given, (unsigned long long)seen);
     *out = (uint32_t)(given > 0 ? (uint64_t)given - 1 : seen - (uint64_t)-given);
     return true;
 }
 
-// One corner: v, v/t, v//n or v/t/n.
+// Reads one corner: v, v/t, v//n or v/t/n.
 static bool read_corner(struct obj_parser *parser, uint32_t *position, uint32_t *normal,
                         uint32_t *uv, struct err *err)
 {
@@ -326,7 +327,7 @@ static void add_triangle(struct obj_parser *parser, const uint32_t positions[3],
 
 static bool read_face(struct obj_parser *parser, struct err *err)
 {
-    uint32_t positions[3], normals[3], uvs[3]; // the fan's centre, the corner before, this corner
+    uint32_t positions[3], normals[3], uvs[3]; // the fan's centre, previous and current corner
     for (uint64_t corner = 0; !text_line_ended(&parser->text); corner++) {
         uint32_t slot = corner < 2 ? (uint32_t)corner : 2;
         if (!read_corner(parser, &positions[slot], &normals[slot], &uvs[slot], err))
@@ -350,8 +351,8 @@ static void select_material(struct obj_parser *parser)
         parser->unknown_material_line = parser->text.line;
 }
 
-// Sets parser->material for the faces that follow. Only materials that faces use are added to the
-// scene.
+// Sets parser->material for the faces that follow. A material is added to the scene when the first
+// face uses it.
 static bool require_material(struct obj_parser *parser, struct err *err)
 {
     struct mtl_material *wanted = parser->wanted_material;
@@ -408,8 +409,8 @@ static bool allocate(struct obj_parser *parser, struct err *err)
                        parser->text.path, (unsigned long long)counts->positions,
                        (unsigned long long)counts->normals, (unsigned long long)counts->triangles);
     bool has_uvs = counts->texture_coordinates > 0;
-    // With normals or texture coordinates the vertices are made anew, so the positions as read are
-    // scratch.
+    // If there are normals or texture coordinates, merge_vertices() makes new vertices, and the
+    // positions in the file's order are only temporary.
     bool merges = has_normals || has_uvs;
     parser->positions = arena_alloc(merges ? scratch : scene_arena, (size_t)counts->positions,
                                     sizeof *parser->positions);
@@ -446,7 +447,7 @@ static bool allocate(struct obj_parser *parser, struct err *err)
 
 // --- the mesh ------------------------------------------------------------------------------------
 
-// Stores one material if all triangles have the same, else one for each triangle.
+// Stores one material if all triangles have the same one, else one for each triangle.
 static bool set_materials(struct obj_parser *parser, struct mesh *mesh, struct err *err)
 {
     const uint32_t *materials = parser->triangle_material;
@@ -469,7 +470,7 @@ static bool set_materials(struct obj_parser *parser, struct mesh *mesh, struct e
     return true;
 }
 
-// Makes one vertex for each triple of position, normal and texture coordinates that a corner uses.
+// Makes one vertex for each distinct combination of position, normal and texture coordinates.
 static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct vertex_list *list,
                            struct err *err)
 {
@@ -502,7 +503,7 @@ static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct 
 }
 
 // Reads the positions again, in double precision, if single precision loses details of the mesh.
-// `list`: the file's vertices from which the mesh's were made; NULL: they are the same.
+// `list` maps the mesh's vertices to the file's; NULL: they are the same.
 static bool read_exact(struct obj_parser *parser, const struct vertex_list *list, struct mesh *mesh,
                        struct err *err)
 {

@@ -1,6 +1,6 @@
-// PLY, the Stanford triangle format (Turk 1994): ASCII and binary of both byte orders. Polygons
-// become fans around their first corner; triangle strips alternate their winding. Elements and
-// properties that a mesh does not use are skipped by their declared size.
+// Reads PLY, the Stanford triangle format (Turk 1994): ASCII and binary of both byte orders.
+// Polygons are split into fans around their first corner; triangle strips alternate their winding.
+// Elements and properties that a mesh does not use are skipped by their declared size.
 #include "scene/mesh/mesh_loader.h"
 #include "scene/mesh/ply_header.h"
 
@@ -18,28 +18,27 @@
 struct ply_parser {
     struct scene *scene;
     struct arena scratch;
-    struct text_reader text; // a byte position in binary files
+    struct text_reader text; // in binary files only a byte position
     const char *start;       // start of the file
     struct ply_header header;
-    // The place that is being read, for messages.
+    // The element, row and property that are being read, for messages.
     const struct ply_element *element;
     uint64_t row;
 
     float (*positions)[3];
-    double (*exact)[3];          // not NULL in a second pass over the vertices, which reads only
-                                 // these
-    struct text_reader vertices; // where the rows of vertices begin
-    float (*normals)[3];         // NULL without nx, ny, nz
-    float (*uvs)[2];             // NULL without u, v
-    float (*colors)[4];          // NULL without red, green, blue
+    double (*exact)[3];          // not NULL in a second pass, which reads only these positions
+    struct text_reader vertices; // start of the rows of vertices
+    float (*normals)[3];         // NULL if there are no nx, ny, nz
+    float (*uvs)[2];             // NULL if there are no u, v
+    float (*colors)[4];          // NULL if there are no red, green, blue
     struct triangle_list triangles;
     uint64_t bad_normal_count;
 };
 
 // --- values --------------------------------------------------------------------------------------
 
-// Fails with "PATH: face 7: MESSAGE", with the line in ASCII files. Rows count from 0 as the file's
-// indices do.
+// Fails with "PATH: face 7: MESSAGE", and also the line in ASCII files. Rows count from 0, as the
+// file's indices do.
 static bool ply_fail(const struct ply_parser *parser, struct err *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -126,7 +125,7 @@ static bool read_binary_value(struct ply_parser *parser, enum ply_type type, dou
     return true;
 }
 
-// Every value fits a double: integers have at most 32 bits.
+// Reads a value. Every value fits a double, because integers have at most 32 bits.
 static bool read_value(struct ply_parser *parser, enum ply_type type, double *out, struct err *err)
 {
     return parser->header.format == PLY_ASCII ? read_ascii_value(parser, type, out, err)
@@ -134,7 +133,7 @@ static bool read_value(struct ply_parser *parser, enum ply_type type, double *ou
 }
 
 // Checks that the rest of the file can hold `count` items of at least `size` bytes. In ASCII an
-// item takes at least a digit and a blank; the last one of the file needs no blank.
+// item takes at least a digit and a blank; the last item of the file needs no blank.
 static bool check_room(const struct ply_parser *parser, uint64_t count, uint64_t size,
                        struct err *err)
 {
@@ -149,7 +148,7 @@ static bool check_room(const struct ply_parser *parser, uint64_t count, uint64_t
 
 // --- faces ---------------------------------------------------------------------------------------
 
-// The corners of a polygon or strip that were read so far.
+// The corners of a polygon or strip that have been read so far.
 struct corner_run {
     uint64_t count;
     uint32_t first, before_last, last;
@@ -162,8 +161,8 @@ static bool add_polygon_corner(struct ply_parser *parser, struct corner_run *run
            triangle_list_add(&parser->triangles, run->first, run->last, corner, err);
 }
 
-// Every second triangle of a strip is reversed so that all face the same side. Triangles with a
-// repeated corner only connect parts of the strip and are omitted.
+// Adds a corner to a strip. Every second triangle of a strip is reversed so that all face the same
+// side. Triangles with a repeated corner only connect parts of the strip and are omitted.
 static bool add_strip_corner(struct ply_parser *parser, struct corner_run *run, uint32_t corner,
                              struct err *err)
 {
@@ -204,7 +203,7 @@ static bool read_list(struct ply_parser *parser, const struct ply_property *prop
     if (!read_value(parser, property->count_type, &count, err))
         return false;
     if (count < 0.0)
-        return ply_fail(parser, err, "a list of %.0f entries", count);
+        return ply_fail(parser, err, "a list of %.0f entries, expected 0 or more", count);
     if (property->use == USE_POLYGON && count < 3.0)
         return ply_fail(parser, err, "a face of %.0f corners, expected at least 3", count);
     bool is_ascii = parser->header.format == PLY_ASCII;
@@ -227,8 +226,8 @@ static bool read_list(struct ply_parser *parser, const struct ply_property *prop
 
 // --- elements ------------------------------------------------------------------------------------
 
-// Integer colours are sRGB-encoded, as scanners and painting programs write them; floating-point
-// colours are linear.
+// Converts a colour component. Integers are sRGB-encoded, as scanners and painting programs write
+// them; floating-point numbers are linear.
 static float color_value(double value, enum ply_type type)
 {
     double most = type == PLY_U8 ? UINT8_MAX : type == PLY_U16 ? UINT16_MAX : 1.0;
@@ -257,7 +256,7 @@ static bool store_vertex(struct ply_parser *parser, const double values[VERTEX_V
     }
     if (parser->uvs) {
         parser->uvs[parser->row][0] = (float)values[USE_U];
-        parser->uvs[parser->row][1] = (float)(1.0 - values[USE_V]); // t points downwards in meshes
+        parser->uvs[parser->row][1] = (float)(1.0 - values[USE_V]); // t points down in meshes
     }
     if (parser->colors)
         for (int c = 0; c < 4; c++)
@@ -307,7 +306,7 @@ static bool allocate_vertices(struct ply_parser *parser, struct err *err)
     return is_complete || err_memory(err, "vertices", count * 4 * sizeof *parser->positions);
 }
 
-#define ROWS_BETWEEN_LOOKS 262144 // between polls of whether to stop
+#define ROWS_BETWEEN_LOOKS 262144 // rows between two polls for a stop
 
 static bool read_each_row(struct ply_parser *parser, struct err *err)
 {
@@ -328,7 +327,7 @@ static bool read_rows(struct ply_parser *parser, struct err *err)
     const struct ply_element *element = parser->element;
     parser->row = 0;
     if (element->property_count == 0)
-        return true; // such rows take no bytes, whatever their count
+        return true; // such rows take no bytes, so their count is not checked
     bool is_ascii = parser->header.format == PLY_ASCII;
     uint64_t row_bytes = is_ascii ? 2 * element->property_count : element->min_row_bytes;
     if (!check_room(parser, element->count, row_bytes, err))

@@ -40,7 +40,7 @@ bool load_mesh_by_extension(struct scene *scene, const char *path, uint32_t defa
 
 bool mesh_unit_normal(const float direction[3], float out[3])
 {
-    // In double precision no square of a float overflows, and only that of zero is zero.
+    // In double precision no square of a float overflows, and only the square of zero is zero.
     double wide[3];
     vec3_widen(direction, wide);
     double length = vec3_norm(wide);
@@ -65,8 +65,7 @@ bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors,
     return true;
 }
 
-// The limits above which flattening gives a mesh an origin of its own, and warns: see
-// flatten_census.c.
+// Above these limits flattening gives a mesh an origin of its own, and warns: see flatten_census.c.
 #define ROUNDED_MESH_RATIO 16
 #define ROUNDED_TRIANGLE_RATIO 65536
 
@@ -80,8 +79,8 @@ static bool is_rounded(const struct bounds *bounds, double ratio)
     return farthest > ratio * extent;
 }
 
-// Rounded corners may coincide though they differ in the file, so the exact ones are compared if
-// there are any.
+// Returns whether the corners coincide. Exact positions are compared if there are any, because
+// rounded ones may coincide where those in the file differ.
 static bool is_point(const struct mesh *mesh, const uint32_t corners[3],
                      const struct bounds *bounds)
 {

@@ -1,19 +1,19 @@
-// Makes vertices from corners with three separate indices: of a position, a normal and texture
+// Makes vertices from corners that have separate indices for position, normal and texture
 // coordinates.
 #include "scene/mesh/mesh_loader.h"
 
 #include <string.h>
 
-// An open-addressing hash table from triples to vertices. A slot holds a vertex plus one; 0 marks
-// an empty slot.
+// An open-addressing hash table from index triples to vertices. A slot holds a vertex plus one; 0
+// marks an empty slot.
 struct corner_table {
     uint32_t *slots;
     uint64_t slot_mask;
     struct vertex_list vertices;
 };
 
-// A bijection of 64 bits that mixes them well: the finaliser of SplitMix64 (Steele, Lea, Flood
-// 2014) with the constants of Stafford's variant 13.
+// Mixes bits by a bijection: the finaliser of SplitMix64 (Steele, Lea, Flood 2014) with the
+// constants of Stafford's variant 13.
 static uint64_t mix_bits(uint64_t x)
 {
     x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -26,8 +26,8 @@ static uint64_t hash_corner(const uint32_t corner[3])
     return mix_bits(mix_bits((uint64_t)corner[0] << 32 | corner[1]) + corner[2]);
 }
 
-// Returns the vertex of a corner, and adds it if it is new. The table has more slots than there are
-// corners.
+// Returns the vertex of a corner, adding it if it is new. The table has more slots than there are
+// corners, so the search ends.
 static uint32_t find_or_add(struct corner_table *table, const uint32_t corner[3])
 {
     struct vertex_list *vertices = &table->vertices;
@@ -50,7 +50,7 @@ static bool create_table(struct arena *scratch, uint64_t corner_count, struct co
         return err_set(err, ERR_INPUT, "%llu corners, expected fewer than 4294967295",
                        (unsigned long long)corner_count);
     uint64_t slot_count = 16;
-    while (slot_count < 2 * corner_count) // at most half full, so that probe sequences stay short
+    while (slot_count < 2 * corner_count) // at most half full, so that probe sequences are short
         slot_count *= 2;
     *table = (struct corner_table){
         .slots = ARENA_NEW(scratch, uint32_t, slot_count),

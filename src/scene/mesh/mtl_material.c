@@ -117,7 +117,7 @@ void mtl_material_make(const struct mtl_statements *read, struct material *out)
             out->base_color[c] = given(read->specular[c], 1.0f);
     } else if (model == 4 || model == 6 || model == 7 || model == 9) {
         make_glass(read, out);
-        out->opacity = 1.0f; // here d is the amount of refraction
+        out->opacity = 1.0f; // for glass, d is not an opacity
     } else if (is_principled || (model == 2 && mean_of(read->specular) > 0.0f)) {
         make_principled(read, out);
     } else if (model == 3) {
@@ -143,8 +143,8 @@ static bool load_image(struct scene *scene, const struct mtl_material *wanted,
     return path && texture_image_load(scene, &source, index, err);
 }
 
-// Returns whether a bump map holds tangent-space normals, as many exporters write them, and not
-// heights: normals point outwards on average.
+// Returns whether a bump map contains tangent-space normals, as many exporters write them, rather
+// than heights: normals point outwards on average.
 static bool holds_normals(const struct texture_image *image)
 {
     return fabsf(image->mean[0] - 0.5f) < 0.2f && fabsf(image->mean[1] - 0.5f) < 0.2f &&
@@ -184,7 +184,8 @@ static bool use_map(enum mtl_map_kind kind, const struct mtl_map *map,
     }
 }
 
-// A black colour or a metallic of 0 would hide the map that scales it, so it becomes 1.
+// Sets a black colour or a zero metallic to 1 if a map scales it, because it would otherwise hide
+// the map.
 static void free_scaled(enum mtl_map_kind kind, struct material *material)
 {
     float *color = kind == MTL_MAP_DIFFUSE    ? material->base_color
@@ -211,7 +212,7 @@ static bool add_map(struct scene *scene, const struct mtl_material *wanted, enum
         return texture_image_missing(scene, &reason, &texture.image, err) &&
                material_add_texture(scene, material, &texture, err);
     }
-    // MTL's v points upwards: t = 1 - (scale v + offset).
+    // MTL's v points up: t = 1 - (scale v + offset).
     struct texture texture = {
         .image = image,
         .transform = {{map->scale[0], 0, map->offset[0]},

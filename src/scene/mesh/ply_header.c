@@ -79,8 +79,8 @@ static bool read_element(struct header_parser *parser, struct err *err)
     if (!text_integer(parser->text, "an element's name and count", &count, err))
         return false;
     if (count < 0)
-        return text_fail(parser->text, err, "element %s: a count of %lld", element->name,
-                         (long long)count);
+        return text_fail(parser->text, err, "element %s: a count of %lld, expected 0 or more",
+                         element->name, (long long)count);
     element->count = (uint64_t)count;
     if (parser->header->last_element)
         parser->header->last_element->next = element;
@@ -90,7 +90,7 @@ static bool read_element(struct header_parser *parser, struct err *err)
     if (strcmp(element->name, "vertex") != 0)
         return true;
     if (parser->header->vertices)
-        return text_fail(parser->text, err, "element vertex stands twice");
+        return text_fail(parser->text, err, "element vertex is declared twice");
     parser->header->vertices = element;
     return true;
 }
@@ -133,7 +133,7 @@ static enum ply_use find_use(const struct ply_element *element, struct text_span
     return USE_NONE;
 }
 
-// Reads "float" or "list uchar int".
+// Reads a property's type: "float" or "list uchar int".
 static bool read_property_type(struct header_parser *parser, struct ply_property *property,
                                struct err *err)
 {
@@ -162,7 +162,7 @@ static bool read_property(struct header_parser *parser, struct err *err)
     struct text_span name = text_word(parser->text);
     property->use = find_use(element, name, property->is_list);
     if (property->use != USE_NONE && element->uses & 1u << property->use)
-        return text_fail(parser->text, err, "%.*s stands twice in element %s", (int)name.size,
+        return text_fail(parser->text, err, "%.*s is declared twice in element %s", (int)name.size,
                          name.data, element->name);
     if (is_corner_list(property->use) && ply_type_is_float(property->type))
         return text_fail(parser->text, err, "%.*s: expected an integer type", (int)name.size,
@@ -179,7 +179,7 @@ static bool read_property(struct header_parser *parser, struct err *err)
     return true;
 }
 
-// Reads one line; sets *is_last at end_header.
+// Reads one line; sets *is_last at "end_header".
 static bool read_header_line(struct header_parser *parser, bool *is_last, struct err *err)
 {
     struct text_reader start = *parser->text;
@@ -196,7 +196,7 @@ static bool read_header_line(struct header_parser *parser, bool *is_last, struct
     return text_unexpected(&start, "a line of a PLY header", err);
 }
 
-// Checks what is only known after the whole header.
+// Checks conditions that depend on the whole header.
 static bool check_header(const struct ply_header *header, const char *path, struct err *err)
 {
     const uint32_t needed = 1u << USE_X | 1u << USE_Y | 1u << USE_Z;
@@ -220,7 +220,7 @@ bool ply_read_header(struct arena *arena, struct text_reader *text, struct ply_h
     struct text_reader start = *text;
     if (!text_equals(text_word(text), "ply"))
         return text_unexpected(&start, "'ply', the first line of a PLY file", err);
-    // If lines end with CR alone, an LF after the header is data.
+    // If lines end with CR alone, an LF after the header belongs to the data.
     bool has_bare_cr = text->at[0] == '\r' && text->at[1] != '\n';
     bool is_last = false;
     while (!is_last) {

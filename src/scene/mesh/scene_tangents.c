@@ -1,12 +1,11 @@
-// Finds the meshes of a scene that need tangents, and the texture coordinates along which they need
-// them.
+// Finds the meshes of a scene that need tangents, and the set of texture coordinates for them.
 #include "scene/mesh/tangents.h"
 
 #define NO_SET 2u            // no texture coordinates
-#define LOOKS_PER_POLL 65536 // materials between polls of whether to stop
+#define LOOKS_PER_POLL 65536 // materials between two polls for a stop
 
-// Returns the texture coordinates that tangents must follow: the normal map's, or else those of the
-// texture that rotates the anisotropy; NO_SET if the material needs no tangents.
+// Returns the set of texture coordinates that tangents must follow: the normal map's, else that of
+// the texture that rotates the anisotropy; NO_SET if the material needs no tangents.
 static uint32_t material_uv_set(const struct scene *scene, uint32_t index)
 {
     const struct material *material = &scene->materials[index];
@@ -22,7 +21,7 @@ static uint32_t material_uv_set(const struct scene *scene, uint32_t index)
     return set;
 }
 
-// Returns the texture coordinates of the first material of its triangles that needs tangents.
+// Returns the set of the first material among the instance's triangles that needs tangents.
 static uint32_t instance_uv_set(const struct scene *scene, const struct instance *instance)
 {
     const struct mesh *mesh = &scene->meshes[instance->mesh];

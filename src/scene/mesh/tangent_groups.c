@@ -1,6 +1,6 @@
 // Finds the corners that share a tangent, after Mikkelsen 2008 and the rules of his program:
-// corners of the same position, normal and texture coordinates whose triangles are connected by
-// edges at that vertex and mapped with the same orientation.
+// corners with the same position, normal and texture coordinates, whose triangles are connected by
+// edges at that vertex and have the same orientation of the texture.
 #include "scene/mesh/tangent_groups.h"
 
 #include "scene/core/affine.h"
@@ -10,7 +10,7 @@
 
 // --- triangles -----------------------------------------------------------------------------------
 
-// Writes the two edges from the triangle's first corner.
+// Computes the two edges from the triangle's first corner.
 static void triangle_edges(const struct tangent_work *work, uint32_t triangle, double edges[2][3])
 {
     double p[3][3];
@@ -43,7 +43,7 @@ bool tangent_directions(const struct tangent_work *work, uint32_t triangle, doub
     double edges[2][3], du[2], dv[2];
     for (int e = 0; e < 2; e++) {
         du[e] = (double)uv[e + 1][0] - (double)uv[0][0];
-        dv[e] = (double)uv[0][1] - (double)uv[e + 1][1]; // upwards
+        dv[e] = (double)uv[0][1] - (double)uv[e + 1][1]; // v points up
     }
     double area = du[0] * dv[1] - du[1] * dv[0];
     triangle_edges(work, triangle, edges);
@@ -88,8 +88,8 @@ static void clear_table(struct tangent_work *work)
         work->heads[i] = TANGENT_NONE;
 }
 
-// A bijection of 64 bits that mixes them well: the finaliser of SplitMix64 (Steele, Lea, Flood
-// 2014) with the constants of Stafford's variant 13.
+// Mixes bits by a bijection: the finaliser of SplitMix64 (Steele, Lea, Flood 2014) with the
+// constants of Stafford's variant 13.
 static uint64_t mix_bits(uint64_t x)
 {
     x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -123,8 +123,8 @@ static uint32_t *vertex_chain(const struct tangent_work *work, const struct vert
     return &work->heads[hash & work->mask];
 }
 
-// Returns whether the mesh has a normal for a vertex: then all corners that use the vertex are the
-// same.
+// Returns whether the mesh has a normal for a vertex. If so, all corners that use the vertex are
+// equal.
 static bool has_normal(const struct tangent_work *work, uint32_t vertex)
 {
     const float *normal = work->mesh->normals ? work->mesh->normals[vertex] : NULL;
@@ -139,8 +139,8 @@ static bool is_same_key(const struct vertex_key *a, const struct vertex_key *b)
     return true;
 }
 
-// Returns the first corner that is the same vertex. If that is `corner` itself, *chain is where to
-// insert it.
+// Returns the first corner that is equal to this one. If that is `corner` itself, *chain is where
+// to insert it.
 static uint32_t find_same(struct tangent_work *work, uint32_t corner, uint32_t **chain)
 {
     const struct vertex_key key = key_of(work, corner);
@@ -154,7 +154,8 @@ static uint32_t find_same(struct tangent_work *work, uint32_t corner, uint32_t *
     return corner;
 }
 
-// known: TANGENT_NONE for each of the mesh's vertices.
+// Finds the first equal corner of each corner. `known` must be TANGENT_NONE for each of the mesh's
+// vertices.
 static void weld_corners(struct tangent_work *work, uint32_t *known)
 {
     clear_table(work);
@@ -179,8 +180,8 @@ static uint32_t *edge_chain(const struct tangent_work *work, uint32_t from, uint
     return &work->heads[mix_bits((uint64_t)from << 32 | to) & work->mask];
 }
 
-// Two triangles are connected when they traverse the same edge in opposite directions. If more than
-// two meet at an edge, each is paired with the first that is unpaired.
+// Connects triangles that traverse the same edge in opposite directions. If more than two triangles
+// meet at an edge, each is paired with the first one that is not yet paired.
 static void connect_triangles(struct tangent_work *work)
 {
     clear_table(work);
@@ -210,7 +211,7 @@ static void connect_triangles(struct tangent_work *work)
 
 // --- groups --------------------------------------------------------------------------------------
 
-// Adds a corner to a group and pushes the triangles across its two edges; returns the new height of
+// Adds a corner to a group and pushes the triangles across its two edges. Returns the new height of
 // the stack.
 static uint32_t join(struct tangent_work *work, uint32_t corner, uint32_t group, uint32_t stacked)
 {
@@ -223,7 +224,7 @@ static uint32_t join(struct tangent_work *work, uint32_t corner, uint32_t group,
     return stacked;
 }
 
-// Returns whether the triangle has the orientation; a triangle without one takes it.
+// Returns whether the triangle has this orientation; a triangle without one takes it.
 static bool has_orientation(struct tangent_work *work, uint32_t triangle, bool is_mirrored)
 {
     uint8_t *flags = &work->flags[triangle];
@@ -233,7 +234,7 @@ static bool has_orientation(struct tangent_work *work, uint32_t triangle, bool i
 }
 
 // Adds all corners at one welded vertex that are reached from `start` over edges. Each neighbour
-// pushes a triangle at most twice, so the stack needs at most 2 * triangle_count + 2 places.
+// pushes a triangle at most twice, so the stack needs at most 2 * triangle_count + 2 entries.
 static void flood(struct tangent_work *work, uint32_t start, uint32_t group)
 {
     uint32_t vertex = work->weld[start];
@@ -248,8 +249,8 @@ static void flood(struct tangent_work *work, uint32_t start, uint32_t group)
     }
 }
 
-// Gives a group to corners that flood() did not reach: that of the same vertex in another triangle,
-// or else a new one. lent: scratch memory of corner_count elements.
+// Assigns a group to each corner that flood() did not reach: that of the same vertex in another
+// triangle, or else a new one. `lent` is scratch memory for corner_count elements.
 static void group_the_rest(struct tangent_work *work, uint32_t *lent)
 {
     for (uint32_t c = 0; c < work->corner_count; c++)
@@ -278,7 +279,7 @@ static void group_corners(struct tangent_work *work)
     group_the_rest(work, work->next); // the chains are no longer needed
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- the whole computation -----------------------------------------------------------------------
 
 static bool allocate(struct tangent_work *work)
 {

@@ -1,6 +1,6 @@
-// Tangents after Mikkelsen 2008: the tangent of a group of corners is the mean of its triangles'
-// directions of growing u, projected onto the plane of the normal and weighted by the angle at the
-// corner.
+// Computes tangents after Mikkelsen 2008: the tangent of a group of corners is the mean of its
+// triangles' directions of increasing u, projected onto the plane of the normal and weighted by the
+// angle at the corner.
 #include "scene/mesh/tangents.h"
 
 #include "scene/core/affine.h"
@@ -11,7 +11,7 @@
 
 // --- directions ----------------------------------------------------------------------------------
 
-// Replaces v by its part in the plane of the unit normal, normalized. Returns false if that is
+// Replaces v by its component in the plane of the unit normal, normalized. Returns false if that is
 // zero.
 static bool project(const double normal[3], double v[3])
 {
@@ -36,14 +36,14 @@ static double corner_angle(const struct tangent_work *work, uint32_t corner, con
     return acos(fmin(fmax(vec3_dot(edges[0], edges[1]), -1), 1));
 }
 
-// The tangent direction of a group.
+// The sum of directions in a group.
 struct direction {
-    double sum[3]; // sum of the directions of growing u, weighted by angle
+    double sum[3]; // sum of the directions of increasing u, weighted by angle
     bool is_mirrored;
 };
 
-// Computes the directions of growing u and v at a corner, in the plane of its normal. Returns false
-// if the triangle has none.
+// Computes the directions of increasing u and v at a corner, in the plane of its normal. Returns
+// false if the triangle has none.
 static bool corner_directions(const struct tangent_work *work, uint32_t corner, double along_u[3],
                               double along_v[3], bool *is_mirrored)
 {
@@ -70,8 +70,8 @@ static void add_corner(const struct tangent_work *work, uint32_t corner, const d
 // --- opposite directions -------------------------------------------------------------------------
 
 // In Mikkelsen's program the mean at a corner omits triangles that are mapped in the opposite
-// direction: those whose cosine with its own direction, in single precision, is -1. They meet at
-// poles of spheres that have one vertex there.
+// direction, that is, whose direction has a cosine of -1, in single precision, with the corner's
+// own. Such triangles meet at poles of spheres that have one vertex there.
 
 static bool is_opposite(const double a[3], const double b[3])
 {
@@ -81,10 +81,10 @@ static bool is_opposite(const double a[3], const double b[3])
     return dot <= -1.0f;
 }
 
-// The corners sorted by group.
+// The corners, sorted by group.
 struct members {
     uint32_t *corners;
-    uint32_t *first; // for each group, and one more
+    uint32_t *first; // start of each group, and the end of the last
 };
 
 static bool list_members(struct tangent_work *work, struct members *members)
@@ -93,8 +93,8 @@ static bool list_members(struct tangent_work *work, struct members *members)
     members->first = ARENA_NEW(&work->arena, uint32_t, (size_t)work->group_count + 2);
     if (!members->corners || !members->first)
         return false;
-    // A counting sort: the counts are stored two places further and shifted by one while filling
-    // in.
+    // Sorts by counting: the counts are stored two places further and are shifted by one while
+    // filling in.
     for (uint32_t c = 0; c < work->corner_count; c++)
         members->first[work->group[c] + 2]++;
     for (uint32_t g = 1; g <= work->group_count; g++)
@@ -104,7 +104,7 @@ static bool list_members(struct tangent_work *work, struct members *members)
     return true;
 }
 
-// Computes the sum at corner `own` of a group; returns false when nothing is omitted from it.
+// Computes the sum for corner `own` of a group. Returns false when nothing is omitted from it.
 static bool sum_without_opposites(const struct tangent_work *work, uint32_t own,
                                   const uint32_t *corners, uint32_t count, struct direction *out)
 {
@@ -123,7 +123,8 @@ static bool sum_without_opposites(const struct tangent_work *work, uint32_t own,
     return !is_complete;
 }
 
-// Above this number of triangles at a vertex, whose pairs would take seconds, nothing is omitted.
+// The maximum number of triangles at a vertex whose pairs are compared; for more of them, which
+// would take seconds, nothing is omitted.
 #define MOST_COMPARED 4096
 
 static bool is_same_sum(const struct direction *a, const struct direction *b)
@@ -131,8 +132,8 @@ static bool is_same_sum(const struct direction *a, const struct direction *b)
     return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1] && a->sum[2] == b->sum[2];
 }
 
-// Moves the corners of one group that omit others into new groups, one for each distinct sum.
-// directions: of all groups so far, with room for one more for each corner.
+// Moves the corners of one group that omit others to new groups, one for each distinct sum.
+// `directions` are those of all groups so far, with room for one more for each corner.
 static void divide_group(struct tangent_work *work, const uint32_t *corners, uint32_t count,
                          struct direction *directions)
 {
@@ -151,8 +152,8 @@ static void divide_group(struct tangent_work *work, const uint32_t *corners, uin
     }
 }
 
-// Sums up a group. Returns whether some of its corners may be opposite: two directions that both
-// lie on the side of a third one, the first corner's, are not.
+// Sums the directions of a group. Returns whether some of its corners may be opposite; two
+// directions that both lie on the side of the first corner's are not.
 static bool sum_group(const struct tangent_work *work, const uint32_t *corners, uint32_t count,
                       struct direction *out)
 {
@@ -172,8 +173,8 @@ static bool sum_group(const struct tangent_work *work, const uint32_t *corners, 
     return is_wide;
 }
 
-// Computes the directions of all groups, after corners with opposites were moved to new groups;
-// NULL when out of memory.
+// Computes the directions of all groups, after moving corners with opposites to new groups; NULL
+// when out of memory.
 static struct direction *sum_directions(struct tangent_work *work)
 {
     struct members members;
@@ -190,7 +191,7 @@ static struct direction *sum_directions(struct tangent_work *work)
     }
     if (wide_corners == 0 || work->is_stopped)
         return directions;
-    // One more element, for a sum that is compared before it is kept.
+    // One additional element, for a sum that is compared before it is kept.
     struct direction *all =
         ARENA_NEW(&work->arena, struct direction, (size_t)groups + wide_corners + 1);
     if (!all)
@@ -205,8 +206,8 @@ static struct direction *sum_directions(struct tangent_work *work)
 
 // --- tangents ------------------------------------------------------------------------------------
 
-// If no direction of growing u is known, any direction in the plane of the normal will do: along
-// the axis that is farthest from the normal.
+// Chooses a tangent if no direction of increasing u is known: in the plane of the normal, along the
+// axis that is farthest from the normal.
 static void any_tangent(const double normal[3], double out[3])
 {
     int axis = 0;
@@ -240,7 +241,7 @@ struct split {
     uint32_t *source, *corner; // for each new vertex: the old one, and a corner that uses it
     uint32_t *next;            // for each new vertex: another new one of the same old vertex
     uint32_t *first;           // for each old vertex: a new one, or TANGENT_NONE
-    uint32_t *new_vertex;      // for each corner
+    uint32_t *new_vertex;      // for each corner: its new vertex
 };
 
 static bool split_vertices(struct tangent_work *work, struct split *split)
@@ -306,7 +307,7 @@ static bool rebuild(const struct split *split, struct arena *arena, struct mesh 
     return true;
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- the whole computation -----------------------------------------------------------------------
 
 // Returns whether the new vertices are the old ones in another order.
 static bool keeps_vertices(const struct tangent_work *work, const struct split *split)
@@ -338,15 +339,16 @@ static bool generate(struct tangent_work *work, struct arena *arena, struct mesh
     return is_kept || rebuild(&split, arena, mesh);
 }
 
-// Every corner has a number below TANGENT_NONE.
+// The maximum number of triangles: every corner must have a number below TANGENT_NONE.
 #define MOST_TRIANGLES (UINT32_MAX / 3)
 
 bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, const struct progress *progress,
                             struct arena *arena, struct err *err)
 {
     if (mesh->triangle_count > MOST_TRIANGLES)
-        return err_set(err, ERR_INPUT, "mesh \"%s\": %u triangles to make tangents for; at most %u",
-                       mesh->name, mesh->triangle_count, MOST_TRIANGLES);
+        return err_set(err, ERR_INPUT,
+                       "mesh \"%s\": %u triangles need tangents; expected at most %u", mesh->name,
+                       mesh->triangle_count, MOST_TRIANGLES);
     struct tangent_work work = {
         .mesh = mesh,
         .uvs = (const float(*)[2])mesh->uvs[uv_set],
@@ -355,7 +357,7 @@ bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, const struct pro
     };
     bool ok = generate(&work, arena, mesh);
     if (!ok && work.is_stopped)
-        err_set(err, ERR_STOPPED, "stopped while making tangents");
+        err_set(err, ERR_STOPPED, "stopped while computing tangents");
     else if (!ok)
         err_memory(err, "tangents", mesh->triangle_count * UINT64_C(200));
     arena_finish(&work.arena);

@@ -1,5 +1,5 @@
-// Bounds of distance fields: boxes of sublevel sets from the leaves to the root, domains from the
-// root to the leaves, and the factors that follow from these.
+// Bounds of distance fields: boxes of sublevel sets, computed from the leaves to the root; domains,
+// computed from the root to the leaves; and the factors that depend on these.
 #include "scene/sdf/sdf.h"
 
 #include "scene/core/affine.h"
@@ -14,7 +14,7 @@ static struct bounds box_of_halves(double x, double y, double z, double level)
     return (struct bounds){{-x - level, -y - level, -z - level}, {x + level, y + level, z + level}};
 }
 
-// Like affine_box(), for infinite boxes too: a factor that is 0 up to rounding counts as 0.
+// As affine_box(), but also for infinite boxes: a factor that is 0 up to rounding counts as 0.
 static struct bounds move_box(const double m[3][4], double scale, const struct bounds *box)
 {
     struct bounds out;
@@ -48,7 +48,8 @@ static struct bounds intersect(const struct bounds *a, const struct bounds *b)
 
 // --- boxes of shapes -----------------------------------------------------------------------------
 
-// The distance is exact: the sublevel set is the solid and all points within `level` of it.
+// Returns the box of a capsule's sublevel set. The distance is exact, so the set consists of the
+// solid and all points within `level` of it.
 static struct bounds capsule_box(const struct sdf_node *n, double level)
 {
     struct bounds box = BOUNDS_EMPTY;
@@ -69,7 +70,8 @@ static struct bounds solid_angle_box(const struct sdf_node *n, double level)
     return box;
 }
 
-// The half-space below the height along the normal: it is bounded only if the normal is an axis.
+// Returns the box of the half-space below the height along the normal, which is only bounded if the
+// normal is an axis.
 static struct bounds plane_box(const struct sdf_node *n, double level)
 {
     struct bounds box = EVERYWHERE;
@@ -84,7 +86,8 @@ static struct bounds plane_box(const struct sdf_node *n, double level)
     return box;
 }
 
-// The set is within the radii of the balls, and within `level` of one of them.
+// Returns the box of metaballs: the set is within the radii of the balls, and within `level` of one
+// of them.
 static struct bounds metaballs_box(const struct sdf_node *n, double level)
 {
     struct bounds box = BOUNDS_EMPTY;
@@ -96,8 +99,8 @@ static struct bounds metaballs_box(const struct sdf_node *n, double level)
     return box;
 }
 
-// Points of the set have not escaped after the iterations. As |z'| >= |z|^power - |c|, points
-// beyond this radius have.
+// Returns a radius that contains the set. Points of the set have not escaped after the iterations;
+// because |z'| >= |z|^power - |c|, points beyond this radius have.
 static double mandelbulb_radius(const struct sdf_node *n)
 {
     double low = 1, high = n->a[2];
@@ -144,8 +147,8 @@ static struct bounds shape_box(const struct sdf_node *n, double level)
         radius = a[0] + sqrt(3) * level;
         return box_of_halves(radius, radius, radius, 0);
     case SDF_MANDELBULB:
-        // Its value is less than the distance by an unknown amount, so the sets at levels above 0
-        // are not bounded.
+        // The value is less than the distance by an unknown amount, so sets at levels above 0 are
+        // not bounded.
         if (level > 0)
             return EVERYWHERE;
         radius = mandelbulb_radius(n);
@@ -312,7 +315,7 @@ static bool own_symmetry(const struct sdf_node *n, int axis)
         return sdf_is_symmetric(n->children, axis);
     case SDF_MIRROR:
         return n->a[axis] != 0 || sdf_is_symmetric(n->children, axis);
-    default: // gyroid, packing, pyramid, twist: not known to be symmetric
+    default: // gyroid, packing, pyramid and twist: not known to be symmetric
         return false;
     }
 }
@@ -332,8 +335,9 @@ bool sdf_is_symmetric(const struct sdf_node *node, int axis)
 
 // --- domains -------------------------------------------------------------------------------------
 
-// Returns the greatest singular value of the map: its Jacobian is a rotation times a shear by a =
-// |radians per metre| times the distance from the axis, and s - 1 / s = a.
+// Returns the greatest singular value of the twist's map. Its Jacobian is a rotation times a shear
+// by a = |radians per metre| times the distance from the axis, and a singular value s satisfies s -
+// 1 / s = a.
 static double twist_stretch(const struct sdf_node *n, const struct bounds *domain)
 {
     double x = fmax(fabs(domain->min[0]), fabs(domain->max[0]));
@@ -382,8 +386,8 @@ static struct bounds child_domain(const struct sdf_node *n, const struct bounds 
 
 struct spread_state {
     struct sdf_spread *out;
-    double scale;   // metres of the root in one metre here
-    double stretch; // factor of the gradient by twists, relative to the root
+    double scale;   // metres of the root per metre in this space
+    double stretch; // factor by which twists increase the gradient, relative to the root
 };
 
 static void add_magnitude(const struct bounds *domain, double scale, double *magnitude)
@@ -392,7 +396,8 @@ static void add_magnitude(const struct bounds *domain, double scale, double *mag
         *magnitude = fmax(*magnitude, scale * fmax(fabs(domain->min[i]), fabs(domain->max[i])));
 }
 
-// Lengths of shapes that the box cuts may be larger than the box.
+// Adds the lengths of a shape to the maximum coordinate, because lengths of a shape that the box
+// cuts may be larger than the box.
 static void add_lengths(const struct sdf_node *n, double scale, double *magnitude)
 {
     for (int i = 0; i < 3 && n->op <= SDF_PLANE; i++)

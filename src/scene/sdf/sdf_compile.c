@@ -1,19 +1,19 @@
-// Compiles a tree to a program: transforms, stacks, factors and the box.
+// Compiles a tree to a program: transforms, stacks, factors and the bounding box.
 #include "scene/sdf/sdf.h"
 
 #include "scene/core/affine.h"
 #include <math.h>
 #include <string.h>
 
-// The box is enlarged by this fraction so that a rounded coordinate of it is outside of the solid:
-// it is far above the roundings of single precision and far below what is visible.
+// The box is enlarged by this fraction, so that its rounded faces are outside the solid. It is far
+// above the rounding errors of single precision, and far below what is visible.
 #define BOX_MARGIN 1e-5
 #define SPREAD_ROUNDS 16
 
 struct program {
     struct gpu_sdf_instruction code[SDF_CODE_MAX];
     uint32_t count;
-    uint32_t points, distances; // height of the stacks
+    uint32_t points, distances; // heights of the stacks
     struct err *err;
 };
 
@@ -148,8 +148,9 @@ static bool emit_copies(struct program *p, const struct sdf_node *n, const int64
     return true;
 }
 
-// Folding space only evaluates the copy in the point's cell, which is the nearest one if the child
-// is symmetric along the axis. Along other axes the copies are written out.
+// Emits a repetition. Folding space only evaluates the copy in the point's cell, which is the
+// nearest copy if the child is symmetric along the axis. Along other axes the copies are written
+// out.
 static bool emit_repeat(struct program *p, const struct sdf_node *n)
 {
     int64_t copies[3] = {1, 1, 1}, total = 1;
@@ -229,14 +230,14 @@ static bool emit(struct program *p, const struct sdf_node *n)
     return add_transform(p, n, n->to_parent, n->scale) && emit_own(p, n) && add_restore(p, n);
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- the whole program ---------------------------------------------------------------------------
 
 static bool is_endless(const struct bounds *box, int axis)
 {
     return !(box->min[axis] >= -SCENE_COORDINATE_MAX && box->max[axis] <= SCENE_COORDINATE_MAX);
 }
 
-// Computes the solid's box with a margin, within the clip.
+// Computes the solid's box with a margin, clipped to `clip`.
 static bool find_box(const struct sdf_node *root, const struct bounds *clip, struct bounds *box,
                      struct err *err)
 {
@@ -267,9 +268,9 @@ static bool find_box(const struct sdf_node *root, const struct bounds *clip, str
     return true;
 }
 
-// The boxes depend on the stretch of twists if their contents are rounded or joined smoothly, and
-// the stretch depends on the box. So this iterates: it starts without stretch and increases it
-// until it suffices.
+// Finds the box and the factors by iteration. The boxes depend on the stretch of twists if their
+// contents are rounded or joined smoothly, and the stretch depends on the box. The iteration starts
+// without stretch and increases it until it suffices.
 static bool settle(struct sdf_node *root, const struct bounds *clip, struct bounds *box,
                    struct sdf_spread *spread, struct err *err)
 {
@@ -298,7 +299,7 @@ bool sdf_compile(struct sdf_node *root, const struct bounds *clip, struct arena 
         p->err = err;
     ok = ok && emit(p, root);
     if (ok) {
-        // The point is not needed after the last instruction.
+        // The point need not be restored after the last instruction.
         while (p->count > 1 && p->code[p->count - 1].op == SDF_RESTORE)
             p->count--;
         *out = (struct sdf){

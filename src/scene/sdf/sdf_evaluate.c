@@ -23,7 +23,7 @@ static double clamp(double x, double low, double high)
     return fmin(fmax(x, low), high);
 }
 
-// Returns the distance to a corner in the first octant from the distances along the axes.
+// Returns the distance to a corner in the first octant, given the distances along the axes.
 static double outside_corner(const double q[3])
 {
     const double out[3] = {fmax(q[0], 0), fmax(q[1], 0), fmax(q[2], 0)};
@@ -107,7 +107,7 @@ static double gyroid(const double p[3], double k, double half, double bound)
     return fabs(sum) / (k * bound) - half;
 }
 
-// The balls follow the instruction: `words` are their centres and radii.
+// Evaluates metaballs. Their centres and radii follow the instruction, at `words`.
 static double metaballs(const double p[3], const struct operands *o,
                         const struct gpu_sdf_instruction *words, uint32_t count)
 {
@@ -132,8 +132,9 @@ static double mandelbulb(const double p[3], const struct operands *o)
     for (int i = 0; i < (int)o->a[1] && r <= o->a[2]; i++) {
         double polar = power * atan2(length2(z[0], z[2]), z[1]);
         double around = power * atan2(z[0], z[2]);
-        // Around the pole the map stretches by sin(n theta) / sin(theta), at most by n, where it
-        // stretches by 1 along the radius. Near the pole rounding would decide, so n is used there.
+        // Around the pole the map stretches by sin(n theta) / sin(theta), which is at most n, while
+        // it stretches by 1 along the radius. Near the pole rounding would decide, so n is used
+        // there.
         double across = length2(z[0], z[2]), stretch = power;
         if (64 * across > r)
             stretch = fmin(fmax(r * fabs(sin(polar)) / across, 1), power);
@@ -240,7 +241,7 @@ static double shape(uint32_t op, const struct operands *o, const double p[3],
 
 // --- operations ----------------------------------------------------------------------------------
 
-// The smaller of the two, and less than that where they differ by less than the width.
+// Returns the smaller of the two values, or less than that if they differ by less than the width.
 static double smooth_min(double x, double y, double width)
 {
     double h = width > 0 ? fmax(width - fabs(x - y), 0) / width : 0;
@@ -254,7 +255,7 @@ static double combine(uint32_t op, double x, double y, double width)
     return -smooth_min(-x, op == SDF_INTERSECTION ? -y : y, width);
 }
 
-// A point and the scale of distances in its space.
+// A point, and the scale of distances in its space.
 struct place {
     double p[3], s;
 };

@@ -5,7 +5,8 @@
 
 #include "scene/core/scene.h"
 
-// Returns the value of the program at a point of the field's own space, metres; negative inside.
+// Returns the value of the program, in metres, at a point of the field's own space; negative
+// inside.
 double sdf_evaluate(const struct sdf *sdf, const double point[3]);
 
 #endif

@@ -1,14 +1,15 @@
-// A bound of the gradient of the sum of metaballs, by branch and bound over the balls' boxes.
+// Computes a bound of the gradient of the sum of metaballs by branch and bound, over boxes around
+// the balls.
 #include "scene/sdf/sdf.h"
 
 #include "scene/core/affine.h"
 #include <math.h>
 
-#define TOLERANCE 0.03     // relative, of the bound
-#define CELLS_MOST 32768u  // cells at a time
-#define WORK_MOST 30000000 // evaluations of balls
+#define TOLERANCE 0.03     // relative to the bound
+#define CELLS_MOST 32768u  // maximum number of cells at a time
+#define WORK_MOST 30000000 // maximum number of evaluations of balls
 
-// The slope of (1 - q^2)^3, q = d / R, in units of 1 / R; it is greatest at q = 1 / sqrt(5).
+// The slope of (1 - q^2)^3, q = d / R, in units of 1 / R. It is greatest at q = 1 / sqrt(5).
 static double slope(double q)
 {
     double inside = q < 1 ? 1 - q * q : 0;
@@ -16,9 +17,9 @@ static double slope(double q)
 }
 #define STEEPEST 0.4472135954999579
 
-// Returns the maximum of its second derivatives, in units of 1 / R^2, for q in an interval: 6 (1 -
-// q^2)^2 across the radius and 6 (1 - q^2) (5 q^2 - 1) along it, which peaks at q^2 = 3 / 5. (Where
-// the latter is negative, the former is no less.)
+// Returns the maximum second derivative, in units of 1 / R^2, for q in an interval: 6 (1 - q^2)^2
+// across the radius and 6 (1 - q^2) (5 q^2 - 1) along it, which peaks at q^2 = 3 / 5. (Where the
+// latter is negative, the former is no less.)
 static double curvature(double nearest, double farthest)
 {
     double u = nearest * nearest, v = fmin(farthest * farthest, 1);
@@ -39,7 +40,7 @@ struct search {
 };
 
 // Computes the gradient at the centre, and a bound of its length in the cell: the lesser of the sum
-// of the balls' slopes, and of the length at the centre plus the greatest change within the cell.
+// of the balls' slopes, and the length at the centre plus the greatest change within the cell.
 static double bound_of_cell(struct search *s, const struct cell *cell)
 {
     double gradient[3] = {0}, sum = 0, change = 0, radius = vec3_length(cell->half);
@@ -63,7 +64,7 @@ static double bound_of_cell(struct search *s, const struct cell *cell)
     return fmin(sum, here + change);
 }
 
-// Halves a cell across its longest edge; returns how many of the halves can exceed the maximum so
+// Halves a cell across its longest edge. Returns how many of the halves can exceed the maximum so
 // far.
 static uint32_t halve(struct search *s, const struct cell *cell, struct cell *out)
 {
@@ -81,7 +82,7 @@ static uint32_t halve(struct search *s, const struct cell *cell, struct cell *ou
     return count;
 }
 
-// Refines one more level; returns false if memory or the work limit is exceeded.
+// Halves all cells once. Returns false if memory or the work limit is exceeded.
 static bool refine(struct search *s, struct cell *cells, struct cell *next, uint32_t *count)
 {
     uint32_t kept = 0;
@@ -106,7 +107,7 @@ double sdf_metaballs_gradient(const double (*balls)[4], uint32_t count)
         all += slope(STEEPEST) / balls[k][3];
     for (int i = 0; i < 2; i++)
         cells[i] = ARENA_NEW(&scratch, struct cell, CELLS_MOST);
-    // The gradient is zero outside of the balls, and each ball is inside of its cube.
+    // The gradient is zero outside the balls, and each ball is inside its cube.
     for (uint32_t k = 0; k < count && cells[0] && cells[1]; k++) {
         const double *b = balls[k];
         uint32_t left = 1, from = 0;

@@ -11,14 +11,14 @@ enum { TYPE_C = 1, TYPE_B, TYPE_A };
 struct ies_parser {
     struct arena *arena;
     struct text_reader text;
-    uint32_t vertical_count, horizontal_count; // as the file gives them
+    uint32_t vertical_count, horizontal_count; // as given by the file
     float *vertical, *horizontal, *candela;
     double factor; // factor on the candela values
 };
 
 // --- numbers ------------------------------------------------------------------------------------
 
-// After the line TILT, commas separate numbers as blanks do.
+// Reads a number. After the line TILT, commas separate numbers as blanks do.
 static bool take_number(struct ies_parser *p, const char *what, double min, double max, double *out,
                         struct err *err)
 {
@@ -60,8 +60,8 @@ static bool skip_numbers(struct ies_parser *p, const char *what, uint32_t count,
 
 // --- the parts of a file ------------------------------------------------------------------------
 
-// Skips keywords up to the line TILT=. The values of TILT=INCLUDE, the factors by the lamp's
-// position, are read and ignored.
+// Skips keywords up to the line TILT=. The values of TILT=INCLUDE, which are factors for positions
+// of the lamp, are read and ignored.
 static bool read_tilt(struct ies_parser *p, struct err *err)
 {
     for (;; text_next_line(&p->text)) {
@@ -149,7 +149,7 @@ static bool read_candela(struct ies_parser *p, struct err *err)
 
 // --- symmetry -----------------------------------------------------------------------------------
 
-// Appends the plane at `angle`, a copy of the file's plane.
+// Appends a plane at `angle`, a copy of plane `plane` of the file.
 static void add_plane(const struct ies_parser *p, struct light_profile *out, double angle,
                       uint32_t plane)
 {
@@ -168,7 +168,7 @@ static void mirror_about(const struct ies_parser *p, struct light_profile *out, 
     }
 }
 
-// Completes a profile from a quarter, which is mirrored twice.
+// Completes a profile given for a quarter circle, which is mirrored twice.
 static void add_quarter(const struct ies_parser *p, struct light_profile *out)
 {
     mirror_about(p, out, 90);
@@ -177,8 +177,7 @@ static void add_quarter(const struct ies_parser *p, struct light_profile *out)
     mirror_about(p, out, 180);
 }
 
-// Completes a profile from the half between 90 and 270 degrees, which is mirrored about the 90-270
-// plane.
+// Completes a profile given from 90 to 270 degrees, which is mirrored about the 90-270 plane.
 static void add_side_half(const struct ies_parser *p, struct light_profile *out)
 {
     uint32_t count = p->horizontal_count;
@@ -227,7 +226,8 @@ static bool expand(struct ies_parser *p, struct light_profile *out, struct err *
         else if (count > 1 && last == 180)
             mirror_about(p, out, 180);
     }
-    // If the first plane is not repeated at the end or halfway around, append it at 360 degrees.
+    // If the first plane is not repeated at the end or halfway around, it is appended at 360
+    // degrees.
     uint32_t n = out->horizontal_count;
     if (n > 1 && out->horizontal[n - 1] < 360) {
         memcpy(&out->relative[(size_t)n * p->vertical_count], out->relative,
@@ -239,7 +239,7 @@ static bool expand(struct ies_parser *p, struct light_profile *out, struct err *
 
 // --- values -------------------------------------------------------------------------------------
 
-// Returns the integral over the sphere of the profile, which is bilinear in the angles; exact.
+// Returns the exact integral of the profile, which is bilinear in the angles, over the sphere.
 static double solid_angle(const struct light_profile *p)
 {
     double sum = 0;

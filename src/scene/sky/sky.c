@@ -11,7 +11,7 @@
 
 #define LUMENS_A_WATT 683.0
 
-// Conversion from CIE 1931 XYZ: the inverse of the matrix of BT.709's primaries and white, D65.
+// Converts from CIE 1931 XYZ, by the inverse of the matrix of BT.709's primaries and white, D65.
 static void rgb_from_xyz(const double xyz[3], double rgb[3])
 {
     static const double matrix[3][3] = {
@@ -25,7 +25,7 @@ static void rgb_from_xyz(const double xyz[3], double rgb[3])
 
 // --- the sky -------------------------------------------------------------------------------------
 
-// Appendix A.2: coefficients A to E of Y, x and y are linear in the turbidity.
+// The coefficients A to E of Y, x and y, which are linear in the turbidity (appendix A.2).
 static const double perez_slope[3][5] = {
     {0.1787, -0.3554, -0.0227, 0.1206, -0.0670},
     {-0.0193, -0.0665, -0.0004, -0.0641, -0.0033},
@@ -36,8 +36,8 @@ static const double perez_offset[3][5] = {
     {-0.2592, 0.0008, 0.2125, -0.8989, 0.0452},
     {-0.2608, 0.0092, 0.2102, -1.6537, 0.0529},
 };
-// The zenith's x and y likewise: rows by powers 2, 1, 0 of the turbidity, columns by powers 3, 2,
-// 1, 0 of the sun's angle from the zenith.
+// The zenith's x and y (appendix A.2): rows by powers 2, 1, 0 of the turbidity, columns by powers
+// 3, 2, 1, 0 of the sun's angle from the zenith.
 static const double zenith_xy[2][3][4] = {
     {{0.00166, -0.00375, 0.00209, 0.0},
      {-0.02903, 0.06377, -0.03202, 0.00394},
@@ -57,8 +57,8 @@ static double zenith_chromaticity(const double rows[3][4], double turbidity, dou
     return value;
 }
 
-// The two factors of Perez's distribution, equation 3: one depends on the cosine of the angle from
-// the zenith, the other on gamma, the angle from the sun.
+// The two factors of Perez's distribution (equation 3). This one depends on the cosine of the angle
+// from the zenith, the other on gamma, the angle from the sun.
 static double perez_height(const double k[5], double cosine)
 {
     return 1 + k[0] * exp(k[1] / cosine);
@@ -119,7 +119,7 @@ void sky_radiance(const struct sky_model *model, const double direction[3], doub
 
 // --- the sun -------------------------------------------------------------------------------------
 
-// CIE 1931 colour-matching functions, by Wyman, Sloan and Shirley 2013, "Simple Analytic
+// CIE 1931 colour-matching functions: Wyman, Sloan and Shirley 2013, "Simple Analytic
 // Approximations to the CIE XYZ Color Matching Functions", equation 4 and listing 1.
 static double lobe(double nm, double peak, double center, double below, double above)
 {
@@ -135,9 +135,9 @@ static void color_matching(double nm, double xyz[3])
     xyz[2] = lobe(nm, 1.217, 437.0, 11.8, 36.0) + lobe(nm, 0.681, 459.0, 26.0, 13.8);
 }
 
-// Returns the spectral irradiance outside of the atmosphere, W/(m^2 nm): a black body of the sun's
-// effective temperature (IAU 2015 Resolution B3) in its mean solid angle, that of a disc of 0.5331
-// degrees.
+// Returns the spectral irradiance outside the atmosphere, W/(m^2 nm): that of a black body of the
+// sun's effective temperature (IAU 2015 Resolution B3) in the sun's mean solid angle, a disc of
+// 0.5331 degrees.
 static double sun_spectrum(double nm)
 {
     const double h = 6.62607015e-34, c = 2.99792458e8, k = 1.380649e-23, kelvin = 5772;
@@ -148,7 +148,7 @@ static double sun_spectrum(double nm)
     return radiance * 1e-9 * M_PI * sine * sine;
 }
 
-// Returns the transmittance of the atmosphere, appendix A.1: scattering by air and by haze. In
+// Returns the transmittance of the atmosphere for scattering by air and haze (appendix A.1). In
 // these equations the exponents apply to the wavelength alone, as in Iqbal 1983: the air mass is a
 // factor.
 static double transmittance(double nm, double turbidity, double mass)
@@ -244,8 +244,7 @@ bool sky_parse(const char *text, struct sky *out, struct err *err)
 struct bake {
     struct sky_model model;
     struct environment *environment;
-    double around[SKY_WIDTH][2][2]; // cosine and sine of the azimuths of the quadrature points of
-                                    // each column
+    double around[SKY_WIDTH][2][2]; // cosine and sine of azimuths of quadrature points
     atomic_uint clipped;
 };
 
@@ -310,7 +309,8 @@ static bool bake_sky(const struct sky *sky, struct environment *environment, uns
     return true;
 }
 
-// Sets the texels below the horizon: diffuse ground reflects the irradiance of the sky and the sun.
+// Sets the texels below the horizon, where diffuse ground reflects the irradiance of the sky and
+// the sun.
 static void bake_ground(const struct sky *sky, struct environment *environment)
 {
     double irradiance[3] = {0, 0, 0}, sun[3];
@@ -337,7 +337,7 @@ static bool check_sky(const struct sky *sky, struct err *err)
     if (!(sky->sun_direction[1] >= 0))
         return err_set(err, ERR_INPUT,
                        "the sun is below the horizon (y of its direction is %.9g): the model is "
-                       "for the day",
+                       "for daylight",
                        sky->sun_direction[1]);
     return true;
 }

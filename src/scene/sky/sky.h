@@ -1,9 +1,9 @@
 // A clear sky and its sun, by the closed formulas of Preetham, Shirley and Smits 1999, "A Practical
 // Analytic Model for Daylight". +Y is up.
 //
-// The formulas give luminances, in thousands of cd/m^2. Here a radiance of luminance Y (BT.709's
-// weights of red, green and blue) stands for 683 Y cd/m^2, 683 lm/W being the luminous efficacy of
-// light of 540 THz (SI brochure, 9th edition, section 2.3.1).
+// The formulas give luminances, in thousands of cd/m^2. Here a radiance of luminance Y (by BT.709's
+// weights of red, green and blue) corresponds to 683 Y cd/m^2, where 683 lm/W is the luminous
+// efficacy of light of 540 THz (SI brochure, 9th edition, section 2.3.1).
 #ifndef LAMPYRIS_SCENE_SKY_SKY_H
 #define LAMPYRIS_SCENE_SKY_SKY_H
 
@@ -11,28 +11,28 @@
 
 #define SKY_TURBIDITY_MIN 2.0
 #define SKY_TURBIDITY_MAX 10.0
-// Size of the image to which the sky is baked. docs/lighting.md states its error.
+// The size of the image to which the sky is baked. docs/lighting.md states the resulting error.
 #define SKY_WIDTH 1024
 #define SKY_HEIGHT 512
 
 struct sky {
-    double turbidity;        // how hazy, from SKY_TURBIDITY_MIN (clear) to SKY_TURBIDITY_MAX
-    double sun_direction[3]; // unit, towards the sun; y >= 0
-    double ground_albedo[3]; // albedo of the ground below the horizon, 0 to 1
-    bool has_sun;            // the sun's disc is visible and a light; the sky is lit by it either
-                             // way
+    double turbidity;        // haziness, SKY_TURBIDITY_MIN (clear) to SKY_TURBIDITY_MAX
+    double sun_direction[3]; // unit vector towards the sun; y >= 0
+    double ground_albedo[3]; // of the ground below the horizon, 0 to 1
+    bool has_sun;            // the sun is visible and a light; the sky is lit by it either way
     double sun_diameter;     // diameter of the disc, radians
 };
 
-// Returns turbidity 3, the sun 45 degrees high over +X and 0.53 degrees wide, ground of albedo 0.2.
+// Returns a sky of turbidity 3, with the sun 45 degrees high above +X and 0.53 degrees wide, and
+// ground of albedo 0.2.
 struct sky sky_default(void);
 // Sets the sun's direction from its elevation above the horizon and its azimuth from +X towards +Z.
 void sky_place_sun(struct sky *sky, double elevation_degrees, double azimuth_degrees);
-// Parses "KEY=NUMBER,..." with keys turbidity, elevation, azimuth, albedo, diameter, sun (0 or 1).
-// Keys that are not given keep their default. ERR_USAGE.
+// Parses "KEY=NUMBER,..." with the keys turbidity, elevation, azimuth, albedo, diameter and sun (0
+// or 1). Keys that are not given keep their default. Fails with ERR_USAGE.
 bool sky_parse(const char *text, struct sky *out, struct err *err);
 
-// The coefficients of the formulas for a turbidity and a sun.
+// The coefficients of the formulas for one turbidity and one position of the sun.
 struct sky_model {
     double sun_direction[3];
     double zenith[3];   // Y, x, y at the zenith
@@ -40,15 +40,15 @@ struct sky_model {
     double scale[3];    // factors that turn the product of Perez's factors into Y, x and y
 };
 void sky_model_init(const struct sky *sky, struct sky_model *out);
-// Computes the radiance of a unit direction with y > 0. Components are negative for colours outside
-// of the gamut of Rec. 709.
+// Computes the radiance for a unit direction with y > 0. Components are negative for colours
+// outside the gamut of Rec. 709.
 void sky_radiance(const struct sky_model *model, const double direction[3], double rgb[3]);
-// Computes the irradiance of the sun on a surface that faces it, W/m^2.
+// Computes the irradiance of the sun on a surface facing it, in W/m^2.
 void sky_sun_irradiance(const struct sky *sky, double rgb[3]);
 
-// Replaces the scene's environment by the baked sky; its sun becomes a light with
-// scene_add_sky_sun(). Negative components of colours outside of the gamut of Rec. 709 become 0,
-// and a note counts these texels. ERR_INPUT for parameters out of range.
+// Replaces the scene's environment by the baked sky; scene_add_sky_sun() turns its sun into a
+// light. Negative components of colours outside the gamut of Rec. 709 become 0, and a note counts
+// these texels. Fails with ERR_INPUT for parameters out of range.
 bool scene_set_sky(struct scene *scene, const struct sky *sky, struct err *err);
 
 #endif

@@ -13,8 +13,8 @@
 // --- the lights ----------------------------------------------------------------------------------
 
 // A soft box: the direction of its centre from the model (azimuth from the camera to the right),
-// half its width and height as tangents, and its irradiance on a surface that faces it relative to
-// the key's.
+// half its width and height as tangents, and its irradiance on a surface facing it relative to that
+// of the key light.
 struct soft_box {
     double azimuth_degrees, elevation_degrees;
     double half_width, half_height;
@@ -33,12 +33,12 @@ static const struct soft_box boxes[] = {
 
 // The fraction of a box over which its light fades out on either side of its edge.
 #define BOX_SOFTNESS 0.35
-// Radiance of the background at the zenith relative to that at the horizon.
+// The radiance of the background at the zenith relative to that at the horizon.
 #define ZENITH_SHARE 0.5
-// Reflectance of the ground below the model, and far away.
+// The reflectance of the ground below the model, and far away.
 #define GROUND_NEAR 0.36
 #define GROUND_FAR 0.17
-// Radius of the ground's texture in radii of the model's bounding sphere.
+// The radius of the ground's texture in radii of the model's bounding sphere.
 #define GROUND_REACH 8.0
 
 #define STUDIO_WIDTH 512
@@ -47,7 +47,7 @@ static const struct soft_box boxes[] = {
 // Directions at the model: away from the camera's side, up, and towards the camera.
 struct studio {
     struct scene_axes axes;
-    double boxes[BOX_COUNT][3][3]; // unit vectors to the right, up and to the centre of each
+    double boxes[BOX_COUNT][3][3]; // for each box, unit vectors to the right, up and to its centre
     double radiance[BOX_COUNT];
     double horizon; // radiance of the background at the horizon
 };
@@ -75,8 +75,8 @@ static double box_profile(const struct studio *studio, size_t box, const double 
            box_edge(vec3_dot(direction, frame[1]) / ahead, boxes[box].half_height);
 }
 
-// Returns the radiance of the background relative to that at the horizon; below the horizon it is
-// that of the distant ground.
+// Returns the radiance of the background relative to that at the horizon; below the horizon it
+// equals that of the distant ground.
 static double background(double height)
 {
     return 1 - (1 - ZENITH_SHARE) * smoothstep(height);
@@ -99,8 +99,8 @@ static void aim_boxes(struct studio *studio)
     }
 }
 
-// Rotates the axes about the up axis so that the front faces the camera. A camera that looks
-// straight up or down leaves them unchanged.
+// Rotates the axes about the up axis so that the front faces the camera. Leaves them unchanged if
+// the camera looks straight up or down.
 static void face_camera(const struct scene *scene, struct scene_axes *axes)
 {
     double side[3], front[3];
@@ -123,7 +123,7 @@ struct texel {
     double direction[3], solid_angle;
 };
 
-// Returns the direction of the middle of a texel: the inverse of the mapping of environment.h.
+// Returns the direction of the centre of a texel: the inverse of the mapping of environment.h.
 static struct texel texel_at(const struct environment *environment, uint32_t row, uint32_t column)
 {
     double polar = M_PI * (row + 0.5) / environment->height;
@@ -134,8 +134,8 @@ static struct texel texel_at(const struct environment *environment, uint32_t row
     };
 }
 
-// Irradiance from the boxes at radiance 1, and from the background at horizon 1: of each box on a
-// surface that faces it, and of each on a horizontal surface.
+// Irradiances caused by each box at radiance 1, on a surface facing it and on a horizontal surface,
+// and by the background, at radiance 1 at the horizon, on a horizontal surface.
 struct received {
     double faced[BOX_COUNT], level[BOX_COUNT], background;
 };
@@ -159,7 +159,7 @@ static struct received receive(const struct studio *studio, const struct environ
     return sum;
 }
 
-// Sets the boxes by their relative irradiances, the background to the radiance of the distant
+// Sets the boxes by their relative irradiances and the background to the radiance of the distant
 // ground, and scales all so that a horizontal surface receives pi. The background's radiance h and
 // the irradiance E of the ground depend on each other: h = GROUND_FAR / pi E, E = E_boxes + h
 // E_background. With E = pi, h = GROUND_FAR and E_boxes = pi - GROUND_FAR E_background.
@@ -210,8 +210,8 @@ static bool add_light(struct scene *scene, const struct scene_axes *axes, struct
 
 #define GROUND_TEXELS 64
 
-// The reflectance decreases with the distance from the centre, from GROUND_NEAR to GROUND_FAR at
-// the edge of the image and beyond.
+// Makes the texture of the ground. Its reflectance decreases with the distance from the centre,
+// from GROUND_NEAR to GROUND_FAR at the edge of the image and beyond.
 static bool add_ground_image(struct scene *scene, uint32_t *index, struct err *err)
 {
     const size_t count = GROUND_TEXELS * GROUND_TEXELS;
@@ -262,9 +262,9 @@ static bool add_ground_material(struct scene *scene, double radius, uint32_t *in
            material_add_texture(scene, material, &texture, err);
 }
 
-// The ground is 2^-14 of the radius below the lowest point, so that a surface that lies flat on it
-// hides it: a coordinate of the size of the camera's distance, some four radii, has steps of 2^-22
-// of it. The gap is a tenth of a pixel in an image of 1000 lines.
+// Adds the ground 2^-14 of the radius below the lowest point, so that a surface that lies flat on
+// it hides it: a coordinate as large as the camera's distance, some four radii, has steps of 2^-22
+// of the radius. The gap is a tenth of a pixel in an image of 1000 lines.
 static bool add_ground(struct scene *scene, const struct scene_axes *axes, struct err *err)
 {
     const struct scene_part whole = scene_whole(scene);
@@ -352,7 +352,8 @@ static bool provide_studio(struct scene *scene, double emission, struct err *err
     return true;
 }
 
-// Cameras of the file must be above the ground: one below would see nothing else.
+// Returns whether to add a ground. Cameras of the file must be above it: one below would see
+// nothing else.
 static bool wants_ground(const struct scene *scene, enum scene_ground choice)
 {
     const struct scene_axes axes = scene_axes(scene->up);
@@ -390,7 +391,7 @@ bool scene_provide_light(struct scene *scene, const struct scene_load_params *pa
 
 // --- notes ---------------------------------------------------------------------------------------
 
-// The note goes first, because a summary may only have room for one.
+// Moves the last note to the front, because a summary may only have room for one.
 static void put_last_note_first(struct scene *scene)
 {
     const char *last = scene->notes[scene->note_count - 1];
@@ -417,8 +418,8 @@ bool scene_note_additions(struct scene *scene, struct err *err)
     return !(scene->weak_emission > 0) ||
            scene_note(
                scene,
-               "the file's own light is %.2g of the studio's; it counts from %g on, and would "
-               "keep the studio away",
+               "the file's own light is only %.2g of the studio's; from %g on, the studio would "
+               "not be added",
                scene->weak_emission, STUDIO_EMISSION_LEAST) ||
            err_memory(err, "a note", 0);
 }

@@ -13,7 +13,7 @@ const char *const surroundings_names[SURROUNDINGS_COUNT + 1] = {
 struct surroundings surroundings_default(void)
 {
     struct surroundings s;
-    memset(&s, 0, sizeof s); // clears padding, too: it is compared byte by byte
+    memset(&s, 0, sizeof s); // clears padding: it is compared byte by byte
     for (int c = 0; c < 3; c++)
         s.radiance[c] = 1.0f;
     s.turbidity = sky_default().turbidity;
@@ -110,7 +110,7 @@ bool scene_set_surroundings(struct scene *scene, const struct surroundings_origi
     struct scene before = *scene;
     struct light sun = {0};
     bool had_sun = scene->light_count > original->light_count;
-    // The array of lights stays in the scene's own arena: it grows by one element at most.
+    // The array of lights stays in the scene's own arena; it grows by one element at most.
     if (!had_sun && !scene_add_light(scene, NULL))
         return err_memory(err, "a sun", sizeof sun);
     before.lights = scene->lights;
@@ -123,7 +123,7 @@ bool scene_set_surroundings(struct scene *scene, const struct surroundings_origi
     bool ok = set(scene, original, to, err);
     *arena = scene->arena;
     scene->arena = own;
-    scene->notes = before.notes; // the text of new notes is in the other arena
+    scene->notes = before.notes; // the texts of new notes are in the other arena
     scene->note_count = before.note_count;
     scene->note_capacity = before.note_capacity;
     if (ok)
