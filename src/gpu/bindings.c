@@ -1,4 +1,4 @@
-// The buffers that are bound for kernels.
+// Creates the bindings of kernels: the buffers that they read and write.
 #include "gpu/gpu_internal.h"
 
 #include "base/memory.h"
@@ -15,8 +15,8 @@ static bool storage_range(const struct gpu *gpu, const struct gpu_binding *bindi
     if (binding->offset >= buffer->bytes || binding->bytes > buffer->bytes - binding->offset ||
         binding->offset % gpu->storage_alignment != 0)
         return err_set(err, ERR_BUG,
-                       "buffer %s: a range of %llu bytes at %llu, expected one inside its %llu "
-                       "bytes at a multiple of %llu",
+                       "buffer %s: a range of %llu bytes at offset %llu, expected a range inside "
+                       "its %llu bytes at a multiple of %llu",
                        buffer->name, (unsigned long long)binding->bytes,
                        (unsigned long long)binding->offset, (unsigned long long)buffer->bytes,
                        (unsigned long long)gpu->storage_alignment);
@@ -35,7 +35,9 @@ static bool texel_view(const struct gpu_buffer *buffer, const struct gpu_buffer 
                        VkBufferView *out, struct err *err)
 {
     if (buffer && !buffer->texel_view)
-        return err_set(err, ERR_BUG, "buffer %s: bound without a texel view", buffer->name);
+        return err_set(err, ERR_BUG,
+                       "buffer %s: it is bound as a texel buffer but has no texel view",
+                       buffer->name);
     *out = buffer ? buffer->texel_view : dummy->texel_view;
     return true;
 }
@@ -63,7 +65,8 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
                          struct err *err)
 {
     *out = (struct gpu_bindings){0};
-    // One texel is within every device's limits, and a view is needed even if it is not used.
+    // One texel is within every device's limit. The dummy needs a texel view because every binding
+    // must be valid, even one that no kernel uses.
     if (buffer_allocate(gpu, "dummy", 16, GPU_DEVICE, true, &out->dummy, err) &&
         buffer_zero(gpu, &out->dummy, err) &&
         gpu_bindings_write(gpu, storage, texel, uniform, out, err))

@@ -1,4 +1,4 @@
-// Buffers, each with its own memory.
+// Buffers. Each has a memory allocation of its own.
 #include "gpu/gpu_internal.h"
 
 #include "base/memory.h"
@@ -23,9 +23,10 @@ bool gpu_texel_fits(const struct gpu *gpu, uint64_t bytes)
            padded_bytes(bytes) / TEXEL_BYTES <= gpu->max_texel_elements;
 }
 
-// Finds the first type with all required flags and the most of the preferred ones: the
-// specification puts faster types first among equal ones. Types with other flags (protected, lazily
-// allocated, vendor-specific) need features that are not enabled. UINT32_MAX: none.
+// Returns the first memory type that has all required flags and the most preferred ones; among
+// equal types the specification lists faster ones first. Skips types with other flags (protected,
+// lazily allocated, vendor-specific), which need features that are not enabled. Returns UINT32_MAX
+// if there is none.
 static uint32_t memory_type_find(const struct gpu *gpu, uint32_t allowed_types,
                                  VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred,
                                  VkMemoryPropertyFlags *flags)
@@ -48,8 +49,8 @@ static uint32_t memory_type_find(const struct gpu *gpu, uint32_t allowed_types,
     return best;
 }
 
-// Host-visible memory of a discrete GPU is accessed over the bus: reads are slow and it may be
-// small, so only memory that is shared with the host is mapped.
+// Host-visible memory of a discrete GPU is accessed over the bus: reads are slow, and there may be
+// little of it. So only memory that the device shares with the host is mapped.
 static VkMemoryPropertyFlags preferred_flags(const struct gpu *gpu, enum gpu_memory memory)
 {
     if (memory == GPU_READBACK)
@@ -81,7 +82,7 @@ void memory_count(struct gpu *gpu, uint64_t bytes)
 
 static bool too_large(struct err *err)
 {
-    return err_set(err, ERR_GPU, "above the limit of one allocation");
+    return err_set(err, ERR_GPU, "the size is above the device's limit of one allocation");
 }
 
 bool memory_allocate(struct gpu *gpu, const VkMemoryRequirements *needs, enum gpu_memory memory,
@@ -93,7 +94,7 @@ bool memory_allocate(struct gpu *gpu, const VkMemoryRequirements *needs, enum gp
         memory_type_find(gpu, needs->memoryTypeBits, memory == GPU_READBACK ? HOST_FLAGS : 0,
                          preferred_flags(gpu, memory), flags);
     if (type == UINT32_MAX)
-        return err_set(err, ERR_GPU, "the device has no type of memory for it");
+        return err_set(err, ERR_GPU, "no memory type of the device has the required properties");
     VkResult result = memory_call(gpu, needs->size, type, out);
     return result == VK_SUCCESS || gpu_fail(gpu, "vkAllocateMemory", result, err);
 }
@@ -146,7 +147,7 @@ static void handles_destroy(struct gpu *gpu, struct gpu_buffer *buffer)
     if (!gpu->abandoned) {
         vkDestroyBufferView(gpu->device, buffer->texel_view, NULL);
         vkDestroyBuffer(gpu->device, buffer->handle, NULL);
-        vkFreeMemory(gpu->device, buffer->memory, NULL); // also unmaps
+        vkFreeMemory(gpu->device, buffer->memory, NULL); // unmaps the memory, too
     }
     *buffer = (struct gpu_buffer){0};
 }
@@ -155,7 +156,8 @@ bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu
                      bool texel, struct gpu_buffer *out, struct err *err)
 {
     *out = (struct gpu_buffer){.bytes = bytes ? bytes : TEXEL_BYTES, .name = name};
-    // Too large sizes are rejected before calling Vulkan, whose behaviour with them varies.
+    // Sizes above the limits are rejected here, because drivers differ in what Vulkan calls do with
+    // them.
     bool fits = out->bytes <= gpu->max_allocation && out->bytes <= UINT64_MAX - TEXEL_BYTES;
     if (!(fits || too_large(err)) || !handle_create(gpu, out, err) ||
         !memory_create(gpu, out, memory, err) || (texel && !texel_view_create(gpu, out, err))) {

@@ -66,7 +66,7 @@ void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands)
 {
     if (!commands)
         return;
-    gpu_wait(gpu, commands, NULL); // objects in use must not be destroyed
+    gpu_wait(gpu, commands, NULL); // the device may still use the objects that are destroyed below
     if (commands->pool && !gpu->abandoned) {
         vkDestroyQueryPool(gpu->device, commands->queries, NULL);
         vkDestroyFence(gpu->device, commands->fence, NULL);
@@ -83,7 +83,7 @@ bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
     };
-    if (!gpu->device) // the device could not be reopened
+    if (!gpu->device) // gpu_reopen() failed
         return gpu_fail(gpu, "recording", VK_ERROR_DEVICE_LOST, err);
     if (!gpu_wait(gpu, commands, err) ||
         !VK(gpu, err, vkResetCommandPool(gpu->device, commands->pool, 0)) ||
@@ -109,14 +109,14 @@ void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, struct gpu_binding
 void gpu_push(struct gpu *gpu, struct gpu_commands *commands, const void *data, uint32_t bytes)
 {
     assert(bytes <= GPU_PUSH_BYTES && bytes % 4 == 0);
-    // All layouts have the same push constants, so that setting them through one layout is valid
-    // for all kernels.
+    // All pipeline layouts declare the same push constants, so that constants pushed through one
+    // layout are valid for every kernel.
     vkCmdPushConstants(commands->handle, gpu->layouts->pipeline, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                        bytes, data);
 }
 
-// Binds the kernel and the buffers that it uses; returns false, with commands->failure, if there is
-// no memory for their descriptors.
+// Binds the kernel and the buffers that it uses. Returns false and sets commands->failure if there
+// is no memory for their descriptors.
 static bool bind_kernel(struct gpu *gpu, struct gpu_commands *commands,
                         const struct gpu_kernel *kernel)
 {
@@ -155,8 +155,8 @@ void gpu_dispatch_indirect(struct gpu *gpu, struct gpu_commands *commands,
         vkCmdDispatchIndirect(commands->handle, arguments->handle, offset);
 }
 
-// The source stages include reading of indirect arguments, because they may be overwritten
-// afterwards.
+// The source stages include the reading of indirect arguments, because later commands may overwrite
+// these.
 void gpu_barrier(struct gpu *gpu, struct gpu_commands *commands)
 {
     (void)gpu;
@@ -190,8 +190,8 @@ void gpu_copy(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_b
     vkCmdCopyBuffer(commands->handle, from->handle, to->handle, 1, &region);
 }
 
-// After drawing, lavapipe 22.3 bins timestamps with the triangles and executes them at the next
-// flush, after the following kernel. A barrier forces a flush.
+// After graphics commands, lavapipe 22.3 queues timestamps with the triangles and executes them at
+// the next flush, which comes after the following kernel. A barrier forces a flush before it.
 static void settle_timestamp(struct gpu *gpu, struct gpu_commands *commands)
 {
     if (gpu->params.graphics && gpu->info.is_cpu)
@@ -254,8 +254,8 @@ bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
 {
     if (!commands->pending)
         return true;
-    // There is no time limit: a driver reports a hanging device as lost. The wait is in slices,
-    // because some drivers overflow with UINT64_MAX.
+    // There is no time limit: a driver reports a hanging device as lost. The wait is repeated in
+    // slices of a second, because a timeout of UINT64_MAX overflows in some drivers.
     const uint64_t slice_ns = UINT64_C(1000000000);
     VkResult result;
     do
@@ -282,7 +282,7 @@ bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *o
             vkGetQueryPoolResults(gpu->device, commands->queries, 0, count, sizeof ticks, ticks,
                                   sizeof ticks[0], VK_QUERY_RESULT_64_BIT)))
         return false;
-    // The counter wraps at its valid bits; differences modulo 2^bits are still correct.
+    // The counter wraps at its valid bits; differences modulo 2^bits are correct nevertheless.
     for (uint32_t i = 0; i < count; i++)
         out[i] = (double)((ticks[i] - ticks[0]) & gpu->timestamp_mask) * gpu->timestamp_ns;
     slow_timestamps(gpu, commands->slow, commands->slow_log.mapped, count, out);

@@ -1,4 +1,4 @@
-// Describes failures, and names objects for debuggers.
+// Describes failed Vulkan calls, and names objects for debuggers.
 #include "gpu/gpu_internal.h"
 #include <string.h>
 
@@ -47,7 +47,7 @@ bool vk_check(struct gpu *gpu, const char *call, VkResult result, struct err *er
 {
     if (result == VK_SUCCESS)
         return true;
-    char name[64] = {0}; // the call without its arguments
+    char name[64] = {0}; // the call without its arguments, such as "vkQueueSubmit"
     size_t length = strcspn(call, "(");
     memcpy(name, call, length < sizeof name ? length : sizeof name - 1);
     return gpu_fail(gpu, name, result, err);

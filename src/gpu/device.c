@@ -7,7 +7,8 @@
 
 static bool device_create(struct gpu *gpu, struct err *err)
 {
-    // A device that offers the portability subset requires that it is enabled.
+    // The specification requires that VK_KHR_portability_subset is enabled where a device offers
+    // it.
     const char *const portability = "VK_KHR_portability_subset";
     const char *extensions[4];
     uint32_t extension_count = 0;
@@ -47,8 +48,9 @@ static bool device_create(struct gpu *gpu, struct err *err)
     return true;
 }
 
-// Drivers compile within the process. Without enough address space, Mesa's CPU driver (22.3) does
-// not fail but ends the process by a signal: with `ulimit -v` of 300 to 700 MB, not with 800.
+// Drivers compile kernels within this process. Mesa's CPU driver (22.3) does not return an error if
+// the address space is too small, but ends the process by a signal: with `ulimit -v` from 300 to
+// 700 MB, but not with 800 MB.
 static bool check_address_space(struct err *err)
 {
     const uint64_t least = UINT64_C(720) << 20;
@@ -73,7 +75,7 @@ bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
         err_prepend(err, "%s", out->info.name);
         goto fail;
     }
-    // The string belongs to the caller and is not needed any more.
+    // The string belongs to the caller, who may free it after this call.
     out->params.device = NULL;
     out->params.instance_extensions = NULL;
     out->params.present_context = NULL;
@@ -96,7 +98,8 @@ bool gpu_reopen(struct gpu *gpu, struct err *err)
     gpu_close(gpu);
     bool ok = gpu_open(&params, gpu, err);
     if (ok && strcmp(gpu->info.name, info.name) != 0) {
-        ok = err_set(err, ERR_GPU, "device %s is %s now", info.name, gpu->info.name);
+        ok = err_set(err, ERR_GPU, "device %s cannot be opened again: its index now belongs to %s",
+                     info.name, gpu->info.name);
         gpu_close(gpu);
     }
     if (!ok) {

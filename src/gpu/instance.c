@@ -40,7 +40,8 @@ static bool loader_open(struct err *err)
                        "has it (Debian: libvulkan1) and a driver (mesa-vulkan-drivers)");
     uint32_t version = volkGetInstanceVersion();
     if (version < VK_API_VERSION_1_1)
-        return err_set(err, ERR_NO_VULKAN, "the Vulkan loader has version %u.%u, expected 1.1",
+        return err_set(err, ERR_NO_VULKAN,
+                       "the Vulkan loader has version %u.%u, expected at least 1.1",
                        VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
     return true;
 }
@@ -59,7 +60,7 @@ static bool has_layer(const char *name)
     return found;
 }
 
-// layer: NULL for extensions of the loader and the drivers.
+// Returns whether a layer has an extension; NULL for `layer`: the loader or a driver has it.
 static bool has_extension(const char *layer, const char *name)
 {
     uint32_t count = 0;
@@ -83,11 +84,11 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     struct gpu *gpu = context;
     gpu->validation_messages++;
     log_warn("Vulkan validation: %s", data->pMessage);
-    return VK_FALSE; // the call goes on as it would without the layers
+    return VK_FALSE; // VK_FALSE: the Vulkan call goes on as it would without the layers
 }
 
-// The type GENERAL is excluded: it contains the loader's messages about drivers, not about this
-// program.
+// Messages of the type GENERAL are excluded: they are the loader's, about drivers and not about
+// this program.
 static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct gpu *gpu)
 {
     return (VkDebugUtilsMessengerCreateInfoEXT){
@@ -114,7 +115,8 @@ static bool validation_check(struct err *err)
     return true;
 }
 
-// They are checked one by one, since vkCreateInstance does not say which one is missing.
+// The extensions are checked one by one, because vkCreateInstance does not report which one is
+// missing.
 static bool extensions_check(const struct gpu_params *params, struct err *err)
 {
     if (params->instance_extension_count > MAX_CALLER_EXTENSIONS)
@@ -146,7 +148,7 @@ static VkResult instance_call(struct gpu *gpu, const void *next, bool portabilit
     const VkApplicationInfo application = {
         .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
         .pApplicationName = "lampyris",
-        .apiVersion = VK_API_VERSION_1_1, // nothing newer is used
+        .apiVersion = VK_API_VERSION_1_1, // the program uses no newer version
     };
     const VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
@@ -168,7 +170,8 @@ bool instance_create(struct gpu *gpu, struct err *err)
         !extensions_check(&gpu->params, err))
         return false;
 
-    // Both structs are in the chain, so that messages about the instance itself are received, too.
+    // Both structs are in the pNext chain, so that messages about the creation of the instance
+    // itself are received, too.
     const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(gpu);
     const VkValidationFeatureEnableEXT enable[] = {
         VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};

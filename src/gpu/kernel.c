@@ -48,9 +48,9 @@ static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *par
         vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, &out->pipeline));
 }
 
-// Prepares the code for the device: unreachable code is removed, and rounding is set. Uses two
-// buffers of the code's size plus SPIRV_ROUNDING_BYTES. Without memory for it code is not used as
-// it is: it may name more bindings than the device has.
+// Prepares the code for the device: removes unreachable code and sets the rounding mode. `trimmed`
+// and `rounded` each have the code's size plus SPIRV_ROUNDING_BYTES. Without memory for trimming
+// this fails, because the original code may declare more bindings than the device supports.
 static bool code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *params,
                          uint32_t *trimmed, uint32_t *rounded, VkShaderModuleCreateInfo *info,
                          struct err *err)
@@ -58,7 +58,8 @@ static bool code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *
     size_t bytes = spirv_trim(params->spirv, params->spirv_bytes, params->constants,
                               params->constant_count, trimmed);
     if (bytes == SPIRV_TRIM_NO_MEMORY)
-        return err_set(err, ERR_SYSTEM, "out of memory for %zu bytes of code", params->spirv_bytes);
+        return err_set(err, ERR_SYSTEM, "out of memory: trimming %zu bytes of code",
+                       params->spirv_bytes);
     if (bytes) {
         info->codeSize = bytes;
         info->pCode = trimmed;
@@ -83,7 +84,8 @@ static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *param
     size_t size = params->spirv_bytes + SPIRV_ROUNDING_BYTES;
     uint32_t *buffers = malloc(2 * size);
     if (!buffers)
-        return err_set(err, ERR_SYSTEM, "out of memory for %zu bytes of code", 2 * size);
+        return err_set(err, ERR_SYSTEM, "out of memory: %zu bytes are needed to prepare the code",
+                       2 * size);
     VkShaderModule module = VK_NULL_HANDLE;
     bool ok = code_prepare(gpu, params, buffers, buffers + size / sizeof *buffers, &info, err);
     out->layout = ok ? layout_find(gpu, spirv_bindings(info.pCode, info.codeSize), err) : NULL;
@@ -103,7 +105,8 @@ static bool same_code(const struct gpu_kernel *kernel, const struct gpu_kernel_p
                   params->constant_count * sizeof *params->constants) == 0;
 }
 
-// Takes a kept pipeline with the same code and constants.
+// Takes a kept pipeline with the same code and constants from the device. Returns false if there is
+// none.
 static bool take_kept(struct gpu *gpu, const struct gpu_kernel_params *params,
                       struct gpu_kernel *out)
 {

@@ -1,4 +1,4 @@
-// Descriptor set layouts: each has only the bindings that its kernels use, because Vulkan devices
+// Descriptor set layouts. Each has only the bindings that its kernels use, because a Vulkan device
 // may support as few as 4 storage buffers at once.
 #include "gpu/gpu_internal.h"
 #include <stdlib.h>
@@ -68,10 +68,9 @@ static bool check_count(const struct gpu *gpu, uint64_t bindings, VkDescriptorTy
                         uint32_t most, const char *kind, const char *limit, struct err *err)
 {
     uint32_t count = count_bindings(bindings, type);
-    return count <= most || err_set(err, ERR_GPU,
-                                    "%u %s bound at once are above the limit of %s, which is %u "
-                                    "(%s)",
-                                    count, kind, gpu->info.name, most, limit);
+    return count <= most ||
+           err_set(err, ERR_GPU, "it binds %u %s at once; the limit of %s is %u (%s)", count, kind,
+                   gpu->info.name, most, limit);
 }
 
 static const struct gpu_layout *layout_create(struct gpu *gpu, uint64_t bindings, struct err *err)

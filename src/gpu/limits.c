@@ -7,7 +7,7 @@
 
 #define VARIABLE "LAMPYRIS_LIMITS"
 
-// Parses the NAME of a flag; returns false when the word is none of them.
+// Sets the flag that a word names. Returns false if the word is not the name of a flag.
 static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size_t length)
 {
     const struct {
@@ -32,14 +32,14 @@ static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size
     return false;
 }
 
-// Parses NAME=NUMBER, which does not replace a number that is already set; returns false when the
-// word is none of them.
+// Parses a word NAME=NUMBER. A number that the caller has set already is not replaced. Returns
+// false if the name is unknown or the number is invalid.
 static bool take_number(struct gpu_limit_overrides *limits, const char *word, size_t length)
 {
     const struct {
         const char *name;
         uint64_t *number;
-        uint64_t most; // 0: any
+        uint64_t most; // greatest valid number; 0: no limit
     } numbers[] = {
         {"storage-range=", &limits->storage_range},
         {"storage-count=", &limits->storage_count},
@@ -60,7 +60,7 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         char *end;
         errno = 0;
         uint64_t number = strtoull(word + name_length, &end, 10);
-        // strtoull would accept a sign, and convert -1 to the largest number.
+        // strtoull accepts a sign, and would convert -1 to the largest number.
         if (!isdigit((unsigned char)word[name_length]) || end != word + length || errno ||
             number == 0 || (numbers[i].most > 0 && number > numbers[i].most))
             return false;

@@ -1,62 +1,64 @@
-// Parameters of a device, without Vulkan's long header.
+// Parameters for opening a device, in a header without Vulkan's long one.
 #ifndef LAMPYRIS_GPU_PARAMS_H
 #define LAMPYRIS_GPU_PARAMS_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-struct VkInstance_T; // VkInstance and VkPhysicalDevice point to these
+struct VkInstance_T; // the types to which VkInstance and VkPhysicalDevice point
 struct VkPhysicalDevice_T;
 
-// Lower limits than the device's, to test fallbacks; 0 means the device's own. Members that are 0
-// or false are taken from the environment variable LAMPYRIS_LIMITS, so that any program and any
-// test can be run with the fallbacks: words separated by commas, out of api-1.1, no-texel,
+// Limits below the device's own, to test fallbacks; 0 means the device's own limit. Members that
+// are 0 or false are taken from the environment variable LAMPYRIS_LIMITS, so that every program and
+// test can run with the fallbacks. The variable has words separated by commas: api-1.1, no-texel,
 // no-ballot, no-rounding-mode, no-mapped-device, no-timestamps, shared-stack, sort-rays,
 // storage-range=BYTES, storage-count=N, texel-count=N, texel-elements=N, allocation=BYTES,
-// shared-memory=BYTES, memory=BYTES, memory-budget=BYTES, group-ns=N, watchdog-ms=N, waves=N. Other
-// words are ERR_USAGE.
+// shared-memory=BYTES, memory=BYTES, memory-budget=BYTES, group-ns=N, watchdog-ms=N, waves=N. Any
+// other word fails with ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
-    uint64_t storage_count;  // storage buffers that a kernel may bind
-    uint64_t texel_count;    // uniform texel buffers likewise
+    uint64_t storage_count;  // storage buffers that one kernel may bind
+    uint64_t texel_count;    // uniform texel buffers that one kernel may bind
     uint64_t texel_elements; // maxTexelBufferElements
-    uint64_t allocation;     // largest VkDeviceMemory, bytes
+    uint64_t allocation;     // bytes of the largest VkDeviceMemory
     uint64_t shared_memory;  // maxComputeSharedMemorySize, bytes
-    uint64_t memory;         // sum of all allocations: allocations that exceed it fail
-    uint64_t memory_budget;  // the budget that the driver reports before anything is allocated
-    bool api_1_1;            // a device of Vulkan 1.1 that does not say its driver's name
-    // A simulated slow device: the time of a workgroup, and the longest time of a submission before
-    // the device is lost.
+    uint64_t memory; // bytes of all allocations together; an allocation that would exceed it fails
+    uint64_t memory_budget; // bytes that the driver reports as available at first
+    bool api_1_1;           // Vulkan 1.1 only, with no information about the driver
+    // A simulated slow device: the nanoseconds that a workgroup takes, and the milliseconds after
+    // which a submission loses the device.
     uint64_t group_ns, watchdog_ms;
-    uint64_t
-        waves; // in flight, 1 or 2: no limit, but a choice of the device's that is taken from it
-    bool no_texel;         // SSBO reads only
-    bool no_ballot;        // without subgroup ballot
-    bool no_rounding_mode; // without a choice of how sums are rounded
-    bool no_mapped_device; // device memory is never mapped: uploads and downloads are staged
-    bool no_timestamps;    // times of kernels are not measured
-    bool shared_stack;     // traversal as on GPUs (shaders/lib/stack.glsl), on any device
-    bool sort_rays;        // rays are sorted as on GPUs (shaders/lib/sort.glsl), on any device
+    uint64_t waves;        // waves in flight, 1 or 2; not an upper limit but the number itself
+    bool no_texel;         // without texel buffers
+    bool no_ballot;        // without ballot and arithmetic subgroup operations
+    bool no_rounding_mode; // without a choice of the rounding mode
+    bool no_mapped_device; // device memory is never mapped, so that uploads and downloads use
+                           // staging memory
+    bool no_timestamps;    // without timestamps, so that kernels are not timed
+    bool shared_stack;     // the traversal stack of GPUs (shaders/lib/stack.glsl) on any device
+    bool sort_rays;        // rays are sorted on any device, as on GPUs (shaders/lib/sort.glsl)
 };
 
 struct gpu_params {
-    const char *device; // index or part of a name, case-insensitive; NULL: the fastest kind
-    bool validation;    // VK_LAYER_KHRONOS_validation with synchronization validation
-    bool statistics;    // statistics of compiled kernels are kept: see gpu_kernel_statistics
+    const char *device; // index or part of the name, ignoring case; NULL: the first device of the
+                        // fastest kind
+    bool validation;    // enables VK_LAYER_KHRONOS_validation with synchronization validation
+    bool statistics;    // keeps statistics of compiled kernels for gpu_kernel_statistics()
     struct gpu_limit_overrides limits;
-    // For a program with a window; all zero: compute only.
-    bool graphics;                          // the queue also draws: see screen.h
-    const char *const *instance_extensions; // for surfaces
+    // The following members are for programs with a window; all are 0 for compute only.
+    bool graphics;                          // the queue must support graphics: see screen.h
+    const char *const *instance_extensions; // the extensions that a window's surface needs
     uint32_t instance_extension_count;
-    // Returns whether a queue family can present; NULL: not needed. With it, the device has
-    // VK_KHR_swapchain. Devices that cannot present are unusable, and report why.
+    // Returns whether a queue family can present to the window; NULL if there is no window. If it
+    // is set, the device is opened with VK_KHR_swapchain, and devices that cannot present are
+    // unusable.
     bool (*can_present)(void *context, struct VkInstance_T *instance,
                         struct VkPhysicalDevice_T *device, uint32_t queue_family);
     void *present_context;
-    // Faults for tests: fail the n-th (from 1) allocation / submission, including staging, of every
-    // device that is opened with these parameters; 0: never.
+    // Faults for tests: on every device opened with these parameters the n-th allocation or
+    // submission (counted from 1, staging included) fails. 0: none fails.
     uint32_t fail_allocation, lose_device_at_submit;
-    uint32_t devices_to_lose; // after this many losses, devices work; 0: none is lost
+    uint32_t devices_to_lose; // after this many losses devices work; 0: every device opened is lost
 };
 
 #endif

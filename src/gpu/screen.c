@@ -1,4 +1,4 @@
-// The display of a viewer: image and panel, drawn into an image of our own.
+// The display of a viewer: the rendered image and the panel, drawn into a Vulkan image.
 #include "gpu/gpu_internal.h"
 #include <assert.h>
 #include <math.h>
@@ -55,7 +55,8 @@ static bool sides_check(const struct gpu *gpu, const char *what, uint32_t width,
         limit = device.limits.maxFramebufferHeight;
     if (width > 0 && height > 0 && width <= limit && height <= limit)
         return true;
-    return err_set(err, ERR_GPU, "%s of %u x %u pixels: expected sides of 1 to the device's %u",
+    return err_set(err, ERR_GPU,
+                   "%s of %u x %u pixels: expected sides from 1 to %u pixels, the device's limit",
                    what, width, height, limit);
 }
 
@@ -88,7 +89,7 @@ bool gpu_screen_create(struct gpu *gpu, const struct gpu_atlas *atlas, struct gp
 {
     *out = (struct gpu_screen){0};
     if (!gpu->params.graphics)
-        return err_set(err, ERR_BUG, "a screen on a device that was not opened for graphics");
+        return err_set(err, ERR_BUG, "screen: the device was not opened for graphics");
     if (gpu_commands_create(gpu, &out->commands, err) && screen_pipeline_create(gpu, out, err) &&
         atlas_create(gpu, out, atlas, err))
         return true;
@@ -162,8 +163,8 @@ bool gpu_screen_resize(struct gpu *gpu, struct gpu_screen *screen, uint32_t widt
 
 // --- drawing ------------------------------------------------------------------------------------
 
-// Keeps a buffer that is large enough, else creates one of at least twice the size, so that a
-// growing panel does not create one in every frame.
+// Makes sure that a buffer has at least this many bytes. A new buffer has at least twice the old
+// size, so that a growing panel does not create one in every frame.
 static bool buffer_grow(struct gpu *gpu, const char *name, uint64_t bytes,
                         struct gpu_buffer *buffer, struct err *err)
 {
@@ -182,8 +183,8 @@ static bool drawing_check(const struct gpu_drawing *drawing, struct err *err)
             draw->index_count > drawing->index_count - draw->first_index ||
             (draw->index_count && draw->first_vertex >= drawing->vertex_count))
             return err_set(err, ERR_BUG,
-                           "draw %u: %u indices from %u on, of vertices from %u on; there are %u "
-                           "indices and %u vertices",
+                           "draw %u: its %u indices from index %u on or its vertices from vertex "
+                           "%u on are outside the drawing, which has %u indices and %u vertices",
                            i, draw->index_count, draw->first_index, draw->first_vertex,
                            drawing->index_count, drawing->vertex_count);
     }
@@ -205,7 +206,7 @@ static bool drawing_upload(struct gpu *gpu, struct gpu_screen *screen,
     return true;
 }
 
-// Computes the pixels of [from, to) that are on the screen; a NaN counts as the left end.
+// Converts a position in pixels to an integer in [0, size]; NaN becomes 0.
 static int32_t on_screen(float position, uint32_t size)
 {
     double rounded = floor((double)position + 0.5);
@@ -245,7 +246,8 @@ static void drawing_record(struct gpu_screen *screen, const struct gpu_drawing *
     }
 }
 
-// The pass also runs without triangles, because it transitions the image to its final layout.
+// The render pass runs even without triangles, because it transitions the image to its final
+// layout.
 static void pass_record(struct gpu_screen *screen, const struct gpu_drawing *drawing)
 {
     const VkRenderPassBeginInfo begin = {
@@ -274,7 +276,8 @@ bool gpu_screen_draw(struct gpu *gpu, struct gpu_screen *screen, const struct gp
 {
     uint64_t bytes = (uint64_t)screen->width * screen->height * 4;
     if (!screen->image.handle || pixels->bytes < bytes)
-        return err_set(err, ERR_BUG, "a screen of %u x %u pixels from a buffer of %llu bytes",
+        return err_set(err, ERR_BUG,
+                       "screen: %u x %u pixels cannot be drawn from a buffer of %llu bytes",
                        screen->width, screen->height, (unsigned long long)pixels->bytes);
     if ((drawing && (!drawing_check(drawing, err) || !drawing_upload(gpu, screen, drawing, err))) ||
         !gpu_begin(gpu, &screen->commands, err))
@@ -296,7 +299,7 @@ bool gpu_screen_read(struct gpu *gpu, struct gpu_screen *screen, struct arena *a
                      uint8_t (**out)[4], struct err *err)
 {
     if (!screen->is_drawn)
-        return err_set(err, ERR_BUG, "a screen is read on which nothing was drawn");
+        return err_set(err, ERR_BUG, "screen: nothing was drawn before it was read");
     uint64_t bytes = (uint64_t)screen->width * screen->height * sizeof **out;
     *out = arena_alloc(arena, bytes, 1);
     if (!*out)

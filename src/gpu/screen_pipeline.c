@@ -5,7 +5,8 @@
 #include "panel_vert.spv.h"
 #include <stddef.h>
 
-// Keeps the image that a transfer has written, and leaves it readable by transfers.
+// The render pass keeps what a transfer has written into the image, and leaves it readable by
+// transfers.
 static bool render_pass_create(struct gpu *gpu, struct gpu_screen *screen, struct err *err)
 {
     const VkAttachmentDescription color = {
@@ -55,7 +56,7 @@ static bool render_pass_create(struct gpu *gpu, struct gpu_screen *screen, struc
     return VK(gpu, err, vkCreateRenderPass(gpu->device, &info, NULL, &screen->render_pass));
 }
 
-// Filtering is linear: lines and discs in the atlas need it for smooth edges.
+// Filtering is linear, because the lines and discs in the atlas need it for smooth edges.
 static bool sampler_create(struct gpu *gpu, struct gpu_screen *screen, struct err *err)
 {
     const VkSamplerCreateInfo info = {

@@ -1,4 +1,4 @@
-// Lists the devices, tests whether they are sufficient, and selects one.
+// Lists the devices, tests whether the renderer can use them, and selects one.
 #include "base/memory.h"
 #include "gpu/gpu_internal.h"
 #include <ctype.h>
@@ -10,9 +10,9 @@ struct device_properties {
     VkPhysicalDeviceProperties core;
     VkPhysicalDeviceSubgroupProperties subgroup;
     VkPhysicalDeviceMaintenance3Properties maintenance;
-    VkPhysicalDeviceFloatControlsProperties floats; // empty where there is no choice
-    VkPhysicalDeviceDriverProperties driver;        // empty where the driver does not say
-    VkResult failure;                               // why its extensions are not known
+    VkPhysicalDeviceFloatControlsProperties floats; // 0 if the rounding mode is fixed
+    VkPhysicalDeviceDriverProperties driver;        // empty if the driver is unnamed
+    VkResult failure; // the error that occurred when the extensions were listed
 };
 
 bool device_has_extension(VkPhysicalDevice device, const char *name, VkResult *failure)
@@ -34,8 +34,9 @@ bool device_has_extension(VkPhysicalDevice device, const char *name, VkResult *f
     return found;
 }
 
-// For devices below 1.1 only the core part is filled in. With the override api-1.1 a device has
-// that version, and no extension that only provides information.
+// Reads the properties of a device. Only the core part is filled in for Vulkan versions below 1.1.
+// With the override api-1.1 the version is 1.1, and extensions that only provide information are
+// ignored.
 static void properties_read(const struct gpu *gpu, VkPhysicalDevice device,
                             struct device_properties *out)
 {
@@ -76,8 +77,8 @@ static bool family_suffices(const struct gpu *gpu, VkPhysicalDevice device, uint
             params->can_present(params->present_context, gpu->instance, device, family));
 }
 
-// Among the families with all required capabilities, selects the first that also draws (on GPUs the
-// most capable one), else the first.
+// Returns the first queue family that has all required capabilities and supports graphics, which is
+// the most capable one on GPUs, or else the first with the required capabilities.
 static uint32_t queue_family_find(const struct gpu *gpu, VkPhysicalDevice device,
                                   uint32_t *timestamp_bits)
 {
@@ -96,7 +97,7 @@ static uint32_t queue_family_find(const struct gpu *gpu, VkPhysicalDevice device
     return found;
 }
 
-// Returns the largest device-local heap, or UINT32_MAX.
+// Returns the index of the largest device-local heap, or UINT32_MAX if there is none.
 static uint32_t largest_heap(const VkPhysicalDeviceMemoryProperties *memory)
 {
     uint32_t found = UINT32_MAX;
@@ -142,7 +143,7 @@ static uint64_t heap_free(const struct gpu *gpu)
                : left_of(memory.memoryProperties.memoryHeaps[heap].size, gpu->allocated_bytes);
 }
 
-// CPU drivers report a heap of arbitrary size: for these only the host's memory counts.
+// CPU drivers report a heap of arbitrary size, so for them only the host's free memory counts.
 uint64_t gpu_memory_free(const struct gpu *gpu)
 {
     uint64_t told = gpu->params.limits.memory_budget;
@@ -157,7 +158,7 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
                        size_t size)
 {
     const VkPhysicalDeviceLimits *l = &device->limits;
-    // The number of simultaneously bound buffers is checked for each kernel: see layout.c.
+    // The number of buffers that are bound at once is checked for each kernel: see layout.c.
     const struct {
         const char *name;
         uint32_t value, need;
@@ -169,12 +170,13 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
     };
     out[0] = '\0';
     if (device->apiVersion < VK_API_VERSION_1_1) {
-        snprintf(out, size, "Vulkan %u.%u, expected 1.1", VK_API_VERSION_MAJOR(device->apiVersion),
+        snprintf(out, size, "it supports Vulkan %u.%u, expected at least 1.1",
+                 VK_API_VERSION_MAJOR(device->apiVersion),
                  VK_API_VERSION_MINOR(device->apiVersion));
         return;
     }
     if (queue_family == UINT32_MAX) {
-        snprintf(out, size, "no queue that computes");
+        snprintf(out, size, "no queue family supports compute");
         return;
     }
     for (size_t i = 0, used = 0; i < sizeof limits / sizeof limits[0] && used < size; i++)
@@ -184,18 +186,22 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
                                  used ? "; " : "", limits[i].name, limits[i].value, limits[i].need);
 }
 
-// Tests the requirements of a program with a window in addition to device_find_lacks.
+// Tests the additional requirements of a program with a window.
 static void find_window_lacks(const struct gpu *gpu, VkPhysicalDevice device, uint32_t queue_family,
                               char *out, size_t size)
 {
     const struct gpu_params *params = &gpu->params;
     if (params->can_present &&
         !device_has_extension(device, VK_KHR_SWAPCHAIN_EXTENSION_NAME, NULL)) {
-        snprintf(out, size, "no " VK_KHR_SWAPCHAIN_EXTENSION_NAME ", which windows need");
+        snprintf(out, size,
+                 "the extension " VK_KHR_SWAPCHAIN_EXTENSION_NAME
+                 " is missing, which windows need");
     } else if (queue_family == UINT32_MAX && (params->graphics || params->can_present)) {
-        const char *draws = !params->graphics ? "" : params->can_present ? ", draws" : " and draws";
-        snprintf(out, size, "no queue that computes%s%s", draws,
-                 params->can_present ? " and shows pictures in a window" : "");
+        const char *draws = !params->graphics     ? ""
+                            : params->can_present ? ", graphics"
+                                                  : " and graphics";
+        snprintf(out, size, "no queue family supports compute%s%s", draws,
+                 params->can_present ? " and presentation to a window" : "");
     }
 }
 
@@ -232,7 +238,7 @@ static void info_read(const struct gpu *gpu, VkPhysicalDevice device, uint32_t i
         .memory_bytes = device_memory_bytes(device),
     };
     snprintf(out->name, sizeof out->name, "%s", p.core.deviceName);
-    // The encoding of driverVersion depends on the vendor; driverInfo is a text.
+    // The encoding of driverVersion depends on the vendor, so the text driverInfo is preferred.
     if (p.driver.driverInfo[0])
         snprintf(out->driver, sizeof out->driver, "%s %s", p.driver.driverName,
                  p.driver.driverInfo);
@@ -254,7 +260,7 @@ static bool list_read(struct gpu *gpu, struct device_list *out, struct err *err)
 {
     out->count = GPU_MAX_DEVICES;
     VkResult result = vkEnumeratePhysicalDevices(gpu->instance, &out->count, out->handles);
-    // If no driver has found its device, loaders report a failed initialization.
+    // Loaders report a failed initialization if none of the drivers has found a device.
     if (result == VK_ERROR_INITIALIZATION_FAILED || (result == VK_SUCCESS && out->count == 0))
         return err_set(err, ERR_NO_VULKAN, "the Vulkan drivers that are installed have no device");
     if (result != VK_SUCCESS && result != VK_INCOMPLETE)
@@ -276,7 +282,7 @@ bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *cou
     return ok;
 }
 
-// Returns a rank: lower is faster.
+// Returns a rank of the kind of device: the lower, the faster.
 static int kind_rank(const struct gpu_device_info *info)
 {
     static const char *const order[] = {"discrete GPU", "integrated GPU", "virtual GPU", "CPU"};
@@ -298,7 +304,8 @@ static bool contains_ignoring_case(const char *text, const char *part)
     return !*part;
 }
 
-// A number below the count is an index; "4090" may be part of a name.
+// Returns whether `wanted` means this device: as its index, if it is a number below `count`, or as
+// a part of its name. So "4090" is part of a name.
 static bool wants(const char *wanted, const struct gpu_device_info *info, uint32_t count)
 {
     if (!wanted)
@@ -310,8 +317,8 @@ static bool wants(const char *wanted, const struct gpu_device_info *info, uint32
     return contains_ignoring_case(info->name, wanted);
 }
 
-// Returns the best of the matching devices: usable ones first, then by kind, then in the loader's
-// order. UINT32_MAX: none matches.
+// Returns the index of the best matching device: usable ones first, then by kind, then in the
+// loader's order. Returns UINT32_MAX if none matches.
 static uint32_t list_choose(const struct device_list *list, const char *wanted)
 {
     uint32_t best = UINT32_MAX;
@@ -335,7 +342,8 @@ static bool unknown_device(const struct device_list *list, const char *wanted, s
         snprintf(names + used, sizeof names - used, "%s%u: %s", i ? ", " : "", i,
                  list->infos[i].name);
     }
-    return err_set(err, ERR_USAGE, "no device is called '%s'; there are: %s", wanted, names);
+    return err_set(err, ERR_USAGE, "no device has the index or name '%s'; the devices are: %s",
+                   wanted, names);
 }
 
 bool device_select(struct gpu *gpu, struct err *err)
@@ -358,13 +366,14 @@ static uint64_t lowered(uint64_t limit, uint64_t override)
     return override && override < limit ? override : limit;
 }
 
-// Returns how many of `most` bindings of a kind can be used with one stage and one set.
+// Returns how many bindings of a kind are usable: the least of the renderer's maximum, the device's
+// limits per stage and per set, and the override.
 static uint32_t binding_count(uint32_t most, uint32_t a_stage, uint32_t a_set, uint64_t override)
 {
     return (uint32_t)lowered(lowered(lowered(most, a_stage), a_set), override);
 }
 
-// Returns whether kernels may set the mode for 32 bits independently.
+// Returns whether the rounding mode for 32 bits can be set separately from that for other widths.
 static bool can_round_to_nearest(const VkPhysicalDeviceFloatControlsProperties *p)
 {
     return p->shaderRoundingModeRTEFloat32 &&
@@ -375,7 +384,7 @@ bool device_read_limits(struct gpu *gpu, struct err *err)
 {
     struct device_properties p;
     properties_read(gpu, gpu->physical, &p);
-    // The rounding mode affects the bits of images.
+    // An unknown rounding mode could change the bits of images, so this is an error.
     if (p.failure < VK_SUCCESS)
         return gpu_fail(gpu, "vkEnumerateDeviceExtensionProperties", p.failure, err);
     const VkPhysicalDeviceLimits *limits = &p.core.limits;

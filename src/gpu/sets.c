@@ -1,8 +1,8 @@
-// Descriptor sets: the buffers of a struct gpu_bindings for the kernels of one layout.
+// Descriptor sets: for each layout, the buffers of a struct gpu_bindings that its kernels use.
 #include "gpu/gpu_internal.h"
 #include <stdlib.h>
 
-// Sets come from pools of this many.
+// The number of descriptor sets per pool.
 #define POOL_SETS 8
 
 struct gpu_sets {
@@ -10,7 +10,7 @@ struct gpu_sets {
     struct {
         const struct gpu_layout *layout;
         VkDescriptorSet handle;
-        bool is_written; // it has the current buffers
+        bool is_written; // it refers to the current buffers
     } list[POOL_SETS];
     uint32_t count;
     struct gpu_sets *next;

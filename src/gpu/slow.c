@@ -5,7 +5,8 @@
 
 struct gpu_slow {
     uint32_t count;
-    uint32_t groups[SLOW_DISPATCHES]; // UINT32_MAX: as the log says
+    uint32_t groups[SLOW_DISPATCHES]; // workgroups of each dispatch; UINT32_MAX: the log has their
+                                      // number
     uint32_t before[GPU_MAX_TIMESTAMPS];
 };
 
@@ -40,7 +41,7 @@ void slow_timestamp(struct gpu_slow *slow, uint32_t index)
         slow->before[index] = slow->count;
 }
 
-// Returns the simulated time of the first `count` dispatches.
+// Returns the simulated time, in nanoseconds, of the first `count` dispatches.
 static double total_ns(const struct gpu *gpu, const struct gpu_slow *slow, const void *log_data,
                        uint32_t count)
 {

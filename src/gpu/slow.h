@@ -1,27 +1,28 @@
-// A simulated slow device: for the overrides group_ns and watchdog_ms. Each workgroup counts as
-// this many nanoseconds, which timestamps or, without these, the clock show; and a submission that
-// takes longer than the watchdog permits loses the device.
+// Simulates a slow device, for the limits group_ns and watchdog_ms. Each workgroup counts as taking
+// group_ns. Timestamps show the simulated time; without timestamps, the host waits for it. A
+// submission that takes longer than watchdog_ms loses the device.
 #ifndef LAMPYRIS_GPU_SLOW_H
 #define LAMPYRIS_GPU_SLOW_H
 
 #include "gpu/gpu.h"
 
-// The state of a submission; NULL when out of memory. The caller has a log of 16 bytes per
-// dispatch, into which the arguments of indirect dispatches are copied before these run, because
-// the kernels that write them may overwrite them later.
+// Creates the state of a submission, to be freed by the caller; returns NULL when out of memory.
+// The caller provides a log of 16 bytes per dispatch, to which the arguments of indirect dispatches
+// are copied before these run, because later kernels may overwrite the arguments.
 #define SLOW_DISPATCHES 16384u
-struct gpu_slow *slow_create(void); // to be freed
+struct gpu_slow *slow_create(void);
 
-// These accept NULL, and then do nothing.
+// The slow_begin, slow_dispatch and slow_timestamp functions do nothing if `slow` is NULL.
 void slow_begin(struct gpu_slow *slow);
 void slow_dispatch(struct gpu_slow *slow, uint32_t groups);
-// Returns where to log the arguments; UINT64_MAX: nowhere.
+// Returns the offset in the log, in bytes, at which to store the arguments of an indirect dispatch,
+// or UINT64_MAX if they are not to be stored.
 uint64_t slow_dispatch_indirect(struct gpu_slow *slow);
 void slow_timestamp(struct gpu_slow *slow, uint32_t index);
-// After the submission has ended: waits for the simulated time, if there are no timestamps. Returns
-// VK_ERROR_DEVICE_LOST if the watchdog's time was exceeded.
+// Call this after the submission has ended. Without timestamps it waits for the simulated time.
+// Returns VK_ERROR_DEVICE_LOST if the simulated time exceeds watchdog_ms.
 VkResult slow_wait(const struct gpu *gpu, const struct gpu_slow *slow, const void *log);
-// Replaces measured times by simulated ones.
+// Replaces the measured times, in nanoseconds, by simulated ones.
 void slow_timestamps(const struct gpu *gpu, const struct gpu_slow *slow, const void *log,
                      uint32_t count, double *ns);
 

@@ -1,4 +1,4 @@
-// SPIR-V modules as words: definitions for reading and rewriting them.
+// Constants and functions for reading and rewriting SPIR-V modules as words.
 #ifndef LAMPYRIS_GPU_SPIRV_H
 #define LAMPYRIS_GPU_SPIRV_H
 
@@ -6,10 +6,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// SPIR-V 1.3, revision 7: the header (section 2.3), a decoration (3.20) and opcodes (3.37).
+// Values from SPIR-V 1.3, revision 7: the header (section 2.3), a decoration (3.20) and opcodes
+// (3.37).
 enum {
     SPIRV_MAGIC = 0x07230203,
-    SPIRV_BOUND = 3, // word of the header
+    SPIRV_BOUND = 3, // index of the header word that has the bound of ids
     SPIRV_HEADER_WORDS = 5,
     SPIRV_DECORATION_SPEC_ID = 1,
     SPIRV_DECORATION_BINDING = 33,
@@ -104,7 +105,7 @@ static inline uint32_t spirv_head(uint32_t opcode, uint32_t length)
     return length << 16 | opcode;
 }
 
-// Returns whether it begins like a module and consists of whole instructions.
+// Returns whether the code has a SPIR-V header and consists of complete instructions.
 static inline bool spirv_is_module(const uint32_t *code, size_t bytes)
 {
     size_t words = bytes / sizeof *code, i = SPIRV_HEADER_WORDS;

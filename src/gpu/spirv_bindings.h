@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Returns bit i if a variable of the module has binding i < 64. All variables are in descriptor set
-// 0.
+// Returns a word whose bit i is set if a variable of the module has binding i, for i < 64. All
+// variables must be in descriptor set 0.
 uint64_t spirv_bindings(const uint32_t *code, size_t bytes);
 
 #endif

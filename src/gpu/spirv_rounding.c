@@ -3,7 +3,7 @@
 #include "gpu/spirv.h"
 #include <string.h>
 
-// SPV_KHR_float_controls.
+// Values from the extension SPV_KHR_float_controls.
 enum {
     CAPABILITY_ROUNDING_MODE_RTE = 4467,
     EXECUTION_MODE_ROUNDING_MODE_RTE = 4462,
@@ -21,7 +21,7 @@ static uint32_t add_words(const uint32_t *words, uint32_t count, uint32_t *out)
     return count;
 }
 
-// Capabilities come first, extensions second (section 2.4 of SPIR-V).
+// In a module capabilities come first and extensions second (SPIR-V, section 2.4).
 static uint32_t add_capability(uint32_t *out)
 {
     const uint32_t words[] = {spirv_head(OP_CAPABILITY, 2), CAPABILITY_ROUNDING_MODE_RTE};

@@ -4,25 +4,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Properties of an id.
+// The known properties of an id.
 struct id {
     uint32_t value; // the constant's value if `known`: 32 bits, or 0 or 1
-    uint32_t start; // first word of a function; 0: no function
+    uint32_t start; // index of the function's first word; 0 if the id is not a function
     bool known;
     bool live;    // the label or function is reachable
     bool visited; // the label has been visited
     bool dropped; // its instruction is removed
-    bool needed;  // an instruction that is kept refers to it
-    bool is_bool; // a type
+    bool needed;  // an instruction that is kept refers to the id
+    bool is_bool; // the id is the Boolean type
     bool is_int;
-    bool is_bound; // a variable with a binding
+    bool is_bound; // the id is a variable with a binding
 };
 
 struct module {
     const uint32_t *code;
     uint32_t words, bound;
     struct id *ids;
-    uint32_t *pending; // functions that are called and not yet looked at
+    uint32_t *pending; // functions that are called and not yet traversed
     uint32_t pending_count;
     const uint32_t *constants;
     uint32_t constant_count;
@@ -89,7 +89,7 @@ static bool evaluate_2(uint32_t op, uint32_t a, uint32_t b, uint32_t *out)
     // clang-format on
 }
 
-// `operands`: `count` ids.
+// Computes the result of an instruction from `count` operand ids. Returns false if it is not known.
 static bool evaluate(const struct module *m, uint32_t op, const uint32_t *operands, uint32_t count,
                      uint32_t *out)
 {
@@ -123,7 +123,8 @@ static void know(struct module *m, uint32_t id, uint32_t value)
     m->ids[id].value = value;
 }
 
-// Constants set by the caller are known before their instructions, from decorations.
+// Values that the caller sets for specialization constants are known from their decorations, which
+// precede the instructions of the constants.
 static void read_global(struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at), words = spirv_length(at), value;
@@ -134,7 +135,7 @@ static void read_global(struct module *m, const uint32_t *at)
         if (at[3] < m->constant_count)
             know(m, at[1], m->constants[at[3]]);
     } else if (op == OP_DECORATE && words == 4 && at[2] == SPIRV_DECORATION_BINDING) {
-        m->ids[at[1]].is_bound = m->ids[at[1]].dropped = true; // until an instruction names it
+        m->ids[at[1]].is_bound = m->ids[at[1]].dropped = true; // until code uses it
     } else if (op == OP_CONSTANT_TRUE || op == OP_CONSTANT_FALSE) {
         know(m, at[2], op == OP_CONSTANT_TRUE);
     } else if (op == OP_SPEC_CONSTANT_TRUE || op == OP_SPEC_CONSTANT_FALSE) {
@@ -153,8 +154,8 @@ static void read_global(struct module *m, const uint32_t *at)
 
 static bool reach(struct module *m, uint32_t label)
 {
-    // Blocks are in an order consistent with dominance: only loops branch back, to blocks that were
-    // visited.
+    // Blocks are in an order consistent with dominance, so that only loops branch back to blocks
+    // that were visited already.
     if (m->ids[label].visited && !m->ids[label].live)
         return false;
     m->ids[label].live = true;
@@ -206,8 +207,9 @@ static void call(struct module *m, uint32_t function)
     m->ids[function].live = true;
 }
 
-// Variables are used by calls, which pass them on, by memory instructions and by atomics. A literal
-// among the operands may equal a variable's id: then the variable is kept, which is harmless.
+// Keeps the variables that an instruction may use: calls pass them on, memory instructions and
+// atomics access them. A literal operand may happen to equal a variable's id, which then is kept
+// needlessly but harmlessly.
 static void keep_variables(struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at);
@@ -219,7 +221,7 @@ static void keep_variables(struct module *m, const uint32_t *at)
             m->ids[at[i]].dropped = false;
 }
 
-// Updates the known values with an instruction in a reachable block.
+// Updates the known values and the reachable blocks by an instruction in a reachable block.
 static bool follow(struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at), value;
@@ -234,7 +236,7 @@ static bool follow(struct module *m, const uint32_t *at)
     return reach_targets(m, at);
 }
 
-// Marks the ids that a kept instruction uses, because their definitions may otherwise be removed.
+// Marks the ids that an instruction needs even if the code that defines them is unreachable.
 static void need(struct module *m, const uint32_t *at, bool live)
 {
     uint32_t op = spirv_opcode(at);
@@ -267,7 +269,8 @@ static bool follow_function(struct module *m, uint32_t function)
 
 // --- reading and writing -------------------------------------------------------------------------
 
-// Finds functions. Whether they end, and instructions have room for what is read of each.
+// Finds the functions of the module. Returns false if a function does not end or an instruction is
+// too short to be read.
 static bool read_module(struct module *m)
 {
     bool in_function = false, open = false;
@@ -299,7 +302,8 @@ static void drop_function(struct module *m, const uint32_t *at)
     }
 }
 
-// Returns whether a name or decoration refers to a removed id; these precede their target.
+// Returns whether a name or a decoration refers to an id that is removed; it precedes the
+// definition.
 static bool is_about_dropped(const struct module *m, const uint32_t *at)
 {
     uint32_t op = spirv_opcode(at);
@@ -308,8 +312,8 @@ static bool is_about_dropped(const struct module *m, const uint32_t *at)
            (m->ids[at[1]].dropped || (is_spec_id && m->ids[at[1]].known));
 }
 
-// Specialization constants, and values derived from them, become constants: some drivers give an
-// array the length of its default (MoltenVK before mid-2025).
+// Specialization constants and the values derived from them become plain constants, because some
+// drivers take the default value for the length of an array (MoltenVK before mid-2025).
 static uint32_t write_global(const struct module *m, const uint32_t *at, uint32_t *out)
 {
     uint32_t op = spirv_opcode(at), words = spirv_length(at);
@@ -332,7 +336,7 @@ static uint32_t write_global(const struct module *m, const uint32_t *at, uint32_
     return words;
 }
 
-// Writes the remaining part of an instruction in a kept function; returns the number of words.
+// Writes what remains of an instruction in a kept function. Returns the number of words written.
 static uint32_t write_instruction(const struct module *m, const uint32_t *at, bool live,
                                   uint32_t *out)
 {

@@ -1,4 +1,4 @@
-// Removes code from a SPIR-V module that its specialization constants make unreachable.
+// Removes from a SPIR-V module the code that its specialization constants make unreachable.
 #ifndef LAMPYRIS_GPU_SPIRV_TRIM_H
 #define LAMPYRIS_GPU_SPIRV_TRIM_H
 
@@ -7,20 +7,20 @@
 
 #define SPIRV_TRIM_NO_MEMORY SIZE_MAX
 
-// Writes `code` (`bytes` long; whole words) to `out`, which has room for as much, without functions
-// that nothing calls, without what stands in blocks that nothing reaches and without the variables
-// with bindings that nothing names then, given the specialization constants 0 .. count - 1, which
-// become constants of these values. Blocks stay, empty, and with them the structure of the control
-// flow. Drivers find the same, but some (lavapipe) only after they have put every function into its
-// callers, which takes most of the time they need for a pipeline.
+// Copies a module (`code`, a whole number of words) to `out`, which has the same size, for the
+// given values of the specialization constants 0 .. count - 1, which become plain constants.
+// Functions that are not called, instructions in unreachable blocks, and variables with bindings
+// that are no longer used are left out. The blocks remain, empty, so that the structure of the
+// control flow is unchanged. Drivers remove the same code, but some (lavapipe) only after inlining
+// every function, which takes most of the time of pipeline creation.
 //
-// Returns the bytes written; 0 for a module that it does not understand, which is to be used as it
-// is; SPIRV_TRIM_NO_MEMORY if memory is lacking.
+// Returns the number of bytes written; 0 if the module is not understood, and the caller should use
+// the original; SPIRV_TRIM_NO_MEMORY if there is not enough memory.
 size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants, uint32_t count,
                   uint32_t *out);
 
-// Returns the number of instructions in a module's functions, without labels and source lines; 0 if
-// it is no module.
+// Returns the number of instructions in the functions of a module, without labels and source lines;
+// 0 if the code is not a module.
 uint32_t spirv_instructions(const uint32_t *code, size_t bytes);
 
 #endif

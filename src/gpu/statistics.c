@@ -30,7 +30,7 @@ bool gpu_kernel_statistics(struct gpu *gpu, const struct gpu_kernel *kernel,
         found[i] = (VkPipelineExecutableStatisticKHR){
             .sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR,
         };
-    // A compute pipeline is one executable.
+    // A compute pipeline has one executable.
     const VkPipelineExecutableInfoKHR executable = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR,
         .pipeline = kernel->pipeline,

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Large enough for the full speed of a bus, small enough to be available on any device.
+// Staging memory of this size reaches the full speed of a bus, and every device can allocate it.
 #define STAGING_BYTES (UINT64_C(64) << 20)
 
 static bool range_check(const struct gpu_buffer *buffer, uint64_t offset, uint64_t bytes,
@@ -12,7 +12,7 @@ static bool range_check(const struct gpu_buffer *buffer, uint64_t offset, uint64
     if (offset <= buffer->bytes && bytes <= buffer->bytes - offset)
         return true;
     return err_set(err, ERR_BUG,
-                   "buffer %s: a copy of %llu bytes at %llu, expected one inside its %llu bytes",
+                   "buffer %s: a copy of %llu bytes at offset %llu exceeds its %llu bytes",
                    buffer->name, (unsigned long long)bytes, (unsigned long long)offset,
                    (unsigned long long)buffer->bytes);
 }
@@ -22,7 +22,8 @@ static uint64_t piece_bytes(uint64_t bytes)
     return bytes < STAGING_BYTES ? bytes : STAGING_BYTES;
 }
 
-// The commands of all copies, which are sequential: a command pool and a fence are created once.
+// Begins recording a copy. All copies are sequential and share one set of commands, so that a
+// command pool and a fence are created only once.
 static struct gpu_commands *begin_copying(struct gpu *gpu, struct err *err)
 {
     if (!gpu->copying) {
@@ -69,8 +70,8 @@ bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err)
 struct transfer {
     const struct gpu_buffer *buffer;
     uint64_t offset, bytes;
-    const char *from; // upload, else NULL
-    char *to;         // download, else NULL
+    const char *from; // source of an upload, else NULL
+    char *to;         // destination of a download, else NULL
 };
 
 static bool copy_piece(struct gpu *gpu, const struct gpu_buffer *staging,
@@ -93,7 +94,7 @@ static bool copy_piece(struct gpu *gpu, const struct gpu_buffer *staging,
     return true;
 }
 
-// Copies through staging memory, piece by piece.
+// Copies through staging memory, one piece after the other.
 static bool transfer_staged(struct gpu *gpu, const struct transfer *transfer, struct err *err)
 {
     const char *name = transfer->from ? "upload staging" : "download staging";

@@ -1,3 +1,3 @@
-// Debian's libvulkan-volk-dev is source only: this unit compiles it into our library.
+// Debian's libvulkan-volk-dev contains source code only; this file compiles it.
 #define VOLK_IMPLEMENTATION
 #include <volk.h>

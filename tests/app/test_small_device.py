@@ -56,8 +56,8 @@ class SmallDevice(Case):
     def refused(self, scene, limits, needed, kind, limit, name, why='error: '):
         result = self.render(scene, limits)
         self.assertEqual(result.returncode, 3, result.stderr)
-        self.assertRegex(result.stderr, why + r'kernel \w+: %d %s buffers bound at once are above the limit of '
-                         r'.*, which is %d \(%s\)$' % (needed, kind, limit, name))
+        self.assertRegex(result.stderr, why + r'kernel \w+: it binds %d %s buffers at once; the limit of '
+                         r'.* is %d \(%s\)$' % (needed, kind, limit, name))
         self.assertFalse(os.path.exists(self.output))
 
     def test_enough_is_enough(self):

@@ -149,7 +149,7 @@ TEST(lacking_devices_say_what_they_lack)
 
     device.apiVersion = VK_API_VERSION_1_0;
     device_find_lacks(&device, 0, lacks, sizeof lacks);
-    CHECK(strcmp(lacks, "Vulkan 1.0, expected 1.1") == 0, "%s", lacks);
+    CHECK(strcmp(lacks, "it supports Vulkan 1.0, expected at least 1.1") == 0, "%s", lacks);
 
     // More than fits into the text: cut, not overrun.
     device = (VkPhysicalDeviceProperties){.apiVersion = VK_API_VERSION_1_1};
@@ -282,9 +282,10 @@ TEST(windows_need_more)
         struct gpu_params params;
         const char *words;
     } cases[] = {
-        {{.can_present = never_presents}, "no queue that computes and shows pictures in a window"},
+        {{.can_present = never_presents},
+         "no queue family supports compute and presentation to a window"},
         {{.can_present = never_presents, .graphics = true},
-         "no queue that computes, draws and shows pictures in a window"},
+         "no queue family supports compute, graphics and presentation to a window"},
         {{.instance_extensions = nonsense, .instance_extension_count = 1}, "VK_KHR_nonsense"},
         {{.instance_extensions = nonsense, .instance_extension_count = 1000}, "1000 instance"},
     };

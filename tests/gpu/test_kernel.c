@@ -120,7 +120,7 @@ TEST(a_kernel_binds_what_it_names)
           "%s", err.msg);
     char expected[512];
     snprintf(expected, sizeof expected,
-             "kernel copy: 2 storage buffers bound at once are above the limit of %s, which is 1 "
+             "kernel copy: it binds 2 storage buffers at once; the limit of %s is 1 "
              "(maxPerStageDescriptorStorageBuffers)",
              gpu.info.name);
     CHECK(!copy_kernel_create(&gpu, 3, false, &storage, &err) && err.code == ERR_GPU &&
