@@ -17,32 +17,34 @@ static double relative_weight(const struct bias_params *p, size_t i)
 
 // --- what unseen samples could explain -----------------------------------------------------------
 
-// A kind of samples that none of the images has numbers less than ln(1 / 0.025) = 3.7 on average,
-// or else some would have been seen in 97.5 % of cases. So an unbiased method that lacks the sum S
-// because of them has samples of at least S / 3.7 each. With 16 images and S = 300 times the
-// brightest sample seen, these would be 81 times as bright as that. For a distribution of
-// brightness whose mean just fails to exist (Pareto's with exponent 1), the probability that none
-// of n samples exceeds 1/81 of the typical maximum is exp(-81). The largest sum of all unbiased
-// methods tried was 230 times the brightest sample, when none of 16 images had found a sun of half
-// a degree. With fewer images of the same total number of samples, the noise is larger by the root
-// of their number, and the factor smaller by that. It is at least 200: of single images of a small
-// sun (tests/render/test_bias.c) 1.5 % are then reported as biased, and 8 % would be with 106.
+// The factor by which a difference must exceed the brightest sample to count as bias. If no image
+// contains samples of some kind, fewer than ln(1 / 0.025) = 3.7 of them were expected in all images
+// together; otherwise at least one would have been seen with a probability of 97.5 %. So if an
+// unbiased method lacks the sum S because of such samples, each of them is at least S / 3.7. With
+// 16 images and S = 300 times the brightest sample seen, they would be 81 times as bright as that
+// sample. For a distribution of brightness whose mean just fails to exist (Pareto's with exponent
+// 1), the probability that none of n samples exceeds 1/81 of the typical maximum is exp(-81). The
+// largest S of the unbiased methods that were tried was 230 times the brightest sample, when none
+// of 16 images had found a sun of half a degree. If the same number of samples is divided among
+// fewer images, their noise is larger by the square root of the ratio, so the factor is smaller by
+// the same root. It is at least 200: then 1.5 % of single images of a small sun
+// (tests/render/test_bias.c) are reported as biased; with 106 it would be 8 %.
 static double unseen_factor(size_t pictures)
 {
     return fmax(75 * sqrt((double)pictures), 200);
 }
 
 struct difference {
-    double sum[3];   // sum of a channel, while it has one sign
-    double absolute; // over all values, where it has either
-    double largest;  // part of one picture's or one reference half's pixel in it
+    double sum[3]; // sum of the differences of each channel, which detects a bias of constant sign
+    double absolute; // sum of the differences with the sign of the pixel's bias, see add_picture()
+    double largest; // largest contribution of a pixel of one image, or of one half of the reference
 };
 
-// The noise of pixels estimated from the images with even and from those with odd numbers, and from
-// the reference, and which pixels to omit.
+// For each pixel, the noise estimated from the images with even indices, from those with odd
+// indices, and from the reference. It decides which pixels are omitted.
 struct spreads {
     float *pixel[3];
-    float limit[3]; // pixels above it are left out
+    float limit[3]; // pixels with more noise than this are omitted
 };
 enum { SPREAD_EVEN, SPREAD_ODD, SPREAD_REFERENCE, SPREADS };
 
@@ -74,10 +76,10 @@ static bool is_lit(const struct bias_params *p, size_t picture, size_t pixel)
     return rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0;
 }
 
-// A pixel's values in all pictures and in the reference's halves.
+// The values of a pixel in all images and in both halves of the reference.
 struct pixel {
     double sum[3], scale[3], half[2][3];
-    size_t lit; // pictures in which it is not black
+    size_t lit; // number of images in which the pixel is not black
 };
 
 static struct pixel read_pixel(const struct bias_params *p, size_t index)
@@ -94,10 +96,11 @@ static struct pixel read_pixel(const struct bias_params *p, size_t index)
     return pixel;
 }
 
-// Absolute differences would not have mean zero for pure noise. So each image's difference is
-// counted with the sign of the difference of all others from the other half of the reference, both
-// of which are independent of it. If all others are black, the brightness of a sample is not known
-// there: such pixels are not included in the sums.
+// Adds one image. The absolute value of a difference would not have mean zero for pure noise. So
+// each image's difference from one half of the reference gets the sign of the difference between
+// the mean of all other images and the other half, both of which are independent of it. If all
+// other images are black there, the brightness of a sample is not known, and the pixel is not
+// added.
 static void add_picture(const struct pixel *pixel, const float rgb[3], double count,
                         bool others_lit, struct difference *d)
 {
@@ -156,7 +159,7 @@ static float pixel_spread(const struct bias_params *p, size_t by, size_t pixel)
             widen(range, (double)p->pictures[k][i]);
         for (int h = 0; h < 2 && by == SPREAD_REFERENCE; h++)
             widen(range, (double)reference_half(p, h)[i]);
-        if (p->count < 4) // a single picture on each side
+        if (p->count < 4) // each side has a single image
             widen(range, (double)p->reference[i]);
         spread = fmax(spread, sqrt(relative_weight(p, i)) * (range[1] - range[0]));
     }
@@ -169,10 +172,11 @@ static int compare_floats(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-// A few pixels, at the edges of lamps, may be so much noisier than the others that nothing
-// outweighs them. So the tenth that is noisiest in one half of the images is omitted from the other
-// half, and the noisiest tenth of the reference from both: the choice is independent of rare
-// samples in the data for which it is made. Returns false only when out of memory.
+// Repeats the test without the noisiest pixels. A few pixels, at the edges of lamps, may be so much
+// noisier than the others that no difference outweighs them. The noisiest tenth according to one
+// half of the images is omitted from the other half, and the noisiest tenth of the reference from
+// both, so that the choice is independent of rare samples in the data that is tested. Returns false
+// only when out of memory.
 static bool quiet_pixels_outweigh(const struct bias_params *p, bool *out)
 {
     size_t pixels = p->length / 3;
@@ -204,16 +208,17 @@ bool bias_allow_for_unseen(const struct bias_params *p, struct interval *bias)
 
 // --- bias ----------------------------------------------------------------------------------------
 
-// For n differences to a reference with mean m and unbiased variance s^2, E m^2 is the squared bias
-// plus s^2 / n and the reference's variance.
+// Returns an unbiased estimate of the squared bias without subtracting the variance of the
+// reference: for n differences from a reference with mean m and unbiased variance s^2, the
+// expectation of m^2 is the squared bias plus s^2 / n plus the variance of the reference.
 static double squared_bias(double sum, double squares, double n)
 {
     double mean = sum / n, variance = (squares - sum * mean) / (n - 1);
     return mean * mean - variance / n;
 }
 
-// Adds a value's squared bias from all pictures to `all`, and from those without the k-th to
-// without[k].
+// Adds the squared bias of one value: estimated from all images to *all, and from all but the k-th
+// image to without[k].
 static void add_squared_bias(const struct bias_params *p, size_t i, double *all, double *without)
 {
     double sum = 0, squares = 0, n = (double)p->count, weight = relative_weight(p, i);
@@ -229,9 +234,10 @@ static void add_squared_bias(const struct bias_params *p, size_t i, double *all,
     }
 }
 
-// With a reference whose error is e, e^2 minus its estimate s^2 = (A - B)^2 / 4 from the halves has
-// the variance 4 E(s^2)^2 for Gaussian noise, for which E s^4 is 3 E(s^2)^2, and less than 4/3 E
-// s^4 if tails are heavier. Channels are summed first, because they are not independent.
+// Subtracts the noise of the reference. If e is its error and s^2 = (A - B)^2 / 4 the estimate of
+// e^2 from its halves, e^2 - s^2 has the variance 4 E(s^2)^2 for Gaussian noise, for which E s^4 is
+// 3 E(s^2)^2; with heavier tails the variance is less than 4/3 E s^4. Channels are summed first,
+// because they are not independent.
 static struct interval subtract_reference(const struct bias_params *p, struct interval bias)
 {
     double noise = 0, squares = 0, pixel = 0, length = (double)p->length;
@@ -260,7 +266,7 @@ bool bias_find(const struct bias_params *p, struct interval *out)
         return false;
     for (size_t i = 0; i < p->length; i++)
         add_squared_bias(p, i, &all, values);
-    // Pseudo-values (Tukey 1958): their mean and its t interval.
+    // The jackknife's pseudo-values (Tukey 1958); the result is their mean and its t interval.
     for (size_t k = 0; k < p->count; k++)
         values[k] = (n * all - (n - 1) * values[k]) / (double)p->length;
     *out = subtract_reference(p, curve_mean(values, p->count));

@@ -2,8 +2,8 @@
 
 #include "metrics/stoppable.h"
 
-// Pixels are summed in blocks of a fixed length, which compilers vectorise; the order of a pixel's
-// terms is that of the weights for any block length.
+// Pixels are processed in blocks of a fixed length, which compilers vectorise. For each pixel, the
+// terms are added in the order of the weights, so the result does not depend on the block length.
 enum { BLOCK = 128, ROWS_A_CHUNK = 8 };
 
 struct pass {

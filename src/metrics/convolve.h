@@ -1,4 +1,4 @@
-// Separable filters on planes of floats.
+// Separable filters for images with one float per pixel.
 #ifndef LAMPYRIS_METRICS_CONVOLVE_H
 #define LAMPYRIS_METRICS_CONVOLVE_H
 
@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Weights for the offsets -radius … radius.
+// A filter in one dimension: the weights for the offsets -radius … radius.
 struct kernel_1d {
     int radius;
     double weight[257]; // radius at most 128
@@ -14,10 +14,9 @@ struct kernel_1d {
 
 #define KERNEL_RADIUS_MAX 128
 
-// Computes out = the plane filtered by `x` along rows and by `y` along columns; the outermost
-// values are extended beyond the border. `scratch` and `out` have width * height elements, and
-// neither may be `plane`. Returns false if `progress`, which may be NULL, requests a stop; `out` is
-// then incomplete.
+// Filters a plane by `x` along rows and by `y` along columns. Beyond the border, the values at the
+// border are repeated. `plane`, `scratch` and `out` are distinct and have width * height elements
+// each. `progress` may be NULL. Returns false if it requests a stop; `out` is then incomplete.
 bool convolve(const float *plane, uint32_t width, uint32_t height, const struct kernel_1d *x,
               const struct kernel_1d *y, const struct progress *progress, float *scratch,
               float *out);

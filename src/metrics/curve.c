@@ -11,7 +11,8 @@ static struct interval exponential(struct interval i)
     return (struct interval){exp(i.value), exp(i.low), exp(i.high)};
 }
 
-// Welford's (1962) mean and sum of squares, so that no list is needed.
+// The mean and the sum of squared deviations by Welford's method (1962), which needs no list of
+// values.
 struct running {
     double mean, squares;
     size_t count;
@@ -86,7 +87,7 @@ struct interval curve_paired_ratio(const double *a, const double *b, size_t coun
 double curve_reach(const double *x, const double *errors, size_t points, double slope,
                    double target)
 {
-    size_t next = 0; // the first point that is low enough
+    size_t next = 0; // the first point whose error is at or below the target
     while (next < points && !(errors[next] <= target))
         next++;
     bool between = next > 0 && next < points;

@@ -1,17 +1,19 @@
-// The interval of a share R = E_k / E, the ratio of two sums over pixels: pixels do not share their
-// noise, so that its variance is, to first order, the sum of (e_k - R e)^2 over E^2 (Cochran 1977,
-// "Sampling Techniques", section 2.11). The squares' expectation is that variance and the square of
-// the mean of e_k - R e, which is not 0 where shares differ between parts of the picture: then the
-// interval is too wide, never too narrow. Few pixels may carry most of it: Student's t, with as
-// many degrees of freedom as equal terms would make the sum as uncertain (Satterthwaite 1946).
+// The interval of a share R = E_k / E, where E_k and E are sums of e_k and e over pixels. Pixels
+// have independent noise, so the variance of R is, to first order, the sum of (e_k - R e)^2 over
+// E^2 (Cochran 1977, "Sampling Techniques", section 2.11). The expectation of such a square is the
+// variance of e_k - R e plus its squared mean, which is not 0 if shares differ between parts of the
+// image; so the interval may be too wide but not too narrow. A few pixels may contribute most of
+// the sum. Student's t allows for that, with as many degrees of freedom as a sum of equal terms
+// with the same uncertainty would have (Satterthwaite 1946).
 #include "metrics/error_by.h"
 
 #include "metrics/pixel.h"
 #include <math.h>
 
-enum { TERMS_MAX = ERROR_BY_CLASSES_MAX + 1 }; // the classes, and what they have in common
+// The classes, and their covariances as the last term.
+enum { TERMS_MAX = ERROR_BY_CLASSES_MAX + 1 };
 
-// The terms of one pixel, or their sums over pixels.
+// The terms e_k of one pixel, or their sums over pixels.
 struct terms {
     double whole, parts[TERMS_MAX];
 };
@@ -84,10 +86,11 @@ static void find_light(const struct error_by_params *p, uint64_t pixels, double 
             light[k] += luminance(p->class_a[i * p->stride + k], p->class_b[i * p->stride + k]);
     }
     for (uint32_t k = 0; k < p->count; k++)
-        light[k] /= whole; // NAN of a black picture
+        light[k] /= whole; // NAN if the image is black
 }
 
-// `squares`, `fourths`: sums of (e_k - R e)^2 and of their squares.
+// Returns the interval of `share`. `whole` is E; `squares` and `fourths` are the sums of (e_k - R
+// e)^2 and of its square over pixels.
 static struct interval share_interval(double share, double whole, double squares, double fourths)
 {
     double reach = 0;
@@ -126,14 +129,14 @@ void metrics_error_by(const struct error_by_params *p, struct error_by *out)
         struct error_share *to = k < p->count ? &out->classes[k] : &out->together;
         to->error = sums.parts[k] / judged;
         to->share = share_interval(share[k], sums.whole, squares[k], fourths[k]);
-        if (k < p->count) // a sum of squares
+        if (k < p->count) // the error of a class is a sum of squares, so not negative
             to->share.low = fmax(to->share.low, 0);
     }
 }
 
 // --- several pictures ----------------------------------------------------------------------------
 
-// Returns the share of class k, or, behind the last class, of what all classes have in common.
+// Returns the share of class k; k = count stands for the classes' covariances.
 static const struct error_share *share_at(const struct error_by *by, uint32_t k)
 {
     return k < by->count ? &by->classes[k] : &by->together;
@@ -150,7 +153,7 @@ static struct error_share pool_share(const struct error_by *pictures, uint32_t c
         double off = share_at(&pictures[i], k)->error - share * pictures[i].error;
         squares += off * off;
     }
-    // The variance of the ratio of two means, see above.
+    // The variance of the ratio of two means, as described at the top of this file.
     double reach = NAN;
     if (count > 1)
         reach = sqrt(squares / ((double)count * (count - 1))) / whole *

@@ -1,15 +1,16 @@
-// Splits the error of an image, the local relMSE that its half-buffers estimate, by classes of
-// light whose half-buffers are known as well. Any thread may call.
+// Splits the error of an image, the local relMSE estimated from its half-buffers, by classes of
+// light that have half-buffers of their own. Any thread may call these functions.
 //
-// With D = (A - B) / 2 of the picture and D_k of class k, D is the sum of D_k, and
+// With D = (A - B) / 2 of the image and D_k of class k, D is the sum of all D_k. In each pixel,
 //
 //     D^2 = sum_k D_k^2 + sum_j sum_k!=j D_j D_k
 //
-// in each pixel: the variance of a sum is that of its terms and twice their covariances. All are
-// weighted as D^2 is (half_error.c), so that the classes' own errors and what they have in common
-// add up to the error, but for rounding. The latter is below 0 where one class brings more when
-// another brings less, as with emitters of which each sample chooses one, and above 0 where a
-// sample brings all of them or none, as a path does that meets a surface or not.
+// so the variance of a sum is the sum of the variances and of the covariances, each counted twice.
+// All terms have the same weights as D^2 (half_error.c). So, apart from rounding, the error is the
+// sum of the classes' own errors and of their covariances. The covariances are negative if one
+// class contributes more where another contributes less, for example emitters of which each sample
+// chooses one. They are positive if a sample has contributions of all classes or of none, for
+// example where a path either hits or misses a surface.
 #ifndef LAMPYRIS_METRICS_ERROR_BY_H
 #define LAMPYRIS_METRICS_ERROR_BY_H
 
@@ -19,40 +20,40 @@
 
 struct error_by_params {
     const struct half_error_params *halves; // the half-buffers of the image
-    const double (*weights)[3]; // the weights that metrics_half_error_weights() computes
-    // The half-buffers of the classes: those of class k at pixel p have the index p * stride + k.
-    // k < count, which is at most ERROR_BY_CLASSES_MAX.
+    const double (*weights)[3];             // computed by metrics_half_error_weights()
+    // The half-buffers of the classes. Class k of pixel p has the index p * stride + k, with k <
+    // count <= ERROR_BY_CLASSES_MAX.
     const float (*class_a)[3], (*class_b)[3];
     uint32_t count, stride;
 };
 
-// The contribution of one class to the error.
+// The part of the error that one class, or the covariances, contribute.
 struct error_share {
     double error; // part of the local relMSE
-    // The fraction of the total error, with the 95 % interval of its value for other seeds. NAN if
-    // there is no error; above 1 if other classes cancel a part of it.
+    // The fraction of the total error, with the 95 % confidence interval of that fraction over
+    // other seeds. NAN if there is no error; above 1 if covariances with other classes cancel a
+    // part of it.
     struct interval share;
 };
 
 struct error_by {
-    double error; // the whole local relMSE: mean D^2 over L^2 + 1e-2
+    double error; // the local relMSE of the image: mean of D^2 / (L^2 + 1e-2)
     uint32_t count;
-    struct error_share classes[ERROR_BY_CLASSES_MAX]; // each by itself
-    double light[ERROR_BY_CLASSES_MAX];               // share of the picture's luminance (BT.709)
-    struct error_share together;                      // the rest: twice the covariances
+    struct error_share classes[ERROR_BY_CLASSES_MAX]; // errors of the classes alone
+    double light[ERROR_BY_CLASSES_MAX];               // share of the image's luminance (BT.709)
+    struct error_share together;                      // contribution of all covariances
 };
 
-// Return a pixel's weighted D^2, and the sum over all pixels. The classes of the params are not
-// used.
-// used.
+// Return D^2 times its weight, summed over channels, for one pixel and for all pixels. They do not
+// use the classes.
 double metrics_error_of_pixel(const struct error_by_params *params, uint64_t pixel);
 double metrics_error_sum(const struct error_by_params *params);
 
 void metrics_error_by(const struct error_by_params *params, struct error_by *out);
 
-// Combines `count` independent images with the same classes: means of errors and of light, and
-// shares of the mean error, with intervals from the differences between images; NAN for a single
-// image.
+// Combines the results of `count` independent images with the same classes: means of errors and of
+// light, and shares of the mean error. The intervals come from the differences between images, and
+// are NAN for a single image.
 void metrics_error_by_pool(const struct error_by *pictures, uint32_t count, struct error_by *out);
 
 #endif

@@ -12,7 +12,7 @@ struct tiling {
 };
 
 struct tile_sum {
-    double values;        // finite ones
+    double values;        // number of finite values
     double error[ERRORS]; // sums of the terms of mse, relmse and local relmse
 };
 
@@ -48,8 +48,9 @@ static struct tile_sum sum_tile(const struct tiling *t, uint64_t index)
     return sum;
 }
 
-// Returns the ratio of two sums over tiles, whose variance is that of the deviations of its terms
-// (Cochran 1977, "Sampling Techniques", eq. 6.13): tiles at the border are smaller.
+// Returns the interval of a ratio of two sums over tiles. `residuals` is the sum of the squared
+// deviations of the tiles' terms, from which the variance follows (Cochran 1977, "Sampling
+// Techniques", eq. 6.13); a ratio is needed because tiles at the border are smaller.
 static struct interval ratio_interval(double ratio, double residuals, double values, double tiles)
 {
     double half =

@@ -43,9 +43,9 @@ double error_map_level(enum error_map map, double value)
     struct error_scale scale = error_map_scale(map);
     if (isnan(value))
         return NAN;
-    double level = scale.is_logarithmic
-                       ? log10(value / scale.low) / log10(scale.high / scale.low) // log10(0): -inf
-                       : (value - scale.low) / (scale.high - scale.low);
+    // The logarithm of 0 is -inf, which is clamped below.
+    double level = scale.is_logarithmic ? log10(value / scale.low) / log10(scale.high / scale.low)
+                                        : (value - scale.low) / (scale.high - scale.low);
     return fmin(fmax(level, 0), 1);
 }
 

@@ -1,5 +1,5 @@
-// FLIP and HDR-FLIP. Constants are those of the two papers; numbers of formulas refer to the first
-// one.
+// The metrics FLIP and HDR-FLIP. The constants are those of the two papers (see perceptual.h);
+// equation numbers refer to the first one.
 #include "metrics/perceptual.h"
 
 #include "base/memory.h"
@@ -18,8 +18,8 @@ static int bounded_radius(double radius)
     return whole > KERNEL_RADIUS_MAX ? KERNEL_RADIUS_MAX : (int)whole;
 }
 
-// Contrast sensitivity of each opponent channel as a sum of two Gaussians (Johnson and Fairchild
-// 2003): a sqrt(pi / b) exp(-pi^2 d^2 / b) at a distance of d degrees.
+// The contrast sensitivity of each opponent channel, as a sum of two Gaussians (Johnson and
+// Fairchild 2003): a sqrt(pi / b) exp(-pi^2 d^2 / b), where d is the distance in degrees.
 static const struct {
     double a, b;
 } sensitivity[3][2] = {
@@ -29,7 +29,8 @@ static const struct {
 };
 #define WIDEST_B 0.04
 
-// Computes one Gaussian, normalised to the sum 1; returns the sum of its products over the plane.
+// Computes one of the Gaussians, normalised to a sum of 1. Returns the sum of its products over the
+// plane, before normalisation.
 static double sensitivity_kernel(double a, double b, double pixels_per_degree,
                                  struct kernel_1d *out)
 {
@@ -44,8 +45,9 @@ static double sensitivity_kernel(double a, double b, double pixels_per_degree,
     return a * sqrt(M_PI / b) * sum * sum;
 }
 
-// Computes detectors of edges (first derivative of a Gaussian) and points (second derivative),
-// whose positive weights sum to 1, and negative ones to -1; `smooth` is the Gaussian across.
+// Computes the detectors of edges (first derivative of a Gaussian) and of points (second
+// derivative). Their positive weights sum to 1 and their negative ones to -1. `smooth` is the
+// Gaussian for the perpendicular direction.
 static void feature_kernels(double pixels_per_degree, struct kernel_1d *smooth,
                             struct kernel_1d *edge, struct kernel_1d *point)
 {
@@ -74,14 +76,14 @@ static void feature_kernels(double pixels_per_degree, struct kernel_1d *smooth,
         smooth->weight[i] /= sum;
 }
 
-// --- one picture ---------------------------------------------------------------------------------
+// --- one image -----------------------------------------------------------------------------------
 
 struct planes {
     uint32_t width, height;
-    float *opponent[3]; // YCxCz; then Lab of what is seen
+    float *opponent[3]; // YCxCz; after filtering, L*a*b*
     float *edges, *points;
     float *scratch[2];
-    const struct progress *progress; // NULL, or who may ask to stop
+    const struct progress *progress; // may request a stop; may be NULL
 };
 
 enum { PLANES_A_PICTURE = 7, PIXELS_A_CHUNK = 8192 };
@@ -116,7 +118,7 @@ static void planes_finish(struct planes *p)
     memory_free(p->points);
 }
 
-// Computes the magnitude of a detector's response in both directions.
+// Computes the magnitude of a detector's responses along x and y.
 static bool detect(struct planes *p, const float *lightness, const struct kernel_1d *smooth,
                    const struct kernel_1d *detector, float *out)
 {
@@ -130,7 +132,7 @@ static bool detect(struct planes *p, const float *lightness, const struct kernel
     return true;
 }
 
-// Filters an opponent channel, in place, for a viewing distance.
+// Filters an opponent channel by its contrast sensitivity at a viewing distance, in place.
 static bool see(struct planes *p, int channel, double pixels_per_degree)
 {
     struct kernel_1d kernel;
@@ -195,7 +197,7 @@ static void separate(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-// Fills the planes from display-referred linear values, clamped to [0, 1].
+// Fills the planes of an image from linear values for display, which are clamped to [0, 1].
 static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_per_degree)
 {
     struct kernel_1d smooth, edge, point;
@@ -213,9 +215,9 @@ static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_pe
     return ok && stoppable_for(pixels_of(p), PIXELS_A_CHUNK, p->progress, perceive, p);
 }
 
-// --- both ----------------------------------------------------------------------------------------
+// --- both images ---------------------------------------------------------------------------------
 
-// Returns the greatest colour difference, that between green and blue.
+// Returns the greatest possible colour difference, which is that between green and blue.
 static double greatest_difference(void)
 {
     double green[3], blue[3];
@@ -224,7 +226,8 @@ static double greatest_difference(void)
     return pow(flip_hyab(green, blue), 0.7);
 }
 
-// Maps colour differences to [0, 1]: those up to .4 of the greatest take .95 of it (eq. 8).
+// Maps colour differences to [0, 1]: differences up to .4 of the greatest take up .95 of the range
+// (eq. 8).
 static double redistribute(double difference, double greatest)
 {
     const double knee = 0.4 * greatest, at_knee = 0.95;
@@ -273,7 +276,8 @@ static bool flip_map(const struct picture_pair *pair, double pixels_per_degree,
     return ok;
 }
 
-// The planes of both images, and one more plane: the lightness, or a filtered channel.
+// Memory for the planes of both images and one more plane, which has the lightness or a filtered
+// channel.
 enum { MAP_BYTES_A_PIXEL = (2 * PLANES_A_PICTURE + 1) * (int)sizeof(float) };
 
 static double mean_of(const float *map, uint64_t count)
@@ -286,7 +290,8 @@ static double mean_of(const float *map, uint64_t count)
 
 // --- exposures -----------------------------------------------------------------------------------
 
-// The curve (k0 x^2 + k1 x + k2) / (k3 x^2 + k4 x + k5) of ACES (Narkowicz 2015), exposed by .6.
+// The tone curve of ACES (Narkowicz 2015), (k0 x^2 + k1 x + k2) / (k3 x^2 + k4 x + k5), for an
+// input scaled by .6.
 static const double curve[6] = {0.6 * 0.6 * 2.51, 0.6 * 0.03, 0,
                                 0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14};
 
@@ -297,7 +302,7 @@ static double tone(double x)
     return fmin(fmax(value, 0), 1);
 }
 
-// Returns where the curve reaches .85.
+// Returns the value that the curve maps to .85.
 static double knee_of_curve(void)
 {
     double a = curve[0] - 0.85 * curve[3], b = curve[1] - 0.85 * curve[4];
@@ -310,22 +315,24 @@ static bool is_finite_pair(const struct picture_pair *pair, uint64_t i)
     return pixel_is_finite(pair->image[i]) && pixel_is_finite(pair->reference[i]);
 }
 
-// Returns a value that is never negative, and 0 if a channel is not finite.
+// Returns the luminance, at least 0; it is 0 if a channel is not finite.
 static float luminance_of(const float pixel[3])
 {
     double light[3];
     for (int c = 0; c < 3; c++)
         light[c] = fmax((double)pixel[c], 0);
-    return pixel_is_finite(pixel) ? (float)flip_luminance(light) + 0.0f : 0.0f; // -0 becomes 0
+    // Adding 0 turns -0 into 0.
+    return pixel_is_finite(pixel) ? (float)flip_luminance(light) + 0.0f : 0.0f;
 }
 
 struct luminances {
     float brightest, median;
 };
 
-// Non-negative floats are ordered like their bits, so the median is found from its highest bits on:
-// each pass counts the next bits of values with the known prefix. This takes neither memory nor a
-// sort, which could not be stopped.
+// Finds the greatest and the median luminance. The bits of non-negative floats have the same order
+// as their values. So the median is determined from the highest bits on: each pass counts the next
+// bits of all values that have the known prefix. This needs neither memory nor a sort, which could
+// not be stopped.
 static bool find_luminances(const struct picture_pair *pair, const struct progress *progress,
                             struct luminances *out)
 {
@@ -333,7 +340,7 @@ static bool find_luminances(const struct picture_pair *pair, const struct progre
     uint64_t count = (uint64_t)pair->width * pair->height, rank = (count - 1) / 2;
     uint32_t known = 0;
     *out = (struct luminances){0};
-    for (uint32_t left = 33; left > 0;) { // one bit, always 0, above the 32
+    for (uint32_t left = 33; left > 0;) { // one more bit than there are, which is 0 in all values
         uint64_t with[1 << BITS_A_PASS] = {0};
         uint32_t prefix = known, digit = 0;
         left -= BITS_A_PASS;
@@ -377,7 +384,7 @@ bool metrics_flip_exposures(const struct picture_pair *pair, const struct progre
 struct exposition {
     const struct picture_pair *pair;
     double factor;
-    float (*exposed[2])[3]; // image and reference
+    float (*exposed[2])[3]; // the image and the reference at one exposure
 };
 
 static void expose(void *context, size_t begin, size_t end, unsigned thread)
@@ -395,7 +402,7 @@ static void expose(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-// Raises `greatest` to the FLIP of the pair at one exposure.
+// Raises each value of `greatest` to the FLIP of the pair at one exposure if that is larger.
 static bool raise_map(const struct picture_pair *pair, double pixels_per_degree, double stops,
                       const struct progress *progress, float (*exposed[2])[3], float *map,
                       float *greatest)
@@ -413,7 +420,7 @@ static bool raise_map(const struct picture_pair *pair, double pixels_per_degree,
     return true;
 }
 
-// These are the exposed images, the map of one exposure and that of all.
+// Memory for the exposed images, the map of one exposure and the map of all exposures.
 uint64_t metrics_flip_hdr_bytes(uint32_t width, uint32_t height)
 {
     return (uint64_t)width * height *
@@ -448,7 +455,7 @@ bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
     return ok;
 }
 
-// Copies of the pictures without what is not finite, and the map.
+// Memory for the map, and for copies of the images in which pixels that are not finite are black.
 uint64_t metrics_flip_bytes(uint32_t width, uint32_t height)
 {
     return (uint64_t)width * height * (2 * sizeof(float[3]) + sizeof(float) + MAP_BYTES_A_PIXEL);

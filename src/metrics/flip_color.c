@@ -1,11 +1,11 @@
-// The colour spaces of FLIP: opponent colours for filtering, and the space of colour differences.
+// The colour spaces of FLIP: opponent colours for filtering, and a space for colour differences.
 #include "metrics/flip_color.h"
 
 #include "base/maths.h"
 #include <math.h>
 
-// Linear Rec. 709 to CIE XYZ relative to that of D65, which is (1, 1, 1): the rows are those of the
-// usual matrix in fractions, divided by their sums.
+// The matrix from linear Rec. 709 to CIE XYZ, relative to the white point D65, which becomes (1, 1,
+// 1): its rows are those of the usual matrix, as fractions, divided by their sums.
 static const double to_xyz[3][3] = {
     {10135552.0 / 23359437.0, 8788810.0 / 23359437.0, 4435075.0 / 23359437.0},
     {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
@@ -18,7 +18,7 @@ static void relative_xyz(const double rgb[3], double out[3])
         out[i] = vec3_dot(to_xyz[i], rgb);
 }
 
-// The inverse, by Cramer's rule.
+// Computes the inverse by Cramer's rule.
 static void rgb_of_relative_xyz(const double v[3], double out[3])
 {
     const double(*m)[3] = to_xyz;

@@ -7,9 +7,9 @@
 
 enum {
     // As in half_error.c, tiles represent independent draws of the image. The noise of pixels is
-    // independent, so smaller tiles than there are sufficient.
+    // independent, so tiles may be smaller if otherwise there would be too few.
     TILE_SIDE = 8,
-    TILES_WANTED = 16, // smaller ones where there are fewer
+    TILES_WANTED = 16, // number of tiles below which smaller tiles are chosen
     TILES_MIN = 4,
 };
 
@@ -20,15 +20,16 @@ static const double usual_deviations = 1.959963984540054;
 
 // --- slope ---------------------------------------------------------------------------------------
 
-// Returns the two-sided quantile of the normal distribution.
+// Returns the deviation, in standard deviations, that a normal variable exceeds in absolute value
+// with probability 1 - confidence.
 static double deviations_of(double confidence)
 {
     return stats_t_quantile(0.5 + 0.5 * confidence, 1e9);
 }
 
-// Returns the standard deviation of the logarithm of the estimated error over seeds. Without that
-// it is that of the estimates' intervals, which also include the uncertainty of the denominators;
-// but this is the same in all estimates.
+// Returns the standard deviation, over seeds, of the logarithm of the estimated error. If `spread`
+// is not known, it is derived from the intervals of the estimates. These also include the
+// uncertainty of the denominators, but that is the same in all estimates.
 static double log_deviation(const struct forecast_look *look, double spread)
 {
     if (spread > 0)
@@ -42,16 +43,16 @@ static bool is_usable(const struct forecast_look *look)
            isfinite(look->high);
 }
 
-// A line a + b x, x in doublings, with the covariance of a and b.
+// A line a + b x, where x is in doublings of the samples, with the covariance matrix of a and b.
 struct line {
     double a, b, aa, ab, bb;
 };
 
-// Error estimates share samples: with Gaussian noise the squared difference after 2^k times the
-// samples has the correlation 2^-k with the previous one, which is that of a first-order
-// autoregression. The estimates are whitened one after the other, and a line is fitted to them by
-// least squares (Aitken 1935). If they deviate from the line by more than their intervals, the
-// line's uncertainty is scaled accordingly.
+// Fits a line to error estimates that share samples. With Gaussian noise, the squared difference
+// after 2^k times the samples has the correlation 2^-k with the previous one, like a first-order
+// autoregression. So the estimates are whitened one after the other, and the line is fitted by
+// least squares (Aitken 1935). If the estimates deviate from the line by more than their intervals
+// permit, the line's uncertainty is scaled accordingly.
 static struct line fit(const struct forecast_look *looks, size_t count, double spread)
 {
     double s00 = 0, s01 = 0, s11 = 0, t0 = 0, t1 = 0, tt = 0, before[3] = {0}, x_before = 0;
@@ -85,7 +86,8 @@ static struct line fit(const struct forecast_look *looks, size_t count, double s
     return line;
 }
 
-// Returns the number of the last estimates without a gap between them.
+// Returns how many of the last estimates are usable without an unusable one between them; at most
+// FORECAST_LOOKS_MAX.
 static size_t usable_looks(const struct forecast_params *params)
 {
     size_t usable = 0;
@@ -102,10 +104,9 @@ static struct interval scaled(struct interval i, double factor)
     return (struct interval){i.value * factor, i.low * factor, i.high * factor};
 }
 
-// The forecast continues from the image's own error, for this many doublings. The uncertainty of
-// the slope widens the interval, the more as the errors of the last estimate and of the slope are
-// correlated: with the covariance matrix C of a line, the value at x and the slope have the
-// covariance C_ab + x C_bb.
+// Extrapolates the image's own error by x doublings of the samples. The uncertainty of the slope
+// widens the interval. The errors of the last estimate and of the slope are correlated: if C is the
+// covariance matrix of the line, the value at x and the slope have the covariance C_ab + x C_bb.
 static struct interval go_on(struct interval error, const struct line *line, double x,
                              double doublings)
 {
@@ -117,7 +118,7 @@ static struct interval go_on(struct interval error, const struct line *line, dou
                              value * exp(hypot(log(error.high / error.value), fall))};
 }
 
-// Returns the sum of two numbers whose errors are independent.
+// Returns the sum of two numbers with independent errors.
 static struct interval sum(struct interval a, struct interval b)
 {
     double value = a.value + b.value;
@@ -126,13 +127,14 @@ static struct interval sum(struct interval a, struct interval b)
                              value + hypot(a.high - a.value, b.high - b.value)};
 }
 
-// Between the error estimated from the half-buffers after N samples and the image's error after k N
-// samples, k >= 2, are the deviations of both. With s the root of the sum of pixels' squared errors
-// over their sum, their variances are 2/3 s^2 each for Gaussian noise; at most s^2 and s^2 / k if
-// few samples are bright, of which the image then has k times as many. Together this is at most 3/2
-// s^2. If few pixels determine s it is itself uncertain, for which Student's t allows, with as many
-// degrees of freedom as equal errors for which a sum of squares has the same uncertainty
-// (Satterthwaite 1946).
+// Widens the forecast by the difference between the error estimated from the half-buffers after N
+// samples and the error of the image after k N samples, k >= 2. Both deviate from their
+// expectations. Let s be the square root of the sum of the pixels' squared errors, divided by the
+// sum of their errors. For Gaussian noise each of the two has the variance 2/3 s^2. If only few
+// samples are bright, the variances are at most s^2 and s^2 / k, because the later image has k
+// times as many such samples. In both cases the sum is at most 3/2 s^2. If few pixels determine s,
+// it is itself uncertain. Student's t allows for that, with as many degrees of freedom as a sum of
+// equal errors with the same uncertainty would have (Satterthwaite 1946).
 static struct interval widened(const struct forecast_params *params)
 {
     struct interval error = params->error;
@@ -222,8 +224,8 @@ static bool allow_for_unseen(const struct forecast_bias_params *p, struct interv
     return bias_allow_for_unseen(&params, stays);
 }
 
-// The mean over pixels is a ratio of sums over tiles, whose variance is that of the tiles'
-// differences from it (Cochran 1977, "Sampling Techniques", equation 6.11).
+// The mean over pixels is a ratio of two sums over tiles; its variance follows from the deviations
+// of the tiles from it (Cochran 1977, "Sampling Techniques", equation 6.11).
 bool forecast_find_bias(const struct forecast_bias_params *p, struct forecast_bias *out)
 {
     double value = 0, pixels = 0, values = 0, products = 0, squares = 0, count = 0;

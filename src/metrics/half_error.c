@@ -1,52 +1,55 @@
-// The error of a picture from its two halves, without a reference.
+// Estimates the error of an image from its two halves, without a reference.
 //
-// With A and B the means of two independent halves of the samples, M = (A + B) / 2 the picture and
-// r the true value, the identity
+// Let A and B be the means of two independent halves of the samples, M = (A + B) / 2 the image and
+// r the true value. Then
 //
-//     (M - r)^2 = ((A - B) / 2)^2 + (A - r) (B - r)
+//     (M - r)^2 = ((A - B) / 2)^2 + (A - r) (B - r).
 //
-// says what the halves know: the first term, D^2, is at hand, the second a product of two
-// independent errors, zero on average. So D^2 estimates the error of this very picture, whatever
-// the noise is like: a bright sample that both sides share cancels. The error that other seeds
-// would have on average cannot be had so cheaply: it depends on how rare the brightest samples are,
-// which a picture that lacks them cannot know.
+// The first term, D^2, is known. The second one is a product of two independent errors, so its mean
+// is zero. Hence D^2 estimates the error of this image, whatever the distribution of the noise is:
+// a bright sample increases both sides equally. The expected error over other seeds cannot be
+// estimated that easily: it depends on how rare the brightest samples are, and an image without
+// such samples does not show that.
 //
-// The weight, 1 / (L^2 + epsilon). The mean L around a pixel (local_mean.h) consists of the
-// neighbours' mean S, which the halves of the pixel itself say nothing of, so that numerator and
-// denominator are independent, and of a small part of the pixel's own value r. M would not do for
-// that: a pixel that caught a bright sample has a large D^2 and a large M at once. What does is the
-// median of A, B and S: a bright sample is in one of them, a bright object in both halves. Light
-// that is mostly in one half (an object of few bright samples) leaves r open between the lesser
-// half and M: where a pixel stands out, both ends are carried along, and the interval holds them
-// both. S is noisy as well, and 1 / (S^2 + epsilon) is convex: with V its variance, estimated from
-// the neighbours' D^2, the expectation is to second order (1 + (3 S^2 - epsilon) V / (S^2 +
-// epsilon)^2) / (L^2 + epsilon), by which it is divided where the bracket exceeds 1.
+// The weight of D^2 is 1 / (L^2 + epsilon). L is the mean around the pixel (local_mean.h). It
+// consists of the neighbours' mean S, which is independent of the halves of the pixel itself, so
+// that numerator and denominator are independent, and of the pixel's own value r with a small
+// weight. M is no suitable estimate of r, because a pixel with a bright sample has both a large D^2
+// and a large M. The median of A, B and S is suitable: a bright sample is in one of A and B only, a
+// bright object in both. If most of the light is in one half, as with an object that few bright
+// samples hit, r is only known to be between the lesser half and M. So for pixels that stand out,
+// the error is computed for both ends, and the interval contains both. S is noisy as well, and 1 /
+// (S^2 + epsilon) is convex: if V is the variance of S, estimated from the neighbours' D^2, the
+// expectation is to second order (1 + (3 S^2 - epsilon) V / (S^2 + epsilon)^2) / (L^2 + epsilon).
+// The weight is divided by the first factor if that is above 1.
 //
-// The interval. (A - r) (B - r) has the variance Var A Var B = 4 E[D^2]^2 where the noise is alike
-// in a neighbourhood: the pixel's own D^2 gives one factor, its neighbours' mean the other. A pixel
-// that stands out from them has 4/3 D^4, the unbiased estimate for normal values, or, where that is
-// less, the product (A - S) (B - S): beside a bright sample in A, B is still as near
-// to r as usual. Channels share their noise: their deviations add up, pixels' variances do. The
-// noise of S moves the weights: a pixel's M - r those of all around it, and the noise of all around
-// it its own. The interval is of the logarithm, which a sum of squares is more nearly normal in: a
-// t interval with as many degrees of freedom as equal variances would make a sum as uncertain as
-// the pixels' do (Satterthwaite 1946, "An approximate distribution of estimates of variance
-// components").
+// The interval. (A - r) (B - r) has the variance Var A Var B = 4 E[D^2]^2. If the noise is similar
+// around the pixel, one factor is the pixel's own D^2 and the other the mean D^2 of its neighbours.
+// For a pixel that stands out from its neighbours the variance is 4/3 D^4, the unbiased estimate
+// for normal values, or the square of (A - S) (B - S) if that is less: beside a bright sample in A,
+// B is still as close to r as usual. Channels share their noise, so their standard deviations are
+// added; pixels do not, so their variances are added. The noise of S changes the weights: M - r of
+// a pixel changes those of all pixels around it, and the noise of these changes its own weight. The
+// interval is computed for the logarithm, whose distribution is closer to normal than that of a sum
+// of squares. It is a t interval with as many degrees of freedom as a sum of equal variances with
+// the same uncertainty would have (Satterthwaite 1946, "An approximate distribution of estimates of
+// variance components").
 //
-// Emitters in view that no sample has met. The scene says where an emitter much smaller than a
-// pixel is, how bright, and how large: the light r that its pixel lacks until a sample meets it.
-// Where no pixel that it may be seen in is brighter than the median of its neighbours by half of
-// one such sample, none has, and the picture's error has r^2 / ((p r + L)^2 + epsilon) more than
-// D^2 shows, p being the pixel's part of the window. The bound holds that. small_lights.h has the
-// error of those that samples have met.
+// Emitters in view that no sample has hit. The scene defines the position, radiance and size of an
+// emitter that is much smaller than a pixel, and so the light r that the pixel lacks until a sample
+// hits it. If no pixel in which the emitter may be visible exceeds the median of its neighbours by
+// half of one such sample, none has hit it, and the image's error is larger than D^2 by r^2 / ((p r
+// + L)^2 + epsilon), where p is the pixel's part of the window. The bound includes this.
+// small_lights.h describes the error of emitters that samples have hit.
 //
-// Light that no path has found by chance. Paths that meet a bright emitter by chance add up to F a
-// sample. Where no half differs from the other as if such a path were in it, but for pixels in
-// which an emitter is in view, three may have been expected of all samples (the chance of none is
-// then 5 %), which are light of 3 F / N in the pixels' sum that the picture lacks. Spread so that
-// it does the most, to r of a pixel each, it adds r / ((p r + L)^2 + epsilon) for each unit of
-// light, p being the pixel's part of the window, which is at most 1 / (2 p (L + sqrt(L^2 +
-// epsilon))). The bound holds that; an interval is given where it is small.
+// Light that paths find by chance. The contributions of all paths that hit a bright emitter by
+// chance have the sum F per sample. If in no pixel, except those with an emitter in view, the
+// halves differ by as much as such a path contributes, up to three such paths may have been
+// expected in all samples (with three, the probability of none is 5 %). So the pixels' sum may lack
+// 3 F / N. The error is greatest if this light is distributed so that each pixel that it reaches
+// lacks r; per unit of light it is r / ((p r + L)^2 + epsilon), p being the pixel's part of the
+// window, which is at most 1 / (2 p (L + sqrt(L^2 + epsilon))). The bound includes this; an
+// interval is reported only if it is small.
 #include "base/parallel.h"
 #include "metrics/local_mean.h"
 #include "metrics/metrics.h"
@@ -58,58 +61,63 @@
 enum {
     SAMPLES_MIN = 2,
     PIXELS_MIN = 30,
-    THREADS_MAX = 8, // each has rows of its own
+    THREADS_MAX = 8, // each thread has a window of rows
     TILE_SIDE = 8,
 };
 
 static const double usual_confidence = 0.95;
 
-// A pixel is an outlier when its D^2 is this many times its neighbours': two standard deviations.
+// A pixel stands out if its D^2 is more than this many times the mean of its neighbours, that is,
+// if its deviation is more than twice theirs.
 static const double outlier = 4;
 
-// If the ratio of the interval's ends exceeds the first (a factor of ten either way), or the part
-// of that ratio due to the uncertainty of the pixels' own values exceeds the second, few pixels
-// have nearly all of the error, and only the bound is reported.
+// Limits beyond which few pixels have nearly all of the error, so that only the bound is reported:
+// for the ratio of the interval's ends (a factor of ten in either direction), and for the part of
+// that ratio that is due to the uncertainty of the pixels' own values.
 static const double factor_max = 100, open_max = 10;
 
-// The number of paths that may be expected though none was found: the probability of none is
-// exp(-3) = 5 %.
+// The number of paths that may have been expected though none was found: with this number, the
+// probability of none is exp(-3) = 5 %.
 static const double unseen_paths = 3;
-// A sample with this part of the brightest light F counts as a path that found it: the light may
-// lose three quarters on the path.
+// A contribution of at least this fraction of F, the brightest light, counts as a path that found
+// the light: reflections may absorb three quarters of it.
 static const double seen_part = 0.25;
-// Below this part of the error, unseen light only moves the interval's upper end.
+// Below this fraction of the error, unseen light only increases the upper end of the interval.
 static const double unseen_negligible = 0.1;
 
-// A sum over pixels, and the sum of their squares.
+// The sum of the pixels' variances, and the sum of their squares.
 struct variance {
     double sum, squares;
 };
 
-// Sums over pixels; a pixel's error is a mean over channels.
+// Sums over pixels, where the error of a pixel is the mean over its channels.
 struct tile {
     double error;
-    double least, most; // for the extremes of the weights that the pixels' own values permit
+    // The error with the least and greatest weights that the pixels' own values permit.
+    double least, most;
     double relmse_most;
     double squared;
-    double pixels;            // finite ones
-    struct variance up, down; // variances of `error`
-    struct variance spread;   // for the deviation over seeds, see forecast.c
-    struct variance relmse;   // variance of `relmse_most`
-    double unseen;            // the greatest error that a unit of light may add
+    double pixels; // number of finite pixels
+    // Variance of `error`, for its upper and its lower end.
+    struct variance up, down;
+    // For the standard deviation over seeds, see forecast.c.
+    struct variance spread;
+    struct variance relmse; // variance of `relmse_most`
+    // Sum over pixels of the greatest error that a unit of light may add.
+    double unseen;
     struct small_lights small_lights;
-    double brightest; // the greatest |A - B|
-    double light;     // the greatest |M|
+    // Greatest contribution of one sample, from |A - B|.
+    double brightest;
+    double light; // greatest |M|
 };
 
 struct estimator {
     const struct half_error_params *params;
     uint32_t tile_side, tiles_x, tiles_y;
     struct tile *tiles;
-    struct local_window *windows; // one a thread
+    struct local_window *windows; // one per thread
     unsigned threads;
-    double (
-        *weights)[3]; // weights of pixels, if they are requested instead of the tiles; else NULL
+    double (*weights)[3]; // NULL, or where to store the pixels' weights instead of computing tiles
 };
 
 static uint32_t tiles_along(uint32_t length, uint32_t side)
@@ -136,7 +144,7 @@ static void load_halves(const void *context, uint64_t pixel, struct local_pixel 
     out->part = 1;
 }
 
-// The variance of (A - r) (B - r), as far as the error may be more than D^2, and less.
+// The variance of (A - r) (B - r), separately for errors above D^2 and below it.
 struct product_variance {
     double up, down;
 };
@@ -159,13 +167,14 @@ static double find_noise(float a, float b)
     return difference * difference / 4;
 }
 
-// Returns the mean around a pixel; a pixel without finite neighbours is alone.
+// Returns the mean around a pixel, or the pixel's own value if it has no finite neighbours.
 static double find_near(float a, float b, const struct local_mean *around, int c)
 {
     return around->own < 1 ? around->mean[c] : ((double)a + b) / 2;
 }
 
-// Returns the greatest error of a unit of light that no sample has found, at a mean S.
+// Returns the greatest error per unit of light that no sample has found, for the neighbours' mean
+// `mean` and the pixel's part `own` of the window.
 static double error_of_unseen(double mean, double own)
 {
     double rest = fabs((1 - own) * mean);
@@ -184,8 +193,9 @@ static void join_variances(struct variance *variance, const struct variance *oth
     variance->squares += other->squares;
 }
 
-// Adds what other seeds would change of a pixel whose noise is like that of its neighbours, and
-// what its own value leaves open. Returns the pixel's error.
+// Adds the error of a pixel, its variance and the limits for uncertain weights, assuming that the
+// noise is similar to that of the neighbours unless the pixel stands out. Returns the pixel's
+// error.
 static double add_noise(struct tile *tile, const float a[3], const float b[3],
                         const struct local_mean *around)
 {
@@ -217,7 +227,7 @@ static double add_noise(struct tile *tile, const float a[3], const float b[3],
     return error;
 }
 
-// Adds what the pixel has, whatever its noise is like.
+// Adds the quantities of a pixel that do not depend on the model of its noise.
 static void add_light(struct tile *tile, const struct half_error_params *params, uint64_t pixel,
                       const struct local_mean *around)
 {
@@ -225,7 +235,7 @@ static void add_light(struct tile *tile, const struct half_error_params *params,
     const uint8_t *emitter_in_view = params->unseen.emitter_in_view;
     double samples = half_error_samples(params, pixel);
     for (int c = 0; c < 3; c++) {
-        // Light in one half only has been divided by that half's samples.
+        // If one half alone has the light, it was divided by that half's number of samples.
         double of_sample = fabs((double)a[c] - b[c]) * samples / 2;
         tile->squared += find_noise(a[c], b[c]) / 3;
         tile->unseen += error_of_unseen(around->mean[c], around->own) / fmax(samples, 1);
@@ -236,7 +246,7 @@ static void add_light(struct tile *tile, const struct half_error_params *params,
     tile->pixels++;
 }
 
-// `light`: a small emitter in view, or NULL.
+// Adds a pixel. `light` is the small emitter that is visible in it, or NULL.
 static void add_pixel(struct tile *tile, const struct half_error_params *params, uint64_t pixel,
                       const struct small_light *light, const struct local_mean *around)
 {
@@ -251,7 +261,7 @@ static void add_pixel(struct tile *tile, const struct half_error_params *params,
     add_variance(&tile->spread, error * error);
 }
 
-// Computes the weights of a pixel's D^2 that add_noise() uses.
+// Computes the weights of a pixel's D^2, as add_noise() does.
 static void find_weights(const float a[3], const float b[3], const struct local_mean *around,
                          double out[3])
 {
@@ -299,7 +309,8 @@ static void add_tiles(void *context, size_t begin, size_t end, unsigned thread)
 
 static void add_pixels(struct estimator *estimator)
 {
-    // Each part begins with rows of the previous one.
+    // The window of each part is filled with rows of the previous part first, so parts should not
+    // be too small.
     size_t parts = (size_t)estimator->threads * 4;
     parallel_for(estimator->tiles_y, (estimator->tiles_y + parts - 1) / parts, estimator->threads,
                  add_tiles, estimator);
@@ -328,13 +339,13 @@ static struct tile sum_tiles(const struct estimator *estimator)
     return total;
 }
 
-// Returns the number of equal terms with the same relative uncertainty.
+// Returns the number of equal terms whose sum would have the same relative uncertainty.
 static double terms_of(const struct variance *variance)
 {
     return fmax(variance->sum * variance->sum / variance->squares, 1);
 }
 
-// Returns the quantile of the error's deviation, relative to the error.
+// Returns the given quantile of the error's deviation, divided by the error.
 static double relative_uncertainty(double error, const struct variance *variance, double quantile)
 {
     if (!(variance->sum > 0) || !(error > 0))
@@ -342,7 +353,7 @@ static double relative_uncertainty(double error, const struct variance *variance
     return sqrt(variance->sum) / error * stats_t_quantile(quantile, terms_of(variance));
 }
 
-// The mean error and relMSE that light may add which no sample has found.
+// The greatest mean error and relMSE due to light that no sample has found.
 struct unseen {
     double error, relmse;
 };
@@ -364,11 +375,11 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     const struct half_error_params *params = estimator->params;
     struct tile total = sum_tiles(estimator);
     if ((uint64_t)params->width * params->height < PIXELS_MIN)
-        out->reason = "the picture has fewer than 30 pixels";
+        out->reason = "the image has fewer than 30 pixels";
     else if (total.pixels < PIXELS_MIN)
         out->reason = "fewer than 30 pixels are finite in both halves";
     else if (!(total.light > 0))
-        out->reason = "every sample so far is black";
+        out->reason = "all samples so far are black";
     if (out->reason)
         return;
     double confidence = params->confidence > 0 ? params->confidence : usual_confidence;
@@ -377,7 +388,8 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     double down = exp(relative_uncertainty(total.error, &total.down, two_sided));
     double bound = exp(relative_uncertainty(total.error, &total.up, confidence));
     const struct light_errors *lights = &total.small_lights.error;
-    // Few pixels dominate relMSE: a factor exp(uncertainty) would soon exceed what is possible.
+    // The bound of relMSE is linear: few pixels dominate relMSE, and a factor exp(uncertainty)
+    // would soon exceed what is possible.
     double relmse_most =
         total.relmse_most + light_errors_most(&total.small_lights.relmse, confidence);
     double relmse_bound = 1 + relative_uncertainty(relmse_most, &total.relmse, confidence);
@@ -395,11 +407,11 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     out->ci_low = (total.least + light_errors_least(lights, two_sided)) / total.pixels / down;
     out->ci_high = most / total.pixels * up + unseen.error;
     if (lights->unmet > total.error)
-        out->reason = "no sample has met some small light that is in view";
+        out->reason = "no sample has hit a small emitter that is in view";
     else if (unseen.error > unseen_negligible * out->local_relmse)
-        out->reason = "no sample has found the brightest light that chance may find";
+        out->reason = "no path has found the brightest light that is found by chance alone";
     else if (!(out->ci_high <= factor_max * out->ci_low && total.most <= open_max * total.least))
-        out->reason = "few pixels carry most of it";
+        out->reason = "few pixels have most of the error";
     out->known = !out->reason;
     out->bounded = isfinite(out->at_most);
 }
@@ -443,7 +455,7 @@ bool metrics_half_error(const struct half_error_params *params, struct half_erro
         return true;
     }
     if (params->width == 0 || params->height == 0) {
-        out->reason = "the picture has no pixels";
+        out->reason = "the image has no pixels";
         return true;
     }
     struct estimator estimator;

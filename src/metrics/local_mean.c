@@ -1,6 +1,6 @@
-// The Gaussian is separable: each row has sums down the columns around it, and a pixel adds the
-// columns around it. The sum over neighbours is computed without the pixel: subtracting a very
-// bright pixel would leave its rounding error.
+// The Gaussian is separable: for each row, sums down the columns are computed, and each pixel adds
+// the sums of the columns around it. The neighbours' sum never includes the pixel itself, because
+// subtracting a very bright pixel afterwards would leave its rounding error.
 #include "metrics/local_mean.h"
 
 #include "metrics/metrics.h"
@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Weighted sums. The squares of the weights are for the variance of the mean.
+// Weighted sums of one column. The sums with squared weights give the variance of the mean.
 struct local_column {
     double mean[3], noise[3], mean_noise[3];
     double part;
 };
 
-// exp(-d² / (2 1.5²)) for d = 0 to 5, not scaled.
+// exp(-d^2 / (2 1.5^2)) for d = 0 … 5, not normalised.
 static const double gaussian[LOCAL_REACH + 1] = {
     1,
     0.8007374029168081,
@@ -52,7 +52,7 @@ void local_window_finish(struct local_window *window)
     free(window->others);
 }
 
-// Returns the first row with an influence on row y.
+// Returns the first row in the window of row y.
 static uint32_t first_row(uint32_t y)
 {
     return y > LOCAL_REACH ? y - LOCAL_REACH : 0;

@@ -1,11 +1,12 @@
 // Schedules the interim tests of a render with an error limit.
 //
-// The error decreases at least as 1 / N with N samples, and at most as N^(-3/2), the rate of
-// stratification where edges cross pixels (Mitchell 1996, "Consequences of Stratified Sampling in
-// Graphics"). The next test is where the faster rate would bring the bound to the limit: a test too
-// early is better than unnecessary samples. Few tests are needed: each leaves at most a third of
-// the way, in logarithms, and the distance to the next is at least a sixteenth of the samples,
-// which is the greatest fraction of unnecessary samples.
+// With N samples the error decreases at least as 1 / N, and at most as N^(-3/2), the rate of
+// stratified sampling where edges cross pixels (Mitchell 1996, "Consequences of Stratified Sampling
+// in Graphics"). The next test is at the number of samples at which the faster rate would bring the
+// bound down to the limit, because a test too early costs less than unnecessary samples. Few tests
+// are needed: each leaves at most a third of the distance to the limit, in logarithms. Successive
+// tests are at least a sixteenth of the samples apart, which limits the unnecessary samples to that
+// fraction.
 #include "metrics/metrics.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-// Compares bits: 0 and -0 differ, and a NaN is equal to itself.
+// Compares bits: 0 differs from -0, and a NaN is equal to the same NaN.
 static bool is_same(const float a[3], const float b[3])
 {
     uint32_t a_bits[3], b_bits[3];
@@ -58,7 +58,7 @@ bool metrics_compare(const float (*image)[3], const float (*reference)[3], uint6
             }
         }
     }
-    // Without finite pixels the error is not known; 0 would mean equality.
+    // If no pixel is finite, the error is not known; 0 would mean that the images are equal.
     double values = 3 * (double)(pixel_count - out->nonfinite);
     out->mse = values > 0 ? squares / values : NAN;
     out->relmse = values > 0 ? relative_squares / values : NAN;

@@ -1,6 +1,6 @@
-// Error metrics between images and error estimates from half-buffers. Plain arrays in, numbers out.
-// All sums in double. Arrays are interleaved RGB, width * height pixels, and the caller's. Any
-// thread may call.
+// Error metrics between images, and error estimates from half-buffers. The functions work on plain
+// arrays that the caller owns: width * height pixels, interleaved RGB. All sums are in double
+// precision. Any thread may call.
 #ifndef LAMPYRIS_METRICS_METRICS_H
 #define LAMPYRIS_METRICS_METRICS_H
 
@@ -14,30 +14,31 @@
 #define METRICS_SMAPE_EPSILON 1e-6
 
 struct metrics {
-    // The first five are NaN if no pixel is finite.
+    // mse to psnr are NaN if no pixel is finite.
     double mse;    // mean over pixels and channels of (x - r)^2
-    double rmse;   // its square root
-    double relmse; // mean (x - r)^2 / (r^2 + 1e-2), per channel
-    double smape;  // mean 2 |x - r| / (|x| + |r| + 1e-6), per channel; rewards what is too dark
-    double psnr;   // metrics_psnr() of display values without exposure
-    double max;    // greatest |x - r|
-    uint64_t max_pixel; // its pixel index
-    uint64_t nonfinite; // pixels with a non-finite value in either image, left out of the above
-    uint64_t differing; // pixels that are not bit-equal
+    double rmse;   // square root of mse
+    double relmse; // mean over pixels and channels of (x - r)^2 / (r^2 + 1e-2)
+    // Mean over pixels and channels of 2 |x - r| / (|x| + |r| + 1e-6), which favours dark images.
+    double smape;
+    double psnr;        // metrics_psnr() at exposure 0, dB
+    double max;         // greatest |x - r| of a channel
+    uint64_t max_pixel; // index of the pixel with that difference
+    uint64_t nonfinite; // pixels that are not finite in either image; they are omitted above
+    uint64_t differing; // pixels whose bits differ
 };
 
-// progress: NULL, or the listener that may request a stop. Returns false then, and *out is
-// incomplete.
+// Compares an image x with a reference r. `progress` may be NULL. Returns false if it requests a
+// stop; *out is then incomplete.
 bool metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
                      const struct progress *progress, struct metrics *out);
 
-// Returns the peak signal-to-noise ratio, dB, of displayed values: multiplied by 2^stops, clamped
-// to [0, 1] and sRGB-encoded, so that the peak is 1. +inf if these are equal, NaN without finite
-// pixels and if `progress`, which may be NULL, requests a stop.
+// Returns the peak signal-to-noise ratio, in dB, of display values: linear values multiplied by
+// 2^stops, clamped to [0, 1] and sRGB-encoded, so that the peak is 1. Returns +inf if the display
+// values are equal, NaN if no pixel is finite or if `progress` (which may be NULL) requests a stop.
 double metrics_psnr(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
                     double exposure_stops, const struct progress *progress);
 
-// The map ERROR_MAP_RELATIVE (error_map.h) in false colours, display-encoded.
+// Computes the map ERROR_MAP_RELATIVE (error_map.h) in false colours, as display values.
 void metrics_difference_picture(const float (*image)[3], const float (*reference)[3],
                                 uint64_t pixel_count, float (*out)[3]);
 
@@ -45,67 +46,74 @@ struct error_intervals {
     struct interval mse, relmse, local_relmse;
 };
 
-// Computes 95 % intervals by Student's t over tiles of 16 x 16 pixels (smaller ones if there would
-// be fewer than 16), whose errors are assumed to be independent: they show how much the error would
-// change with the noise of other seeds. Differences between parts of the image widen them. NaN if
-// fewer than two tiles have finite pixels. `means`: of metrics_local_means(). Returns false if
-// `progress`, which may be NULL, requests a stop; nothing is known then.
+// Computes 95 % confidence intervals by Student's t over tiles of 16 x 16 pixels, or smaller ones
+// if there would be fewer than 16. The errors of tiles are assumed to be independent. The intervals
+// show how much an error would vary over seeds; differences between parts of the image widen them.
+// They are NaN if fewer than two tiles have finite pixels. `means` comes from
+// metrics_local_means(). Returns false if `progress` (which may be NULL) requests a stop; *out is
+// then not valid.
 bool metrics_intervals(const float (*image)[3], const float (*reference)[3],
                        const float (*means)[3], uint32_t width, uint32_t height,
                        const struct progress *progress, struct error_intervals *out);
 
 // --- local relMSE -------------------------------------------------------------------------------
-// The error relative to the brightness around a pixel: mean (x - r)^2 / (L^2 + 1e-2) over pixels
-// and channels, L being the mean of r around the pixel by a Gaussian of 1.5 pixels (local_mean.h).
-// Where r is even it equals relMSE. Unlike relMSE it can be estimated without a reference: a render
-// knows little of a pixel's own value until it is done, but soon enough of the pixels around it.
+// The local relMSE is the error relative to the brightness around a pixel: the mean of (x - r)^2 /
+// (L^2 + 1e-2) over pixels and channels, where L is the mean of r around the pixel by a Gaussian of
+// 1.5 pixels (local_mean.h). If r is constant, it equals relMSE. Unlike relMSE it can be estimated
+// without a reference: a pixel's own value is uncertain until the render is finished, but the mean
+// of the pixels around it is known early.
 
 // Computes L of each pixel, for metrics_local_relmse(). Returns false when out of memory, or if
-// `progress`, which may be NULL, requests a stop.
+// `progress` (which may be NULL) requests a stop.
 bool metrics_local_means(const float (*reference)[3], uint32_t width, uint32_t height,
                          const struct progress *progress, float (*out)[3]);
-// `means`: of metrics_local_means(). NaN when no pixel is finite.
+// Returns the local relMSE, or NaN if no pixel is finite. `means` comes from metrics_local_means().
 double metrics_local_relmse(const float (*image)[3], const float (*reference)[3],
                             const float (*means)[3], uint64_t pixel_count);
 
-// The local relMSE of (A + B) / 2, estimated from two independent half-buffers: the error of this
-// image itself, not the expected one over other seeds. It is blind to bias.
+// The local relMSE of the image (A + B) / 2, estimated from two independent half-buffers A and B:
+// the error of this image, not its expectation over seeds. It does not include bias.
 struct half_error {
-    // The error has an interval: with two samples or more, unless few pixels have nearly all of it,
-    // light may still be missing, or the image is black. With only a bound the estimate is given,
-    // too.
+    // Whether the error has an interval. It has none with fewer than two samples, if few pixels
+    // have nearly all of the error, if light may still be missing, or if the image is black. The
+    // estimate is valid if `bounded` is set, even without an interval.
     bool known;
-    bool bounded;       // whether at_most and relmse_at_most are finite
-    const char *reason; // why not known; NULL when known
+    bool bounded;       // at_most and relmse_at_most are finite
+    const char *reason; // why there is no interval; NULL if `known`
     double local_relmse;
-    double ci_low, ci_high; // with the requested confidence; derived in half_error.c
-    double at_most;         // the upper end of a one-sided interval of the same confidence
-    double relmse_at_most;  // the same bound for relMSE
+    // The interval of local_relmse with the requested confidence; derived in half_error.c.
+    double ci_low, ci_high;
+    double at_most;        // upper end of the one-sided interval of the same confidence
+    double relmse_at_most; // the same for relMSE
     double mse;
-    // The relative deviation of the errors of images with other seeds, and the number of pixels of
-    // equal noise in this estimate, at least one: see forecast.c. 0 if there is no error.
+    // The standard deviation of the errors of images with other seeds, relative to the error, and
+    // the number (at least 1) of pixels of equal noise that would make this estimate as uncertain;
+    // see forecast.c. Both are 0 if there is no error.
     double spread, spread_terms;
 };
 
-// One or several emitters in a pixel that cover little of it: samples hit them by chance. Until one
-// does, the halves do not know of it.
+// One or several emitters that cover only a small part of a pixel, so that samples hit them by
+// chance. Until a sample hits them, the half-buffers do not show them.
 struct small_light {
-    uint32_t x, y;     // the pixel of its middle
-    float radius;      // pixels from there in which samples may meet it: its own size, filter, lens
-    float part;        // the total fraction of a pixel that it covers, which is the fraction of a
-                       // pixel's samples that would hit it if it were all in this one
+    uint32_t x, y; // pixel that contains the centre
+    // Distance in pixels from the centre at which samples may hit it, due to its size, the pixel
+    // filter and the lens.
+    float radius;
+    // Fraction of a pixel that it covers, or the expected number of hits per sample if all of its
+    // light were in this pixel.
+    float part;
     float radiance[3]; // radiance of a sample that hits it
 };
 
-// Light that may still be missing in an image; all 0: nothing is known.
+// Light that an image may still lack. All members are 0 if nothing is known about it.
 struct unseen_light {
-    // The greatest radiance of a channel that a path may find by chance alone; 0: none, shadow rays
-    // find all light. The bounds include it until a sample has found such light.
+    // The greatest radiance, in a channel, that a path may find by chance alone; 0 if shadow rays
+    // find all light. The bounds include this light until a sample has found it.
     double by_chance;
-    // For each pixel, whether an emitter may be directly visible there, so that brightness does not
-    // indicate light that a path has found by chance. NULL: nowhere.
+    // For each pixel, whether an emitter may be directly visible there; such a pixel may be bright
+    // without a path that has found light by chance. NULL: no emitter is visible.
     const uint8_t *emitter_in_view;
-    // Sorted by rows, then by columns; at most one per pixel.
+    // Small emitters, sorted by rows and then by columns; at most one per pixel.
     const struct small_light *small;
     size_t small_count;
 };
@@ -114,52 +122,53 @@ struct half_error_params {
     const float (*half_a)[3];
     const float (*half_b)[3];
     uint32_t width, height;
-    // Samples per pixel, both halves together; the mean if pixels have different counts. Both
-    // halves of a pixel must have the same number (or differ by one, if there are many).
+    // Samples per pixel of both halves together; the mean if the counts differ between pixels. In
+    // each pixel both halves must have equal numbers of samples; a difference of one is permitted
+    // if they have many.
     uint64_t samples;
-    const uint32_t *counts; // a pixel's samples, where they differ; NULL: `samples` of each
-    double confidence;      // confidence of the interval, in [0.5, 1); 0: 0.95
+    const uint32_t *counts; // samples of each pixel if they differ; NULL: `samples`
+    double confidence;      // confidence of the interval, in [0.5, 1); 0 means 0.95
     struct unseen_light unseen;
 };
 
-// Estimates the error as mean (A-B)^2 / 4 over L^2 + 1e-2: half_error.c derives it. Non-finite
-// pixels are omitted. Uses several threads; the result does not depend on their number. Returns
-// false only when out of memory.
+// Estimates the local relMSE as the mean of (A - B)^2 / 4 / (L^2 + 1e-2), as derived in
+// half_error.c. Pixels that are not finite are omitted. Uses several threads; the result does not
+// depend on their number. Returns false only when out of memory.
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out);
 
-// Computes what each tile adds to the local relMSE, a pixel, as above. Tiles of side x side pixels
-// in rows from the top, those at the right and lower edge are smaller; 0 where no pixel can be
-// judged.
+// Computes for each tile its contribution to the estimated local relMSE, per pixel of the tile.
+// Tiles have side x side pixels, in rows from the top; those at the right and lower edges are
+// smaller. The result is 0 if no pixel of the tile can be evaluated.
 bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, double *out);
 
-// Computes the weights by which metrics_half_error() adds a pixel's (A-B)^2 / 4 up, but for pixels
-// with a small emitter in view: the sum over channels is the pixel's error. 0 where a pixel is not
-// finite.
+// Computes the weights that metrics_half_error() applies to (A - B)^2 / 4, for each pixel and
+// channel: their weighted sum over channels is the error of the pixel, except where a small emitter
+// is in view. The weights are 0 for pixels that are not finite.
 bool metrics_half_error_weights(const struct half_error_params *params, double (*out)[3]);
 
 // --- when to stop -------------------------------------------------------------------------------
-// A render that ends when its error is small enough stops at the first look whose one-sided bound,
-// half_error.at_most of LOOKS_CONFIDENCE, is below the limit. Several looks may err where one may,
-// but they share their samples, and are taken near the end: over the scenes of docs/convergence.md
-// ("When --error stops") they err in fewer than 5 % of renders together. Where looks are depends on
-// the errors that were seen and on nothing else, so that a render stops at the same sample on any
-// machine.
+// A render with an error limit stops at the first interim test at which half_error.at_most, with
+// the confidence LOOKS_CONFIDENCE, is below the limit. Each of several tests may err, but they
+// share samples and take place near the end: over the scenes of docs/convergence.md ("When --error
+// stops") all tests of a render together err in fewer than 5 % of renders. The tests' places depend
+// only on the estimated errors, so that a render stops at the same sample on any machine.
 #define LOOKS_FIRST 2u
 #define LOOKS_CONFIDENCE 0.95
-// Numbers of samples are multiples of `unit`: of 2, so that both halves have equal numbers, or of
-// rounds. Returns the number of samples at the first interim test, for a render that has `done`
-// samples.
+// Returns the number of samples at the first test of a render that has `done` samples already. It
+// is a multiple of `unit`, which is 2, so that both halves have equal numbers, or the samples of a
+// round.
 uint64_t looks_first(uint64_t done, uint64_t unit);
-// Returns the number of samples at the interim test after that at `done` samples, whose bound was
-// `excess` times the limit; INFINITY if there was no bound.
+// Returns the number of samples at the next test. At the previous test, at `done` samples, the
+// bound was `excess` times the limit; INFINITY if there was no bound.
 uint64_t looks_next(uint64_t done, double excess, uint64_t unit);
 
 // --- statistics ---------------------------------------------------------------------------------
-// Quantile of Student's t, p in (0, 1), degrees of freedom >= 1; NaN outside of that. The relative
-// error is <= 1e-6 for p >= 1e-150 and up to 1e9 degrees of freedom.
+// Returns the quantile of Student's t for p in (0, 1) and at least one degree of freedom; NaN
+// outside of these ranges. The relative error is at most 1e-6 for p >= 1e-150 and up to 1e9 degrees
+// of freedom.
 double stats_t_quantile(double p, double degrees_of_freedom);
-// Computes mean and unbiased variance (two-pass). NaN without values; the variance also for a
-// single value.
+// Computes the mean and the unbiased variance in two passes. Both are NaN without values; the
+// variance is NaN for a single value, too.
 void stats_mean_variance(const double *values, size_t count, double *mean, double *variance);
 
 #endif

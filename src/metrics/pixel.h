@@ -1,4 +1,4 @@
-// Functions of one pixel for the metrics.
+// Functions of a single pixel for the metrics.
 #ifndef LAMPYRIS_METRICS_PIXEL_H
 #define LAMPYRIS_METRICS_PIXEL_H
 
@@ -10,8 +10,8 @@ static inline bool pixel_is_finite(const float pixel[3])
     return isfinite(pixel[0]) && isfinite(pixel[1]) && isfinite(pixel[2]);
 }
 
-// Returns what a display shows of linear light: clamped to [0, 1], through the transfer function of
-// sRGB (IEC 61966-2-1).
+// Returns the display value of a linear value: clamped to [0, 1] and encoded by the transfer
+// function of sRGB (IEC 61966-2-1).
 static inline double display_value(double linear)
 {
     double x = fmin(fmax(linear, 0), 1);

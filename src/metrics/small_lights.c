@@ -2,16 +2,17 @@
 
 #include <math.h>
 
-// If this many samples should have hit an emitter, and none has, it is occluded or smaller than
-// assumed. The probability of none is exp(-7) = .1 %.
+// If this many samples were expected to hit an emitter and none has, it is assumed to be occluded
+// or smaller than it seems. Otherwise the probability of no hit would be exp(-7) = .1 %.
 static const double expected_max = 7;
 
-// A blurred emitter may be visible in many pixels. Up to this radius each of them is tested, beyond
-// it a lattice of as many: with more, judging an image of 16,384 blurred lamps took 4 s.
+// A blurred emitter may be visible in many pixels. Each of them is tested up to this radius in
+// pixels, and a lattice of equally many beyond it: testing all of them took 4 s for an image with
+// 16,384 blurred lamps.
 enum { LOOK_REACH = 16 };
 
-// A sample that has hit an emitter adds at least this part of its radiance: the pixel filter and
-// the emitter's edge may reduce it.
+// A sample that hits an emitter contributes at least this fraction of its radiance: the pixel
+// filter and the emitter's edge may reduce it.
 static const double met_part = 0.5;
 
 double half_error_samples(const struct half_error_params *params, uint64_t pixel)
@@ -40,7 +41,8 @@ static double mean_at(const struct half_error_params *params, uint64_t pixel, in
 }
 
 // Estimates the background of an emitter: the median of the surrounding pixels, the lesser of the
-// two central ones. A mean would include the emitter's own blurred neighbours.
+// two central ones. A mean would include the emitter's own light in neighbours that it is blurred
+// into.
 static double find_background(const struct half_error_params *params, uint32_t x, uint32_t y, int c)
 {
     double values[8];
@@ -59,8 +61,9 @@ static double find_background(const struct half_error_params *params, uint32_t x
     return count > 0 ? values[(count - 1) / 2] : 0;
 }
 
-// Returns whether some pixel in which the light may be visible is as bright as one sample of it.
-// Hits in pixels beside the lattice are not noticed.
+// Returns whether a sample has hit the emitter: whether some pixel in which it may be visible
+// exceeds its background by at least one sample. Hits in pixels between the lattice's points are
+// not detected.
 static bool is_met(const struct half_error_params *params, const struct small_light *light)
 {
     int c = light->radiance[0] >= light->radiance[1] ? 0 : 1;
@@ -81,14 +84,14 @@ static bool is_met(const struct half_error_params *params, const struct small_li
     return false;
 }
 
-// Returns the number of pixels in which a light may be visible, each with an equal part of it.
+// Returns the number of pixels over which an emitter's light is assumed to be distributed evenly.
 static double pixels_of(const struct small_light *light)
 {
     return fmax(M_PI * (double)light->radius * (double)light->radius, 1);
 }
 
-// Adds the light of small emitters in a row of the window around one of them, by the window's
-// weights.
+// Adds the light of the other small emitters in row y of the window around `light`, with the
+// window's weights.
 static void add_lights_of_row(const struct unseen_light *unseen, const struct small_light *light,
                               uint32_t y, double sums[3])
 {
@@ -102,8 +105,9 @@ static void add_lights_of_row(const struct unseen_light *unseen, const struct sm
     }
 }
 
-// Returns the mean around a pixel, with the known light of small emitters instead of the samples
-// that happened to hit them, if that is less. A mean that is too high would make errors seem small.
+// Returns the mean around a pixel. The known light of small emitters replaces the samples that
+// happened to hit them if that lowers the mean, because a mean that is too high makes errors seem
+// small.
 static struct local_mean find_known_mean(const struct half_error_params *params,
                                          const struct small_light *light,
                                          const struct local_mean *around)
@@ -111,7 +115,8 @@ static struct local_mean find_known_mean(const struct half_error_params *params,
     struct local_mean mean = *around;
     if (!(around->own < 1))
         return mean;
-    double sums[3] = {0}, weights = (1 - around->own) / around->own; // the neighbours'; own: 1
+    // Total weight of the neighbours, if that of the pixel is 1.
+    double sums[3] = {0}, weights = (1 - around->own) / around->own;
     uint32_t top = light->y > LOCAL_REACH ? light->y - LOCAL_REACH : 0;
     for (uint32_t y = top; y <= light->y + LOCAL_REACH && y < params->height; y++)
         add_lights_of_row(&params->unseen, light, y, sums);
@@ -140,7 +145,7 @@ static void add_unmet(struct small_lights *sums, const struct half_error_params 
 static void add_pixel(struct light_errors *sums, const struct light_errors *pixel)
 {
     sums->expected += pixel->expected;
-    sums->squares += pixel->expected * pixel->expected; // channels share their hits
+    sums->squares += pixel->expected * pixel->expected; // all channels share the same hits
     sums->told += pixel->told;
     sums->open += pixel->open;
 }
@@ -201,14 +206,14 @@ void small_lights_join(struct small_lights *sums, const struct small_lights *oth
     join(&sums->relmse, &other->relmse);
 }
 
-// Returns the number of equal terms whose sum has the same deviation as the sum of the expected
-// errors.
+// Returns the number of equal terms whose sum would have the same relative deviation as the sum of
+// the expected errors.
 static double find_terms(const struct light_errors *errors)
 {
     return fmax(errors->expected * errors->expected / errors->squares, 1);
 }
 
-// Returns the quantile of a mean of squares of this many normal values, relative to its expectation
+// Returns the quantile of a mean of `terms` squared normal variables, relative to its expectation
 // (Wilson and Hilferty 1931, "The distribution of chi-square").
 static double find_mean_quantile(double quantile, double terms)
 {
@@ -216,8 +221,8 @@ static double find_mean_quantile(double quantile, double terms)
     return pow(1 - part + stats_t_quantile(quantile, 1e9) * sqrt(part), 3);
 }
 
-// Returns the quantile of the ratio of two such means (Cacoullos 1965, "A relation between t and
-// F-distributions").
+// Returns the quantile of the ratio of two such means with equal numbers of terms (Cacoullos 1965,
+// "A relation between t and F-distributions").
 static double find_ratio_quantile(double quantile, double terms)
 {
     double t = stats_t_quantile(quantile, terms) / sqrt(terms), root = t + hypot(t, 1);

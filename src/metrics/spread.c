@@ -11,8 +11,9 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-// Returns how many values may be omitted at either end: the greatest k with 2 P(X < k) <= 5 %,
-// where X, the number of `count` values below the median, is binomial with 1/2. 0: not even none.
+// Returns the number k of values that may be left out at either end: the greatest k with 2 P(X < k)
+// <= 5 %, where X, the number of `count` values below the median, is binomial with probability 1/2.
+// Returns 0 if even the extreme values do not enclose the median with 95 %.
 static size_t rank_of_end(size_t count)
 {
     double n = (double)count, sum = 0.0;
@@ -49,7 +50,7 @@ bool spread_median(const double *values, size_t count, struct interval *out)
 }
 
 struct log_moments {
-    double mean, error; // variance of the mean
+    double mean, error; // mean of the logarithms, and the variance of that mean
 };
 
 static bool take_logs(struct spread_set set, struct log_moments *out)

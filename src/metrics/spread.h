@@ -1,19 +1,19 @@
-// Statistics of repeated timings, which are positive, skewed, and now and then far too long. Plain
-// arrays in, numbers out; any thread may call.
+// Statistics of repeated timings, which are positive and skewed, and some of which are far too
+// long. The functions work on plain arrays; any thread may call them.
 #ifndef LAMPYRIS_METRICS_SPREAD_H
 #define LAMPYRIS_METRICS_SPREAD_H
 
 #include "metrics/curve.h"
 
-// The median, with the order statistics between which it lies in at least 95 % of cases whatever
-// the values' distribution (David and Nagaraja 2003, Order Statistics, equation 7.1.2): the ends
-// are not known with fewer than six values. None is known where one of them is not finite. False
-// only when out of memory.
+// Computes the median, with the order statistics that enclose it with a probability of at least 95
+// % for any distribution (David and Nagaraja 2003, "Order Statistics", equation 7.1.2). With fewer
+// than six values the interval is not known (NAN); if a value is not finite, nothing is. Returns
+// false only when out of memory.
 bool spread_median(const double *values, size_t count, struct interval *out);
 
-// The ratio of two independent sets of positive values, by the means of their logarithms, with
-// Welch's (1947) interval at this confidence. Not known with fewer than two values in either, or
-// with one that is not positive.
+// The ratio of two independent sets of positive values: of their geometric means, with Welch's
+// interval (1947) of the logarithms at the given confidence. The result is not known (NAN) if a set
+// has fewer than two values or one that is not positive.
 struct spread_set {
     const double *values;
     size_t count;

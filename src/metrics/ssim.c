@@ -7,7 +7,7 @@
 
 enum { RADIUS = 5, SIDE = 2 * RADIUS + 1 };
 
-// BT.709 luma of display values.
+// Returns the BT.709 luma of display values.
 static double luma(const float pixel[3])
 {
     double shown[3];
@@ -49,14 +49,15 @@ static double similarity(const struct moments *m)
     return (2 * a * b + c1) * (2 * covariance + c2) / ((a * a + b * b + c1) * (var_a + var_b + c2));
 }
 
-// Computes the window's weights along one axis, not normalised: similarity() divides.
+// Computes the window's weights along one axis. They are not normalised, because similarity()
+// divides by their sum.
 static void fill_window(double window[SIDE])
 {
     for (int i = -RADIUS; i <= RADIUS; i++)
         window[i + RADIUS] = exp(-i * i / (2 * 1.5 * 1.5));
 }
 
-// Computes sums along a row, for each of its pixels.
+// Computes, for each pixel of a row, the weighted sums along the row.
 static void sum_row(const struct picture_pair *p, const double (*values)[2], uint32_t y,
                     const double window[SIDE], struct moments *out)
 {
@@ -72,13 +73,14 @@ static void sum_row(const struct picture_pair *p, const double (*values)[2], uin
     }
 }
 
-// Returns false when stopped. A row takes hundreds of operations per pixel, so each row polls.
+// Adds the similarities of all pixels. Returns false when stopped. A row takes hundreds of
+// operations per pixel, so `progress` is asked at each row.
 static bool sum_similarities(const struct picture_pair *p, const double (*values)[2],
                              const struct progress *progress, struct moments *rows, double *out)
 {
     double window[SIDE], sum = 0;
     fill_window(window);
-    uint32_t summed = 0; // rows of which `rows`, a ring of SIDE, holds the last
+    uint32_t summed = 0; // number of rows summed so far; `rows` is a ring of the last SIDE of them
     for (uint32_t y = 0; y < p->height; y++) {
         if (progress_should_stop(progress))
             return false;

@@ -179,8 +179,8 @@ class Outlook(Checks):
 
     def test_why_it_is_a_bound(self):
         """Caustics that no sample has met are in no finding, but the outlook allows for them."""
-        self.assertRegex(self.lines(0.01), 'takes at most [0-9]{6} spp, .*; at most, since no sample '
-                         'has found the brightest light that chance may find\n$')
+        self.assertRegex(self.lines(0.01), 'takes at most [0-9]{6} spp, .*; at most, since no path '
+                         'has found the brightest light that is found by chance alone\n$')
         self.assertRegex(self.lines(0.1), 'takes about [0-9]{4} spp, .* on the device\n$')
 
 

@@ -505,7 +505,7 @@ TEST(small_and_odd_pictures)
         fill(&picture, flat_content, exponential_noise, 64, &random);
         struct half_error error = estimate(&picture, 64);
         uint32_t pixels = sizes[i][0] * sizes[i][1];
-        CHECK(pixels >= 30 || (!error.known && strstr(error.reason, "the picture has fewer")),
+        CHECK(pixels >= 30 || (!error.known && strstr(error.reason, "the image has fewer")),
               "%u pixels: %s", pixels, error.reason ? error.reason : "known");
         CHECK(pixels < 1000 || (error.known && error.ci_low < error.ci_high), "%u pixels", pixels);
         picture_finish(&picture);
