@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-// The limits are far below those that Vulkan guarantees, because the images are small.
+// The limits of the variants are far below those that Vulkan guarantees, because the images are
+// small.
 // clang-format off
 const struct bits_variant bits_variants[] = {
     {"again", {0}},
@@ -63,7 +64,8 @@ static bool render_split(struct renderer *r, const struct bits_variant *variant,
            render_samples(r, BITS_SAMPLES - first[0] - first[1], err);
 }
 
-// With lowered limits the film must need several buffers, whatever the device's limits are.
+// The film must need several buffers when the variant lowers the limits, whatever the device's own
+// limits are.
 static bool render_on(struct gpu *gpu, const struct scene *scene,
                       const struct bits_variant *variant, struct arena *arena,
                       struct film_image *film, struct err *err)
@@ -119,7 +121,7 @@ static uint64_t film_hash(const struct film_image *film)
     return hash_bytes(hash, film->half_b, pixels * sizeof *film->half_b);
 }
 
-// If the image were black, equality would prove nothing.
+// Counts the pixels that are not black: if all were black, equal images would prove nothing.
 static size_t lit_pixels(const struct film_image *film)
 {
     size_t lit = 0;
@@ -155,8 +157,8 @@ static bool run_variant(const struct check *check, const struct check_case *this
     const struct bits_variant *variant = this_case->data;
     struct arena arena = {0};
     struct scene scene;
-    // On GPUs, compilers may contract floating-point operations differently when other code is
-    // added (docs/design.md).
+    // On GPUs, compilers may contract floating-point operations differently when kernels contain
+    // additional code (docs/design.md).
     if (variant->compile_all && !check->gpu->info.is_cpu)
         return check_not_run(
             result,

@@ -1,5 +1,5 @@
-// Tests of the BSDFs alone (docs/verification.md, A): the shipped routines on wide, reciprocal
-// lobes.
+// Tests of the BSDFs alone (docs/verification.md, A): the renderer's own routines are run for wide,
+// reciprocal lobes.
 #include "check/bsdf.h"
 
 #include "check/case_list.h"
@@ -13,7 +13,7 @@
 #include "check_bsdf.spv.h"
 
 #define ITEMS (1u << 16) // per material
-#define ETA 1.5f         // for opaque materials the medium outside does not matter
+#define ETA 1.5f // index of refraction; the medium outside has no effect on opaque materials
 
 _Static_assert(sizeof(union bsdf_item) == sizeof(struct gpu_path), "they share a buffer");
 
@@ -24,8 +24,8 @@ static bool create_kernel(struct renderer *r, uint32_t material, uint32_t routin
 {
     uint32_t constants[CONSTANT_CHECK_ROUTINE + 1];
     memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
-    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the kernel writes to buffers that it
-                                                          // reads
+    // The kernel writes to buffers that it also reads.
+    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE;
     constants[CONSTANT_LOBES] =
         r->specialization.class_lobes[material_class(&r->scene->materials[material])];
     constants[CONSTANT_CHECK_ROUTINE] = routine;
@@ -37,7 +37,7 @@ static bool create_kernel(struct renderer *r, uint32_t material, uint32_t routin
     return gpu_kernel_create(r->gpu, &params, kernel, err);
 }
 
-// Replaces ITEMS items of one material by the routine's output.
+// Replaces ITEMS items, all of one material, by the output of a routine.
 static bool run_items(struct renderer *r, uint32_t material, uint32_t routine,
                       union bsdf_item *items, struct err *err)
 {
@@ -63,7 +63,8 @@ static void set_direction(double z, double turns, float out[3])
     out[2] = (float)z;
 }
 
-// Directions are up to 84 degrees from the normal, where rounding of directions does not matter.
+// Generates a direction at most 84 degrees from the normal, where the rounding of directions has no
+// effect.
 static void random_direction(uint64_t *state, float out[3])
 {
     double z = 0.1 + 0.9 * unit(state);
@@ -86,11 +87,11 @@ static void fill_samples(uint64_t *state, uint32_t material, const float wo[3],
 
 // --- measurements --------------------------------------------------------------------------------
 
-// Measures the greatest deviation of one material.
+// Measures the greatest deviation of one material from a property that its BSDF must have.
 typedef bool (*measure_fn)(struct renderer *r, uint32_t material, union bsdf_item *items,
                            double *off, struct err *err);
 
-// Compares f(wo, wi) with f(wi, wo); the items are in pairs.
+// Compares f(wo, wi) with f(wi, wo). The items are in pairs.
 static bool measure_reciprocity(struct renderer *r, uint32_t material, union bsdf_item *items,
                                 double *off, struct err *err)
 {
@@ -118,8 +119,8 @@ static bool measure_reciprocity(struct renderer *r, uint32_t material, union bsd
     return true;
 }
 
-// Compares the weight of a sample with f cos / pdf, as evaluated for its direction, and the
-// densities. wo NULL: all directions.
+// Compares the weight of a sampled direction with f cos / pdf, evaluated for that direction, and
+// compares the two pdfs. If wo is NULL, it is random.
 static bool measure_samples_from(const float *wo, struct renderer *r, uint32_t material,
                                  union bsdf_item *items, double *off, struct err *err)
 {
@@ -127,7 +128,7 @@ static bool measure_samples_from(const float *wo, struct renderer *r, uint32_t m
     fill_samples(&state, material, wo, items);
     if (!run_items(r, material, BSDF_ROUTINE_SAMPLE, items, err))
         return false;
-    *off = INFINITY; // remains if there is no sample
+    *off = INFINITY; // the result if no direction could be sampled
     for (uint32_t i = 0; i < ITEMS; i++) {
         if (!(items[i].sample.flags & BSDF_VALID))
             continue;
@@ -151,8 +152,9 @@ static bool measure_samples(struct renderer *r, uint32_t material, union bsdf_it
 
 static const float looking[3] = {0.6f, 0.0f, 0.8f};
 
-// Integrates the density over all directions, by the midpoint rule over 256 x 256 cells of equal
-// solid angle, and adds the fraction of absorbed samples; the sum less 1 is the deviation.
+// Integrates the pdf over all directions by the midpoint rule, with 256 x 256 cells of equal solid
+// angle, and adds the fraction of samples that were absorbed. The deviation is the difference of
+// this sum from 1.
 static bool measure_density(struct renderer *r, uint32_t material, union bsdf_item *items,
                             double *off, struct err *err)
 {
@@ -177,7 +179,8 @@ static bool measure_density(struct renderer *r, uint32_t material, union bsdf_it
     return true;
 }
 
-// Measures how much more than all light is reflected from constant light 1; it must reflect some.
+// Measures by how much the reflected light exceeds the incident light, which has radiance 1 from
+// all directions. The material must reflect some light.
 static bool measure_energy_from(const float wo[3], struct renderer *r, uint32_t material,
                                 union bsdf_item *items, double *off, struct err *err)
 {
@@ -200,7 +203,7 @@ static bool measure_energy(struct renderer *r, uint32_t material, union bsdf_ite
     return measure_energy_from(looking, r, material, items, off, err);
 }
 
-// The directions are 89.9 and 89.99 degrees from the normal.
+// Measures the same from directions 89.9 and 89.99 degrees from the normal.
 static bool measure_grazing_energy(struct renderer *r, uint32_t material, union bsdf_item *items,
                                    double *off, struct err *err)
 {

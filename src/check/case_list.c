@@ -3,14 +3,14 @@
 #include <string.h>
 
 const struct check_group *const check_groups[] = {
-    // The driver itself.
+    // Cases about the driver.
     &check_arithmetic,
     &check_threads,
-    // Variations that must not change one bit of an image.
+    // Variations that must not change a bit of an image.
     &check_bits,
-    // The BSDFs alone: docs/verification.md, A.
+    // Cases about BSDFs: docs/verification.md, A.
     &check_bsdf,
-    // Scenes whose radiance is known: docs/verification.md, B, and the cases of C with a closed
+    // Scenes with known radiance: docs/verification.md, B, and the cases of C that have a closed
     // form.
     &check_light,
     &check_media,

@@ -1,4 +1,4 @@
-// The table of all cases, by groups.
+// The table of all cases, in groups.
 #ifndef LAMPYRIS_CHECK_CASE_LIST_H
 #define LAMPYRIS_CHECK_CASE_LIST_H
 
@@ -16,7 +16,8 @@ extern const struct check_group check_arithmetic, check_threads, check_bits, che
 extern const struct check_group *const check_groups[];
 extern const size_t check_group_count;
 
-// Returns whether `only` names the group, the case, or the case's number ("C14"); NULL names all.
+// Returns whether `only` is the name of the group or of the case, or the case's number ("C14");
+// NULL selects all.
 bool check_is_wanted(const struct check_group *group, const struct check_case *this_case,
                      const char *only);
 

@@ -16,7 +16,7 @@ bool check_run(const struct check *check, const struct check_case *this_case,
     *err = (struct err){0};
     uint32_t messages = check->gpu->validation_messages;
     bool ok = this_case->run(check, this_case, result, err);
-    // Its renders may have ended early, so its result is not valid.
+    // The renders of a case that was stopped may be incomplete, so its outcome is not valid.
     if (progress_should_stop(check->progress))
         ok = err_set(err, ERR_STOPPED, "stopped");
     if (!ok && err->code != ERR_STOPPED) {

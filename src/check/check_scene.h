@@ -1,5 +1,6 @@
-// Checks a scene before a long render: finds what is stiff or extreme in it, and says where, what
-// follows from it and what can be done (`lampyris check SCENE`). Implemented in src/check/scene/.
+// Checks a scene before a long render (`lampyris check SCENE`): finds what makes rendering it
+// difficult or wrong, and reports where it is, its consequence and the remedy. Implemented in
+// src/check/scene/.
 #ifndef LAMPYRIS_CHECK_CHECK_SCENE_H
 #define LAMPYRIS_CHECK_CHECK_SCENE_H
 
@@ -18,45 +19,46 @@ enum finding_level {
 extern const char *const finding_level_names[]; // "remark" …
 
 struct scene_finding {
-    const char *name; // a word for scripts: "zero-area"
+    const char *name; // a word for scripts, such as "zero-area"
     enum finding_level level;
-    const char *place;       // "instance 3 of mesh \"leaf\""
-    const char *figure;      // "12 of 400 triangles"
-    const char *consequence; // a sentence
-    const char *remedy;      // a sentence
-    double share;            // fraction of the image that it affects, 0 to 1; NAN: not known
-    const uint8_t *pixels;   // flags of affected pixels of `picture`; NULL: not known, or all
-    const char *change;      // what "check SCENE --fix" changes; NULL: nothing
+    const char *place;       // where it is: "instance 3 of mesh \"leaf\""
+    const char *figure;      // how much of it there is: "12 of 400 triangles"
+    const char *consequence; // its effect on the image, as a sentence
+    const char *remedy;      // what to do, as a sentence
+    double share;            // fraction, in [0, 1], of the image that is affected; NAN: not known
+    // A flag for each pixel of `picture` that is affected; NULL: not known, or all pixels.
+    const uint8_t *pixels;
+    const char *change; // what "check SCENE --fix" changes; NULL if it changes nothing
 };
 
-// The cost of a render of the scene to a given error.
+// The expected cost of a render of the scene to a given error.
 struct scene_outlook {
-    double error;          // local relMSE
-    double samples;        // per pixel; NAN: not known
-    double seconds;        // rendering time on this device under its present load; NAN: not known
-    uint64_t device_bytes; // device memory at the size of the settings
-    const char *reason;    // why it is not known, or NULL
+    double error;          // the error as local relMSE
+    double samples;        // samples per pixel; NAN: not known
+    double seconds;        // rendering time on this device, with its present load; NAN: not known
+    uint64_t device_bytes; // device memory that the render needs at the size of the settings
+    const char *reason;    // why the cost is not known, or only an upper bound; NULL if it is known
 };
 
 struct scene_findings {
     struct scene_finding *items; // in descending order of `share`, unknown shares last
     uint32_t count, capacity;
     struct scene_outlook outlook;
-    struct image picture; // the small image that was rendered, linear
+    struct image picture; // the small image that was rendered for the check, linear
 };
 
 struct check_scene_params {
     struct renderer_params renderer; // with its `scene`
-    struct scene *scene;             // the same scene; its settings are unchanged afterwards
-    double error;                    // local relMSE for which the outlook is computed
-    // Applies harmless remedies to `scene`, those of findings with a `change`: they remove an
-    // error, or something without effect, and change nothing else in the image.
+    struct scene *scene; // the scene of `renderer`; its settings are the same afterwards
+    double error;        // the local relMSE to which `outlook` refers
+    // Changes `scene` as the findings with a `change` say. Such a change removes an error, or an
+    // object without effect, and changes nothing else in the image.
     bool fixes;
 };
 
-// Checks a scene on a device, with its settings and one of its cameras. Short renders of a small
-// image measure what cannot be known otherwise. Lists and strings are in `arena`. ERR_STOPPED when
-// the listener of the renderer's params asks to stop.
+// Checks a scene with its settings and one of its cameras, on a device. Short renders of a small
+// image measure what cannot be computed otherwise. `arena` owns all lists and strings. Fails with
+// ERR_STOPPED if the progress listener of the renderer's parameters requests a stop.
 bool check_scene(const struct check_scene_params *params, struct arena *arena,
                  struct scene_findings *out, struct err *err);
 

@@ -9,12 +9,12 @@
 #include <stdio.h>
 #include <string.h>
 
-// The permitted bias relative to the half-width that was reached.
+// The greatest permitted bias, in units of the half-width of the confidence interval.
 #define BIAS_PER_HALF_WIDTH 3.0
-// The relative error of single precision on a path of many bounces; it is also the bound for forms
-// without variance. It is twice as large if the device is not known to round to the nearest float:
-// error bounds are twice as wide then (docs/verification.md, H16), and rays leave and hit a
-// distance field correspondingly farther from its surface, so that the way inside is shorter.
+// Returns the relative error of single precision for a path of many bounces, which is also the
+// permitted error of forms without variance. It is doubled if the device is not known to round to
+// nearest: then error bounds are twice as wide (docs/verification.md, H16), and rays leave and hit
+// a distance field farther from its surface, so that they are shorter by that distance.
 static double rounding_max(const struct renderer *renderer)
 {
     return renderer->gpu->rounds_to_nearest ? 1e-5 : 2e-5;
@@ -22,7 +22,7 @@ static double rounding_max(const struct renderer *renderer)
 
 const double closed_form_albedo[3] = {0.8, 0.5, 0.2}, closed_form_emission[3] = {1, 2, 4};
 
-// If the expected value is 0, any other value is an infinite error.
+// Returns value / expected - 1. If the expected value is 0, any other value has an infinite error.
 static double relative_error(double value, double expected)
 {
     return expected > 0.0 ? value / expected - 1.0 : value == 0.0 ? 0.0 : INFINITY;

@@ -1,5 +1,5 @@
-// Checks scenes whose radiance is known in closed form (docs/verification.md, B): by 64 replicates
-// and statistics, or pixel by pixel if there is no variance.
+// Checks scenes whose radiance has a closed form (docs/verification.md, B): by statistics of 64
+// replicates, or in every pixel if the estimator has no variance.
 #ifndef LAMPYRIS_CHECK_CLOSED_FORM_H
 #define LAMPYRIS_CHECK_CLOSED_FORM_H
 
@@ -9,32 +9,33 @@
 
 enum closed_form_kind {
     BY_STATISTICS,
-    WITHOUT_VARIANCE, // every pixel, at 1 spp
-    EXACT,            // every pixel, bit for bit
+    WITHOUT_VARIANCE, // compares every pixel at 1 spp
+    EXACT,            // compares every pixel bit for bit
 };
 
-// The estimators besides MIS that reach the half-width with CLOSED_FORM_LONG_SAMPLES. Light
-// sampling does not if lights touch the surface that they light: 1 / distance^2 has infinite
-// variance there.
+// The estimators, besides MIS, that reach the required half-width with CLOSED_FORM_LONG_SAMPLES
+// samples. Light sampling alone does not if a light touches the surface that it illuminates,
+// because the variance of 1 / distance^2 is infinite there.
 enum { NEE_ALONE = 1, BSDF_ALONE = 2, EACH_ALONE = 3 };
 
 #define CLOSED_FORM_LONG_SAMPLES 1024
 
 struct closed_form {
-    const char *scene; // embedded
-    // Computes the radiance of a channel from reflectance, emitted radiance and a parameter.
+    const char *scene; // name of an embedded scene
+    // Returns the expected radiance in a channel with the reflectance `rho` and the emitted
+    // radiance `le`.
     double (*radiance)(double rho, double le, double parameter);
     double parameter;
     enum closed_form_kind kind;
     unsigned alone;
-    struct scene_override overrides[6]; // up to the first without a key
-    double scale;                       // factor on all lengths, see scaled_scene.h; 0: 1
-    // Adds what scene files cannot express, such as meshes; NULL: nothing.
+    struct scene_override overrides[6]; // ends with the first one that has no key
+    double scale;                       // factor for all lengths, see scaled_scene.h; 0: 1
+    // Adds to the scene what a scene file cannot express, such as meshes; NULL: nothing.
     bool (*prepare)(struct scene *scene, double parameter, struct err *err);
     enum instancing instancing; // instancing of the scene's meshes
 };
 
-// A row of the table: FUNCTION_is is the text of the formula that FUNCTION computes.
+// A row of the table of cases: FUNCTION_is is the text of the formula that FUNCTION computes.
 // clang-format off
 #define FORM(title, file, function, ...)                                                           \
     {.name = title, .expected = function##_is, .run = closed_form_run,                             \
@@ -44,24 +45,25 @@ struct closed_form {
      .data = &(const struct closed_form){file, function, __VA_ARGS__}}
 // clang-format on
 
-// Turns its argument into text, for values of the scene file.
+// Turns its argument into a string with a value for the scene file.
 #define JSON(...) #__VA_ARGS__
 
-// Red, green and blue, the same in all scenes.
+// Red, green and blue; all scenes use these values.
 extern const double closed_form_albedo[3], closed_form_emission[3];
 
-// One closed form, rendered with one estimator.
+// A closed form and how to render it.
 struct closed_form_trial {
     const struct closed_form *form;
     enum light_estimator estimator;
     uint32_t light_choice; // LIGHT_CHOICE_*
-    uint32_t first_seed;   // seed of its first replicate; other forms use others, to be independent
-    uint64_t samples;      // per replicate; 0: as many as reach the half-width
-    double half_width_max; // half the width of the 95 % confidence interval, relative to the value
+    uint32_t first_seed; // seed of the first replicate; forms use different seeds to be independent
+    uint64_t samples;    // samples per replicate; 0: as many as the half-width requires
+    // Greatest half-width of the 95 % confidence interval, relative to the value.
+    double half_width_max;
 };
 
-// All values are relative to the expected ones, by channel. For a form without variance they are
-// those of the worst pixel.
+// The results, relative to the expected values, for each channel. For a form without variance they
+// are those of the worst pixel.
 struct closed_form_seen {
     double expected[3], mean[3], bias[3], t[3], half_width[3];
     uint64_t samples;
@@ -69,14 +71,16 @@ struct closed_form_seen {
     char why[CHECK_TEXT_MAX];
 };
 
-// CLOSED_FORM_HALF_WIDTH of the tests, twice that of a short check: a quarter of the samples.
+// The half-width of the test suite. `lampyris check` permits twice as much, which takes a quarter
+// of the samples.
 #define CLOSED_FORM_HALF_WIDTH 1e-3
 
-// check->arena may be NULL, and so may `result` if no picture is wanted.
+// Tries a closed form with one estimator. check->arena may be NULL; `result` may be NULL if no
+// image is wanted.
 bool closed_form_try(const struct check *check, const struct closed_form_trial *trial,
                      struct closed_form_seen *seen, struct check_result *result, struct err *err);
 
-// The `run` of a case: uses the default trial, with seeds of its own.
+// The `run` function of a case: tries the form with MIS and with seeds of its own.
 bool closed_form_run(const struct check *check, const struct check_case *this_case,
                      struct check_result *result, struct err *err);
 

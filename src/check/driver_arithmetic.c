@@ -1,5 +1,5 @@
-// The driver's arithmetic, compared with double precision: what Vulkan's specification requires
-// ("Precision of Individual Operations"), and what the renderer needs in addition.
+// Compares the driver's arithmetic with double precision. Tests what the Vulkan specification
+// requires ("Precision of Individual Operations"), and what the renderer requires in addition.
 #include "check/driver.h"
 
 #include "check/case_list.h"
@@ -9,7 +9,7 @@
 
 #define ITEMS (1u << 14)
 
-// An operation, its input, and the permitted error.
+// An operation, its input and the greatest permitted error.
 struct arithmetic {
     uint32_t routine;
     void (*fill)(uint64_t *state, uint32_t index, driver_item *item);
@@ -17,12 +17,12 @@ struct arithmetic {
     double (*error)(const driver_item *in, const driver_item *out);
     double most;
     const char *unit;
-    // Returns an error that may be at most 1 on devices that may round to either neighbour, for
-    // which kernels use bounds twice as wide; NULL: the same as on others.
+    // Returns the error on devices that may round to either neighbour, for which the kernels use
+    // bounds twice as wide; it may be at most 1. NULL: `error` applies to these devices, too.
     double (*error_of_any)(const driver_item *in, const driver_item *out);
 };
 
-// Returns the error in units in the last place of the nearest float.
+// Returns the error in ulps of the float nearest to the exact value.
 static double ulps(float value, double exact)
 {
     int exponent;
@@ -44,7 +44,7 @@ static void fill_floats(uint64_t *state, uint32_t index, driver_item *item)
         item->f[i] = driver_random_float(state, 12);
 }
 
-// Sums midway between two floats, and next to that.
+// Generates sums that are exactly midway between two floats, or next to such a sum.
 static void fill_ties(uint64_t *state, uint32_t index, driver_item *item)
 {
     float sign = index & 1u ? -1.0f : 1.0f;
@@ -64,7 +64,7 @@ static double error_of_product(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], in->f[0] * in->f[1]);
 }
 
-// The sum may be rounded to either neighbour.
+// Returns the error of a sum that may be rounded to either neighbour.
 static double either_sum(const driver_item *in, const driver_item *out)
 {
     return ulps(out->f[0], (double)in->f[0] + (double)in->f[1]);
@@ -75,7 +75,8 @@ static double either_product(const driver_item *in, const driver_item *out)
     return ulps(out->f[0], (double)in->f[0] * (double)in->f[1]);
 }
 
-// Doubles hold the exact results: 53 bits are enough for these operations.
+// Returns the error of the rounding error of a sum. Doubles represent the exact results: these
+// operations need at most 53 bits.
 static double rest_of_sum(const driver_item *in, const driver_item *out)
 {
     return (double)out->f[0] + (double)out->f[1] == (double)in->f[0] + (double)in->f[1] ? 0.0 : 1.0;
@@ -86,7 +87,8 @@ static double rest_of_product(const driver_item *in, const driver_item *out)
     return (double)out->f[0] + (double)out->f[1] == (double)in->f[0] * (double)in->f[1] ? 0.0 : 1.0;
 }
 
-// The error is in units of 2^-46 of the greater number (lib/double_float.glsl).
+// Returns the error in units of 2^-46 of the operand with the greater magnitude
+// (lib/double_float.glsl).
 static double about_sum(const driver_item *in, const driver_item *out)
 {
     double sum = (double)in->f[0] + (double)in->f[1];
@@ -100,7 +102,8 @@ static double about_product(const driver_item *in, const driver_item *out)
     return fabs((double)out->f[0] + (double)out->f[1] - product) / (0x1p-46 * fabs(product));
 }
 
-// Operands for which one rounding and two differ: c is nearly -(a b).
+// Generates operands for which a b + c depends on whether the product is rounded: c is nearly -(a
+// b).
 static void fill_contraction(uint64_t *state, uint32_t index, driver_item *item)
 {
     (void)index;
@@ -115,7 +118,8 @@ static double error_of_precise(const driver_item *in, const driver_item *out)
     return is_other(out->f[0], product + in->f[2]);
 }
 
-// Two results may be rounded to either neighbour: the product, and a sum that is 2^-10 of it.
+// Returns the error if two results may be rounded to either neighbour: the product, and a sum that
+// is 2^-10 of it.
 static double either_precise(const driver_item *in, const driver_item *out)
 {
     double product = (double)in->f[0] * (double)in->f[1];
@@ -205,7 +209,8 @@ static double error_of_integers(const driver_item *in, const driver_item *out)
 static void fill_halves(uint64_t *state, uint32_t index, driver_item *item)
 {
     (void)state;
-    // All bit patterns of finite halves, 2 per word; those with the exponent 31 are omitted.
+    // All bit patterns of finite halves, 2 per word. Patterns with the exponent 31, which are not
+    // finite, are omitted.
     uint32_t pattern = 2u * index % 0x7c00u;
     item->u[0] = pattern | ((pattern + 1u) | 0x8000u) << 16;
 }
@@ -259,7 +264,7 @@ static bool run_items(const struct check *check, const struct arithmetic *a, dri
 
 struct spread {
     double worst;
-    uint32_t wrong, at; // number of items beyond the bound, and the worst one
+    uint32_t wrong, at; // number of items beyond the bound, and the index of the worst item
 };
 
 static struct spread judge(const struct check *check, const struct arithmetic *a,
@@ -278,7 +283,7 @@ static struct spread judge(const struct check *check, const struct arithmetic *a
     return s;
 }
 
-// Reports how many items are as expected, followed by `besides`.
+// Reports how many items have the expected result, followed by the text `besides`.
 static bool tell_wrong(struct check_result *result, uint32_t wrong, const char *besides)
 {
     if (wrong == 0)
@@ -311,7 +316,7 @@ static bool run_arithmetic(const struct check *check, const struct check_case *t
     return ok;
 }
 
-// Determines the rounding mode from 2^23 + 1/2 and 2^23 + 3/2 of either sign.
+// Determines the rounding mode by rounding 2^23 + 1/2 and 2^23 + 3/2 of either sign.
 static bool run_rounding(const struct check *check, const struct check_case *this_case,
                          struct check_result *result, struct err *err)
 {
@@ -342,7 +347,8 @@ static bool run_rounding(const struct check *check, const struct check_case *thi
                       (double)items[2].f[0], (double)items[3].f[0]);
 }
 
-// Tests that precise operations are not contracted, and reports what the driver does elsewhere.
+// Tests that operations marked `precise` are not contracted, and reports how the driver treats
+// other operations.
 static bool run_contraction(const struct check *check, const struct check_case *this_case,
                             struct check_result *result, struct err *err)
 {

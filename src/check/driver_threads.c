@@ -1,4 +1,4 @@
-// Loops, atomics, barriers, memory and subgroups of the driver.
+// Tests of the driver's loops, atomics, barriers, memory and subgroup operations.
 #include "check/driver.h"
 
 #include "check/case_list.h"
@@ -10,7 +10,7 @@
 struct threads {
     uint32_t routine, constant, dispatches;
     uint32_t items;      // 0: ITEMS
-    bool texels, ballot; // required device features
+    bool texels, ballot; // features that the device must have
     void (*fill)(uint32_t index, driver_item *item);
     bool (*judge)(const struct check *check, const struct driver_run *run, const driver_item *out,
                   struct check_result *result);
@@ -30,8 +30,8 @@ static void fill_mixed(uint32_t index, driver_item *item)
 
 // --- routines ------------------------------------------------------------------------------------
 
-// The longest loop of the renderer adds eight sums of 2^12 samples; a traversal continues in
-// another dispatch after 30,000 turns (docs/architecture.md).
+// The longest loop of the renderer adds eight sums of 2^12 samples. A traversal continues in
+// another dispatch after 30,000 iterations (docs/architecture.md).
 #define TURNS_NEEDED 32768u
 #define TURNS_ASKED 100000u
 
@@ -97,7 +97,7 @@ static bool judge_array(const struct check *check, const struct driver_run *run,
     (void)check;
     uint32_t wrong = 0, n = run->constant + 2;
     for (uint32_t i = 0; i < run->items; i++)
-        wrong += out[i].u[0] != i * (n * (n - 1) / 2); // 97 is prime, so all elements are visited
+        wrong += out[i].u[0] != i * (n * (n - 1) / 2); // every element is visited: 97 is prime
     return check_seen(result, wrong == 0, "%u of %u sums wrong", wrong, run->items);
 }
 
@@ -107,7 +107,7 @@ static bool judge_dispatches(const struct check *check, const struct driver_run 
     (void)check;
     uint32_t wrong = 0;
     for (uint32_t i = 0; i < run->items; i++) {
-        // The first dispatch reads element 1 of what was uploaded, which is 0.
+        // The first dispatch reads element 1 of the uploaded data, which is 0.
         uint32_t value = 0;
         for (uint32_t k = 0; k < run->dispatches; k++)
             value = 3 * value + 1;

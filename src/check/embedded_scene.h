@@ -1,11 +1,11 @@
-// The scenes of the cases, which are embedded in the program.
+// The scenes of the cases, embedded in the program.
 #ifndef LAMPYRIS_CHECK_EMBEDDED_SCENE_H
 #define LAMPYRIS_CHECK_EMBEDDED_SCENE_H
 
 #include "scene/core/scene.h"
 
-// Loads the scene of that name ("sky.json"), with overrides up to one whose key is NULL; NULL: no
-// overrides.
+// Loads an embedded scene by name ("sky.json"). `overrides` ends with an entry whose key is NULL;
+// it may be NULL.
 bool embedded_scene_load(const char *name, const struct scene_override *overrides,
                          struct scene *out, struct err *err);
 

@@ -1,15 +1,17 @@
-// The estimators of direct light that tests compare: all converge to the same image.
+// The estimators of direct light that tests compare. All of them converge to the same image.
 #ifndef LAMPYRIS_CHECK_ESTIMATORS_H
 #define LAMPYRIS_CHECK_ESTIMATORS_H
 
 #include "scene/core/settings.h"
 
 enum light_estimator {
-    // next-event estimation and BSDF sampling, power heuristic; images by their luminance
+    // Next-event estimation and BSDF sampling with the power heuristic; environment images are
+    // sampled by luminance.
     ESTIMATOR_MIS,
-    ESTIMATOR_NEE,         // next-event estimation only, where a light can be sampled
-    ESTIMATOR_BSDF,        // BSDF sampling only
-    ESTIMATOR_COMPENSATED, // like ESTIMATOR_MIS, with ENVIRONMENT_SAMPLING_COMPENSATED: the default
+    ESTIMATOR_NEE,  // only next-event estimation, for lights that can be sampled
+    ESTIMATOR_BSDF, // BSDF sampling only
+    // Like ESTIMATOR_MIS but with ENVIRONMENT_SAMPLING_COMPENSATED, which is the default.
+    ESTIMATOR_COMPENSATED,
 };
 
 static inline void set_estimator(struct settings *settings, enum light_estimator estimator)

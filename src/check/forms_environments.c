@@ -1,5 +1,5 @@
-// Environment images whose irradiance on a plane is known (docs/verification.md, B24, B25, C33 and
-// C35).
+// Environment images that cause a known irradiance on a plane (docs/verification.md, B24, B25, C33
+// and C35).
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
@@ -14,7 +14,8 @@
 
 #define POWER_ROWS 4096
 
-// Returns a row of the image of cos^k about +Y: the mean over the row, weighted by solid angle.
+// Returns the value of a row in an image of cos^k about +Y: the mean over the row, weighted by
+// solid angle.
 static float power_texel(double k, uint32_t row)
 {
     if (row >= POWER_ROWS / 2)
@@ -23,8 +24,8 @@ static float power_texel(double k, uint32_t row)
     return (float)((pow(top, k + 1.0) - pow(bottom, k + 1.0)) / ((k + 1.0) * (top - bottom)));
 }
 
-// Returns the integral of sin t cos t from t[0] to t[1] times a function linear from ends[0] to
-// ends[1].
+// Returns the integral from t[0] to t[1] of sin t cos t times a function that is linear between
+// ends[0] and ends[1].
 static double slope_irradiance(const double t[2], const double ends[2])
 {
     double slope = (ends[1] - ends[0]) / (t[1] - t[0]);
@@ -34,10 +35,11 @@ static double slope_irradiance(const double t[2], const double ends[2])
     return ends[0] * even + slope * (rising - t[0] * even);
 }
 
-// The irradiance of the image: that of cos^k itself is 2 rho Le / (k + 2), but radiance is linear
-// between the centres of rows, which widens a peak. The image has 2.44e-5 more than cos^k for k =
-// 1000, and differs by at most 1.3e-7 for k up to 10. Above the first centre the radiance is that
-// of the first row; of the step across the horizon, the upper half counts.
+// The radiance that a plane reflects under the image. For cos^k itself it is 2 rho Le / (k + 2);
+// but the image's radiance is linear between the centres of rows, which widens a peak. For k = 1000
+// the image has 2.44e-5 more than cos^k, and for k up to 10 it differs by at most 1.3e-7. Above the
+// centre of the first row the radiance is that of the row. If the image has a step at the horizon,
+// only its upper half counts.
 static double power(double rho, double le, double k)
 {
     double h = M_PI / POWER_ROWS, first = (double)power_texel(k, 0);
@@ -53,7 +55,7 @@ static double power(double rho, double le, double k)
 }
 static const char power_is[] = "2 rho Le / (k + 2), but for the interpolation of rows";
 
-// Returns the irradiance of a patch of radiance 1.
+// Returns the irradiance that a patch of radiance 1 causes.
 static double patch_of_sun(void)
 {
     double theta[2] = {M_PI * SUN_ROW / SUN_HEIGHT, M_PI * (SUN_ROW + 1) / SUN_HEIGHT};
@@ -61,15 +63,16 @@ static double patch_of_sun(void)
     return middle * (2.0 * M_PI / SUN_WIDTH) * (cos(theta[0]) - cos(theta[1]));
 }
 
-// Returns it for radiance that falls linearly to 0 at the centres of the neighbouring texels, at
-// distance h on all sides: the integral of (1 - |t - a| / h) sin t cos t is sin 2a sin^2 h / (2 h).
+// Returns the irradiance for radiance that decreases linearly to 0 at the centres of the
+// neighbouring texels, which are at the angle h on all sides: the integral of (1 - |t - a| / h) sin
+// t cos t is sin 2a sin^2 h / (2 h).
 static double tent_of_sun(void)
 {
     double h = M_PI / SUN_HEIGHT, a = (SUN_ROW + 0.5) * h;
     return 2.0 * M_PI / SUN_WIDTH * sin(2.0 * a) * sin(h) * sin(h) / (2.0 * h);
 }
 
-// One bright texel; all others have radiance `dim`.
+// The radiance under an image with one bright texel; all others have radiance `dim`.
 static double patch(double rho, double le, double dim)
 {
     return rho / M_PI * le * (dim * M_PI + (SUN_RADIANCE - dim) * patch_of_sun());
@@ -124,8 +127,8 @@ static bool set_sun(struct scene *scene, double dim, struct err *err)
     return true;
 }
 
-// Makes the environment black by its texels (which = 0), by its factor (1), or only above the plane
-// (2).
+// Makes the environment black: by its texels (which = 0), by its factor (1), or by its texels above
+// the plane (2).
 static bool set_black(struct scene *scene, double which, struct err *err)
 {
     if (!set_image(scene, 5, 3, which == 1.0 ? SUN_RADIANCE : 0.0, err))
@@ -138,8 +141,8 @@ static bool set_black(struct scene *scene, double which, struct err *err)
     return true;
 }
 
+// With Sobol points, a pilot predicts the required number of samples less accurately.
 // clang-format off
-// With Sobol's points a pilot predicts the needed number of samples less well.
 #define RANDOM {{"settings", JSON({"sampler": "pcg"})}}
 #define PATCHES {{"settings", JSON({"environment_filter": "nearest"})}}
 

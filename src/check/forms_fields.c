@@ -1,10 +1,10 @@
-// Distance fields in scenes whose radiance is known, and next to analytic shapes of the same form:
-// closed rooms of fields, convex bodies under a constant environment, glass and fog.
+// Distance fields in scenes with known radiance, and beside analytic shapes of the same form:
+// closed rooms, convex bodies under a constant environment, glass and fog.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
 
-// A convex body sees only the environment.
+// A convex body receives light from the environment only.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -12,14 +12,15 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// Every ray meets a wall: the first `bounces` + 1 terms of a geometric series.
+// Every ray hits a wall, so the radiance is the sum of the first `bounces` + 1 terms of a geometric
+// series.
 static double closed(double rho, double le, double bounces)
 {
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
 }
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
-// Radiance inside glass; `part` is the square of the index.
+// The radiance inside glass; `part` is the square of the index of refraction.
 static double all(double rho, double le, double part)
 {
     (void)rho;
@@ -27,14 +28,14 @@ static double all(double rho, double le, double part)
 }
 static const char all_is[] = "Le times a known part";
 
-// Radiance after fog of index 1 with transmittance rho per metre.
+// The radiance seen through fog (index of refraction 1) with the transmittance rho per metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
 }
 static const char fog_is[] = "Le exp(-sigma length)";
 
-// The camera is inside of an emissive field.
+// A room with the camera inside of an emissive field.
 // clang-format off
 #define ROOM(x, y, z, ...)                                                                         \
     {"camera", JSON({"position": [x, y, z], "direction": [0.3, -0.2, -1], "fov_degrees": 90})},    \

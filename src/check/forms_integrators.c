@@ -1,9 +1,9 @@
-// The other integrators in closed form: ambient occlusion and Whitted's recursion.
+// Closed forms for the other integrators: ambient occlusion and Whitted's recursion.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
 
-// These seeds differ from those of the other closed forms.
+// The first seed of these forms, which differ from the seeds of all other closed forms.
 #define FIRST_SEED 200000u
 
 static double radians(double degrees)
@@ -25,9 +25,9 @@ static double all(double rho, double le, double value)
 }
 static const char all_is[] = "Le times a known part";
 
-// Next to a wall of height 1 from z = -1 to 1 at distance d: 1 - 2 F of one half, with F = (atan(1
-// / d) - d / r atan(1 / r)) / (2 pi), r^2 = d^2 + 1 (Howell's catalogue of configuration factors,
-// B-4).
+// The visibility next to a wall of height 1 from z = -1 to 1 at the distance d: 1 - 2 F, where F is
+// the configuration factor of one half of the wall, (atan(1 / d) - d / r atan(1 / r)) / (2 pi), r^2
+// = d^2 + 1 (Howell's catalogue of configuration factors, B-4).
 static double beside_wall(double rho, double le, double d)
 {
     double r = sqrt(d * d + 1.0);
@@ -44,7 +44,7 @@ static double mirrors(double rho, double le, double count)
 }
 static const char mirrors_is[] = "R^k Le for k mirrors";
 
-// Returns Fresnel's reflectance of glass of index 1.5 for unpolarised light.
+// Returns the Fresnel reflectance of glass with index 1.5 for unpolarised light.
 static double reflectance(double degrees)
 {
     double c = cos(radians(degrees)), t = sqrt(1.0 - (1.0 - c * c) / 2.25);
@@ -52,9 +52,9 @@ static double reflectance(double degrees)
     return 0.5 * (s * s + p * p);
 }
 
-// Returns the light that leaves a slab of glass on the far side (`side` 0) or the near one (1):
-// internal reflections are followed while they are at least 2^-10 of the camera ray, and for
-// `depth` events.
+// Returns the light that leaves a slab of glass on the far side (`side` 0) or on the near side (1).
+// Internal reflections are followed as long as their weight is at least 2^-10 of the camera ray's,
+// and for at most `depth` events.
 static double leaves_slab(double degrees, int side, int depth)
 {
     double r = reflectance(degrees), inside = 1.0 - r, sum = side ? r : 0.0;
@@ -81,7 +81,8 @@ static double from_slab(double rho, double le, double degrees)
 }
 static const char from_slab_is[] = "Le (R + the sum of T^2 R^(2k+1))";
 
-// There are three events: in, reflected, reflected; or in and out.
+// At most three events are followed: refraction into the glass and two reflections, or refraction
+// in and out.
 static double shallow_slab(double rho, double le, double degrees)
 {
     (void)rho;
@@ -96,8 +97,8 @@ static double shallow_from_slab(double rho, double le, double degrees)
 }
 static const char shallow_from_slab_is[] = "Le (R + T^2 R)";
 
-// A point light 1 m away, 60 degrees off the normal that is also the direction to the viewer:
-// kd / pi + ks (n + 2) / (2 pi) cos^n, with ks = 1/4 and kd at most the rest.
+// A point light 1 m away, 60 degrees off the normal, which is also the viewing direction: kd / pi +
+// ks (n + 2) / (2 pi) cos^n, with ks = 1/4 and kd at most 1 - ks.
 static double phong(double rho, double le, double n)
 {
     double kd = fmin(rho, 0.75), cosine = 0.5;
@@ -105,15 +106,15 @@ static double phong(double rho, double le, double n)
 }
 static const char phong_is[] = "Le cos (kd / pi + ks (n + 2) cos^n / (2 pi))";
 
-// A sphere of radius 1 at (d, d, 0) has the same irradiance as if it were concentrated in its
-// centre.
+// A sphere of radius 1 at (d, d, 0) causes the same irradiance as a point at its centre with the
+// same power.
 static double sphere_above(double rho, double le, double d)
 {
     return rho * le / (2.0 * d * d) * sqrt(0.5);
 }
 static const char sphere_above_is[] = "rho Le (r / d)^2 cos";
 
-// A disc of area pi at height h that faces the floor: pi le / h^2 at its centre.
+// A disc of area pi at the height h, facing the floor: pi le / h^2 at the point below its centre.
 static double disc_above(double rho, double le, double h)
 {
     return rho * le / (h * h);
@@ -168,7 +169,7 @@ static const struct check_case forms[] = {
     FORM("ao, below a disc", "floor_light.json", part, 0.5, BY_STATISTICS, 0,
      {AO, {"light", JSON({"type": "disc", "material": "light", "center": [0, 1, 0],
                           "normal": [0, -1, 0], "radius": 1})}}),
-    // The part of the disc within 0.8: radius^2 = 0.8^2 - 0.5^2.
+    // The part of the disc within the distance 0.8: its radius^2 is 0.8^2 - 0.5^2.
     FORM("ao, as far as 0.8", "floor_light.json", part, 1 - 0.39 / 0.64, BY_STATISTICS, 0,
      {{"settings", JSON({"integrator": "ao", "ao_distance": 0.8, "sampler": "pcg"})},
       {"light", JSON({"type": "disc", "material": "light", "center": [0, 0.5, 0],
@@ -193,7 +194,7 @@ static const struct check_case forms[] = {
     FORM("B20 total reflection, whitted", "slab.json", all, 1, EXACT, 0,
      {WHITTED(9), {"slab", JSON({"type": "dielectric", "ior": 0.5})}, FROM_60,
       {"light", "[0, 0, 5]"}}),
-    // The internal reflection would exceed the number of events.
+    // The internal reflection would exceed the permitted number of events.
     FORM("B21 camera in glass, whitted", "media.json", all, 0.96 * 2.25, WITHOUT_VARIANCE, 0,
      {WHITTED(1), {"body", JSON({"type": "dielectric", "ior": 1.5})},
       {"bodies", JSON([{"type": "sphere", "material": "body", "radius": 1}])},

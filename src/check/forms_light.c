@@ -1,5 +1,5 @@
-// Scenes whose radiance is known in closed form (by their numbers in docs/verification.md, B and
-// C): furnaces, delta lights, configuration factors, mirrors, an edge.
+// Scenes whose radiance has a closed form (numbers as in docs/verification.md, B and C): furnaces,
+// delta lights, configuration factors, mirrors, an edge.
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"
@@ -7,8 +7,9 @@
 #include <math.h>
 
 // --- the forms ----------------------------------------------------------------------------------
-// Configuration factors: the fraction of the light that leaves a diffuse surface element and
-// reaches another surface. Howell, "A Catalog of Radiation Heat Transfer Configuration Factors".
+// A configuration factor is the fraction of the light leaving a diffuse surface element that
+// reaches another surface. B-3 and C-11 are from Howell, "A Catalog of Radiation Heat Transfer
+// Configuration Factors".
 
 static double sky(double rho, double le, double unused)
 {
@@ -17,7 +18,7 @@ static double sky(double rho, double le, double unused)
 }
 static const char sky_is[] = "Le";
 
-// A convex body sees only the environment.
+// A convex body receives light from the environment only.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -25,15 +26,16 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// Every ray meets a wall: sum of the first `bounces` + 1 terms of a geometric series.
+// Every ray hits a wall, so the radiance is the sum of the first `bounces` + 1 terms of a geometric
+// series.
 static double closed(double rho, double le, double bounces)
 {
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
 }
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
-// A point light of intensity `le` in the centre of a sphere of radius 2: (le / 2^2) rho / pi leaves
-// the wall first, followed by the series above.
+// A point light of intensity `le` in the centre of a sphere of radius 2. The wall's first
+// reflection is (le / 2^2) rho / pi; the series above follows.
 static double lamp_in_sphere(double rho, double le, double bounces)
 {
     return rho / M_PI * le / 4.0 * (1.0 - pow(rho, bounces)) / (1.0 - rho);
@@ -62,8 +64,8 @@ static double sun_above(double rho, double le, double degrees)
 }
 static const char sun_above_is[] = "rho E cos / pi";
 
-// A spot directly above at 2 m whose axis misses the point by 10 degrees. `outer` is its outer
-// angle; the inner one is half of that (KHR_lights_punctual).
+// A spot light 2 m above, whose axis misses the point by 10 degrees. `outer` is its outer cone
+// angle; the inner one is half of it (KHR_lights_punctual).
 static double spot_above(double rho, double le, double outer)
 {
     double degree = M_PI / 180.0, edge = cos(outer * degree);
@@ -73,7 +75,8 @@ static double spot_above(double rho, double le, double outer)
 }
 static const char spot_above_is[] = "rho I / (pi d^2) clamp((cos - cos o) / (cos i - cos o))^2";
 
-// A spot of inner angle 0 and outer angle 0.5 degrees whose axis misses the point by 0.25 degrees.
+// A spot light with inner angle 0 and outer angle 0.5 degrees, whose axis misses the point by 0.25
+// degrees.
 static double narrow_spot(double rho, double le, double unused)
 {
     (void)unused;
@@ -83,8 +86,8 @@ static double narrow_spot(double rho, double le, double unused)
 }
 static const char narrow_spot_is[] = "rho I / (pi d^2) ((cos - cos o) / 0.001)^2";
 
-// A square of side 2 parallel to the element and centred above it: four times factor B-3, that of a
-// rectangle a x b with a corner above the element; here a = b = 1 / height.
+// A square of side 2, parallel to the surface element and centred above it: four times factor B-3,
+// which is that of a rectangle a x b with a corner above the element; here a = b = 1 / height.
 static double square_above(double rho, double le, double height)
 {
     double a = 1.0 / height, root = sqrt(1.0 + a * a);
@@ -93,11 +96,12 @@ static double square_above(double rho, double le, double height)
 }
 static const char square_above_is[] = "rho Le F, factor B-3";
 
-// Lamps, none before another: the square at a height of 1, and the first few of these meshes, which
-// are squares too. By default each of five is connected to, and one of six is chosen by the tree.
+// Square lamps, none of which occludes another: the square at height 1, and the first few of these
+// meshes. By default each of up to five lamps gets a shadow ray, and one of six or more is selected
+// by the light tree.
 struct square_lamp {
-    double x, y, z, side; // its middle, and half of its edge
-    double emission;      // times that of the others
+    double x, y, z, side; // centre, and half of the side
+    double emission;      // radiance relative to the other lamps
 };
 static const struct square_lamp square_lamps[] = {{3, 2, 0, 0.5, 2},
                                                   {-2.4, 1.5, 0, 0.4, 5},
@@ -105,7 +109,7 @@ static const struct square_lamp square_lamps[] = {{3, 2, 0, 0.5, 2},
                                                   {0, 2.5, -3.5, 0.8, 3},
                                                   {2, 1, 2.5, 0.25, 8}};
 
-// Factor B-3 of a rectangle a x b at a height of 1.
+// Returns factor B-3 of a rectangle a x b at height 1.
 static double corner_factor(double a, double b)
 {
     double p = sqrt(1.0 + a * a), q = sqrt(1.0 + b * b);
@@ -129,7 +133,7 @@ static double lamps_above(double rho, double le, double meshes)
 }
 static const char lamps_above_is[] = "rho Le times the sum of factors B-3";
 
-// Each of eight triangles, two for each of its quarters.
+// Each lamp has eight triangles, two for each quarter of its area.
 static bool add_square_lamps(struct scene *scene, double meshes, struct err *err)
 {
     static const double corners[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
@@ -148,24 +152,25 @@ static bool add_square_lamps(struct scene *scene, double meshes, struct err *err
     return true;
 }
 
-// A disc of radius 1 parallel to the element and centred above it: the integral of 2 r h^2 / (r^2 +
-// h^2)^2 dr over rings of radius r.
+// A disc of radius 1, parallel to the surface element and centred above it: the integral of 2 r h^2
+// / (r^2 + h^2)^2 dr over rings of radius r.
 static double disc_above(double rho, double le, double height)
 {
     return rho * le / (1.0 + height * height);
 }
 static const char disc_above_is[] = "rho Le R^2 / (R^2 + h^2)";
 
-// A sphere of radius 1 completely above the horizon, at (d, d, 0): (r / d')^2 times the cosine of
-// its direction, at the distance d' = sqrt(2) d.
+// A sphere of radius r = 1 completely above the horizon, at (d, d, 0): (r / d')^2 times the cosine
+// of the angle to its centre, where d' = sqrt(2) d is the distance.
 static double sphere_above(double rho, double le, double d)
 {
     return rho * le / (2.0 * d * d) * sqrt(0.5);
 }
 static const char sphere_above_is[] = "rho Le (r / d)^2 cos";
 
-// docs/verification.md, C15: a sphere of radius 1 that touches the floor 5 cm away. It fills almost
-// half of the sky and is completely above the horizon: (r / d)^2 cos with cos = 1 / d.
+// docs/verification.md, C15: a sphere of radius 1 that touches the floor 5 cm away. It is
+// completely above the horizon and fills almost half of the hemisphere: (r / d)^2 cos with cos = 1
+// / d.
 static double touching_sphere(double rho, double le, double unused)
 {
     (void)unused;
@@ -173,8 +178,8 @@ static double touching_sphere(double rho, double le, double unused)
 }
 static const char touching_sphere_is[] = "rho Le (r / d)^2 cos";
 
-// docs/verification.md, C14: 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2 r^2)) at
-// distance 1e4.
+// docs/verification.md, C14: a power of 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2
+// r^2)) at the distance 1e4.
 static double pinpoint(double rho, double le, double unused)
 {
     (void)unused;
@@ -195,10 +200,10 @@ static const char all_lights_is[] = "the sum of B5 to B8";
 
 static const double triangle[3][3] = {{-0.5, 0.25, 0.5}, {0.75, 0.5, 0.25}, {0.5, 1.5, -0.5}};
 
-// Lambert's sum over the edges of a polygon that is completely above the horizon of a floor in y =
-// 0 (Lambert 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|, where beta is the
-// angle that an edge subtends at the origin, and gamma is the angle between the floor's normal and
-// the normal of the plane through edge and origin.
+// Lambert's sum over the edges of a polygon completely above the horizon of a floor in y = 0
+// (Lambert 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|. beta_i is the angle that
+// edge i subtends at the origin, and gamma_i the angle between the floor's normal and the normal of
+// the plane through the edge and the origin.
 static double triangle_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -214,7 +219,8 @@ static double triangle_above(double rho, double le, double unused)
 }
 static const char triangle_above_is[] = "rho (Le / 2 pi) |sum of beta cos gamma|";
 
-// Two equal squares of side 1 at distance 1; the mean over one of them: factor C-11 with X = Y = 1.
+// Two equal squares of side 1 at distance 1. The mean over one of them is factor C-11 with X = Y =
+// 1.
 static double facing_squares(double rho, double le, double unused)
 {
     (void)unused;
@@ -224,7 +230,7 @@ static double facing_squares(double rho, double le, double unused)
 }
 static const char facing_squares_is[] = "rho Le F, factor C-11";
 
-// Infinite plates: L1 = Le + rho L2, L2 = rho L1.
+// Two infinite plates: L1 = Le + rho L2, L2 = rho L1.
 static double plates(double rho, double le, double unused)
 {
     (void)unused;
@@ -238,8 +244,9 @@ static double mirrors(double rho, double le, double count)
 }
 static const char mirrors_is[] = "R^k Le for k mirrors";
 
-// The mean over the disc is (2/3) rho E / pi (Lambert's sphere at full phase), where E / pi = Le
-// sin^2 of the light's radius; the disc fills pi / 2.2^2 of the image.
+// The mean radiance over the disc of the sphere is (2/3) rho E / pi (Lambert's sphere at full
+// phase), where E / pi = Le sin^2 of the light's angular radius. The disc fills pi / 2.2^2 of the
+// image.
 static double full_moon(double rho, double le, double light_radius)
 {
     double mean = 2.0 / 3.0 * rho * le * light_radius * light_radius;
@@ -247,7 +254,7 @@ static double full_moon(double rho, double le, double light_radius)
 }
 static const char full_moon_is[] = "(2/3) rho E / pi over the disc";
 
-// Surfaces of opacity 0.3.
+// Layers of surfaces with opacity 0.3.
 static double veiled(double rho, double le, double layers)
 {
     (void)rho;
@@ -279,7 +286,7 @@ static const char part_covered_is[] = "0.3 Le";
         "emission", "[1, 2, 4]"                                                                    \
     }
 
-// The lights are above the floor's point, in the plane z = 0.
+// A point light in the plane z = 0 above the point on the floor.
 #define LAMP_AT(x, y) JSON({"type" : "point", "position" : [ x, y, 0 ], "intensity" : [ 1, 2, 4 ]})
 #define SUN_FROM(x, y)                                                                             \
     JSON({"type" : "directional", "direction" : [ -x, -y, 0 ], "irradiance" : [ 1, 2, 4 ]})

@@ -1,13 +1,12 @@
-// Scenes of dielectrics, media and metals whose radiance is known in closed form (by their numbers
-// in docs/verification.md, B and C): slabs, absorption, total reflection, nested glass, rough
-// plates.
+// Scenes of dielectrics, media and metals whose radiance has a closed form (numbers as in
+// docs/verification.md, B and C): slabs, absorption, total reflection, nested glass, rough plates.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
 
 #include <complex.h>
 
-// These seeds differ from those of the other closed forms.
+// The first seed of these forms, which differ from the seeds of all other closed forms.
 #define FIRST_SEED 100000u
 
 // --- the forms ----------------------------------------------------------------------------------
@@ -23,8 +22,8 @@ static double cos_refracted(double cos_i, double n)
     return sqrt(1.0 - sine * sine);
 }
 
-// Returns Fresnel's reflectance for unpolarised light at an interface of relative index n, which
-// may be complex.
+// Returns the Fresnel reflectance for unpolarised light at an interface with the relative index of
+// refraction n, which may be complex.
 static double reflectance(double degrees, double complex n)
 {
     double cos_i = cos(radians(degrees));
@@ -48,8 +47,9 @@ static double colored(double rho, double le, double part)
 }
 static const char colored_is[] = "rho Le";
 
-// Returns the transmittance of n glass interfaces in a row, with all orders of reflection between
-// them and unpolarised light at each: T = (1 - R) / (1 + (n - 1) R).
+// Returns the transmittance of n glass interfaces in a row. It includes all orders of reflection
+// between them, and takes the light at each interface to be unpolarised: T = (1 - R) / (1 + (n - 1)
+// R).
 static double through_interfaces(double degrees, double count)
 {
     double r = reflectance(degrees, 1.5);
@@ -70,7 +70,7 @@ static double from_slab(double rho, double le, double degrees)
 }
 static const char from_slab_is[] = "Le (1 - (1 - R) / (1 + R))";
 
-// Each of the box's two walls is a thin sheet of two interfaces.
+// Two walls of a box, each of which is a thin sheet with two interfaces.
 static double through_sheets(double rho, double le, double degrees)
 {
     (void)rho;
@@ -78,7 +78,8 @@ static double through_sheets(double rho, double le, double degrees)
 }
 static const char through_sheets_is[] = "Le (1 - R) / (1 + 3 R)";
 
-// A slab of thickness 1 and index 1 with transmittance rho at distance 1.
+// A slab of thickness 1 and index of refraction 1, whose medium has the transmittance rho at
+// distance 1.
 static double through_fog(double rho, double le, double degrees)
 {
     return le * pow(rho, 1.0 / cos(radians(degrees)));
@@ -93,14 +94,14 @@ static double through_tinted_slab(double rho, double le, double degrees)
 }
 static const char through_tinted_slab_is[] = "Le (1 - R)^2 tau / (1 - R^2 tau^2)";
 
-// A ball of radius 1; the ray passes its centre at distance b.
+// A ball of radius 1, passed at the distance b from its centre.
 static double through_ball_of_fog(double rho, double le, double b)
 {
     return le * pow(rho, 2.0 * sqrt(1.0 - b * b));
 }
 static const char through_ball_of_fog_is[] = "Le exp(-2 sigma sqrt(r^2 - b^2))";
 
-// docs/verification.md, C43: transmittance 0, 1/2 and 1 at distance 1.
+// docs/verification.md, C43: the channels have transmittance 0, 1/2 and 1 at distance 1.
 static double through_extremes(double rho, double le, double unused)
 {
     (void)unused;
@@ -108,7 +109,7 @@ static double through_extremes(double rho, double le, double unused)
 }
 static const char through_extremes_is[] = "0, Le / 2 and Le";
 
-// The metal of METAL below.
+// The reflectance of the metal that METAL defines below.
 static double metal(double rho, double le, double degrees)
 {
     double complex n = rho > 0.6 ? 0.2 + 3.9 * I : rho > 0.3 ? 0.9 + 2.4 * I : 1.5 + 1.9 * I;
@@ -145,7 +146,7 @@ static const char half_reflected_is[] = "Le R / 2, Fresnel's";
         "conductor_eta" : [ 0.2, 0.9, 1.5 ],                                                       \
         "conductor_k" : [ 3.9, 2.4, 1.9 ]                                                          \
     })
-// GGX with F = 1; roughness is the square root of alpha.
+// GGX with Fresnel reflectance 1; roughness is the square root of alpha.
 #define WHITE(roughness)                                                                           \
     {                                                                                              \
         "plate",                                                                                   \
@@ -163,7 +164,7 @@ static const char half_reflected_is[] = "Le R / 2, Fresnel's";
 #define MIXED(choice)                                                                              \
     "{\"type\": \"principled\", \"roughness\": 0, \"specular_color\": [0.5, 0.5, 0.5], "           \
     "\"specular_fresnel\": \"mixed\", " choice "}"
-// A white base under a mirror with Schlick's reflectance, 0 at normal incidence.
+// A white base below a mirror with Schlick's reflectance, which is 0 at normal incidence.
 #define UNCOUPLED                                                                                  \
     {                                                                                              \
         "plate", "{\"type\": \"microfacet\", \"base_color\": [1, 1, 1], \"roughness\": 0, "        \
@@ -198,7 +199,7 @@ static const char half_reflected_is[] = "Le R / 2, Fresnel's";
                   "\"max\":[0.9,0.8,0.7]}," BALL("ice", "0.5", "0.7") "]"                          \
     }
 
-// All estimators are the same here, because surfaces that see an emitter have only delta lobes.
+// All estimators give the same results here, because only delta lobes reflect emitters.
 // clang-format off
 static const struct check_case forms[] = {
     FORM("B16 slab", "slab.json", through_slab, 0, BY_STATISTICS, 0, {GLASS}),
@@ -229,13 +230,13 @@ static const struct check_case forms[] = {
     FORM("B20 glass ball", "media.json", all, 1, WITHOUT_VARIANCE, 0,
      {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL}),
 
-    // Radiance inside glass of index n is n^2 times that outside.
+    // The radiance inside glass of index n is n^2 times that outside.
     FORM("B21 camera in glass", "media.json", all, 2.25, WITHOUT_VARIANCE, 0,
      {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL, {"from", "[0.2, 0.1, 0.1]"},
       {"fov", "120"}}),
 
-    // docs/verification.md, A6: 1 - ln 2 at alpha = 1 and normal incidence; the others by
-    // quadrature.
+    // docs/verification.md, A6: 1 - ln 2 for alpha = 1 and normal incidence. The other values are
+    // computed by quadrature.
     FORM("B22 GGX, alpha 0.1", "plate.json", all, .98831, BY_STATISTICS, 0,
      {WHITE("0.31622776601683794")}),
     FORM("B22 GGX, alpha 0.1, at 45", "plate.json", all, .98169, BY_STATISTICS, 0,
@@ -254,20 +255,20 @@ static const struct check_case forms[] = {
     FORM("B22 GGX, alpha 1, at 60", "plate.json", all, .45069, BY_STATISTICS, 0,
      {WHITE("1"), AT_60}),
 
-    // A sheet transmits what it does not reflect, by the same microfacet normals.
+    // A sheet transmits the light that it does not reflect, with the same microfacet normals.
     FORM("B22 thin rough sheet, alpha 0.5", "plate.json", all, .68785, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "dielectric", "thin": true, "roughness": 0.7071067811865476,
                       "compensate": false})}}),
-    // At alpha = 1 all normals are equally likely, D = 1 / pi, for Phong's distribution too; at
-    // normal incidence the integral is that of c / (1 + c) dc, 1 - ln 2, with these masking
-    // functions as well.
+    // For alpha = 1 all microfacet normals are equally likely, D = 1 / pi, for Phong's distribution
+    // too. At normal incidence the integral is that of c / (1 + c) dc = 1 - ln 2, with these
+    // masking functions as well.
     FORM("A6a Phong microfacets, alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
      {ALPHA_1(JSON("distribution": "phong"))}),
     FORM("A6a GGX and l.h, alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
      {ALPHA_1(JSON("masking": "lh"))}),
     FORM("A6a GGX and Schlick's masking, alpha 1", "plate.json", all, .3068528194400547,
      BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick_ggx"))}),
-    // Normalised to the specular reflectance at normal incidence.
+    // Normalised by the specular reflectance at normal incidence.
     FORM("A6a Phong", "plate.json", colored, 1, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "phong", "base_color": [0, 0, 0], "exponent": 10,
                       "specular_color": [0.8, 0.5, 0.2]})}}),
@@ -302,20 +303,20 @@ static const struct check_case forms[] = {
      {{"slab", JSON({"type": "dielectric", "ior": 1,
                      "extinction": [1e6, 0.6931471805599453, 1e-9]})}}),
 
-    // Choices other than the defaults.
+    // Choices of methods other than the defaults.
     LONG_FORM("A6a Phong's exponent 0 is alpha 1", "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "microfacet", "base_color": [0, 0, 0], "distribution": "phong",
                       "phong_exponent": 0})}}),
-    // Half of the integral of c / (c (1 - k) + k) dc: (1 / (1 - k) + k ln(k) / (1 - k)^2) / 2 with
-    // k = sqrt(2 / pi).
+    // Half of the integral of c / (c (1 - k) + k) dc, which is (1 / (1 - k) + k ln(k) / (1 - k)^2)
+    // / 2 with k = sqrt(2 / pi).
     LONG_FORM("A6a GGX and Schlick's own masking, alpha 1", "plate.json", all, .2687840285229841,
      BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick"))}),
-    // Half of the integral of the rational G1 of cot(theta) over the cosine, by quadrature; with
-    // the bounded G1 it is at most 1 - ln 2.
+    // Half of the integral, over the cosine, of the rational approximation of G1 at cot(theta), by
+    // quadrature. With the bounded G1 the result is at most 1 - ln 2.
     LONG_FORM("A6a GGX and unbounded rational masking, alpha 1", "plate.json", all, .3792765160930264,
      BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "rational_unbounded"))}),
-    // At normal incidence 1 - 2 times the integral of (1 - x)^5 (2 x^2 - 1) 4 x dx over the cosine
-    // of the half angle; at a cosine of .1 it is .97900 by quadrature, plus the mirror's .9^5.
+    // At normal incidence: 1 - 2 times the integral of (1 - x)^5 (2 x^2 - 1) 4 x dx over the cosine
+    // x of the half angle. At a cosine of .1: .97900 by quadrature, plus the mirror's .9^5.
     FORM("A6a uncoupled base", "plate.json", all, .9999181118594366, BY_STATISTICS, 0, {UNCOUPLED}),
     FORM("A6a uncoupled base, grazing", "plate.json", all, 1.5694851171966855, BY_STATISTICS, 0,
      {UNCOUPLED, AT_GRAZING}),
@@ -323,7 +324,8 @@ static const struct check_case forms[] = {
      {WHITE("0.7071067811865476"), BY_D}),
     LONG_FORM("B22 GGX, alpha 0.5, grazing, normals by D", "plate.json", all, .86011, BY_STATISTICS, 0,
      {WHITE("0.7071067811865476"), AT_GRAZING, BY_D}),
-    // Dielectric: the specular colour times the exact curve. Metal: its colour times Schlick's.
+    // Dielectric: the specular colour times the exact Fresnel curve. Metal: its colour times
+    // Schlick's curve.
     FORM("A6a mixed Fresnel at 60", "plate.json", half_reflected, 60, WITHOUT_VARIANCE, 0,
      {{"plate", MIXED(JSON("base_color": [0, 0, 0]))}, AT_60}),
     FORM("A6a mixed Fresnel of a metal at 60", "plate.json", all, .403125, WITHOUT_VARIANCE, 0,
@@ -332,8 +334,8 @@ static const struct check_case forms[] = {
      {{"plate", JSON({"type": "principled", "base_color": [0, 0, 0], "specular_weight": 0,
                       "clearcoat": 1, "clearcoat_roughness": 0, "coat_fresnel": "exact"})}, AT_60}),
 
-    // Without the factor, radiance is the same inside as outside, and light that enters leaves
-    // unchanged.
+    // Without the factor for refraction, radiance is the same inside and outside, and light that
+    // enters leaves unchanged.
     FORM("A6a camera in glass, not scaled", "media.json", all, 1, WITHOUT_VARIANCE, 0,
      {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL, {"from", "[0.2, 0.1, 0.1]"},
       {"fov", "120"}, {"settings.radiance_scaling", "false"}}),

@@ -1,5 +1,5 @@
-// Meshes and instances that are degenerate, small, coplanar, mirrored or flattened
-// (docs/verification.md, C), with known radiance.
+// Meshes and instances with known radiance that are degenerate, small, coplanar, mirrored or
+// flattened (docs/verification.md, C).
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/made_mesh.h"
@@ -16,7 +16,7 @@ static double sky(double rho, double le, double unused)
 }
 static const char sky_is[] = "Le";
 
-// A convex body sees only the environment.
+// A convex body receives light from the environment only.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -24,14 +24,15 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// A sun of irradiance `le` on a slope whose normal has this cosine to the sun's direction.
+// A sun of irradiance `le` on a slope; `cosine` is that of the angle between the slope's normal and
+// the direction to the sun.
 static double slope(double rho, double le, double cosine)
 {
     return rho * le * cosine / M_PI;
 }
 static const char slope_is[] = "rho E cos / pi";
 
-// Radiance after fog of index 1 with transmittance rho per metre.
+// The radiance seen through fog (index of refraction 1) with the transmittance rho per metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
@@ -58,7 +59,7 @@ static bool add_one(struct scene *scene, double unused, struct err *err)
     return true;
 }
 
-// The four triangles between the sides of a square and its centre, which is in view.
+// Adds the four triangles between the sides of a square and its centre, at which the camera looks.
 static bool add_four(struct scene *scene, double unused, struct err *err)
 {
     static const double corners[5][2] = {{-1, -1}, {-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
@@ -78,7 +79,7 @@ static bool add_none(struct scene *scene, double unused, struct err *err)
     return made_mesh_add(scene, 0, err) != NULL;
 }
 
-// Adds emitters without area above the floor: a point, and lines across the view.
+// Adds emitters with zero area above the floor: a point, and lines that cross the view.
 static bool add_dead_lamps(struct scene *scene, double unused, struct err *err)
 {
     if (!add_floor(scene, unused, err))
@@ -88,14 +89,14 @@ static bool add_dead_lamps(struct scene *scene, double unused, struct err *err)
         return false;
     for (uint32_t i = 0; i < 9; i++)
         made_mesh_set(mesh, i, i < 3 ? 0.0 : (double)(i % 3) - 1.0, 1e-4, 0);
-    made_mesh_set(mesh, 8, -1, 1e-4, 0); // two corners of this triangle are equal
+    made_mesh_set(mesh, 8, -1, 1e-4, 0); // two vertices of this triangle are equal
     return made_mesh_blacken(scene, mesh, 1e6, err);
 }
 
 // --- identical and coplanar triangles ------------------------------------------------------------
 
-// Other triangles in the plane of the floor: with the other diagonal, and of the other orientation.
-// None shadows another one.
+// Adds triangles in the plane of the floor: with the other diagonal, and with the other
+// orientation. No triangle may shadow another one.
 static bool add_two_floors(struct scene *scene, double unused, struct err *err)
 {
     static const double corners[6][2] = {{1, -1}, {-1, -1}, {-1, 1}, {1, -1}, {-1, 1}, {1, 1}};
@@ -107,7 +108,7 @@ static bool add_two_floors(struct scene *scene, double unused, struct err *err)
     return mesh != NULL;
 }
 
-// Adds `count` equal triangles, all but the lowest one black.
+// Adds `count` equal triangles. All are black but the lowest one.
 static bool add_pile(struct scene *scene, double count, struct err *err)
 {
     if (!add_one(scene, 0, err))
@@ -130,7 +131,7 @@ static bool place(struct scene *scene, const double rows[3][4])
     return true;
 }
 
-// A cube of fog that is mirrored, or flattened and sheared; `metres` is its length along z.
+// Adds a cube of fog that is mirrored, or flattened and sheared; `metres` is its extent along z.
 static bool add_mirrored_fog(struct scene *scene, double metres, struct err *err)
 {
     const double rows[3][4] = {{-1.5, 0, 0, 0.2}, {0, 1, 0, -0.1}, {0, 0, metres, 0}};
@@ -143,15 +144,16 @@ static bool add_sheared_fog(struct scene *scene, double metres, struct err *err)
     return made_mesh_add_cube(scene, 0.5, err) && place(scene, rows);
 }
 
-// The camera is in the centre of the cube.
+// Adds a cube of fog with the camera in its centre.
 static bool add_fog_around(struct scene *scene, double metres, struct err *err)
 {
     const double rows[3][4] = {{-3, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 2 * metres, 4}};
     return made_mesh_add_cube(scene, 0.5, err) && place(scene, rows);
 }
 
-// A square with normals and a sun above: the transform makes it a slope of 3 : 4, whose normal
-// follows from the inverse transpose; the transform itself would rotate normals by 14 degrees only.
+// Adds a square with vertex normals below a sun. The transform makes it a slope of 3 : 4, and its
+// normal must be transformed by the inverse transpose; the transform itself would rotate normals by
+// only 14 degrees.
 static bool add_slope(struct scene *scene, double side, struct err *err)
 {
     const double rows[3][4] = {{side, 0.25, 0, 0}, {0.75 * side, 1, 0, 0}, {0, 0, 2, 0}};
@@ -187,9 +189,9 @@ static bool add_mirrored_slope(struct scene *scene, double unused, struct err *e
 
 // --- the cases ----------------------------------------------------------------------------------
 
+// The camera is at a height of 2^-11, so that distances are exact; the image is 5e-5 m wide and
+// shows the area around the origin.
 // clang-format off
-// An image 5e-5 m wide of the area around the origin, from a height of 2^-11, so that distances are
-// exact.
 #define FROM_ABOVE {"camera", JSON({"type": "orthographic", "position": [0, 0.00048828125, 0],     \
     "target": [0, 0, 0], "up": [0, 0, 1], "height": 5e-5})},                                       \
     {"environment", JSON({"radiance": [1, 2, 4]})}

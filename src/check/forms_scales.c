@@ -1,13 +1,13 @@
-// Scenes from 1e-12 m to 1e12 m, and cameras as far from their subject: closed forms that do not
-// depend on the unit of length.
+// Scenes with a size from 1e-12 m to 1e12 m, and cameras at such distances: closed forms that do
+// not depend on the unit of length.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include <math.h>
 
 // --- scales --------------------------------------------------------------------------------------
 
-// all_lengths.json: factor B-3 of a square of side 2 at 1 m, a point light at 1 m and 60 degrees,
-// and a slab of fog with transmittance 2^-k along an oblique ray.
+// The scene all_lengths.json: a square of side 2 at 1 m (factor B-3), a point light at 1 m and 60
+// degrees, and a slab of fog with the transmittance 2^-k along an oblique ray.
 static double all_lengths(double rho, double le, double unused)
 {
     (void)unused;
@@ -36,7 +36,7 @@ static const struct check_case scales[] = {
 
 // --- distances -----------------------------------------------------------------------------------
 
-// far.json: a sphere or a disc of radius 1 in an image of 4 by 4.
+// The scene far.json: a sphere or a disc of radius 1 in an image of 4 by 4.
 static double part_filled(double rho, double le, double unused)
 {
     (void)rho, (void)unused;
@@ -44,7 +44,7 @@ static double part_filled(double rho, double le, double unused)
 }
 static const char part_filled_is[] = "Le pi / 16";
 
-// A convex body that fills the image sees only the sky.
+// A convex body that fills the image receives light from the sky only.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -88,8 +88,9 @@ static const struct check_case distances[] = {
 
 // --- small lamps ---------------------------------------------------------------------------------
 
-// small_lamp.json: a lamp of area A at d = (2, 1, 0) with radiance le / A. With the cosines of the
-// angles between its direction and both normals this is rho le cos cos' / (pi d^2).
+// The scene small_lamp.json: a lamp of area A at d = (2, 1, 0) with radiance le / A. If cos and
+// cos' are the cosines of the angles between its direction and the two normals, the result is rho
+// le cos cos' / (pi d^2).
 static double level_lamp(double rho, double le, double unused)
 {
     (void)unused;
@@ -97,7 +98,8 @@ static double level_lamp(double rho, double le, double unused)
 }
 static const char level_lamp_is[] = "rho Le A cos cos' / (pi d^2)";
 
-// The two edges are those of TILTED, and the radiance is le over the square of their unit.
+// The same for a lamp with the two edges of TILTED, whose radiance is le over the square of their
+// unit.
 static double tilted_lamp(double rho, double le, double unused)
 {
     (void)unused;
@@ -116,8 +118,8 @@ static const char tilted_lamp_is[] = "rho Le A cos cos' / (pi d^2)";
             "v" : [ 0, 0, size ]                                                                   \
         })                                                                                         \
     }
-// The edges are (1, 0.3, 0.2) and (0.1, 0.4, 1) in units of 1e-7 m; the quad's second triangle has
-// no area.
+// The edges are (1, 0.3, 0.2) and (0.1, 0.4, 1) in units of 1e-7 m. The second triangle of the quad
+// has no area.
 #define TILTED                                                                                     \
     {                                                                                              \
         "lamp", JSON({                                                                             \

@@ -1,5 +1,5 @@
-// Analytic shapes in scenes whose radiance is known: closed furnaces of every shape and scale, the
-// irradiance from emissive shapes on a floor, infinite planes and huge spheres as ground, and views
+// Analytic shapes in scenes with known radiance: closed furnaces of every shape and scale,
+// irradiance of a floor from emissive shapes, infinite planes and huge spheres as ground, and views
 // from inside glass and fog.
 #include "base/maths.h"
 #include "check/case_list.h"
@@ -8,7 +8,7 @@
 
 // --- the forms ----------------------------------------------------------------------------------
 
-// A convex body sees only the environment.
+// A convex body receives light from the environment only.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -16,14 +16,15 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// Every ray meets a wall: the first `bounces` + 1 terms of a geometric series.
+// Every ray hits a wall, so the radiance is the sum of the first `bounces` + 1 terms of a geometric
+// series.
 static double closed(double rho, double le, double bounces)
 {
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
 }
 static const char closed_is[] = "Le (1 - rho^(d+1)) / (1 - rho) for d bounces";
 
-// Two infinite planes face each other, and the lower one emits.
+// Two infinite planes that face each other; the lower one emits.
 static double plates(double rho, double le, double unused)
 {
     (void)unused;
@@ -37,7 +38,7 @@ static double sun_above(double rho, double le, double degrees)
 }
 static const char sun_above_is[] = "rho E cos / pi";
 
-// A square of side 2 above its centre: four times factor B-3 of Howell's catalog.
+// A square of side 2, centred above the point: four times factor B-3 of Howell's catalogue.
 static double square_above(double rho, double le, double height)
 {
     double a = 1.0 / height, root = sqrt(1.0 + a * a);
@@ -46,7 +47,7 @@ static double square_above(double rho, double le, double height)
 static const char square_above_is[] = "rho Le F, factor B-3";
 
 // Returns Lambert's sum over the edges of a parallelogram above the horizon of a floor in y = 0, as
-// a fraction of pi Le. The sign says which side faces the origin.
+// a fraction of pi Le. The sign tells which side of the parallelogram faces the origin.
 static double parallelogram(const double center[3], const double u[3], const double v[3])
 {
     double corners[4][3], sum = 0.0;
@@ -65,7 +66,7 @@ static double parallelogram(const double center[3], const double u[3], const dou
     return 0.5 * sum / M_PI;
 }
 
-// The box of half edges (0.9, 0.5, 1.4), rotated by 30 degrees about z, at (1, 1.5, 0.5): the sum
+// A box with half edges (0.9, 0.5, 1.4), rotated by 30 degrees about z, at (1, 1.5, 0.5): the sum
 // over the faces that face the origin.
 static double box_above(double rho, double le, double unused)
 {
@@ -84,8 +85,8 @@ static double box_above(double rho, double le, double unused)
 }
 static const char box_above_is[] = "rho (Le / 2 pi) sum of beta cos gamma";
 
-// Returns the contribution of a small piece of surface at p, with outward normal times area, to the
-// configuration factor of the floor at the origin.
+// Returns the configuration factor, for the floor at the origin, of a small piece of surface at p.
+// `normal` is its outward unit normal times its area.
 static double piece(const double p[3], const double normal[3])
 {
     double square = vec3_dot(p, p), away = -vec3_dot(p, normal);
@@ -94,8 +95,8 @@ static double piece(const double p[3], const double normal[3])
 
 #define STEPS 600
 
-// A closed cylinder of radius 0.8 about the axis from (1, 1, -1) to (1.5, 2, 1), by the midpoint
-// rule over its side and its caps.
+// A closed cylinder of radius 0.8 about the axis from (1, 1, -1) to (1.5, 2, 1), computed by the
+// midpoint rule over its side and its caps.
 static double cylinder_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -131,8 +132,8 @@ static double cylinder_above(double rho, double le, double unused)
 }
 static const char cylinder_above_is[] = "rho Le F by quadrature";
 
-// An upright open cylinder of radius 1 from height 1 to 3: its side is seen from inside, between
-// the discs at its lower and its upper end.
+// An upright open cylinder of radius 1 from height 1 to 3. The inside of its wall is visible
+// between the directions to its lower and its upper rim.
 static double tube_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -140,14 +141,14 @@ static double tube_above(double rho, double le, double unused)
 }
 static const char tube_above_is[] = "rho Le (F of a disc - F of another)";
 
-// A disc of radius 0.5 that is so near that it fills the hemisphere.
+// A disc of radius 0.5, so close that it fills the hemisphere.
 static double touching(double rho, double le, double gap)
 {
     return rho * le * 0.25 / (0.25 + gap * gap);
 }
 static const char touching_is[] = "rho Le R^2 / (R^2 + h^2)";
 
-// Radiance inside glass; `part` is the square of the index.
+// The radiance inside glass; `part` is the square of the index of refraction.
 static double all(double rho, double le, double part)
 {
     (void)rho;
@@ -155,7 +156,7 @@ static double all(double rho, double le, double part)
 }
 static const char all_is[] = "Le times a known part";
 
-// Radiance after fog of index 1 with transmittance rho per metre.
+// The radiance seen through fog (index of refraction 1) with the transmittance rho per metre.
 static double fog(double rho, double le, double metres)
 {
     return le * pow(rho, metres);
@@ -164,7 +165,8 @@ static const char fog_is[] = "Le exp(-sigma length)";
 
 // --- the scenes ---------------------------------------------------------------------------------
 
-// A camera inside of a room as large as `scale`, and the room's shapes.
+// The camera is inside of a room as large as `scale`; these macros define the camera and the room's
+// shapes.
 // clang-format off
 #define EYE(x, y, z)                                                                               \
     {"camera", JSON({"position": [x, y, z], "direction": [0.3, -0.2, -1], "fov_degrees": 90})}
@@ -175,14 +177,14 @@ static const char fog_is[] = "Le exp(-sigma length)";
 #define SPHERE(a) {"type": "sphere", "material": "glowing", "radius": a}
 #define CYLINDER(a) {"type": "cylinder", "material": "glowing", "radius": a, "from": [0, -a, 0],   \
     "to": [0, a, 0]}
-// An open cylinder that is closed by discs.
+// An open cylinder that is closed by two discs.
 #define PIPE(a) {"type": "cylinder", "material": "glowing", "radius": a, "from": [-a, 0, 0],       \
     "to": [a, 0, 0], "caps": "${open}"},                                                               \
     {"type": "disc", "material": "glowing", "radius": a, "center": [a, 0, 0], "normal": [1, 0, 0]},\
     {"type": "disc", "material": "glowing", "radius": a, "center": [-a, 0, 0], "normal": [1, 0, 0]}
 #define SIDE(x, y, z, a, b, c, d, e, f) {"type": "quad", "material": "glowing", "as": "analytic",  \
     "corner": [x, y, z], "u": [a, b, c], "v": [d, e, f]}
-// Some of them have the opposite orientation.
+// The sides of a room, some of which have the opposite orientation.
 #define SIDES                                                                                      \
     SIDE(-1, -1, -1, 2, 0, 0, 0, 2, 0), SIDE(-1, -1, 1, 2, 0, 0, 0, 2, 0),                         \
     SIDE(-1, -1, -1, 0, 0, 2, 2, 0, 0), SIDE(-1, 1, -1, 2, 0, 0, 0, 0, 2),                         \
@@ -197,7 +199,8 @@ static const char fog_is[] = "Le exp(-sigma length)";
 #define ROOM_FILE "sphere_furnace.json"
 #define FLOOR_FILE "floor_light.json"
 #define LIGHT(...) {"light", JSON(__VA_ARGS__)}
-// The camera is between a floor and a light that are closer than the file's camera is to the floor.
+// The distance between floor and light is less than the distance between floor and camera in the
+// file, so the camera is moved between them.
 #define SQUEEZED {"camera", JSON({"position": [0, 2e-5, 0], "direction": [0, -1, 0],               \
     "up": [0, 0, 1], "fov_degrees": 5e-5})}
 #define GROUND(...) {"shapes", "[" JSON(__VA_ARGS__) "]"}

@@ -1,4 +1,4 @@
-// Stiff and extreme cases (docs/verification.md, C) whose radiance is known.
+// Stiff and extreme cases with known radiance (docs/verification.md, C).
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/closed_form.h"
@@ -15,7 +15,7 @@ static double sky(double rho, double le, double factor)
 }
 static const char sky_is[] = "Le";
 
-// A convex body sees only the environment.
+// A convex body receives light from the environment only.
 static double convex(double rho, double le, double unused)
 {
     (void)unused;
@@ -23,7 +23,7 @@ static double convex(double rho, double le, double unused)
 }
 static const char convex_is[] = "rho Le";
 
-// Walls of albedo 1 add their emission at each vertex of the path.
+// Walls with albedo 1 add their emission at each vertex of the path.
 static double lossless(double rho, double le, double bounces)
 {
     (void)rho;
@@ -40,8 +40,8 @@ static const char nothing_is[] = "0";
 
 // --- many lamps ----------------------------------------------------------------------------------
 
-// n x n triangles with legs of LAMP_SIZE, parallel to the floor at height 1, over a square of side
-// 2. One of them is as bright as all others together.
+// Adds n x n triangles with legs of LAMP_SIZE, parallel to the floor at height 1, over a square of
+// side 2. One of them is as bright as all others together.
 #define LAMP_SIZE 1e-4
 
 static void lamp_corner(uint32_t n, uint32_t index, double out[3])
@@ -56,7 +56,7 @@ static uint32_t bright_lamp(uint32_t n)
     return n / 3 * n + n / 2;
 }
 
-// The sum over the lamps of rho / pi Le A cos^2 / d^2, both cosines being 1 / d at height 1.
+// The sum over all lamps of rho / pi Le A cos^2 / d^2, where both cosines are 1 / d at height 1.
 static double lamps(double rho, double le, double side)
 {
     uint32_t n = (uint32_t)side;
@@ -75,7 +75,7 @@ static const char lamps_is[] = "the sum of rho Le A cos cos' / (pi d^2)";
 
 // --- meshes ------------------------------------------------------------------------------------
 
-// A floor of strips, each of two triangles 1 m long and 1e-6 m wide.
+// A floor of strips; each has two triangles 1 m long and 1e-6 m wide.
 #define STRIPS 256
 
 static bool add_slivers(struct scene *scene, double unused, struct err *err)
@@ -96,7 +96,7 @@ static bool add_slivers(struct scene *scene, double unused, struct err *err)
     return true;
 }
 
-// All vertex normals are missing.
+// Adds a mesh whose vertices have no normals.
 static bool add_without_normals(struct scene *scene, double unused, struct err *err)
 {
     if (!add_slivers(scene, unused, err))
@@ -116,7 +116,7 @@ static bool add_lamps(struct scene *scene, double side, struct err *err)
     mesh->triangle_material = arena_alloc(&scene->arena, n * n, sizeof *mesh->triangle_material);
     if (!bright || !mesh->triangle_material)
         return err_memory(err, "lamps", (uint64_t)n * n);
-    scene->environment.present = false; // added by the loader to scenes without light
+    scene->environment.present = false; // the loader adds one to scenes without light
     *bright = scene->materials[1];
     for (int c = 0; c < 3; c++)
         bright->emission[c] *= (float)n * (float)n;
@@ -136,7 +136,7 @@ static bool add_lamps(struct scene *scene, double side, struct err *err)
 // clang-format off
 #define FLOOR_ALONE {"light", "0"}, {"settings", JSON({"sampler": "pcg"})}, {"shapes", JSON([{"type": "quad", "material": "floor",         \
     "corner": [-2, 0, 2], "u": [4, 0, 0], "v": [0, 0, -4]}])}
-// A picture that is 5e-5 m wide.
+// The image is 5e-5 m wide.
 #define FROM_ABOVE {"camera", JSON({"type": "orthographic", "position": [0, 0.0005, 0],            \
     "target": [0, 0, 0], "up": [0, 0, 1], "height": 5e-5})},                                       \
     {"environment", JSON({"radiance": [1, 2, 4]})}, {"shapes", "[]"}

@@ -1,11 +1,11 @@
-// Textures with long sides, far coordinates and bright texels (docs/verification.md, C31, C32 and
-// C34): the whole floor shows one place of an image in which a single texel is not black.
+// Textures with long sides, distant coordinates and bright texels (docs/verification.md, C31, C32
+// and C34). The whole floor shows one place of an image in which only one texel is not black.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/made_mesh.h"
 #include <math.h>
 
-// A convex body sees only the environment; the texel scales its reflectance.
+// A convex body receives light from the environment only; the texel scales its reflectance.
 static double scaled(double rho, double le, double part)
 {
     (void)part;
@@ -23,9 +23,9 @@ static const char bright_is[] = "Le times the texel";
 struct image_place {
     uint32_t width, height;
     uint32_t x, y;   // position of the texel that is not black
-    float u, v;      // texture coordinates of all corners
+    float u, v;      // texture coordinates of all vertices
     float value;     // value of the texel
-    uint32_t scales; // GROUP_*, its first three parameters
+    uint32_t scales; // GROUP_* whose first three parameters the texel scales
 };
 
 static bool add_image(struct scene *scene, const struct image_place *p, struct err *err)
@@ -47,7 +47,7 @@ static bool add_image(struct scene *scene, const struct image_place *p, struct e
     *texture = (struct texture){.image = index,
                                 .flags = TEXTURE_NEAREST | p->scales << TEXTURE_GROUP_SHIFT |
                                          7u << TEXTURE_MASK_SHIFT |
-                                         0x24u << TEXTURE_CHANNELS_SHIFT, // 0, 1 and 2
+                                         0x24u << TEXTURE_CHANNELS_SHIFT, // channels 0, 1 and 2
                                 .transform = {{1}, {0, 1}}};
     for (int c = 0; c < 3; c++)
         image->mean[c] = p->value / (float)(p->width * p->height);
@@ -71,7 +71,8 @@ static bool add_place(struct scene *scene, const struct image_place *p, struct e
     return true;
 }
 
-// A row, or a column if `count` is negative, whose last but one texel is in view.
+// Adds an image with a single row (or a single column if `count` is negative), whose last but one
+// texel is visible.
 static bool add_long(struct scene *scene, double count, struct err *err)
 {
     uint32_t side = (uint32_t)fabs(count), at = side > 1 ? side - 2 : 0;
@@ -87,8 +88,8 @@ static bool add_long(struct scene *scene, double count, struct err *err)
     return add_place(scene, &p, err);
 }
 
-// Coordinates at this distance, plus 3/8 of an image of four texels: exact in single precision up
-// to 2^20.
+// Uses texture coordinates at this distance plus 3/8 of an image of four texels; these are exact in
+// single precision up to 2^20.
 static bool add_far(struct scene *scene, double far, struct err *err)
 {
     const struct image_place p = {
@@ -96,7 +97,7 @@ static bool add_far(struct scene *scene, double far, struct err *err)
     return add_place(scene, &p, err);
 }
 
-// Coordinates that are not finite count as 0.
+// Uses texture coordinates that are not finite, which count as 0.
 static bool add_not_finite(struct scene *scene, double u, struct err *err)
 {
     const struct image_place p = {

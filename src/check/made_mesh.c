@@ -32,7 +32,7 @@ void made_mesh_set(struct mesh *mesh, uint32_t vertex, double x, double y, doubl
     mesh->positions[vertex][2] = (float)z;
 }
 
-// Corners 0 1 3 and 0 3 2 of a square.
+// The corners of a square's two triangles, 0 1 3 and 0 3 2.
 static const int square_corners[6] = {0, 1, 3, 0, 3, 2};
 
 struct mesh *made_mesh_add_square(struct scene *scene, double side, double y, struct err *err)
@@ -50,7 +50,7 @@ struct mesh *made_mesh_add_cube(struct scene *scene, double side, struct err *er
     for (uint32_t i = 0; mesh && i < 36; i++) {
         uint32_t axis = i / 12, corner = i % 6;
         bool is_upper = i / 6 % 2;
-        // The orientation is reversed on the lower side.
+        // The lower side has the opposite orientation.
         int at = square_corners[is_upper ? corner : 5 - corner];
         float *vertex = mesh->positions[i];
         vertex[axis] = (float)(is_upper ? side : -side);

@@ -1,4 +1,5 @@
-// Rays at edges and corners of closed meshes (docs/verification.md, C4 and C12): none may escape.
+// Traces rays at edges and vertices of closed meshes (docs/verification.md, C4 and C12). No ray may
+// escape.
 #include "base/maths.h"
 #include "check/case_list.h"
 #include "check/driver.h"
@@ -9,10 +10,10 @@
 #include <math.h>
 
 struct closed_mesh {
-    uint32_t triangles; // triangles of a bumpy ball; 0: a cube
+    uint32_t triangles; // number of triangles of a bumpy ball; 0: a cube
     double center[3], radius;
-    // An object on the opposite side of the origin makes the scene so wide that flattening does not
-    // move the origin.
+    // A second object on the opposite side of the origin makes the scene so large that flattening
+    // does not move its origin.
     bool is_wide;
     enum instancing instancing;
     uint32_t rays, may_leave;
@@ -56,7 +57,7 @@ static double unit(uint64_t *state)
     return driver_random(state) * 0x1p-32;
 }
 
-// Computes the position of a corner in the flat scene's space.
+// Computes the position of a triangle's corner in the space of the flat scene.
 static void find_corner(const struct flat_scene *flat, uint32_t triangle, uint32_t corner,
                         double out[3])
 {
@@ -81,7 +82,8 @@ static void aim(struct probe_ray *ray, const double target[3])
         ray->direction[c] = (float)(way[c] / length);
 }
 
-// Aims from near the centre: every other ray at a corner, the others at points of edges.
+// Sets up rays from near the centre: every other one towards a vertex, the others towards points of
+// edges.
 static void aim_at_edges(const struct flat_scene *flat, const struct closed_mesh *mesh,
                          struct traced *traced)
 {
@@ -102,8 +104,8 @@ static void aim_at_edges(const struct flat_scene *flat, const struct closed_mesh
     }
 }
 
-// Aims from the exact centre of a cube at all corners and midpoints of edges and diagonals, so that
-// components are 0; the ray's number chooses their signs.
+// Sets up rays from the exact centre of a cube to all vertices and to the midpoints of edges and
+// diagonals, so that some components of the directions are 0. The ray's number selects the signs.
 static void aim_along_axes(const struct flat_scene *flat, struct traced *traced)
 {
     for (uint32_t i = 0; i < traced->count; i++) {
@@ -121,7 +123,7 @@ static void aim_along_axes(const struct flat_scene *flat, struct traced *traced)
     }
 }
 
-// It is added last, so that the ball is the first instance.
+// Adds the second object after the ball, so that the ball is the first instance.
 static bool add_anchor(struct scene *scene, const double at[3], struct err *err)
 {
     struct mesh *mesh = made_mesh_add(scene, 1, err);

@@ -17,7 +17,7 @@ bool refused_vertex(struct scene *scene, const struct refusal *refusal, struct e
     return true;
 }
 
-// An image in Radiance's format: a header and four bytes per pixel.
+// Adds an image in Radiance's format: a header and four bytes per pixel.
 bool refused_image(struct scene *scene, const struct refusal *refusal, struct err *err)
 {
     uint32_t width = (uint32_t)refusal->value, index;
@@ -27,7 +27,7 @@ bool refused_image(struct scene *scene, const struct refusal *refusal, struct er
         return err_memory(err, "an image", size);
     memset(bytes, 0x7f, size);
     int header = snprintf(bytes, 64, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X %u\n", width);
-    bytes[header] = 0x7f; // overwrites the terminating NUL
+    bytes[header] = 0x7f; // replaces the terminating NUL
     const struct texture_source source = {
         .data = bytes, .size = (size_t)header + 4 * (size_t)width, .name = "wide.hdr"};
     return texture_image_load(scene, &source, &index, err);

@@ -79,18 +79,19 @@ struct estimate replicates_estimate(const struct replicates *replicates, uint32_
     return e;
 }
 
-// The pilot's seeds are far from those of the tests, because data that decides the number of
-// samples must not be part of the test.
+// The first seed of pilots. It is far from the seeds of the tests, because the samples that decide
+// how many are needed must not be part of the test.
 #define PILOT_SEED 1000000u
 #define PILOT_SAMPLES 4
-// The standard error of the pilot's variance is 18 % (its chi-square has 63 degrees of freedom),
-// and so is that of the test: their ratio exceeds 2 in less than 0.4 % of all cases.
+// A safety factor. The standard error of the pilot's variance is 18 % (its chi-square has 63
+// degrees of freedom), and that of the test's variance is the same; their ratio exceeds 2 in less
+// than 0.4 % of cases.
 #define PILOT_MARGIN 2.0
 
-// Returns how many samples bring a half-width of `ratio` times what is wanted, seen with those of
-// the pilot, below that. With more of them the variance falls at least as 1 / N; with fewer it may
-// rise as 1 / N^3, where the integrand is smooth (Owen 1997, "Scrambled net variance for integrals
-// of smooth functions").
+// Returns the number of samples that the desired half-width takes, if PILOT_SAMPLES samples have
+// `ratio` times that half-width. With more samples the variance decreases at least as 1 / N. With
+// fewer samples it may increase as 1 / N^3 if the integrand is smooth (Owen 1997, "Scrambled net
+// variance for integrals of smooth functions").
 static double samples_needed(double ratio)
 {
     double part = PILOT_MARGIN * ratio * ratio;
@@ -109,7 +110,7 @@ bool replicates_pilot(struct renderer *r, const struct measurement *measurement,
         double ratio = e.mean > 0.0 ? e.half_width / (relative * e.mean) : 0.0;
         needed = fmax(needed, samples_needed(ratio));
     }
-    // A wave takes up to 16 samples of a pixel at once.
+    // A wave has up to 16 samples of a pixel, so larger numbers are rounded up to a multiple of 16.
     uint64_t step = needed <= 16.0 ? 1 : 16;
     *samples = needed < (double)most ? (uint64_t)ceil(needed / (double)step) * step : most;
     return true;

@@ -1,26 +1,27 @@
-// The statistics of docs/verification.md, "How a mean is checked": R independently seeded
-// replicates of one measurement, a t-test against the expected value, and bounds on the confidence
-// interval and on the bias, since a t-test alone passes when the noise is large.
+// The statistics that docs/verification.md describes in "How a mean is checked": REPLICATES renders
+// of the same measurement with independent seeds, a t-test against the expected value, and bounds
+// on the confidence interval and on the bias, because a t-test alone also passes if the noise is
+// large.
 #ifndef LAMPYRIS_CHECK_REPLICATES_H
 #define LAMPYRIS_CHECK_REPLICATES_H
 
 #include "render/render.h"
 
 #define REPLICATES 64
-#define REPLICATES_VALUES 64 // at most
+#define REPLICATES_VALUES 64 // greatest number of values per measurement
 
-// With 63 degrees of freedom, |t| exceeds it with probability 1e-3 / 66: the family error is 1e-3
-// over 66 tests.
+// The greatest permitted |t|. With 63 degrees of freedom it is exceeded with the probability 1e-3 /
+// 66, so that the error of 66 tests together is 1e-3.
 #define REPLICATES_T_MAX 4.7
 
-// A measurement of an image: `count` numbers.
+// A function that computes `count` values from an image.
 struct measurement {
     uint32_t count;
     void (*measure)(const struct film_image *film, double *values);
 };
-extern const struct measurement MEASURE_MEAN; // measures the mean of the whole image: 3 channels
-// Sums over channels and pixels of 2 x 2 and of 4 x 4 tiles in rows from the top, then of the whole
-// image: the channels have the same errors.
+extern const struct measurement MEASURE_MEAN; // the mean of the image, for each of 3 channels
+// The sums over channels and pixels in 2 x 2 and in 4 x 4 tiles, in rows from the top, and in the
+// whole image last. Channels are added because their errors are the same.
 extern const struct measurement MEASURE_2X2_TILES, MEASURE_4X4_TILES;
 
 struct replicates {
@@ -28,21 +29,20 @@ struct replicates {
     double values[REPLICATES_VALUES][REPLICATES];
 };
 
-// Renders REPLICATES images with `samples` samples per pixel and the seeds first_seed, first_seed +
-// 1, ….
+// Renders REPLICATES images with `samples` samples per pixel, with seeds from first_seed on.
 bool replicates_render(struct renderer *renderer, const struct measurement *measurement,
                        uint32_t first_seed, uint64_t samples, struct replicates *out,
                        struct err *err);
 
 struct estimate {
     double mean;
-    double standard_error; // standard error of the mean
-    double half_width;     // half-width of the mean's 95 % confidence interval
+    double standard_error; // standard error of `mean`
+    double half_width;     // half-width of the 95 % confidence interval of `mean`
 };
 struct estimate replicates_estimate(const struct replicates *replicates, uint32_t value);
 
-// Finds by a pilot, with seeds of its own, how many samples reduce the half-width of every value to
-// `relative` times the value; at most `most`.
+// Determines, by a pilot with other seeds, how many samples reduce the half-width of every value to
+// `relative` times the value. The result is at most `most`.
 bool replicates_pilot(struct renderer *renderer, const struct measurement *measurement,
                       double relative, uint64_t most, uint64_t *samples, struct err *err);
 

@@ -1,5 +1,5 @@
-// Random numbers of extreme dimensions, sample counts and seeds (docs/verification.md, C37 to C39),
-// as the shipped samplers draw them on the device.
+// Tests the renderer's samplers on the device with extreme dimensions, sample counts and seeds
+// (docs/verification.md, C37 to C39).
 #include "check/sampler.h"
 
 #include "check/case_list.h"
@@ -77,7 +77,7 @@ bool draw_is_uniform(float u)
 
 // --- measurements --------------------------------------------------------------------------------
 
-// Samplers with and without a planned number of samples, and the default.
+// One sampler that stratifies over a planned number of samples, one that does not, and the default.
 static const uint32_t samplers[] = {SAMPLER_SOBOL, SAMPLER_PCG, SAMPLER_STRATIFIED};
 enum { SAMPLERS = sizeof samplers / sizeof samplers[0] };
 
@@ -87,7 +87,7 @@ enum { SAMPLERS = sizeof samplers / sizeof samplers[0] };
 typedef bool (*judge_fn)(struct renderer *r, struct sampler_run *run, union draw *draws,
                          double *worst, struct err *err);
 
-// Counts the draws that are no uniform numbers, for dimensions, pixels, samples and seeds up to
+// Counts the results that are not uniform numbers, for dimensions, pixels, samples and seeds up to
 // 2^32 - 2.
 static bool count_outside(struct renderer *r, struct sampler_run *run, union draw *draws,
                           double *worst, struct err *err)
@@ -104,15 +104,14 @@ static bool count_outside(struct renderer *r, struct sampler_run *run, union dra
     return true;
 }
 
-// Keeps the greatest correlation of two lists, in units of 1 / sqrt(n).
+// Updates *worst with the correlation of two lists, in units of 1 / sqrt(n), if it is greater.
 static void keep_correlation(const union draw *a, const union draw *b, double *worst)
 {
     for (int c = 0; c < 4; c++)
         *worst = fmax(*worst, fabs(draws_correlation(a, b, PAIRS, c)) * sqrt(PAIRS));
 }
 
-// Correlates each pixel's numbers of dimension 3 with those of 1,024 and of 2^31 dimensions
-// further.
+// Correlates the numbers of dimension 3 in each pixel with those 1,024 and 2^31 dimensions later.
 static bool correlate_dimensions(struct renderer *r, struct sampler_run *run, union draw *draws,
                                  double *worst, struct err *err)
 {
@@ -129,7 +128,7 @@ static bool correlate_dimensions(struct renderer *r, struct sampler_run *run, un
     return true;
 }
 
-// Correlates each seed's numbers with those of the previous seed.
+// Correlates the numbers of each seed with those of the previous seed.
 static bool correlate_seeds(struct renderer *r, struct sampler_run *run, union draw *draws,
                             double *worst, struct err *err)
 {
@@ -147,8 +146,8 @@ static bool correlate_seeds(struct renderer *r, struct sampler_run *run, union d
     return true;
 }
 
-// Counts in 16 x 16 cells of the first two components over all pixels and their first 37 or 3
-// samples; computes the greatest deviate.
+// Counts the first two components in 16 x 16 cells, over all pixels and their first 37 or 3
+// samples. Computes the greatest normal deviate of the counts.
 static bool count_cells(struct renderer *r, struct sampler_run *run, union draw *draws,
                         double *worst, struct err *err)
 {
@@ -227,8 +226,8 @@ static bool run_samplers(const struct check *check, const struct check_case *thi
         __VA_ARGS__                                                                                \
     }
 
-// The probability that one of 24 or 60 correlations exceeds 4 / sqrt(n) is 0.2 or 0.4 %; that one
-// of 6 deviates exceeds 4.5 is 2e-5.
+// Justifies the limits: one of 24 or 60 correlations exceeds 4 / sqrt(n) with a probability of 0.2
+// or 0.4 %, and one of 6 deviates exceeds 4.5 with a probability of 2e-5.
 static const struct check_case cases[] = {
     {"C37 dimensions up to 2^32", "multiples of 2^-24 in [0, 1)",
      SAMPLERS_ARE(count_outside, 0.0, " that are not")},

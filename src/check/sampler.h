@@ -1,4 +1,4 @@
-// Runs the shipped samplers and pixel filters on items that the host writes
+// Runs the renderer's samplers and pixel filters on items that the host provides
 // (shaders/check_sampler.comp), and computes statistics of their output.
 #ifndef LAMPYRIS_CHECK_SAMPLER_H
 #define LAMPYRIS_CHECK_SAMPLER_H
@@ -6,7 +6,7 @@
 #include "render/render.h"
 #include "shared/check_sampler.h"
 
-// A draw's input, which its output replaces.
+// The input of a draw, which is replaced by its output.
 union draw {
     struct {
         uint32_t pixel, sample, dimension, unused;
@@ -16,23 +16,23 @@ union draw {
 
 struct sampler_run {
     uint32_t routine;                 // SAMPLER_ROUTINE_*
-    uint32_t sampler, halves, filter; // as in settings
-    uint32_t seed, samples;           // samples: the planned number
+    uint32_t sampler, halves, filter; // values of the settings of these names
+    uint32_t seed, samples;           // `samples` is the planned number of samples
     float filter_radius;
     uint32_t pixel_sampling, pixel_strata;
 };
 
-// Replaces the draws by uniform numbers or positions. The renderer defines the size of the image;
-// it must not render any more.
+// Replaces the draws by random numbers or film positions. The renderer defines the image size; it
+// must not be used for rendering any more.
 bool sampler_run(struct renderer *renderer, const struct sampler_run *run, union draw *draws,
                  uint32_t count, struct err *err);
 
-// Returns Pearson's statistic of counts against equal probabilities, as a standard normal deviate
-// (Wilson and Hilferty 1931).
+// Returns Pearson's chi-square statistic of counts with the given expected counts, converted to a
+// standard normal deviate (Wilson and Hilferty 1931).
 double chi_square_deviate(const uint32_t *counts, const double *expected, uint32_t cells);
-// Returns Pearson's correlation of component c of two lists of draws, whose means are 1/2.
+// Returns Pearson's correlation of component c of two lists of draws, whose expected means are 1/2.
 double draws_correlation(const union draw *a, const union draw *b, uint32_t count, int c);
-// Returns whether u is a uniform number of a sampler: a multiple of 2^-24 in [0, 1).
+// Returns whether u is a possible result of a sampler: a multiple of 2^-24 in [0, 1).
 bool draw_is_uniform(float u);
 
 #endif

@@ -1,5 +1,5 @@
-// Stiff and extreme cases (docs/verification.md, C) without a known value: reports, bounds and
-// termination.
+// Stiff and extreme cases without a known value (docs/verification.md, C). They test reports,
+// bounds and termination.
 #include "check/case_list.h"
 #include "check/closed_form.h"
 #include "check/embedded_scene.h"
@@ -9,10 +9,10 @@
 #include <math.h>
 #include <stdio.h>
 
-// A render of a scene, and the test of its result.
+// A scene to render, and a test of the result.
 struct stiff {
     const char *scene;
-    struct scene_override overrides[6];                    // up to the first without a key
+    struct scene_override overrides[6]; // ends with the first one that has no key
     bool (*prepare)(struct scene *scene, struct err *err); // NULL: nothing
     uint64_t samples;
     uint32_t wave;
@@ -63,8 +63,9 @@ static double mean_of(const struct film_image *film, int c)
     return sum / (double)pixels;
 }
 
-// Under a constant environment of (1, 2, 4) a surface reflects at most the light that it receives,
-// and more than nothing; a tolerance of 1e-3 is allowed as for albedos (docs/verification.md, A9).
+// Under a constant environment of (1, 2, 4), a surface must reflect some light but at most the
+// light that it receives. A tolerance of 1e-3 is allowed, as for albedos (docs/verification.md,
+// A9).
 static bool judge_albedo(const struct renderer *r, const struct film_image *film,
                          struct check_result *result)
 {
@@ -88,7 +89,8 @@ static bool judge_media(const struct renderer *r, const struct film_image *film,
                       r->stats.media_lost);
 }
 
-// 30 % of the pixel are covered. A plain sum in single precision would stop growing at 2^24.
+// An object covers 30 % of the pixel. A plain sum in single precision would stop growing at 2^24
+// samples.
 static bool judge_edge(const struct renderer *r, const struct film_image *film,
                        struct check_result *result)
 {
@@ -109,7 +111,7 @@ static bool judge_floor(const struct film_image *film)
     return worst <= 1e-5;
 }
 
-// The floor must look as if there were nothing else.
+// The floor must look as if the omitted objects did not exist.
 static bool judge_dropped(const struct renderer *r, const struct film_image *film,
                           struct check_result *result)
 {
@@ -126,7 +128,7 @@ static bool judge_skipped(const struct renderer *r, const struct film_image *fil
                       count, mean_of(film, 0));
 }
 
-// Watchdogs end dispatches that take seconds; docs/design.md limits those of a GPU.
+// The limit of docs/design.md for a dispatch on a GPU. Watchdogs end dispatches that take seconds.
 #define LONGEST_MS 100.0
 
 static bool judge_dispatches(const struct renderer *r, const struct film_image *film,
@@ -143,7 +145,8 @@ static bool judge_dispatches(const struct renderer *r, const struct film_image *
 
 // --- zero areas --------------------------------------------------------------------------------
 
-// Above the floor are a point, a line of three corners and one of two, all black.
+// Adds black triangles above the floor: a point, a line with three different vertices and one with
+// two.
 static bool add_degenerate(struct scene *scene, struct err *err)
 {
     struct mesh *mesh = made_mesh_add(scene, 3, err);
@@ -155,7 +158,7 @@ static bool add_degenerate(struct scene *scene, struct err *err)
     return made_mesh_blacken(scene, mesh, 0, err);
 }
 
-// Above the floor are instances of a black cube that are flattened to a square and to a point.
+// Adds instances of a black cube above the floor, flattened to a square and to a point.
 static bool add_singular(struct scene *scene, struct err *err)
 {
     struct mesh *mesh = made_mesh_add_cube(scene, 1, err);
@@ -171,8 +174,8 @@ static bool add_singular(struct scene *scene, struct err *err)
 
 // --- normals -----------------------------------------------------------------------------------
 
-// A square of two triangles whose corners' normals are tilted by 70 degrees, each in another
-// direction.
+// Adds a square of two triangles. The normals of its corners are tilted by 70 degrees, each in
+// another direction.
 static bool add_leaning(struct scene *scene, struct err *err)
 {
     static const float corners[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};
@@ -194,8 +197,8 @@ static bool add_leaning(struct scene *scene, struct err *err)
     return true;
 }
 
-// Adds the square with normals in its plane, so that those of opposite corners cancel in the
-// middle.
+// Adds a square with vertex normals in its plane, so that the normals of opposite corners cancel in
+// the centre.
 static bool add_cancelling(struct scene *scene, struct err *err)
 {
     if (!add_leaning(scene, err))

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Pixels of the small image: enough that a share of 1 % is 40 of them.
+// The number of pixels of the small image: enough that 1 % of the image is 40 pixels.
 #define PICTURE_PIXELS 4096.0
 
 static void shrink_picture(struct settings *settings, double pixels)
@@ -19,21 +19,21 @@ static void shrink_picture(struct settings *settings, double pixels)
     settings->height = (uint32_t)fmax(round(height * scale), 1.0);
 }
 
-// Renders of the small image take about this many samples per pixel: 64 for the outlook, 64 for the
-// tail, and 16 at each of several depths.
+// All renders of the small image together take about this many samples per pixel: 64 for the
+// outlook, 64 for the tail, and 16 at each of several depths.
 #define RENDERED_SAMPLES 200.0
-// The limit of the estimated time of these renders. An image that would take longer gets fewer
-// pixels, but at least LEAST_PIXELS.
+// The limit, in seconds, of the estimated time of these renders. An image that would take longer
+// gets fewer pixels, but at least LEAST_PIXELS.
 #define RENDER_SECONDS 30.0
 #define LEAST_PIXELS 256.0
 
-// The greatest time of one sample of all pixels.
+// The greatest time, in seconds, that one sample of all pixels may take.
 #define SAMPLE_SECONDS (RENDER_SECONDS / RENDERED_SAMPLES)
 
-// The fastest of a few samples counts: the first one includes start-up, and others may be slowed by
-// other programs.
+// The fastest of several samples is used: the first one includes start-up work, and other programs
+// may slow down some of them.
 #define TIMED_SAMPLES 5u
-#define TIMED_SECONDS 3.0 // the second sample decides after this time
+#define TIMED_SECONDS 3.0 // seconds after which no further sample is timed
 
 static bool time_sample(struct job *job, uint32_t seed, double *seconds, struct err *err)
 {
@@ -92,7 +92,8 @@ static bool start_job(struct survey *survey, struct err *err)
     return job_start(params, &survey->job, err) && tell_bound(survey, seconds, pixels, err);
 }
 
-// Plans the render at the scene's own size. If memory does not suffice, find_memory() reports it.
+// Plans the memory of a render at the scene's own size. If it does not suffice, find_memory()
+// reports it.
 static bool plan_memory(struct survey *survey, const struct renderer_params *params,
                         struct err *err)
 {
@@ -108,8 +109,8 @@ static bool plan_memory(struct survey *survey, const struct renderer_params *par
     return survey->refusal || err_set(err, failure.code, "%s", failure.msg);
 }
 
-// Returns the bytes of a film at the scene's own size, and of waves as large as the device has room
-// for; survey->least_bytes: without these.
+// Returns the bytes of a film at the scene's own size and of waves as large as the device's memory
+// permits. Sets survey->least_bytes to the same without waves.
 static uint64_t count_bytes(struct survey *survey)
 {
     const struct renderer *renderer = &survey->job.renderer;
@@ -156,7 +157,8 @@ static bool prepare(struct survey *survey, struct err *err)
     survey->small = (struct job_params){
         .renderer = params,
         .scene = scene,
-        .goal = {.samples = 1u << 16}, // the number of steps ends it, not the goal
+        // Never reached: the caller decides how many steps are rendered.
+        .goal = {.samples = 1u << 16},
         .progress = params.progress,
     };
     if (!start_job(survey, err))
@@ -165,7 +167,7 @@ static bool prepare(struct survey *survey, struct err *err)
     return sightlines_take_view(survey, err);
 }
 
-// Closes the render of the small image but keeps its film, so that later renders have all of the
+// Ends the job of the small image but keeps its film, so that later renders can use all of the
 // device's memory.
 static bool end_job(struct survey *survey, struct err *err)
 {
@@ -180,8 +182,9 @@ static bool end_job(struct survey *survey, struct err *err)
 
 static bool search(struct survey *survey, struct err *err)
 {
-    // find_media uses counts of the renders of measure_noise(), the searches for lights and biases
-    // use their film. Those after end_job() have renders of their own.
+    // The searches, in order. find_media uses counts from the renders of measure_noise(); the
+    // searches for lights and biases use the film of these renders. Searches after end_job() start
+    // renders of their own.
     static bool (*const searches[])(struct survey * survey, struct err * err) = {
         find_thin,         find_twice,           find_coincident,    find_normals,
         find_texels,       measure_noise,        find_hidden_lights, find_mirrored_lights,
@@ -198,7 +201,7 @@ static bool search(struct survey *survey, struct err *err)
     return true;
 }
 
-// Sorts by share first, then by level.
+// Orders findings by share, then by level.
 static int compare(const void *a, const void *b)
 {
     const struct scene_finding *x = a, *y = b;
@@ -219,7 +222,7 @@ bool check_scene(const struct check_scene_params *params, struct arena *arena,
         .out = out,
     };
     *out = (struct scene_findings){.outlook = {.error = params->error}};
-    // Warnings of the loader are not logged, because the findings report them in full.
+    // The loader's warnings are not logged, because the findings report the same in full.
     enum log_level level = log_set_level(LOG_ERROR);
     bool ok = prepare(&survey, err) && search(&survey, err) &&
               (!survey.lacks_memory || err_memory(err, "flags of pixels", survey.line_count));

@@ -1,5 +1,6 @@
-// Materials that reflect all light, or more than all. The latter is measured in a furnace: a sphere
-// of the material in a constant environment of radiance 1 must not be brighter than 1.
+// Finds materials that reflect all light, or more light than they receive. The latter is measured
+// in a furnace: a sphere of the material in a constant environment of radiance 1 must not be
+// brighter than 1.
 #include "check/scene/survey.h"
 
 #include "base/hash.h"
@@ -8,10 +9,10 @@
 #include "shared/material.h"
 #include <string.h>
 
-// --- all of the light ----------------------------------------------------------------------------
+// --- materials that reflect all light ------------------------------------------------------------
 
-// Returns whether the texture leaves all three channels of the base colour unchanged in more than
-// half of its texels.
+// Returns whether more than half of the texture's texels leave all three channels of the base
+// colour unchanged.
 static bool keeps_white(const struct scene *scene, const struct texture *texture)
 {
     const struct texture_image *image = &scene->images[texture->image];
@@ -53,7 +54,7 @@ static bool meets_white(const struct survey *survey, const struct sighting *at, 
     return ((const bool *)context)[at->material];
 }
 
-// Small white objects have little effect.
+// White objects that cover a smaller share of the image have little effect.
 #define WHITE_SHARE_MIN 0.01
 
 static bool find_white(struct survey *survey, struct err *err)
@@ -87,19 +88,19 @@ static bool find_white(struct survey *survey, struct err *err)
         err);
 }
 
-// --- more than all of the light ------------------------------------------------------------------
+// --- materials that gain light -------------------------------------------------------------------
 
 #define FURNACE_SAMPLES 64u
-#define FURNACE_CELL 16u    // pixels of a sphere's square
-#define FURNACE_COLUMNS 16u // squares in a row
-#define FURNACE_RINGS 8u    // rings of equal area, from the centre to the rim
-#define FURNACE_MOST 256u   // materials at once
-// Distance between spheres along the line of sight, so that none lights another one.
+#define FURNACE_CELL 16u    // side, in pixels, of the square in the image that shows one sphere
+#define FURNACE_COLUMNS 16u // squares in a row of the image
+#define FURNACE_RINGS 8u    // rings of equal area on a sphere, from the centre to the rim
+#define FURNACE_MOST 256u   // materials that are measured in one image
+// The distance between spheres along the viewing direction, so that none lights another one.
 #define FURNACE_DEPTH 8.0
-#define GAIN_MIN 0.01 // beyond the noise
+#define GAIN_MIN 0.01 // a smaller gain is not distinguished from noise
 
-// Returns whether the material's model can gain energy; that of all others is limited by the ranges
-// of their parameters.
+// Returns whether the material's model can gain energy. The ranges of the parameters exclude it for
+// all other models.
 static bool may_gain(const struct survey *survey, uint32_t index)
 {
     const struct material *m = &survey->scene->materials[index];
@@ -111,12 +112,12 @@ static bool may_gain(const struct survey *survey, uint32_t index)
 
 struct furnace {
     struct scene scene;
-    uint32_t sources[FURNACE_MOST]; // index of the material in the survey's scene
+    uint32_t sources[FURNACE_MOST]; // index of each sphere's material in the survey's scene
     uint32_t count;
 };
 
-// Returns the texture whose brightest texel the measurement uses: that of the base colour, or of
-// the specular colour, or else any; NULL if there is none.
+// Returns the texture at whose brightest texel the material is measured: that of the base colour,
+// else of the specular colour, else any other; NULL if there is none.
 static const struct texture *find_leading(const struct scene *scene, const struct material *m)
 {
     static const uint32_t groups[] = {GROUP_BASE, GROUP_SPECULAR};
@@ -133,7 +134,7 @@ static const struct texture *find_leading(const struct scene *scene, const struc
     return any;
 }
 
-// Finds the centre, in [0, 1], of the brightest texel; values above 1 count as 1.
+// Finds the centre of the brightest texel, with coordinates in [0, 1]. Values above 1 count as 1.
 static void find_brightest(const struct texture_image *image, double place[2])
 {
     double most = -1.0;
@@ -161,7 +162,7 @@ static bool lies_alike(const struct texture *a, const struct texture *b)
     return alike;
 }
 
-// Adds an image with a single value, that of the texture at a place.
+// Adds an image of constant value, which is the texture's value at a place.
 static bool add_even_image(struct scene *scene, const struct texture_image *from,
                            const double *place, uint32_t *index, struct err *err)
 {
@@ -186,8 +187,8 @@ static bool add_even_image(struct scene *scene, const struct texture_image *from
     return true;
 }
 
-// Gives the sphere textures with a single value each: that of the source's texture where the
-// leading one is brightest, or its mean if it is mapped differently.
+// Gives the sphere textures of constant value: the value of the source's texture where the leading
+// texture is brightest, or its mean if it is mapped differently.
 static bool add_textures(struct furnace *furnace, const struct scene *from,
                          const struct material *source, struct material *material, struct err *err)
 {
@@ -222,7 +223,7 @@ static void raise_to_corners(float most[3], const struct flat_scene *flat, uint3
         raise_color(most, flat->colors[triangle][corner]);
 }
 
-// Finds the greatest vertex colours with which each material is used; they are 1 on shapes. The
+// Finds the greatest vertex colours with which each material is used; shapes have the colour 1. The
 // scene must have vertex colours.
 static bool list_colors(struct survey *survey, float (**out)[3], struct err *err)
 {
@@ -253,7 +254,7 @@ static bool list_colors(struct survey *survey, float (**out)[3], struct err *err
     return true;
 }
 
-// Scales the spheres' colours by the greatest vertex colours of their materials.
+// Multiplies the spheres' colours by the greatest vertex colours of their materials.
 static bool color_spheres(struct survey *survey, struct furnace *furnace, struct err *err)
 {
     float(*most)[3];
@@ -296,8 +297,8 @@ static bool add_sphere(struct furnace *furnace, const struct scene *from, uint32
     return true;
 }
 
-// Adds spheres for the materials from *next on, as many as there is room for. *next is then the
-// first material that remains.
+// Adds spheres for as many materials from *next on as fit; sets *next to the first material that
+// remains.
 static bool build_furnace(struct survey *survey, uint32_t *next, struct furnace *furnace,
                           struct err *err)
 {
@@ -330,15 +331,16 @@ static bool build_furnace(struct survey *survey, uint32_t *next, struct furnace 
 }
 
 struct gain {
-    double most, noise; // reflectance of a ring, and the standard error of that
+    double most, noise; // reflectance of the brightest ring, and its standard error
     uint32_t ring;
 };
 
-// Returns the ring of a sphere's square in which a pixel lies; FURNACE_RINGS: none.
+// Returns the index of the ring, in the square of a sphere, that contains a pixel, or
+// FURNACE_RINGS.
 static uint32_t ring_of(uint32_t x, uint32_t y)
 {
     double u = (x + 0.5) / (0.5 * FURNACE_CELL) - 1.0, v = (y + 0.5) / (0.5 * FURNACE_CELL) - 1.0;
-    // Pixels at the rim also see the background, which is no brighter than 1.
+    // Pixels at the rim also show the background, which is not brighter than 1.
     double part = u * u + v * v;
     return part < 1.0 ? (uint32_t)(part * FURNACE_RINGS) : FURNACE_RINGS;
 }

@@ -1,10 +1,11 @@
-// Settings that omit light.
+// Finds settings that omit light.
 #include "check/scene/survey.h"
 
 #include "job/bias.h"
 #include <string.h>
 
-// Raising these costs only time. Settings that were chosen for less noise are kept.
+// Returns whether changing the setting to its default costs only time. Settings that reduce noise
+// are kept as they are.
 static bool is_harmless(const char *kind)
 {
     return strcmp(kind, "nee") == 0 || strcmp(kind, "nee-depth") == 0 ||
@@ -55,7 +56,8 @@ bool find_biases(struct survey *survey, struct err *err)
     return true;
 }
 
-// Turning it off has no effect if light leaves each medium that it has entered.
+// Finds the setting radiance_scaling, which has no effect if light leaves every medium that it
+// enters.
 bool find_unscaled(struct survey *survey, struct err *err)
 {
     double *scaled, *unscaled;

@@ -1,5 +1,5 @@
-// Details that single precision does not resolve: objects that are small relative to their
-// coordinates, meshes whose file has lost digits, cameras that are too far away.
+// Finds details that single precision does not resolve: objects that are small relative to their
+// coordinates, meshes whose file has lost digits, and cameras that are too far away.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -9,7 +9,8 @@
 #include "scene/core/bounds.h"
 #include <float.h>
 
-// Returns the bounds of each mesh in its own space, of the vertices that triangles use, or NULL.
+// Returns the bounds of each mesh in its own space, from the vertices that triangles use, or NULL
+// when out of memory.
 static struct bounds *list_mesh_bounds(struct survey *survey, struct err *err)
 {
     const struct scene *scene = survey->scene;
@@ -45,8 +46,8 @@ static struct bounds object_bounds(const struct survey *survey, const struct bou
     return bounds;
 }
 
-// Returns whether a line of sight passes through the sphere around an object: the object should be
-// visible there even if rounding leaves nothing of it.
+// Returns whether a line of sight passes through the bounding sphere of an object. If it does, the
+// object should be visible there, even if rounding leaves nothing of it.
 static bool comes_by(const struct survey *survey, const struct sightline *line,
                      const struct bounds *bounds)
 {
@@ -68,7 +69,7 @@ static bool comes_by(const struct survey *survey, const struct sightline *line,
            vec3_dot(from, from) - along * along < radius * radius;
 }
 
-// Returns whether an object is a lamp whose light is correct however small it is: triangles that
+// Returns whether an object is a lamp whose light is correct although it is small: triangles that
 // keep their exact form (flatten_lamps.h), or a shape that is not in view.
 static bool is_small_lamp(const struct survey *survey, uint32_t object, const struct bounds *bounds)
 {
@@ -92,7 +93,7 @@ static bool is_small_lamp(const struct survey *survey, uint32_t object, const st
 
 struct coarse {
     uint32_t count, first;
-    double extent, farthest; // measures of the first object
+    double extent, farthest; // extent and distance from the origin, in metres, of the first object
     bool *marked;            // flags of all objects
 };
 
@@ -129,8 +130,9 @@ static const uint8_t *touched_by_bounds(struct survey *survey, const struct boun
     return flags;
 }
 
-// Finds the pixels that show the objects, or should show them, or else those that change through
-// their shadows, reflections or light; NULL if the image is the same without them.
+// Finds the pixels that show the objects or should show them. If there are none, finds the pixels
+// that change through their shadows, reflections or light; NULL if the image is the same without
+// the objects.
 static bool find_touched(struct survey *survey, const struct bounds *meshes, const bool *marked,
                          const uint8_t **touched, struct err *err)
 {
@@ -185,7 +187,7 @@ static bool add_objects(struct survey *survey, const struct bounds *meshes,
         err);
 }
 
-// Checks whether a mesh lost digits in its file, whose numbers are in single precision.
+// Finds a mesh whose vertices have lost digits in its file, which stores single precision.
 static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bounds *meshes,
                          struct err *err)
 {

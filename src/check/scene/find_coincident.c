@@ -1,9 +1,10 @@
-// Surfaces of different objects, or of one object, that coincide.
+// Finds surfaces, of different objects or of the same object, that coincide.
 //
-// Each point that a line of sight hits is tested again: by a ray onto it from a small height, by
-// one along the line from nearby, and, if it is on a shape, by comparison with the other shapes. So
-// the time of the search depends on the image's pixels. More triangles only lengthen the traversal
-// of the BVH, and the number of comparisons with shapes is bounded (COMPARED_MOST).
+// Each point at which a line of sight hits a surface is tested by further rays: one onto the
+// surface from a small height, and one along the line of sight from nearby. If the point is on a
+// shape, the shape is also compared with all other shapes. So the time depends on the number of
+// pixels. More triangles only make the traversal of the BVH longer, and the number of comparisons
+// with shapes is limited (COMPARED_MOST).
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -11,13 +12,15 @@
 #include <float.h>
 #include <string.h>
 
-// Returns the distance within which surfaces count as coincident: the points of both are rounded.
+// Returns the distance, in metres, within which surfaces count as coincident, given that points of
+// both are rounded.
 static double tolerance_at(const double point[3])
 {
     return 2.0 * sighting_rounding(point);
 }
 
-// Returns whether two unit normals belong to the same plane and not to neighbours at an edge.
+// Returns whether two unit normals are parallel enough to belong to the same plane, and not to two
+// faces at an edge.
 static bool is_parallel(const double a[3], const double b[3])
 {
     return fabs(vec3_dot(a, b)) > 1.0 - 1e-6;
@@ -30,8 +33,8 @@ static bool lets_through(const struct survey *survey, const struct sighting *at)
     return material_lets_through(&survey->scene->materials[at->material]);
 }
 
-// Returns whether the pair is not a finding: objects at the same place are reported by
-// find_twice(), and of two surfaces with gaps each is visible through the other.
+// Returns whether a coincidence is acceptable: find_twice() reports objects at the same place, and
+// two surfaces with gaps are each visible through the other.
 static bool is_no_finding(const struct survey *survey, const struct sighting *a,
                           const struct sighting *b)
 {
@@ -41,7 +44,7 @@ static bool is_no_finding(const struct survey *survey, const struct sighting *a,
     return is_twin || share_place || !survey_differs_doubled(survey, a->material, b->material);
 }
 
-// Records that a line hits two surfaces that are `apart` along it; 0: they coincide.
+// Records that a line hits two surfaces at the distance `apart` along it; 0 if they coincide.
 static void note_pair(const struct survey *survey, struct coincidences *out, uint32_t line,
                       const struct sighting *a, const struct sighting *b, double apart)
 {
@@ -62,12 +65,12 @@ static void note_pair(const struct survey *survey, struct coincidences *out, uin
 struct drop {
     const struct sighting *at;
     uint32_t line;
-    bool is_on_line; // along the line of sight, else along the normal
+    bool is_on_line; // the ray is along the line of sight, otherwise along the normal
     double direction[3], height;
 };
 
-// Returns whether rays onto the surface are traced. Only flat surfaces can share more than a line
-// with triangles; two curved shapes are compared.
+// Returns whether rays onto the surface should be traced. Only a flat surface can have more than a
+// line in common with triangles; two curved shapes are compared directly.
 static bool may_be_flat(const struct survey *survey, const struct sighting *at)
 {
     if (!(at->hit.primitive & PRIMITIVE_SHAPE))
@@ -76,7 +79,8 @@ static bool may_be_flat(const struct survey *survey, const struct sighting *at)
     return kind != SHAPE_SPHERE && kind != SHAPE_TUBE && kind != SHAPE_SDF;
 }
 
-// Rounding leaves six binary digits of the height.
+// The height from which rays are traced, in units of the tolerance; rounding leaves six binary
+// digits of it.
 #define HEIGHT_IN_TOLERANCES 64.0
 
 static struct drop drop_onto(const struct sighting *at, uint32_t line)
@@ -88,9 +92,9 @@ static struct drop drop_onto(const struct sighting *at, uint32_t line)
     return drop;
 }
 
-// A distance along a ray is rounded about 16 times in a triangle's test, each time relative to the
-// ray's length (lib/intersect_triangle.glsl). From this distance the same line hits surfaces in
-// their true order.
+// Returns the distance from which the same line hits surfaces in their true order. The distance
+// along a ray is rounded about 16 times in a triangle's test, each time relative to the ray's
+// length (lib/intersect_triangle.glsl).
 static double near_height(const struct sighting *at)
 {
     return 16.0 * 0.5 * (double)FLT_EPSILON * (double)at->hit.t;
@@ -118,10 +122,10 @@ static struct probe_ray ray_of(const struct drop *drop)
     return ray;
 }
 
-// Returns whether the surface that a ray hit coincides with its target. Kernels ignore triangles
-// and flat shapes on which a ray starts; of other surfaces the ray may hit either one first, and
-// some of many rays hit the other one. For a ray along the line the other surface is in front: the
-// line missed it only because rounding put it behind.
+// Returns whether the surface that a ray hits coincides with its target. Kernels ignore the
+// triangle or flat shape on which a ray starts. With other surfaces the ray may hit either of the
+// two first, and of many rays some hit the other one. For a ray along the line of sight, the other
+// surface is in front of the target: the line missed it only because rounding moved it behind.
 static bool lies_upon(const struct survey *survey, const struct drop *drop,
                       const struct probe_ray *ray, const struct probe_hit *hit,
                       struct sighting *other)
@@ -176,15 +180,15 @@ static bool drop_rays(struct survey *survey, const struct sightline *lines, uint
 
 // --- comparisons of shapes -----------------------------------------------------------------------
 
-// The part of a shape's surface nearest to a point.
+// The part of a shape's surface that is nearest to a point.
 struct patch {
     double normal[3]; // unit
-    double away;      // signed distance of the point from it along the normal
+    double away;      // signed distance of the point from the patch along the normal
     bool is_flat;
 };
 
-// Returns whether a + x u + y v is inside the parallelogram of these half edges; all vectors are in
-// the plane of a unit normal.
+// Returns whether the point a is inside the parallelogram with half edges u and v centred at the
+// origin; all vectors are in the plane of the unit normal.
 static bool is_within(const double a[3], const double u[3], const double v[3],
                       const double normal[3])
 {
@@ -217,7 +221,8 @@ static bool find_patch_of_cylinder(const struct flat_shape *shape, const double 
     return patch->is_flat ? square <= radius * radius : fabs(along) <= 1.0;
 }
 
-// Returns false if the point is beside the patch, or if the shape cannot be compared.
+// Finds the patch of a shape nearest to a point. Returns false if the point is not above the patch,
+// or if shapes of this kind cannot be compared.
 static bool find_patch(const struct survey *survey, const struct flat_shape *shape,
                        const double point[3], struct patch *patch)
 {
@@ -259,7 +264,7 @@ void shape_put_on(const struct survey *survey, const struct flat_shape *shape, d
 }
 
 // Returns whether two patches coincide. Flat patches may face each other, as those of two adjacent
-// boxes do; curved patches that face each other touch only in a point.
+// boxes do. Curved patches that face each other touch only in a point.
 static bool is_one_patch(const struct patch *a, const struct patch *b, double tolerance)
 {
     double turn = vec3_dot(a->normal, b->normal);
@@ -268,7 +273,7 @@ static bool is_one_patch(const struct patch *a, const struct patch *b, double to
            is_parallel(a->normal, b->normal);
 }
 
-// The shapes, with the radii of bounding spheres.
+// All shapes, with the radii of their bounding spheres.
 struct shapes {
     const struct flat_shape *items;
     double *reach;
@@ -324,8 +329,8 @@ static void compare_with_shapes(struct survey *survey, const struct shapes *shap
     }
 }
 
-// The greatest number of comparisons, which take at most a second. With very many shapes only a
-// part of the lines is tested.
+// The greatest number of comparisons, which take at most a second. If there are too many shapes,
+// only some of the lines are tested.
 #define COMPARED_MOST 1e8
 
 static bool compare_shapes(struct survey *survey, const struct sightline *lines,
@@ -358,7 +363,7 @@ bool coincidences_find(struct survey *survey, const struct sightline *lines, uin
            compare_shapes(survey, lines, count, out, err);
 }
 
-// Fewer lines may have hit an edge that two surfaces share.
+// With fewer lines, they may have hit an edge that two surfaces share.
 #define LINES_MIN 2
 
 static const char *figure_of(struct survey *survey, const struct coincidences *coincidences)
@@ -411,13 +416,13 @@ bool coincidences_add(struct survey *survey, const struct coincidences *coincide
     return add_finding(survey, coincidences, figure_of(survey, coincidences), pixels, err);
 }
 
-// --- lamps, which light places where they are not visible ----------------------------------------
+// --- lamps that light the image but are not visible in it ----------------------------------------
 
-// The number of points on lamps that are tested, and the share of these, and so of the lamps'
-// light, below which the loss is not visible.
+// The number of points on lamps that are tested, and the share of these points (that is, of the
+// lamps' light) below which the lost light is not visible.
 #define LAMP_PLACES 1024u
 #define LIGHT_MIN 0.01
-// The share of the image that they light below which it is not visible.
+// The share of the image lit by these points below which the effect is not visible.
 #define PICTURE_MIN 0.01
 
 static bool is_same_pair(const struct coincidences *a, const struct coincidences *b)
@@ -427,7 +432,8 @@ static bool is_same_pair(const struct coincidences *a, const struct coincidences
            (a->pair[0].object == second && a->pair[1].object == first);
 }
 
-// Adds the finding for lamps. It affects what they light and what is `seen` of the two surfaces.
+// Adds the finding for lamps. It affects the pixels that they light and the pixels `seen` in which
+// the two surfaces are visible.
 static bool add_lamps(struct survey *survey, const struct coincidences *lamps,
                       const struct sightline *lines, uint32_t count,
                       const struct coincidences *seen, struct err *err)
@@ -442,7 +448,7 @@ static bool add_lamps(struct survey *survey, const struct coincidences *lamps,
             places[upon++] = lines[i].steps[0];
     if (!survey_lit_from(survey, places, upon, &pixels, err))
         return false;
-    // Surfaces between two touching bodies light nothing.
+    // Emissive surfaces between two touching bodies do not light anything.
     if (survey_share(survey, pixels) < PICTURE_MIN)
         return true;
     if (seen->count > 0 && is_same_pair(lamps, seen)) {

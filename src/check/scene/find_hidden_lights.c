@@ -1,5 +1,5 @@
-// Lights that shadow rays do not reach though no opaque surface is between, and lights to which no
-// shadow rays are sent.
+// Finds lights that shadow rays do not reach although no opaque surface is in the way, and lights
+// to which no shadow rays are sent.
 #include "check/scene/survey.h"
 
 #include "base/hash.h"
@@ -15,30 +15,31 @@
 enum aim {
     AIM_AT_POINTS, // delta lights
     AIM_AT_LAMPS,  // emitters with an area
-    AIM_AT_SKY,    // the environment's image
+    AIM_AT_SKY,    // directions towards the environment's image
 };
 
-// A target of shadow rays.
+// A light, or a part of a lamp or of the environment, at which shadow rays are directed.
 struct target {
-    bool is_delta;   // one of the scene's delta lights
-    bool is_common;  // is part of the environment: scattered paths find it about as often as shadow
-                     // rays do
-    uint32_t light;  // index in the scene, or SCENE_NONE
+    bool is_delta; // one of the scene's delta lights
+    // A direction of the environment that scattered paths find about as often as shadow rays do.
+    bool is_common;
+    uint32_t light;  // index of the light in the scene, or SCENE_NONE
     uint32_t source; // index in survey->is_reached
-    double power;    // as in emitter_power.h, of all surfaces that it represents; 0 for texels
+    // power, as in emitter_power.h, of all surfaces that the target represents; 0 for texels.
+    double power;
     double radiance; // mean luminance; INFINITY for delta lights
-    double each;     // number of surfaces that it represents
+    double each;     // number of surfaces that the target represents
     struct emitter_part part;
 };
 
 struct targets {
     struct target *items;
-    double *sums; // cumulative powers, including each item's own
+    double *sums; // cumulative powers, each including that of its own target
     uint32_t count;
-    uint32_t rare; // number of those that are not common
+    uint32_t rare; // number of targets that are not common
 };
 
-// Lamps of meshes are many triangles: above this number a part represents all.
+// If a lamp's mesh has more triangles than this, some of them represent all.
 #define TRIANGLES_MAX 4096u
 
 static void list_lights(const struct survey *survey, bool delta, struct targets *out)
@@ -62,7 +63,7 @@ static void list_lights(const struct survey *survey, bool delta, struct targets 
     }
 }
 
-// Adds a lamp's surface, which represents `each` surfaces.
+// Adds a surface of a lamp, which represents `each` surfaces.
 static void add_surface(const struct survey *survey, enum emitter_kind kind, uint32_t index,
                         uint32_t material, double area, uint32_t each, struct targets *out)
 {
@@ -94,10 +95,10 @@ static void list_lamps(const struct survey *survey, struct targets *out)
                         triangle_area(flat, i), every, out);
 }
 
-// The number of directions towards the environment, which are drawn in proportion to its radiance,
-// like the renderer's table. Where the radiance is k times the mean, the table draws k times as
-// often as scattered paths do, whose estimate has a variance of about k times the square of that
-// light.
+// The number of directions towards the environment. They are sampled in proportion to its radiance,
+// like the renderer's table does. If the radiance is k times the mean, the table selects a
+// direction k times as often as scattered paths do, and the variance of their estimate is about k
+// times the square of that light.
 #define SKY_TARGETS 1000u
 #define RARE_MIN 16.0
 
@@ -148,7 +149,7 @@ static bool list_targets(struct survey *survey, enum aim aim, struct targets *ou
     return true;
 }
 
-// --- lines to them -------------------------------------------------------------------------------
+// --- lines to targets ----------------------------------------------------------------------------
 
 static void aim_at(const struct survey *survey, const struct target *target, const double from[3],
                    uint32_t seed, struct sightline *line)
@@ -183,9 +184,9 @@ static void aim_at(const struct survey *survey, const struct target *target, con
 
 // --- choice of targets ---------------------------------------------------------------------------
 
-// Returns the luminance from a lamp's surface at a place without occlusion: by the solid angle of
-// its centre and the cosine there, or by half of the solid angle above the horizon if the horizon
-// crosses the lamp.
+// Returns the luminance that a lamp's surface causes at a place without occlusion, from the solid
+// angle and the cosine of its centre. If the horizon crosses the lamp, half of the solid angle
+// above the horizon is used.
 static double sent_by_surface(const struct survey *survey, const struct target *target,
                               const struct sighting *at)
 {
@@ -214,7 +215,8 @@ static double sent_by(const struct survey *survey, const struct target *target,
     return sent * fmax(side * vec3_dot(towards, at->normal), 0.0);
 }
 
-// Returns the target at which the cumulative power reaches a fraction, in [0, 1), of the total.
+// Returns the target at which the cumulative power reaches the given fraction, in [0, 1), of the
+// total.
 static uint32_t target_at(const struct targets *targets, double part)
 {
     double power = part * targets->sums[targets->count - 1];
@@ -229,12 +231,12 @@ static uint32_t target_at(const struct targets *targets, double part)
     return low;
 }
 
-// The number of targets whose light at a place is computed. If there are more, candidates are drawn
-// in proportion to their powers.
+// The greatest number of targets whose light at a place is computed. If there are more, candidates
+// are sampled in proportion to their power.
 #define ASKED_MOST 64u
 
-// Targets that light a place. If they were drawn, the light of each is divided by the expected
-// number of times that it is drawn, so that `sum` estimates the light of all targets.
+// The targets that light a place. If they were sampled, the light of each is divided by the
+// expected number of times that it is selected, so that `sum` estimates the light of all targets.
 struct candidates {
     uint32_t numbers[ASKED_MOST], count; // indices of the targets
     double sent[ASKED_MOST], sum;
@@ -268,16 +270,17 @@ static void list_candidates(const struct survey *survey, const struct sighting *
     }
 }
 
-// Returns a number in [0, 1) that depends only on the arguments.
+// Returns a pseudo-random number in [0, 1) that depends only on the arguments.
 static double random_of(uint32_t pixel, uint32_t number)
 {
     const uint32_t key[2] = {pixel, number};
     return (double)(hash_bytes(HASH_INIT, key, sizeof key) >> 11) * 0x1p-53;
 }
 
-// Returns the candidate of rank `rank` in weighted sampling without replacement, in proportion to
-// their light, or list->count if there are no more (Efraimidis, Spirakis 2006, "Weighted random
-// sampling with a reservoir", algorithm A: in the order of u^(1 / weight), of random numbers u).
+// Returns the candidate of rank `rank` in weighted sampling without replacement, with the
+// candidates' light as weights, or list->count if there are fewer (Efraimidis, Spirakis 2006,
+// "Weighted random sampling with a reservoir", algorithm A: candidates are ordered by u^(1 /
+// weight) with uniform random numbers u).
 static uint32_t candidate_at(const struct candidates *list, uint32_t pixel, uint32_t rank)
 {
     double keys[ASKED_MOST];
@@ -297,43 +300,46 @@ static uint32_t candidate_at(const struct candidates *list, uint32_t pixel, uint
 
 // --- occlusion -----------------------------------------------------------------------------------
 
-// The light of targets at a place that can be lit.
+// The light that targets send to a place.
 struct place {
-    double sent;    // by all targets
-    double asked;   // by the targets that were tested
+    double sent;    // light of all targets, without occlusion
+    double asked;   // light of the targets that were tested, without occlusion
     double arrived; // part of `asked` that no opaque surface blocks
     double hidden;  // part of `arrived` that comes through glass
-    double squares; // sum of the hidden light times its radiance
-    bool is_known;  // all targets that light it are tested
+    double squares; // sum over hidden light of the light times its radiance
+    bool is_known;  // all targets that light the place were tested
     struct sighting glass;
 };
 
-// A line to a target: the amount of light that it represents, and the index of the camera's line at
-// whose end it starts.
+// The light that a line to a target represents, and the index of the camera's line at whose end it
+// starts.
 struct aimed {
     const struct target *target;
     double sent;
     uint32_t from;
 };
 
-// Counts of what lines to targets hit.
+// Results of the lines to targets.
 struct tally {
-    uint32_t places;        // places that can be lit, in all rounds
-    uint32_t open;          // lines that no opaque surface blocks
-    uint32_t behind;        // environment: lines through glass to rare targets; others: places
-    double arrived, hidden; // sums over all places, see struct place
-    struct sighting glass;  // glass in front of the first place that counts, or of any place
-    bool is_named;          // it is in front of a place that counts
-    uint8_t *touched;       // flags of places
+    uint32_t places; // number of places that can be lit, over all rounds
+    uint32_t open;   // number of lines that no opaque surface blocks
+    // For the environment: lines through glass to rare targets; otherwise: places with missing
+    // light.
+    uint32_t behind;
+    double arrived, hidden; // sums of these members over all places
+    struct sighting glass;  // glass in front of the first place that counts, or else of any place
+    bool is_named;          // `glass` is in front of a place that counts
+    uint8_t *touched;       // a flag for each place whose light is missing
     struct place *at;       // one for each of the camera's lines
 };
 
-// The number of lines from each place. In a room most of the environment is occluded, and some
-// lines must find a window; if there are more lamps, some represent all.
+// The number of lines from each place. In a room most of the environment is occluded, so that some
+// of several lines should pass through a window. If there are more lamps than lines, some lamps
+// represent all.
 #define ROUNDS 8u
 
-// Chooses a target for a line from a place, another one in each round. Returns false if none is
-// left. The environment's targets are drawn by their light.
+// Selects a target for a line from a place, a different one in each round. Returns false if none is
+// left. Directions of the environment are sampled by their light.
 static bool choose_target(const struct survey *survey, enum aim aim, const struct sighting *at,
                           uint32_t round, const struct targets *targets, struct place *place,
                           struct aimed *aimed)
@@ -356,20 +362,20 @@ static bool choose_target(const struct survey *survey, enum aim aim, const struc
     return true;
 }
 
-// Starts a line from a place. Returns false if the target is on the other side of the surface.
+// Starts a line from a place to a target. Returns false if the target is behind the surface.
 static bool begin_line(const struct survey *survey, const struct sighting *at, uint32_t round,
                        const struct aimed *aimed, struct sightline *line)
 {
     *line = (struct sightline){.from = at};
     aim_at(survey, aimed->target, at->point, (uint32_t)(16.0 * random_of(round, aimed->from)),
            line);
-    // Both sides reflect; the visible one counts.
+    // Both sides of a surface reflect; the one that is visible counts.
     double side = at->is_front ? 1.0 : -1.0;
     return side * vec3_dot(line->direction, at->normal) > 0.0;
 }
 
-// Returns whether a line reaches its target, and through how many surfaces. The target on a sphere
-// is a point of its visible side, so that the lamp itself may be hit before.
+// Returns whether a line reaches its target, and through how many surfaces it passes. The target on
+// a sphere is a point of the visible side, so the line may hit the lamp itself just before it.
 static bool arrives(const struct survey *survey, const struct sightline *line, uint32_t *surfaces)
 {
     *surfaces = line->is_open ? line->count : line->count - 1;
@@ -397,7 +403,8 @@ static void note_line(const struct survey *survey, const struct sightline *line,
     place->squares += aimed->sent * aimed->target->radiance;
 }
 
-// Traces a line from each place that can be lit. `lines` and `aimed` have room for all of them.
+// Traces one line from each place that can be lit. `lines` and `aimed` must have room for all of
+// them.
 static bool trace_round(struct survey *survey, enum aim aim, const struct targets *targets,
                         uint32_t round, struct sightline *lines, struct aimed *aimed,
                         struct tally *tally, struct err *err)
@@ -427,10 +434,11 @@ static void touch(struct tally *tally, uint32_t place, uint32_t count)
     tally->touched[place] = 1;
 }
 
-// If less than this share of a white surface's light comes through glass, none is missed.
+// If glass hides less than this fraction of the light on a white surface, no light is considered
+// missing.
 #define MISSED_MIN 0.01
 
-// The light of lamps at a place, or the mean of several places, and the light of the pixel.
+// The light of lamps at a place, or its mean over several places, and the light of the pixel.
 struct lamp_light {
     double arrived, hidden, squares, seen;
     uint32_t count;
@@ -451,7 +459,7 @@ static void add_light(const struct survey *survey, const struct tally *tally, ui
 }
 
 // If only a few of very many lamps are tested, one behind glass seems to contribute much of the
-// light. Places within this many pixels are then taken together.
+// light. Then the places within this many pixels are evaluated together.
 #define NEAR_PIXELS 4u
 
 static struct lamp_light light_at(const struct survey *survey, const struct tally *tally,
@@ -467,9 +475,9 @@ static struct lamp_light light_at(const struct survey *survey, const struct tall
     return sum;
 }
 
-// Counts the places where light through glass is missing and is found by few paths: a path that
-// scatters by the cosine finds the radiance L with probability p, and its estimate of all such
-// light has a variance of about sum(p L^2).
+// Counts the places at which light through glass is missing and few paths find it. A path that is
+// scattered by the cosine finds the radiance L with the probability p; the variance of its estimate
+// of all such light is about sum(p L^2).
 static void count_places(const struct survey *survey, struct tally *tally)
 {
     for (uint32_t i = 0; i < survey->line_count; i++) {
@@ -494,8 +502,8 @@ static void count_lines(const struct survey *survey, struct tally *tally)
 
 #define SKY_LINES_MIN 10u
 
-// Computes the share of the image whose light is behind glass; for the environment's light it is a
-// share of the lines that leave the scene.
+// Computes the share of the image whose light is behind glass. For the environment it is a share of
+// the lines that leave the scene.
 static bool share_behind_glass(struct survey *survey, enum aim aim, const struct targets *targets,
                                double *share, struct tally *tally, struct err *err)
 {
@@ -518,10 +526,10 @@ static bool share_behind_glass(struct survey *survey, enum aim aim, const struct
     return true;
 }
 
-// A smaller share of the image may be the shadow of a small object.
+// A smaller share of the image could be due to the shadow of a small object.
 #define SHARE_MIN 0.01
 
-// The text of a finding about light behind glass.
+// The texts of the finding for each kind of target.
 static const struct words {
     const char *name;
     enum finding_level level;
@@ -566,7 +574,7 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
     double share;
     if (!list_targets(survey, aim, &targets, err))
         return false;
-    // Low-contrast images are not searched for, and may well light the scene.
+    // An image of low contrast is not tested. It is assumed to light the scene.
     survey->is_reached[survey_sky_source(survey)] |= aim == AIM_AT_SKY && targets.rare == 0;
     if (targets.rare == 0)
         return true;
@@ -592,7 +600,7 @@ static bool find_behind_glass(struct survey *survey, enum aim aim, struct err *e
                       err);
 }
 
-// --- lamps that are not sampled ------------------------------------------------------------------
+// --- lamps that get no shadow rays ---------------------------------------------------------------
 
 static bool add_unaimed(struct survey *survey, const char *place, const char *figure,
                         const char *remedy, struct err *err)
@@ -626,7 +634,7 @@ static bool find_unaimed(struct survey *survey, struct err *err)
     return true;
 }
 
-// Without next-event estimation all lamps are found by chance.
+// Adds the finding for the setting nee = off, with which paths find all lamps by chance.
 static bool add_unaimed_lamps(struct survey *survey, struct err *err)
 {
     const struct emitter_counts counts = emitters_count(survey->scene, survey->flat);

@@ -1,6 +1,6 @@
-// Lights to which shadow rays are sent though they contribute no light: out of range of all
-// surfaces, or inside of something opaque. The other lights get fewer shadow rays, and so more
-// noise.
+// Finds lights that get shadow rays but contribute no light, because all surfaces are out of their
+// range, or because an opaque object encloses them. Then the other lights get fewer shadow rays,
+// and so have more noise.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -11,21 +11,27 @@
 #include "shared/bindings.h"
 #include <string.h>
 
-// Share of the image's light below which a light contributes nothing.
+// A light that contributes less than this share of the image's light counts as contributing
+// nothing.
 #define LIGHT_MIN 1e-3
-// Share of all shadow rays below which the effect is small.
+// Idle lights that get less than this share of all shadow rays have little effect.
 #define RAYS_MIN 0.25
-// The image must need this factor fewer samples without these lights.
+// The finding is reported only if the image needs fewer samples, by this factor, without these
+// lights.
 #define GAIN_MIN 2.0
-// If not all suspects are idle, this many are tested one by one, those with most shadow rays first.
+// If not all suspected lights are idle, at most this many are tested separately, those with most
+// shadow rays first.
 #define ALONE_MOST 4u
 
-// The distribution of shadow rays over light sources.
+// How shadow rays are distributed over the sources of light.
 struct rays {
-    double *parts; // parts of all shadow rays; parts of power for a light tree, which uses the
-                   // distance, too
-    bool *idle;    // flags of those that contribute no light
-    bool by_tree;  // at all vertices, or at those after the first ones, which connect to all lamps
+    // Fraction of all shadow rays that each source gets; for a light tree, which also uses
+    // distances, the fraction of the power.
+    double *parts;
+    bool *idle; // a flag for each source that contributes no light
+    // A light tree selects lights, at all vertices or at those after the first ones, which connect
+    // to every lamp.
+    bool by_tree;
 };
 
 static void add_weight(struct rays *rays, uint32_t choice, uint32_t source, double power)
@@ -66,7 +72,7 @@ static void weigh_sources(const struct survey *survey, uint32_t choice, struct r
         rays->parts[i] /= sum;
 }
 
-// Returns the share of the shadow rays that idle lights get.
+// Returns the fraction of the shadow rays that idle lights get.
 static double idle_part(const struct survey *survey, const struct rays *rays)
 {
     double part = 0.0;
@@ -75,7 +81,7 @@ static double idle_part(const struct survey *survey, const struct rays *rays)
     return part;
 }
 
-// Returns the idle light with most shadow rays, or the number of sources.
+// Returns the idle light that gets most shadow rays, or the number of sources if there is none.
 static uint32_t find_busiest(const struct survey *survey, const struct rays *rays)
 {
     uint32_t count = survey_source_count(survey), busiest = count;
@@ -87,8 +93,8 @@ static uint32_t find_busiest(const struct survey *survey, const struct rays *ray
 
 // --- renders with some of the lights -------------------------------------------------------------
 
-// Copies the scene without the sources that are `marked`, or without all others. The arrays of the
-// copy that differ are in survey->scratch.
+// Copies the scene without the `marked` sources, or, if `others` is set, without all sources that
+// are not marked. survey->scratch owns the arrays that differ.
 static bool put_out(struct survey *survey, const bool *marked, bool others, struct scene *out,
                     struct err *err)
 {
@@ -112,10 +118,10 @@ static bool put_out(struct survey *survey, const bool *marked, bool others, stru
     return true;
 }
 
-// The small image with some of the lights.
+// Results of rendering the small image with some of the lights.
 struct partly_lit {
-    double light;   // its mean luminance
-    double samples; // samples for the goal, see outlook_samples()
+    double light;   // mean luminance of the image
+    double samples; // samples per pixel to the desired error, see outlook_samples()
 };
 
 static bool render_partly(struct survey *survey, const bool *marked, bool others,
@@ -142,7 +148,7 @@ static bool render_partly(struct survey *survey, const bool *marked, bool others
     return ok;
 }
 
-// Renders with some lights alone: they are idle if the image is black.
+// Sets *idle to whether the image is black with only the marked lights.
 static bool are_idle(struct survey *survey, const bool *marked, bool *idle, struct err *err)
 {
     struct partly_lit lit;
@@ -153,7 +159,8 @@ static bool are_idle(struct survey *survey, const bool *marked, bool *idle, stru
     return true;
 }
 
-// Keeps the suspects that contribute no light: all, or those found idle one by one.
+// Keeps the suspected lights that contribute no light: all of them together, or those found idle
+// one by one.
 static bool confirm(struct survey *survey, struct rays *rays, struct err *err)
 {
     uint32_t count = survey_source_count(survey);
@@ -235,7 +242,7 @@ bool find_idle_lights(struct survey *survey, struct err *err)
         return false;
     const struct light_choice choice =
         light_choice_of(survey->settings.light_choice, emitters_total(&counts), lamps.count);
-    // No light takes rays from another where each vertex connects to all of them.
+    // If each vertex connects to every light, no light gets rays at the cost of another.
     bool are_shared = choice.way != LIGHT_CHOICE_ALL || choice.vertices != ALL_VERTICES;
     uint32_t count = survey_source_count(survey);
     struct rays rays = {

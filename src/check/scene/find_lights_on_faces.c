@@ -1,4 +1,4 @@
-// Delta lights that lie on a surface.
+// Finds delta lights that lie on a surface.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -6,15 +6,16 @@
 
 // If there are more lights, some of them represent all.
 #define LIGHTS_MAX 4096u
-// One line along each axis is traced: no plane is parallel to all of them.
+// One line along each axis is traced, because no plane is parallel to all three.
 #define AXES 3u
 
-// A light and the surface on which it lies, if there is one.
+// A light, and the surface on which it lies if there is one.
 struct placed_light {
     uint32_t light; // index in the scene
     bool is_upon;
-    double point[3]; // in the flat scene's space
-    double rounding; // rounding error of points there, or of those that the camera sees there
+    double point[3]; // position in the space of the flat scene
+    // Rounding error of that position, or of the camera's hits near it, whichever is larger.
+    double rounding;
     struct sighting on;
 };
 
@@ -33,7 +34,7 @@ static struct probe_ray ray_to(const struct placed_light *light, uint32_t axis)
     return ray;
 }
 
-// Records a hit if the light lies in the plane of the surface hit, within the rounding of both
+// Records a hit if the light is in the plane of the surface, within the rounding error of both
 // points.
 static void look_at_hit(const struct survey *survey, const struct probe_ray *ray,
                         const struct probe_hit *hit, struct placed_light *light)

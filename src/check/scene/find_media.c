@@ -1,7 +1,7 @@
-// Surfaces that bound a medium without closing it, face the wrong way or overlap, as found by lines
-// from the camera, from what it sees, and by paths that continue from there. Lines through glass
-// that coincides with another surface say nothing about media: rounding decides what they enter and
-// leave there (find_coincident.c).
+// Finds surfaces that bound a medium but are open, face the wrong way or overlap. Lines from the
+// camera, lines that start at the surfaces that it sees, and paths that continue from there show
+// this. Lines through glass that coincides with another surface are not used, because rounding
+// decides which medium they enter or leave there (find_coincident.c).
 #include "check/scene/media_overlaps.h"
 
 #include "base/maths.h"
@@ -9,26 +9,27 @@
 #include "shared/types.h"
 #include <string.h>
 
-#define NESTING_MAX 4 // depth of the stack in lib/media.glsl
+#define NESTING_MAX 4 // depth of the media stack in lib/media.glsl
 
-// Kinds of inconsistent media.
+// The kinds of inconsistency: a medium is left but was not entered, is entered but not left, or is
+// nested too deeply.
 enum loss_kind { LOSS_LEFT, LOSS_OPEN, LOSS_NESTED, LOSS_KINDS };
-// The losses of one object.
+// The inconsistencies that lines through one object have shown.
 struct losses {
-    uint32_t material; // material of the first surface
-    uint32_t count;    // number of pixels
-    uint32_t last;     // last of these pixels, plus 1
+    uint32_t material; // material of the first surface found
+    uint32_t count;    // number of pixels affected
+    uint32_t last;     // index of the last of these pixels plus 1
 };
-// Losses along the lines of sight, or along the paths that continue from their ends.
+// The inconsistencies along the lines of sight, or along the paths that continue from their ends.
 struct ways {
-    struct losses *losses[LOSS_KINDS]; // losses of all objects
-    uint32_t *lost;                    // by each pixel: the kinds, as bits
-    uint32_t *told;                    // the same, without losses of objects in `named`
-    const bool *named;                 // objects that another finding has named already; NULL: none
+    struct losses *losses[LOSS_KINDS]; // for each kind, one entry per object
+    uint32_t *lost;                    // for each pixel, a bit for each kind
+    uint32_t *told;                    // the same without objects in `named`
+    const bool *named;                 // objects that another finding already names; NULL: none
 };
 
 struct entered {
-    uint32_t medium, object, material; // SCENE_NONE for the medium in which the camera is
+    uint32_t medium, object, material; // SCENE_NONE for the medium around the camera
 };
 #define STACK_MOST (2 * SIGHTING_STEPS)
 struct stack {
@@ -38,9 +39,9 @@ struct stack {
 
 struct media_search {
     struct survey *survey;
-    const struct gpu_material *materials; // as uploaded, with the numbers of their media
+    const struct gpu_material *materials; // materials as uploaded, with the numbers of their media
     struct ways sight, paths;
-    struct stack *stacks; // for each pixel: at the end of its line of sight
+    struct stack *stacks; // for each pixel, the media at the end of its line of sight
     struct overlaps overlaps;
 };
 
@@ -68,8 +69,9 @@ static bool has_left(const struct ways *ways, uint32_t pixel)
     return ways->lost[pixel] >> LOSS_LEFT & 1u;
 }
 
-// Bodies overlap if one is left while another, which was entered inside of it, continues; one is
-// inside another if it is left while the other, which was entered before, continues.
+// Records overlapping bodies. Two bodies overlap if one is left while the other, which was entered
+// inside of it, continues. One is inside the other if it is left while the other, which was entered
+// before it, continues.
 static void look_at_overlaps(struct media_search *search, const struct stack *stack, uint32_t left)
 {
     const struct scene *scene = search->survey->scene;
@@ -81,7 +83,8 @@ static void look_at_overlaps(struct media_search *search, const struct stack *st
             continue;
         bool is_upper = body->medium > other->medium, is_within = i < left;
         const struct entered *upper = is_upper ? body : other, *lower = is_upper ? other : body;
-        // The medium that the camera is in has no object before it is left; `body` has one.
+        // If a medium contains the camera, its object is not known until it is left; then `body`
+        // has it.
         uint32_t object = lower->object != SCENE_NONE ? lower->object : upper->object;
         struct overlap *overlap =
             overlaps_of(&search->overlaps, upper->material, lower->material, object);
@@ -102,7 +105,8 @@ static void leave(struct media_search *search, struct ways *ways, struct stack *
     }
     if (stack->items[at - 1].object == SCENE_NONE)
         stack->items[at - 1] = *body;
-    // Overlaps are only counted along lines of sight, because their share of the image is reported.
+    // Overlaps are counted along lines of sight only, because the finding reports their share of
+    // the image.
     if (ways == &search->sight)
         look_at_overlaps(search, stack, at - 1);
     memmove(&stack->items[at - 1], &stack->items[at], (stack->count - at) * sizeof stack->items[0]);
@@ -122,7 +126,8 @@ static void begin(const struct media_search *search, const struct sightline *lin
     }
 }
 
-// Rays leave a distance field by bounds that only the kernels compute.
+// Returns whether a line hits a distance field. Rays leave a distance field by error bounds that
+// only the kernels compute.
 static bool meets_field(const struct survey *survey, const struct sightline *line)
 {
     uint32_t instances = survey->scene->instance_count;
@@ -134,7 +139,8 @@ static bool meets_field(const struct survey *survey, const struct sightline *lin
     return false;
 }
 
-// Follows a line of a pixel with the media entered before, and records inconsistencies.
+// Follows a line of a pixel, starting with the media that were entered before it, and records
+// inconsistencies.
 static void look_at_line(struct media_search *search, struct ways *ways,
                          const struct sightline *line, uint32_t pixel, struct stack *stack)
 {
@@ -155,7 +161,7 @@ static void look_at_line(struct media_search *search, struct ways *ways,
         if (stack->count < STACK_MOST)
             stack->items[stack->count++] = body;
     }
-    // An inside-out body is left before it is entered; this loss alone describes it.
+    // A line enters an inside-out body after leaving it; the record of leaving is enough.
     bool goes_on = line->is_open && !has_left(ways, pixel);
     for (uint32_t i = 0; goes_on && i < stack->count; i++)
         if (stack->items[i].object != SCENE_NONE &&
@@ -165,11 +171,11 @@ static void look_at_line(struct media_search *search, struct ways *ways,
 
 // --- lines in other directions -------------------------------------------------------------------
 
-// Lines that continue from surfaces which other lines of their pixels have hit.
+// Lines that start at surfaces which other lines of the same pixels have hit.
 struct branches {
     struct sightline *lines;
     uint32_t *pixels;
-    struct stack *stacks; // as many as lines
+    struct stack *stacks; // one for each line
     uint32_t count;
 };
 
@@ -185,7 +191,7 @@ static bool make_branches(struct survey *survey, struct branches *out, struct er
            err_memory(err, "sight lines", most * sizeof *out->lines);
 }
 
-// Adds a line to one side of a surface, in the direction with this number.
+// Adds a line that leaves a surface on one of its sides, in the direction with this number.
 static void add_branch(struct branches *branches, const struct sighting *from, bool to_front,
                        uint32_t number, uint32_t pixel, const struct stack *stack)
 {
@@ -212,9 +218,9 @@ static bool trace_branches(struct media_search *search, struct ways *ways,
     return true;
 }
 
-// All lines of an orthographic camera are parallel, and bodies that overlap sideways look nested
-// along them. So from the first medium that each line enters another line continues in a direction
-// to the inside, like a reflection from a rough surface.
+// All lines of an orthographic camera are parallel, so bodies that overlap sideways look nested.
+// Therefore, from the first medium that each line enters, another line continues into the medium in
+// another direction, as after a reflection from a rough surface.
 static void branch_aside(struct media_search *search, uint32_t pixel, struct branches *branches)
 {
     const struct sightline *seen = &search->survey->lines[pixel];
@@ -250,12 +256,13 @@ static bool look_aside(struct media_search *search, struct err *err)
 
 // --- paths ---------------------------------------------------------------------------------------
 
-// A medium in a closed room is not left to infinity, and the camera's lines may miss it. But a path
-// in the room hits both sides of its surface, and leaves at last a medium that it did not enter. A
-// path through a closed body, or one that is closed by the surrounding walls, does not.
+// The number of bounces of paths. No line leaves a closed room, so none shows that a medium in it
+// is open, and the camera's lines may miss the medium. But a path in the room hits both sides of
+// its surface, and in the end leaves a medium that it did not enter. This does not happen if the
+// medium is closed, by itself or by the surrounding walls.
 #define PATH_BOUNCES 8u
 
-// Continues a path at the end of a line, on the side from which it came.
+// Continues a path from the end of a line, on the side from which it came.
 static void bounce(struct media_search *search, const struct sightline *line,
                    const struct stack *stack, uint32_t pixel, uint32_t bounces,
                    struct branches *out)
@@ -296,13 +303,13 @@ static bool follow_paths(struct media_search *search, struct err *err)
 
 // --- texts ---------------------------------------------------------------------------------------
 
-// The objects that a finding is about.
+// The objects in a finding.
 struct unclosed {
-    uint32_t first, count; // the one with the most pixels; how many there are
+    uint32_t first, count; // the object with most pixels; the number of objects
     bool *marked;          // one flag for each object
 };
 
-// A single line may leave through an edge that rounding has opened; two rarely do.
+// With a single line, rounding may have opened an edge; that two lines hit such edges is unlikely.
 #define OPEN_LINES_MIN 2u
 
 static bool list_unclosed(const struct media_search *search, const struct ways *ways,
@@ -338,8 +345,8 @@ static const char *place_of(const struct media_search *search, const struct ways
                                            list->count - 1);
 }
 
-// Marks the places where a lost medium has an effect: where the path is visible, and where the
-// media are.
+// Flags the pixels that are affected by the loss of a medium: those whose path shows it, and those
+// in which the medium's object is visible.
 static const uint8_t *touched_by(const struct media_search *search, const struct ways *ways,
                                  enum loss_kind kind, const struct unclosed *list)
 {
@@ -360,7 +367,8 @@ static bool add_unclosed(struct media_search *search, const struct ways *ways, e
     bool is_left = kind == LOSS_LEFT;
     if (!list_unclosed(search, ways, kind, &list, err))
         return false;
-    // The renders so far have counted what paths have left without having entered.
+    // media_lost is the number of times that paths of the renders so far have left a medium without
+    // having entered it.
     if (list.count == 0 || (is_left && survey->job.renderer.stats.media_lost == 0))
         return true;
     const uint8_t *touched = touched_by(search, ways, kind, &list);
@@ -426,7 +434,8 @@ static bool make_ways(struct survey *survey, struct ways *ways, struct err *err)
            err_memory(err, "losses of media", objects * sizeof(struct losses));
 }
 
-// Names the objects that lines of sight have found to be open, so that paths name others only.
+// Marks the objects that lines of sight have found to be open, so that the finding from paths names
+// others only.
 static bool name_seen(struct media_search *search, struct err *err)
 {
     struct unclosed left, open;

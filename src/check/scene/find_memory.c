@@ -1,8 +1,8 @@
-// Images that are too large for the device's memory.
+// Finds that the image is too large for the device's memory.
 #include "check/scene/survey.h"
 
-// Tests whether the device can allocate memory as a render does, because its report of free memory
-// may be wrong; frees it again.
+// Tests whether the device can allocate as much memory as a render, because its report of free
+// memory may be wrong. Frees the memory again.
 static bool can_allocate(struct survey *survey, uint64_t bytes, bool *can, struct err *err)
 {
     struct gpu *gpu = survey->small.renderer.gpu;
@@ -28,7 +28,7 @@ bool find_memory(struct survey *survey, struct err *err)
 {
     uint64_t bytes = survey->least_bytes;
     bool can = true;
-    // The check's own renders have had at least as much.
+    // The renders of this check have already had at least as much memory.
     if (!survey->refusal && bytes <= survey->small_bytes)
         return true;
     if (!survey->refusal && !can_allocate(survey, bytes, &can, err))

@@ -1,30 +1,32 @@
-// Delta lights whose light a mirror reflects: shadow rays end at the mirror, and no path from it
-// hits a point. Their light is estimated as if they were visible within a small cone from the
-// mirror, the regularization of Kaplanyan and Dachsbacher (2013), section 4.
+// Finds delta lights whose light mirrors reflect. Shadow rays end at a mirror, and no path from a
+// mirror hits a point, so this light is missing. It is estimated as if the lights were visible
+// within a small cone about the mirror direction (the regularization of Kaplanyan and Dachsbacher
+// 2013, section 4).
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
 #include "scene/core/light.h"
 #include "shared/types.h"
 
-// Half the angle of the cone, radians, and its solid angle. Reflected light is blurred by 7 % of
+// Half the angle of the cone in radians, and its solid angle. This blurs reflected light by 7 % of
 // its distance: the edges of lit regions move, but the total light hardly changes.
 #define CONE 0.07
 #define CONE_SOLID_ANGLE (2.0 * M_PI * versine(CONE))
-// A smaller share of the image, or of its light, is not reported, as in find_hidden_lights.c.
+// A smaller share of the image, or of its light, is not reported; as in find_hidden_lights.c.
 #define SHARE_MIN 0.01
-// With fewer lines the standard error of their light is a third of it or more.
+// If fewer lines arrive, the standard error of their light is at least a third of it.
 #define LINES_MIN 10u
-// The number of lines, in rounds of one from each place. If a single light is visible in a mirror
-// at 60 degrees from the normal, a line is in the cone with a probability of 0.5 CONE_SOLID_ANGLE /
-// pi, 1 in 400. Of the lines from SHARE_MIN of the image these are 13, just above LINES_MIN.
+// The number of lines, in rounds of one line from each place. If a single light is visible in a
+// mirror at 60 degrees from the normal, a line is in the cone with the probability 0.5
+// CONE_SOLID_ANGLE / pi, 1 in 400. From a share SHARE_MIN of the image 13 such lines arrive, just
+// more than LINES_MIN.
 #define LINES (1u << 19)
-// Places within this many pixels of one whose line arrived count as lit by the mirror. In an image
-// of 4096 pixels 128 lines start at a place, of which 0.3 are in the cone: from the 49 places
-// around a lit one 15 lines arrive, and still 3 if five lights share the lines.
+// Places within this many pixels of a place whose line arrived count as lit by the mirror. In an
+// image of 4096 pixels, 128 lines start at a place, of which 0.3 are in the cone; so 15 lines
+// arrive from the 49 places around a lit one, and 3 if five lights share the lines.
 #define NEAR_PIXELS 3u
 
-// Returns the luminance that a perfect mirror reflects; 0 for other surfaces.
+// Returns the luminance reflected by a perfect mirror; 0 for other materials.
 static double mirror_reflectance(const struct material *material)
 {
     double sum = 0.0;
@@ -33,7 +35,7 @@ static double mirror_reflectance(const struct material *material)
     case MATERIAL_MIRROR:
         return luminance(material->base_color);
     case MATERIAL_CONDUCTOR:
-        // Fresnel's equations at normal incidence (Born and Wolf, Principles of Optics, 14.2).
+        // The Fresnel equations at normal incidence (Born and Wolf, "Principles of Optics", 14.2).
         for (int c = 0; c < 3; c++) {
             double eta = (double)material->conductor_eta[c], k = (double)material->conductor_k[c];
             sum += ((eta - 1.0) * (eta - 1.0) + k * k) / ((eta + 1.0) * (eta + 1.0) + k * k);
@@ -50,12 +52,12 @@ struct mirrored {
     const struct light **lights; // delta lights
     uint32_t count;
     struct sightline *scattered,
-        *onwards;     // those of a round: from places, and from mirrors to lights
-    uint32_t *places; // at which lines of either kind started
-    double *sent;     // by the light at the end of each line onwards
+        *onwards;     // lines of a round from places, and lines from mirrors to lights
+    uint32_t *places; // the places at which the lines of each kind started
+    double *sent;     // light that each line onwards carries
     double light;     // sum over all lines that arrive
     uint32_t arrived;
-    struct sighting mirror; // the first one that was hit
+    struct sighting mirror; // the first mirror that a line hit
     uint8_t *touched;
 };
 
@@ -88,7 +90,7 @@ static bool begin(struct survey *survey, struct mirrored *out, struct err *err)
     return true;
 }
 
-// Returns the surface that the camera sees there, or NULL if it does not scatter light.
+// Returns the surface that the camera sees in pixel i, or NULL if it does not scatter light.
 static const struct sighting *scattering_place(const struct survey *survey, uint32_t i)
 {
     const struct sighting *at = sightline_lit_place(survey, &survey->lines[i]);
@@ -114,7 +116,7 @@ static uint32_t scatter(const struct survey *survey, uint32_t round, struct mirr
 }
 
 // Starts a line from the mirror at the end of another line to one of the lights, if the light is
-// within the cone about the reflected direction.
+// inside the cone about the mirror direction.
 static bool send_on(const struct survey *survey, const struct mirrored *m,
                     const struct sightline *line, uint32_t number, struct sightline *onwards,
                     double *sent)
@@ -158,7 +160,7 @@ static void touch(const struct survey *survey, uint32_t place, uint8_t *touched)
             touched[y * width + x] |= scattering_place(survey, y * width + x) != NULL;
 }
 
-// Returns the reflectance of a place without its textures.
+// Returns the diffuse reflectance of a place, without textures.
 static double reflectance_at(const struct survey *survey, uint32_t place)
 {
     const struct sighting *at = scattering_place(survey, place);
@@ -181,14 +183,15 @@ static bool trace_round(struct survey *survey, uint32_t round, struct mirrored *
             continue;
         if (m->arrived++ == 0)
             m->mirror = *m->onwards[i].from;
-        // The density of the directions is the cosine over pi.
+        // The pdf of the directions is the cosine over pi.
         m->light += M_PI * m->sent[i] / CONE_SOLID_ANGLE * reflectance_at(survey, m->places[i]);
         touch(survey, m->places[i], m->touched);
     }
     return true;
 }
 
-// Returns the light that all places reflect, as irradiance of a white surface.
+// Returns the sum, over all places that scatter light, of the irradiance that would give a white
+// surface the radiance of the place.
 static double seen_light(const struct survey *survey)
 {
     double sum = 0.0;

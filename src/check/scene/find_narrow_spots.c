@@ -1,4 +1,4 @@
-// Spot lights whose lit patch is far smaller than a pixel.
+// Finds spot lights that light an area far smaller than a pixel.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -8,22 +8,22 @@
 
 // If there are more spots, some of them represent all.
 #define SPOTS_MAX 4096u
-// Lines into each cone, one for each of equal solid angles.
+// The number of lines into each cone, one for each of RAYS equal solid angles.
 #define RAYS 16u
-// The share of a pixel below which tiny-lights reports lamps, too.
+// The fraction of a pixel below which an area is reported; tiny-lights uses the same for lamps.
 #define PART_MAX (1.0 / 16.0)
 
-// The surface that a spot lights.
+// The area that a spot lights.
 struct patch {
     uint32_t light; // index in the scene
-    double pixels;  // its area in pixels at its distance from the camera
-    bool is_lit;    // some line of the cone hits a surface
+    double pixels;  // area in pixels, at its distance from the camera
+    bool is_lit;    // at least one line of the cone hits a surface
     struct sighting at;
 };
 
 struct patches {
     struct patch *items;
-    uint32_t count, every; // each represents this many
+    uint32_t count, every; // number of spots, and how many spots each of them represents
     struct sightline *lines;
 };
 
@@ -52,12 +52,13 @@ static bool list_spots(struct survey *survey, struct patches *out, struct err *e
     return true;
 }
 
-// Starts a line from a spot into its cone. The lines are points of a spiral by the golden angle
-// (Vogel 1979), which have equal parts of the cone's solid angle.
+// Starts a line from a spot into its cone. The directions are points of a spiral by the golden
+// angle (Vogel 1979), each of which represents an equal solid angle.
 static void begin_line(const struct survey *survey, const struct light *light, uint32_t number,
                        struct sightline *line)
 {
-    double below = (number + 0.5) / RAYS * versine((double)light->outer_angle); // 1 - cos
+    // 1 - cos of the angle to the axis.
+    double below = (number + 0.5) / RAYS * versine((double)light->outer_angle);
     double across = sqrt(below * (2.0 - below)), turn = number * M_PI * (3.0 - sqrt(5.0));
     double x[3], y[3];
     double upright[3] = {0.0, fabs(light->direction[1]) < 0.5, fabs(light->direction[1]) >= 0.5};
@@ -76,8 +77,8 @@ static bool is_in_picture(const struct projection *view, const struct projected 
     return seen->x >= 0.0 && seen->x < view->width && seen->y >= 0.0 && seen->y < view->height;
 }
 
-// Returns the area of a pixel at a place; that of the central pixel at the same distance if the
-// place is not in view.
+// Returns the area, in square metres, of a pixel at a place. If the place is not in view, that of
+// the central pixel at the same distance is used.
 static double pixel_area_at(const struct projection *view, const double place[3])
 {
     struct projected seen;
@@ -90,7 +91,7 @@ static double pixel_area_at(const struct projection *view, const double place[3]
     return projection_find(view, ahead, &seen) ? seen.pixel_area : 0.0;
 }
 
-// Adds the part of the patch that a line represents.
+// Adds the part of the lit area that a line represents.
 static void add_part(const struct survey *survey, const struct projection *view,
                      const struct sightline *line, struct patch *patch)
 {
@@ -122,7 +123,7 @@ static bool measure_patches(struct survey *survey, const struct projection *view
     return true;
 }
 
-// Flags the pixel that contains a patch, unless something else is visible there.
+// Flags the pixel that contains the lit area, unless another object is visible there.
 static void touch(const struct survey *survey, const struct projection *view,
                   const struct patch *patch, uint8_t *flags)
 {
@@ -148,8 +149,8 @@ static const char *describe_place(const struct survey *survey, const struct patc
                         named ? name : "", named ? "\"" : "", object);
 }
 
-// Cones whose falloff is narrower than 0.001 of the cosine use 0.001 (spot_width()), so that their
-// centre is darker than their intensity says.
+// Cones whose falloff spans less than 0.001 of the cosine are rendered with 0.001 (spot_width()),
+// so that even their centre is darker than the intensity.
 static const char *describe_consequence(const struct survey *survey, const struct light *light)
 {
     static const char by_chance[] = "Samples find the lit patch by chance, if at all: bright dots "

@@ -1,13 +1,13 @@
-// Shading normals that contradict the surface.
+// Finds shading normals that contradict the surface.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
 #include "shared/types.h"
 #include <string.h>
 
-// The renderer turns shading normals to the visible side, so normals that all point inwards do no
-// harm. A triangle whose corners disagree about the side does: the normal flips somewhere between
-// them.
+// Returns whether the normals of a triangle's corners point to different sides of it: then the
+// shading normal flips somewhere inside. The renderer turns shading normals to the visible side, so
+// normals that all point inwards do no harm.
 static bool straddles(const struct flat_scene *flat, uint32_t id)
 {
     double edges[2][3], geometric[3], least = INFINITY, most = -INFINITY;
@@ -29,12 +29,12 @@ static bool meets(const struct survey *survey, const struct sighting *at, const 
     return !(at->hit.primitive & PRIMITIVE_SHAPE) && straddles(survey->flat, at->hit.primitive);
 }
 
-// --- normals of another form ---------------------------------------------------------------------
+// --- normals of another surface ------------------------------------------------------------------
 
-// Smooth normals deviate from triangles towards their neighbours, and the deviations at the corners
-// almost cancel in the centre of a triangle. There, 2 % of Suzanne's surface, of 500 vertices, have
-// more than 60 degrees, and half of a surface with random normals has. So an object for which a
-// quarter of the surface has that much has the normals of another form.
+// Smooth normals deviate from a triangle towards its neighbours, but the deviations at the corners
+// almost cancel in its centre. There, 2 % of the surface of Suzanne with 500 vertices deviate by
+// more than 60 degrees; of a surface with random normals it is half. So if a quarter of an object's
+// surface deviates that much, its normals are those of another surface.
 #define FAR_COSINE 0.5
 #define FAR_PART 0.25
 
@@ -50,8 +50,9 @@ static bool is_far(const struct flat_scene *flat, uint32_t id)
            fabs(vec3_dot(geometric, middle)) < FAR_COSINE;
 }
 
-// Marks the objects with such normals on this part of their visible surface. Leaves, which have
-// gaps, intentionally have the normals of the whole crown.
+// Marks the objects for which this applies to a quarter of their visible surface. Objects with
+// gaps, such as leaves, are left out, because they intentionally have the normals of the whole
+// crown.
 static bool mark_far(struct survey *survey, bool *marked, struct err *err)
 {
     uint32_t objects = survey_object_count(survey);
@@ -74,10 +75,10 @@ static bool mark_far(struct survey *survey, bool *marked, struct err *err)
 
 // --- the findings --------------------------------------------------------------------------------
 
-// Creases of scanned and decimated meshes have a few such triangles, which are not visible.
+// Scanned and decimated meshes have some such triangles in creases, where they are not visible.
 #define SHARE_MIN 0.01
 
-// *found: whether there are any.
+// Adds the finding about such objects. Sets *found to whether there are any.
 static bool find_far(struct survey *survey, bool *found, struct err *err)
 {
     uint32_t first = 0, count = 0;

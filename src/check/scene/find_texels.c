@@ -1,4 +1,4 @@
-// Images: missing ones, texels with invalid values, suns of a single texel.
+// Finds missing images, texels with invalid values, and single texels that are as bright as a sun.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -32,7 +32,7 @@ static bool reads_image(const struct survey *survey, const struct sighting *at, 
     return false;
 }
 
-// Returns, as bits, the channels of the image that scale a parameter which may not exceed 1 in a
+// Returns the channels of the image, as bits, that scale a parameter that is limited to 1, in a
 // material that is used.
 static uint32_t list_cut_channels(const struct survey *survey, uint32_t index)
 {
@@ -116,7 +116,7 @@ static bool find_zeroed(struct survey *survey, uint32_t index, struct err *err)
         err);
 }
 
-// Returns whether a material that is used has the image as a normal map.
+// Returns whether a material in use has the image as a normal map.
 static bool is_normal_map(const struct survey *survey, uint32_t index)
 {
     const struct scene *scene = survey->scene;
@@ -132,7 +132,7 @@ static bool is_normal_map(const struct survey *survey, uint32_t index)
     return false;
 }
 
-// Counts texels that are normals, with a length of about 1, and point below the surface by more
+// Counts texels that are normals (with a length of about 1) and point below the surface by more
 // than a step of 8 bits. Black texels between the parts of an atlas are not normals.
 static uint64_t count_below(const struct texture_image *image)
 {
@@ -148,7 +148,7 @@ static uint64_t count_below(const struct texture_image *image)
     return count;
 }
 
-// Below this share of the texels, or of the image, they are probably at seams.
+// If a smaller share of the texels or of the image is affected, the texels are probably at seams.
 #define BELOW_MIN 0.01
 
 static bool find_below(struct survey *survey, uint32_t index, struct err *err)
@@ -185,7 +185,7 @@ static bool is_missing(const struct survey *survey, const struct sighting *at, c
     return material_is_missing(&survey->scene->materials[at->material]);
 }
 
-// Materials no longer refer to the images that they lost.
+// Counts the images that were missing; the loader has already removed them from the materials.
 static bool find_missing(struct survey *survey, struct err *err)
 {
     const struct scene *scene = survey->scene;
@@ -240,7 +240,7 @@ static bool find_unusable(struct survey *survey, struct err *err)
         err);
 }
 
-// The texel that emits most, and the light of all.
+// The texel that emits most, and the light of all texels.
 struct sun_texel {
     uint32_t column, row;
     double light, all;
@@ -264,11 +264,11 @@ static struct sun_texel brightest_texel(const struct environment *sky)
     return brightest;
 }
 
-// A texel is a sun if it emits this share of all light, and is this many times as bright as the
-// rest: shadows then show its form.
+// A texel is reported as a sun if it emits this share of all light and is this many times as bright
+// as the mean of the others; then its form is visible in shadows.
 #define SUN_PART_MIN 0.1
 #define SUN_BRIGHTNESS_MIN 100.0
-// With fewer texels none is small.
+// In an image with fewer texels, none is small.
 #define TEXELS_MIN 64
 
 static bool find_sun_texel(struct survey *survey, struct err *err)
@@ -331,7 +331,7 @@ static bool find_overflow(struct survey *survey, struct err *err)
 
 // --- images of lamps -----------------------------------------------------------------------------
 
-// Returns the texture by which a material in use emits the image, or NULL.
+// Returns the texture with which material m emits the image, if it is in use; otherwise NULL.
 static const struct texture *find_emission(const struct survey *survey, uint32_t m, uint32_t image)
 {
     const struct scene *scene = survey->scene;
@@ -356,8 +356,8 @@ static bool find_lamp_overflow(struct survey *survey, uint32_t m, uint32_t index
            add_overflow(survey, place, (double)radiance, touched, err);
 }
 
-// Returns the texel that emits most, as if all texels had the same area on the surface. Its row is
-// counted from the top.
+// Finds the texel that emits most, assuming that all texels cover equal areas. Its row is counted
+// from the top.
 static struct sun_texel brightest_lamp_texel(const struct texture_image *image,
                                              const struct texture *texture, const float emission[3])
 {
@@ -381,7 +381,7 @@ static struct sun_texel brightest_lamp_texel(const struct texture_image *image,
     return brightest;
 }
 
-// Points on the lamp whose lit region is determined.
+// The number of points on the lamp from which the lit region is determined.
 #define PLACES 64u
 
 static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct texture *texture,
@@ -391,7 +391,7 @@ static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct text
     const struct texture_image *image = &scene->images[texture->image];
     double texels = (double)image->width * image->height;
     uint8_t *lit;
-    // Emission with values in [0, 1] has little contrast, as a device's display or indicator
+    // An image with values in [0, 1] has little contrast, such as that of a display or of indicator
     // lights.
     if (texels < TEXELS_MIN || image->greatest <= 1.0f)
         return true;
@@ -428,7 +428,7 @@ static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct text
                       err);
 }
 
-// The first material that emits the image represents all that do.
+// The first material that emits the image represents all materials that do.
 static bool find_lamp_texels(struct survey *survey, uint32_t index, struct err *err)
 {
     for (uint32_t m = 0; m < survey->scene->material_count; m++) {

@@ -1,4 +1,4 @@
-// Triangles with little or no area, and instances that their transforms flatten.
+// Finds triangles with little or no area, and instances that their transforms flatten.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -6,7 +6,7 @@
 #include "scene/core/affine.h"
 #include <float.h>
 
-// --- no area -------------------------------------------------------------------------------------
+// --- triangles without area ----------------------------------------------------------------------
 
 static bool find_zero_areas(struct survey *survey, struct err *err)
 {
@@ -16,7 +16,7 @@ static bool find_zero_areas(struct survey *survey, struct err *err)
     for (uint32_t k = 0; k < flat->dropped_degenerate; k++) {
         uint32_t i, t;
         flat_dropped_source(flat, k, &i, &t);
-        if (i == SCENE_NONE) // emissive meshes are never shared
+        if (i == SCENE_NONE) // it is in a shared mesh, which never emits
             continue;
         const struct instance *instance = &scene->instances[i];
         bool emits =
@@ -54,14 +54,14 @@ static bool find_zero_areas(struct survey *survey, struct err *err)
         err);
 }
 
-// --- nearly none ---------------------------------------------------------------------------------
+// --- triangles with little area ------------------------------------------------------------------
 
-// If rounding of the corners rotates a triangle's normal by more than this (radians; a degree), it
-// is visible in shading and refraction.
+// If rounding rotates a triangle's normal by more than this angle (1 degree, in radians), shading
+// and refraction show it.
 #define TURN_MAX (M_PI / 180.0)
 
-// Returns the angle by which rounding of its corners, half a step each, may rotate it: a step over
-// its height.
+// Returns the angle, in radians, by which the rounding of its corners (half a step each) may rotate
+// a triangle: one step divided by its height.
 static double turn_of(const struct flat_scene *flat, uint32_t id)
 {
     double edges[2][3], third[3], normal[3], largest = 0.0;
@@ -84,7 +84,8 @@ static bool is_sliver(const struct survey *survey, const struct sighting *at, co
            turn_of(survey->flat, at->hit.primitive) > TURN_MAX;
 }
 
-// Slivers cover little area: only visible ones matter, or very many.
+// Slivers cover little area, so they matter only if they cover this share of the image, or if there
+// are very many.
 #define SLIVERS_SHARE_MIN 1e-3
 #define SLIVERS_PART_MIN 0.1
 

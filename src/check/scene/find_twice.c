@@ -1,4 +1,4 @@
-// Objects that exist twice: of the same form, at the same place.
+// Finds objects that exist twice: with the same form, at the same place.
 #include "check/scene/survey.h"
 
 #include "base/hash.h"
@@ -7,15 +7,16 @@
 
 // --- objects -------------------------------------------------------------------------------------
 
-// The form and the place of an object, for bytewise comparison.
+// The form and the place of an object; compared byte by byte.
 struct identity {
-    uint64_t kind; // kind of a shape, plus 1; 0: an instance
+    uint64_t kind; // kind of the shape plus 1; 0 for an instance
     uint64_t form; // hash of the mesh, or the index of a distance field
     double numbers[18];
     uint32_t object;
 };
 
-// The form is a hash of the triangles: a file that is named twice is loaded twice.
+// Returns a hash of the mesh's triangles. Comparing files would not be enough: a file that is named
+// twice is loaded twice.
 static uint64_t form_of_mesh(const struct mesh *mesh)
 {
     struct hash128 parts[] = {
@@ -27,7 +28,7 @@ static uint64_t form_of_mesh(const struct mesh *mesh)
     return hash_bytes(HASH_INIT, parts, sizeof parts);
 }
 
-// Returns the identity of an object. `forms` are those of all meshes.
+// Returns the identity of an object. `forms` has the forms of all meshes.
 static struct identity identity_of(const struct scene *scene, const uint64_t *forms,
                                    uint32_t object)
 {
@@ -53,7 +54,7 @@ static const struct mesh *mesh_of(const struct scene *scene, uint32_t object)
     return object < scene->instance_count ? &scene->meshes[scene->instances[object].mesh] : NULL;
 }
 
-// Returns the material of one of an object's triangles; shapes have a single one.
+// Returns the material of a triangle of an object; a shape has only one material.
 static uint32_t material_of(const struct scene *scene, uint32_t object, uint32_t triangle)
 {
     if (object >= scene->instance_count)
@@ -74,13 +75,13 @@ static int compare(const void *a, const void *b)
     return order ? order : (x->object > y->object) - (x->object < y->object);
 }
 
-// The effect on an image of two objects at the same place, in ascending order.
+// The effects of two objects at the same place, in ascending order of severity.
 enum twins {
-    TWINS_IDLE,    // none; one of them can be hidden
-    TWINS_ALIKE,   // none, because they look the same
-    TWINS_SHARE,   // none: each is visible where the other has gaps
+    TWINS_IDLE,    // no effect, and one of them can be hidden
+    TWINS_ALIKE,   // no effect, because they look the same
+    TWINS_SHARE,   // no effect, because each is visible in the gaps of the other
     TWINS_DOUBLED, // both count
-    TWINS_CLASH,   // they look different, and one covers the other
+    TWINS_CLASH,   // they look different, and one hides the other
     TWINS_COUNT
 };
 
@@ -89,7 +90,7 @@ static bool is_same(const void *a, const void *b, size_t bytes)
     return a == b || (a && b && memcmp(a, b, bytes) == 0);
 }
 
-// Returns whether two meshes of the same triangles are shaded alike.
+// Returns whether two meshes with the same triangles are shaded alike.
 static bool looks_alike(const struct mesh *a, const struct mesh *b)
 {
     size_t count = a->vertex_count;
@@ -101,7 +102,7 @@ static bool looks_alike(const struct mesh *a, const struct mesh *b)
                       is_same(a->colors, b->colors, count * sizeof *a->colors));
 }
 
-// Returns whether two materials are equal in all but their names.
+// Returns whether two materials are equal except for their names.
 static bool is_one_material(const struct scene *scene, uint32_t first, uint32_t second)
 {
     const struct material *a = &scene->materials[first], *b = &scene->materials[second];
@@ -114,8 +115,9 @@ static bool is_one_material(const struct scene *scene, uint32_t first, uint32_t 
                     a->texture_count * sizeof *scene->textures));
 }
 
-// Returns the effect of two equal surfaces of the material. Glass and thin panes look like one:
-// transmitted rays start beyond the rounding error of the surface, and so behind both.
+// Returns the effect of two coincident surfaces with this material. Two surfaces of glass, or two
+// thin panes, look like one: transmitted rays start beyond the rounding error of the surface, and
+// so behind both.
 static enum twins twins_of_material(const struct survey *survey, uint32_t material)
 {
     const struct material *m = &survey->scene->materials[material];
@@ -144,14 +146,14 @@ static enum twins twins_of(const struct survey *survey, uint32_t a, uint32_t b)
     return most;
 }
 
-// Objects with the same effect.
+// The objects that have one of these effects.
 struct twin_list {
-    uint32_t count, first, second; // objects that are there again; the first pair
-    bool *marked;                  // flags of all objects: those that are there twice
-    bool *firsts, *again;          // the same: the first one of a pair, and the others
+    uint32_t count, first, second; // number of superfluous objects, and the first pair
+    bool *marked;                  // a flag for each object that is part of a pair
+    bool *firsts, *again;          // the same for the first ones of pairs, and for the others
 };
 
-// Takes the objects at one place. One of them is hidden only if all of them are equal, because
+// Evaluates the objects at one place. One of them is hidden only if all are equal, because
 // otherwise the visible one might change.
 static void take_place(struct survey *survey, const struct identity *list, uint32_t count,
                        struct twin_list *lists)
@@ -228,8 +230,8 @@ static const struct {
          "visible distance."},
 };
 
-// Returns what --fix does with a list: if several objects are hidden, it names the first. NULL when
-// out of memory.
+// Returns the text of what --fix does: if it hides several objects, the first one is named. Returns
+// NULL when out of memory.
 static const char *change_of(struct survey *survey, const struct twin_list *list)
 {
     uint32_t material = material_of(survey->scene, list->second, 0);
@@ -244,10 +246,11 @@ static const char *change_of(struct survey *survey, const struct twin_list *list
                               list->count, object, name);
 }
 
-// Returns in *touched the pixels that show the objects, and those that differ between the images
-// that may have been meant: of doubled objects with all of them and with one at each place, of
-// objects that clash without the first ones and without the others. Lamps and panes change pixels
-// in which they are not seen. NULL where neither is so.
+// Sets *touched to the pixels that show the objects and to those that differ between the images
+// that may have been intended. For doubled objects these are the images with all objects and with
+// one at each place; for objects that clash, the images without the first ones and without the
+// others. Lamps and panes also change pixels in which they are not visible. *touched is NULL if
+// there are no such pixels.
 static bool find_touched(struct survey *survey, enum twins twins, const struct twin_list *list,
                          const uint8_t **touched, struct err *err)
 {

@@ -1,4 +1,4 @@
-// Points on lamps, distributed in proportion to their light.
+// Distributes points over lamps in proportion to their light.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -8,7 +8,7 @@
 #include "scene/core/emission.h"
 #include "shared/types.h"
 
-// The surfaces of lamps are numbered: first all shapes, then all triangles of the world.
+// Returns a surface of a lamp by number: all shapes come first, then all triangles in world space.
 static struct emitter_part part_at(const struct survey *survey, uint32_t number)
 {
     uint32_t shapes = survey->flat->shape_count;
@@ -16,8 +16,9 @@ static struct emitter_part part_at(const struct survey *survey, uint32_t number)
                            : (struct emitter_part){EMITTER_TRIANGLE, number - shapes};
 }
 
-// Returns the power of a surface of the material, or of any material, as in emitter_power.h. It is
-// 0 for triangles that are stored separately because rounding would change their form.
+// Returns the power of a surface, as in emitter_power.h, if it has the given material (or any, for
+// SCENE_NONE). It is 0 for triangles that are stored separately because rounding would change their
+// form.
 static double power_of(const struct survey *survey, uint32_t material, struct emitter_part part)
 {
     const struct flat_scene *flat = survey->flat;
@@ -32,7 +33,7 @@ static double power_of(const struct survey *survey, uint32_t material, struct em
            (is_shape ? shape_area(&flat->shapes[part.index]) : triangle_area(flat, part.index));
 }
 
-// Computes one of `count` points that are spread over a surface; those on triangles as in
+// Computes point `number` of `count` points that are distributed over a surface; on triangles as in
 // emitter_shape.h.
 static void place_on(const struct survey *survey, struct emitter_part part, uint32_t number,
                      uint32_t count, struct sighting *out)
@@ -63,7 +64,7 @@ uint32_t lamp_places_take(const struct survey *survey, uint32_t material, uint32
     for (uint32_t i = 0; i < surfaces && all > 0.0; i++) {
         struct emitter_part part = part_at(survey, i);
         passed += power_of(survey, material, part);
-        // Add as many as correspond to the share of light so far.
+        // Adds as many points as correspond to the share of the light so far.
         uint32_t first = count, end = (uint32_t)fmin(most * (passed / all) + 0.5, most);
         for (; count < end; count++) {
             lines[count] = (struct sightline){.count = 1};

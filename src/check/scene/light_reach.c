@@ -1,4 +1,4 @@
-// Finds the part of the image that light from some places reaches, directly or by reflection.
+// Finds the part of the image that light from given places reaches, directly or by reflection.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -6,15 +6,15 @@
 
 // Light that was reflected more often is a small part of the total.
 #define BOUNCES_MAX 4u
-// Lines to a place per pixel and bounce.
+// The number of lines to places, per pixel and bounce.
 #define ROUNDS 8u
 
-// The ends of the paths of a round, one for each of the camera's lines.
+// The current ends of the paths of a round, one for each line of the camera.
 struct reach {
     struct sighting *at;
     bool *goes_on;
-    struct sightline *lines; // with room for all
-    uint32_t *pixels;        // pixels of those lines
+    struct sightline *lines; // has room for one line per path
+    uint32_t *pixels;        // the pixels of `lines`
     uint8_t *flags;
 };
 
@@ -36,8 +36,9 @@ static void begin_round(const struct survey *survey, struct reach *reach)
     }
 }
 
-// Starts a line to a point just above a place, on the side from which it comes, so that a surface
-// on the place blocks it. Returns false if that is in the surface's plane or behind it.
+// Starts a line to a point just above a place, on the side from which the line comes, so that a
+// surface that covers the place blocks it. Returns false if the start is in the plane of the
+// place's surface or behind it.
 static bool aim_at(const struct sighting *at, const struct sighting *place, struct sightline *line)
 {
     double way[3], rounding = sighting_rounding(place->point);
@@ -69,7 +70,7 @@ static bool connect(struct survey *survey, struct reach *reach, const struct sig
     return true;
 }
 
-// Continues to the surface that is visible from there in one direction.
+// Continues a path in a random direction to the next surface.
 static bool scatter(struct survey *survey, struct reach *reach, uint32_t number, struct err *err)
 {
     uint32_t count = 0;

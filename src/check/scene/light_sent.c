@@ -1,4 +1,4 @@
-// The light of delta lights and suns at a place, in double precision; lib/light.glsl and
+// Computes in double precision the light of delta lights and suns at a place. lib/light.glsl and
 // lib/profile.glsl compute it in single precision.
 #include "check/scene/survey.h"
 
@@ -7,8 +7,8 @@
 #include "scene/sky/ies.h"
 #include "shared/types.h"
 
-// Returns the index of the last of count - 1 ascending values that is not above x, and in *part the
-// relative position of x between it and the next value.
+// Returns the index of the greatest of the first count - 1 ascending values that is at most x.
+// *part receives the relative position of x between this value and the next.
 static uint32_t find_interval(const float *values, uint32_t count, double x, double *part)
 {
     uint32_t at = 0;
@@ -24,7 +24,7 @@ static double row_at(const float *row, uint32_t at, uint32_t next, double part)
     return (1.0 - part) * (double)row[at] + part * (double)row[next];
 }
 
-// Returns the factor of a light's profile in a unit direction, relative to its greatest intensity.
+// Returns the light's photometric profile in a unit direction, relative to its greatest intensity.
 static double profile_part(const struct light *light, const double way[3])
 {
     const struct light_profile *profile = light->profile;

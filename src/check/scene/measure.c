@@ -1,4 +1,5 @@
-// Statistics of single samples of a small image: the tail of their distribution, and errors.
+// Measures the distribution of single samples of the small image, especially its tail, and reports
+// errors.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -8,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Returns the number of contributions that were not finite.
+// Returns the number of contributions in the renders so far that were not finite.
 static uint64_t count_dropped(const struct survey *survey)
 {
     uint64_t dropped = 0;
@@ -21,7 +22,7 @@ static uint64_t count_dropped(const struct survey *survey)
 
 #define TAIL_SAMPLES 64u // per pixel, each rendered separately
 
-// A sample minus the mean of its pixel, relative to the image's mean.
+// A sample minus the mean of its pixel, relative to the mean of the image.
 struct outlier {
     double excess;
     uint32_t pixel, sample;
@@ -55,8 +56,8 @@ static int descending(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-// If the camera may see an emitter, samples of its edge are bright without being rare: `in_view`
-// has a flag for each pixel, or is NULL.
+// Lists the brightest samples. Samples of the edge of a visible emitter are bright but not rare, so
+// pixels that are flagged in `in_view` (unless it is NULL) are left out.
 static bool list_outliers(struct survey *survey, const float *samples, const uint8_t *in_view,
                           struct outlier **out, struct err *err)
 {
@@ -84,21 +85,22 @@ static bool list_outliers(struct survey *survey, const float *samples, const uin
     return true;
 }
 
-// The largest samples as a power law, P(x) ~ x^-index, with the exponent by Hill's estimator (1975)
-// and a standard error of index / sqrt(TAIL_LENGTH). Below 2 the variance is infinite, or appears
-// so within these samples: the error then decreases more slowly than 1 / samples. If the samples
-// have an upper bound, the very brightest are more similar than the power law predicts.
+// The number of samples in the tail. The largest samples are described by a power law, P(x) ~
+// x^-index; Hill's estimator (1975) gives the exponent, with the standard error index /
+// sqrt(TAIL_LENGTH). If the exponent is below 2, the variance is infinite, or appears so within
+// these samples, and the error decreases more slowly than 1 / samples. If samples have an upper
+// bound, the very brightest ones are more similar than the power law predicts.
 #define TAIL_LENGTH 100u
 #define TAIL_END 20u
 
 struct tail {
     double index;
-    double end_index; // end of the TAIL_END brightest samples only
-    double part;      // share of the sum of squares of all samples
+    double end_index; // exponent of the TAIL_END brightest samples alone
+    double part;      // share of the tail in the sum of squares of all samples
 };
 
-// Returns whether a power law with this estimated exponent, from `count` samples, may have a finite
-// variance within the 95 % interval.
+// Returns whether the exponent may be at least 2, so that the variance is finite: whether 2 is in
+// its 95 % interval, given an estimate from `count` samples, or below it.
 static bool may_be_finite(double index, uint32_t count)
 {
     return index * (1.0 + 1.96 / sqrt(count)) >= 2.0;
@@ -124,9 +126,9 @@ static struct tail find_tail(const struct outlier *outliers, size_t count)
                          most / squares};
 }
 
-// Returns whether no contribution exceeds the emitted radiance: that of paths that hit lamps, or of
-// shadow rays with multiple importance sampling. A delta light may be arbitrarily close to a
-// surface.
+// Returns whether no contribution can exceed the emitted radiance. This holds for paths that hit
+// lamps, and for shadow rays with multiple importance sampling. It does not hold for delta lights,
+// which may be arbitrarily close to a surface.
 static bool has_bound(const struct survey *survey)
 {
     const struct scene *scene = survey->scene;
@@ -137,7 +139,7 @@ static bool has_bound(const struct survey *survey)
     return !settings->nee || settings->mis != MIS_NONE;
 }
 
-// Returns the greatest luminance that surfaces and a constant environment emit, or INFINITY if an
+// Returns the greatest luminance that surfaces and a constant environment emit; INFINITY if an
 // image or a sun lights the scene.
 static double brightest_emitted(const struct scene *scene)
 {
@@ -153,23 +155,24 @@ static double brightest_emitted(const struct scene *scene)
     return most;
 }
 
-// The brightest sample has reached the bound if it is at least this share of the radiance of the
+// The brightest samples have reached the bound if one is at least this share of the radiance of the
 // brightest lamp: two diffuse reflections with albedo 1/2 leave a quarter.
 #define BOUND_MET 0.25
 
-// Returns whether the brightest samples show an upper bound: they are similar, by the lower end of
-// the interval, or close to the radiance of the brightest lamp.
+// Returns whether the brightest samples have reached an upper bound: either they are similar,
+// judged by the lower end of their exponent's interval, or one is close to the radiance of the
+// brightest lamp.
 static bool has_met_bound(const struct survey *survey, const struct outlier *first,
                           const struct tail *tail)
 {
     double mean =
-        survey_mean_light(survey, survey->job.film.mean); // mean light in the outlook's film
+        survey_mean_light(survey, survey->job.film.mean); // uses the mean of the outlook's film
     return tail->end_index * (1.0 - 1.96 / sqrt(TAIL_END)) >= 2.0 ||
            (has_bound(survey) &&
             first->excess * mean >= BOUND_MET * brightest_emitted(survey->scene));
 }
 
-// Returns the consequence of a tail that has not reached a bound.
+// Describes the consequence of a tail that has not reached a bound.
 static const char *tail_consequence(const struct survey *survey)
 {
     return has_bound(survey)
@@ -182,7 +185,8 @@ static const char *tail_consequence(const struct survey *survey)
                  "renders.";
 }
 
-// Returns the vertex of a path with the greatest contribution, by a shadow ray or by itself.
+// Returns the vertex of a path with the greatest contribution. *by_shadow_ray is whether it is that
+// of a shadow ray or the vertex's own emission.
 static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ray)
 {
     uint32_t brightest = 0;
@@ -202,8 +206,8 @@ static uint32_t brightest_vertex(const struct replay *replay, bool *by_shadow_ra
     return brightest;
 }
 
-// Describes the path of the brightest sample, as "material \"floor\", material \"glass\" and a
-// shadow ray".
+// Describes the path of the brightest sample, for example "material \"floor\", material \"glass\"
+// and a shadow ray".
 static const char *describe_path(struct survey *survey, const struct replay *replay)
 {
     const struct scene *scene = survey->scene;
@@ -220,7 +224,7 @@ static const char *describe_path(struct survey *survey, const struct replay *rep
     return text && by_shadow_ray ? arena_printf(survey->arena, "%s and a shadow ray", text) : text;
 }
 
-// Flags the pixels with one of the outliers.
+// Flags the pixels that contain an outlier.
 static const uint8_t *touched_by_tail(struct survey *survey, const struct outlier *outliers)
 {
     uint8_t *flags = survey_flags(survey);
@@ -267,7 +271,7 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
 
 static bool is_black(const struct survey *survey, const float *samples, size_t count)
 {
-    const struct film_image *film = &survey->job.film; // the outlook's film
+    const struct film_image *film = &survey->job.film; // the film of the outlook
     for (size_t i = 0; i < survey->line_count; i++)
         if (luminance(film->mean[i]) > 0.0)
             return false;
@@ -277,7 +281,8 @@ static bool is_black(const struct survey *survey, const float *samples, size_t c
     return true;
 }
 
-// If contributions were not finite, find_accidents() reports it.
+// Adds the finding about a black image. If contributions were not finite, find_accidents() reports
+// it instead.
 static bool add_black(struct survey *survey, struct err *err)
 {
     if (count_dropped(survey) > 0)
@@ -315,7 +320,8 @@ static bool measure_tail(struct survey *survey, const uint8_t *in_view, struct e
     if (count <= 10 * TAIL_LENGTH || !(outliers[TAIL_LENGTH].excess > 0.0))
         return true;
     const struct tail tail = find_tail(outliers, count);
-    // If a bound is reached, the error decreases as 1 / samples, and nothing needs to be done.
+    // If samples have reached a bound, the error decreases as 1 / samples, and nothing needs to be
+    // done.
     return may_be_finite(tail.index, TAIL_LENGTH) || tail.part < TAIL_PART_MIN ||
            has_met_bound(survey, outliers, &tail) || add_tail(survey, outliers, &tail, err);
 }

@@ -1,16 +1,18 @@
-// The light that the limit of bounces cuts off: the same paths are rendered with more bounces.
-// Their additional light is what is missing, so that noise has little influence.
+// Finds light that the limit of bounces cuts off. The same paths, with the same random numbers, are
+// rendered with more bounces; the light that this adds is the missing light, so that noise has
+// little influence.
 #include "check/scene/survey.h"
 
 #include <math.h>
 
-#define DEPTH_STEPS 4u // each has four times the bounces of the previous one
+#define DEPTH_STEPS 4u // each step has four times the bounces of the previous one
 #define DEPTH_MOST 4096u
-// Shares of the image's light: the one that may be missing, and the goal of the fix.
+// The share of the image's light that may be missing, and the share that the fix aims for.
 #define CUT_MAX 0.01
 #define CUT_GOAL 0.001
 
-// Renders the mean luminances of the small image's pixels at a depth.
+// Renders the small image with a limit of `depth` bounces, and returns the mean luminance of each
+// pixel.
 static bool render_at(struct survey *survey, uint32_t depth, double **out, struct err *err)
 {
     survey->scene->settings.max_bounces = depth;
@@ -18,8 +20,8 @@ static bool render_at(struct survey *survey, uint32_t depth, double **out, struc
 }
 
 struct cut {
-    double part;        // fraction of all light that is missing
-    double least, most; // the share minus and plus two standard errors
+    double part;        // fraction of the light that is missing
+    double least, most; // this fraction minus and plus two standard errors
 };
 
 static struct cut compare(const double *shallow, const double *deep, uint32_t count)
@@ -41,13 +43,14 @@ static struct cut compare(const double *shallow, const double *deep, uint32_t co
 
 // --- affected pixels -----------------------------------------------------------------------------
 
-// With few samples most pixels may have no light at all, at any depth. Whether a pixel lacks more
-// than CUT_MAX is decided by the smallest window around it that allows a decision.
+// Decides which pixels lack more than CUT_MAX of their light. With few samples most pixels may have
+// no light at any depth, so each pixel is decided by the smallest window around it that permits a
+// decision.
 struct cut_map {
     const struct survey *survey;
     uint32_t width, height;
     const double *shallow, *deep;
-    double event; // mean of the missing light of pixels that lack some
+    double event; // mean missing light of the pixels that lack some
 };
 
 static double mean_event(const double *shallow, const double *deep, uint32_t count)
@@ -60,11 +63,11 @@ static double mean_event(const double *shallow, const double *deep, uint32_t cou
     return lost / fmax(events, 1.0);
 }
 
-// Sums over the pixels of a window that show a surface; others lack nothing.
+// Sums over the pixels of a window that show a surface. Other pixels lack nothing.
 struct cut_sums {
     double count;
-    double excess;  // missing light minus CUT_MAX of all light
-    double squares; // sum of the squares of the pixels' excesses
+    double excess;  // sum of the missing light minus CUT_MAX times all light
+    double squares; // sum of the squares of the pixels' terms of `excess`
 };
 
 static struct cut_sums sum_window(const struct cut_map *map, uint32_t x, uint32_t y, uint32_t reach)
@@ -84,12 +87,12 @@ static struct cut_sums sum_window(const struct cut_map *map, uint32_t x, uint32_
     return sums;
 }
 
-// The expected number of paths that no sample of a window found: with three expected, none is found
-// with a probability of 5 %.
+// The number of paths that a window's samples may have been expected to find although they found
+// none: with three expected, the probability of none is 5 %.
 #define UNSEEN_EVENTS 3.0
 
-// Returns whether the pixels around one lack more than CUT_MAX, by two standard errors; if no
-// window allows a decision, the whole image decides.
+// Returns whether the pixels around (x, y) lack more than CUT_MAX of their light, by two standard
+// errors. If no window permits a decision, the whole image decides.
 static bool lacks_light(const struct cut_map *map, uint32_t x, uint32_t y)
 {
     for (uint32_t reach = 1; reach < map->width || reach < map->height; reach *= 2) {
@@ -124,16 +127,17 @@ static const uint8_t *touched_by_cut(struct survey *survey, const double *shallo
 
 // --- the finding ---------------------------------------------------------------------------------
 
-// At a greater share hardly any light is there to compare with.
+// If a greater share is missing, there is hardly any light left for comparison.
 #define PART_MAX 0.999
 
-// Returns how much more light, in percent, an image would have that lacks this share.
+// Returns how much light, in percent of the present light, would be added to an image that lacks
+// this share of all light.
 static double more_light(double part)
 {
     return 100.0 * part / (1.0 - fmin(part, PART_MAX));
 }
 
-// The integrator "direct" renders paths of one bounce.
+// Returns the present limit of bounces; the integrator "direct" renders paths of one bounce.
 static uint32_t first_depth(const struct survey *survey)
 {
     const struct settings *settings = &survey->settings;
@@ -155,7 +159,7 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
     struct arena *arena = survey->arena;
     bool is_direct = survey->settings.integrator == INTEGRATOR_DIRECT;
     uint32_t depth = first_depth(survey);
-    // The settings ask for direct light only.
+    // With a limit of 0 or 1 bounce, the settings ask for direct light only.
     bool is_wanted = depth <= 1, is_known = enough > depth && !is_wanted;
     if (survey->params->fixes && is_known)
         survey->settings.max_bounces = enough;
@@ -218,7 +222,7 @@ bool measure_depth(struct survey *survey, struct err *err)
         if (!render_at(survey, depths[i], &films[i], err))
             return false;
         cut = compare(films[0], films[i], survey->line_count);
-        // The next step would find less than this one.
+        // A further step would add less light than this one.
         if (compare(films[i - 1], films[i], survey->line_count).part < CUT_GOAL) {
             count++;
             break;

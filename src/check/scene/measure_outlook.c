@@ -1,4 +1,4 @@
-// Estimates the cost of a render to a given error from a short render of a small image.
+// Estimates the cost of a render to a given error from a short render of the small image.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -16,20 +16,20 @@ static const uint8_t *touched_by_small_lights(struct survey *survey,
     return flags;
 }
 
-// Adjacent pixels with the same radiance show the same lamp: a pixel at its edge is not a lamp of
-// its own.
+// The lamps that the camera sees. Adjacent pixels with the same radiance show the same lamp, so a
+// pixel at a lamp's edge is not another lamp.
 struct small_lamps {
     const struct unseen_light *unseen;
     uint32_t width, height;
-    uint32_t *at;   // for each pixel: index in `unseen` plus 1; 0: none
-    uint32_t *open; // a stack of pixels whose neighbours are not yet visited
+    uint32_t *at;   // for each pixel, its index in `unseen` plus 1; 0: none
+    uint32_t *open; // a stack of pixels whose neighbours are still to be visited
     bool *known;
     uint32_t count;   // number of lamps
-    double least;     // share of a pixel that a lamp covers, at its maximum
-    double brightest; // luminance of the brightest radiance
+    double least;     // least fraction of a pixel that a lamp covers
+    double brightest; // luminance of the brightest lamp
 };
 
-// Lists the pixels around one, including itself, that see the same lamp.
+// Lists the pixels around a pixel, including itself, that see the same lamp.
 static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index, uint32_t out[9])
 {
     const struct small_light *own = &lamps->unseen->small[index];
@@ -44,7 +44,7 @@ static uint32_t list_neighbours(const struct small_lamps *lamps, uint32_t index,
     return count;
 }
 
-// Visits all pixels of the lamp that is visible in one of them.
+// Visits all pixels that show the same lamp as the first one.
 static void look_at_lamp(struct small_lamps *lamps, uint32_t first)
 {
     double most = 0.0;
@@ -99,7 +99,7 @@ static bool find_small_lights(struct survey *survey, const struct unseen_light *
         return true;
     if (!list_small_lamps(survey, unseen, &lamps, err))
         return false;
-    // The share refers to the small image; a pixel of the full image is smaller.
+    // The fraction refers to pixels of the small image; those of the full image are smaller.
     double pixels = (double)survey->settings.width * survey->settings.height / survey->line_count;
     double part = lamps.least * pixels;
     if (part >= 1.0 / 16.0)
@@ -156,9 +156,10 @@ static void look_ahead(struct survey *survey, const struct half_error *error, do
 
 // --- images too dark for the error measure -------------------------------------------------------
 
-// Local relMSE is relative to L^2 + METRICS_RELMSE_EPSILON: if an image is far below the square
-// root of that, its noise is compared with the constant. The image is reported if it would need
-// this factor more samples with a mean of 1.
+// Local relMSE is relative to L^2 + METRICS_RELMSE_EPSILON. If an image is far darker than the
+// square root of that constant, the constant dominates, and noise that is visible is hardly
+// counted. The image is reported if with a mean of 1 it would need at least this many times more
+// samples.
 #define DIM_MIN 30.0
 
 static float (*scale_pixels(struct arena *arena, float (*pixels)[3], size_t count, double scale))[3]
@@ -170,7 +171,7 @@ static float (*scale_pixels(struct arena *arena, float (*pixels)[3], size_t coun
     return scaled;
 }
 
-// Estimates the samples to the goal if the image were brighter by the factor `scale`.
+// Estimates the samples to the desired error if the image were brighter by the factor `scale`.
 static bool look_ahead_scaled(struct survey *survey, const struct job_estimate *estimate,
                               double scale, double *samples, struct err *err)
 {

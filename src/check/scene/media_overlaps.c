@@ -19,21 +19,22 @@ struct overlap *overlaps_of(struct overlaps *overlaps, uint32_t upper, uint32_t 
 
 #define PRIORITY_MAX 255u
 
-// The numbers of media, which ascend with their priorities, in the desired order.
+// The numbers of the media in the desired order. They ascend with the media's priorities.
 struct order {
     uint32_t media[MEDIA_MAX], count;
-    uint32_t priorities[MEDIA_MAX + 1]; // by number
-    bool is_possible;                   // priorities suffice
+    uint32_t priorities[MEDIA_MAX + 1]; // priority of each medium, by number
+    bool is_possible;                   // the available priorities are sufficient for this order
 };
 
-// A body that is always inside of the other was meant to exist; one that is crossed protrudes.
+// Returns whether a medium vanishes by mistake. A body that is always inside of the other was
+// intended to be there; one that lines cross at its border only overlaps.
 static bool vanishes(const struct overlap *overlap)
 {
     return overlap->crossed == 0 && overlap->swallowed > 0;
 }
 
-// Returns whether the lower one of two media vanishes inside of the upper one wherever they
-// overlap. Several pairs of materials may have these media.
+// Returns whether the lower of two media vanishes inside of the upper one wherever they overlap.
+// Several pairs of materials may have these two media.
 static bool is_to_swap(const struct gpu_material *materials, const struct overlaps *overlaps,
                        uint32_t lower, uint32_t upper)
 {
@@ -49,7 +50,7 @@ static bool is_to_swap(const struct gpu_material *materials, const struct overla
     return is_swallowed;
 }
 
-// Only adjacent media are swapped, so that the order of all other pairs is kept.
+// Swaps adjacent media only, so that the order of all other pairs is kept.
 static void swap_neighbours(const struct gpu_material *materials, const struct overlaps *overlaps,
                             struct order *order)
 {
@@ -67,8 +68,8 @@ static void swap_neighbours(const struct gpu_material *materials, const struct o
     }
 }
 
-// Raises priorities until they are in ascending order. Media keep an equal priority if the file's
-// order is the right one; a raised medium gets a priority of its own.
+// Raises priorities until they ascend. Media keep equal priorities if their order in the file is
+// the right one; a medium that is raised gets a priority of its own.
 static void raise(struct order *order)
 {
     bool was_raised = false;

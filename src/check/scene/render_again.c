@@ -32,7 +32,7 @@ bool survey_render_again(struct survey *survey, double **luminances, struct err 
     return render_with(survey, &params, luminances, err);
 }
 
-// Hides the objects that are marked, or shows them again.
+// Hides the marked objects, or shows them again.
 static void hide(const struct survey *survey, const bool *marked, bool hidden)
 {
     for (uint32_t i = 0; i < survey_object_count(survey); i++)

@@ -1,5 +1,5 @@
-// Straight lines through the scene, traced by the renderer's own kernel: what the camera sees, and
-// what is between two places.
+// Traces straight lines through the scene with the renderer's own kernel, to find what the camera
+// sees and what is between two places.
 #include "check/scene/survey.h"
 
 #include "base/maths.h"
@@ -19,7 +19,7 @@ bool material_lets_through(const struct material *material)
 
 // --- hits ----------------------------------------------------------------------------------------
 
-// Computes the normal of a cylinder's cap or of its side.
+// Computes the normal of a cylinder at a point of its cap or its side.
 static void cylinder_normal(const struct flat_shape *shape, const double from[3], double normal[3])
 {
     double axis[3], radius = (double)shape->radius;
@@ -27,7 +27,7 @@ static void cylinder_normal(const struct flat_shape *shape, const double from[3]
     double half = vec3_norm(axis), along = vec3_dot(from, axis) / (half * half);
     for (int c = 0; c < 3; c++)
         normal[c] = from[c] - along * axis[c];
-    // The point is on the nearer one of the two surfaces, relative to its size.
+    // The point is on the surface to which it is closer, relative to the cylinder's size.
     if (shape->kind == SHAPE_CYLINDER &&
         fabs(fabs(along) - 1.0) * half < fabs(vec3_norm(normal) - radius))
         for (int c = 0; c < 3; c++)
@@ -50,7 +50,7 @@ static void box_normal(const struct flat_shape *shape, const double from[3], dou
     }
 }
 
-// Computes the gradient by differences over a small part of the field's box.
+// Computes the normal from the gradient, by differences over a small part of the field's box.
 static void field_normal(const struct survey *survey, const struct flat_shape *shape,
                          const double point[3], double normal[3])
 {
@@ -72,8 +72,9 @@ static void field_normal(const struct survey *survey, const struct flat_shape *s
     affine_vector(to_world, gradient, normal);
 }
 
-// Kernels decide by the position of a ray's origin whether it leaves a sphere, within a few
-// rounding errors of its radius. The point computed from the ray's distance is less accurate.
+// Moves a point onto a sphere. Kernels decide by the position of a ray's origin, within a few
+// rounding errors of the radius, whether the ray leaves the sphere; the point computed from the
+// ray's distance is less accurate.
 static void put_on_sphere(const struct flat_shape *shape, const double normal[3], double point[3])
 {
     double length = vec3_length(normal);
@@ -195,10 +196,10 @@ void sighting_scatter(const double normal[3], uint32_t number, double out[3])
 
 // --- lines ---------------------------------------------------------------------------------------
 
-// A line that is not finished.
+// A line whose end has not been found yet.
 struct front {
     struct sightline *line;
-    double way; // length traced so far
+    double way; // length traced so far, in the flat scene's unit
 };
 
 static struct probe_ray next_ray(const struct front *front)
@@ -215,7 +216,7 @@ static struct probe_ray next_ray(const struct front *front)
     return ray;
 }
 
-// Adds a hit to a line. Returns whether its line continues.
+// Adds a hit to a line. Returns whether the line continues.
 static bool take_step(const struct survey *survey, struct front *front, const struct probe_ray *ray,
                       const struct probe_hit *hit)
 {
@@ -234,7 +235,8 @@ static bool take_step(const struct survey *survey, struct front *front, const st
            material_lets_through(&survey->scene->materials[step->material]);
 }
 
-// Advances all unfinished lines by one surface; *count is then the number of those that continue.
+// Continues all unfinished lines to their next surface; *count becomes the number of lines that
+// continue.
 static bool advance(struct survey *survey, struct front *fronts, uint32_t *count,
                     struct probe_ray *rays, struct probe_hit *hits, struct err *err)
 {
@@ -257,7 +259,7 @@ static bool advance(struct survey *survey, struct front *fronts, uint32_t *count
 bool sightlines_trace(struct survey *survey, struct sightline *lines, uint32_t count,
                       struct err *err)
 {
-    // Scenes without surfaces have no kernel for this.
+    // Scenes without surfaces have no kernel to trace rays.
     bool is_empty = survey->flat->triangle_count + survey->flat->shape_count == 0;
     for (uint32_t i = 0; i < count && is_empty; i++)
         lines[i].is_open = true;
@@ -291,8 +293,8 @@ bool sightlines_take_view(struct survey *survey, struct err *err)
         return err_memory(err, "sight lines", survey->line_count * sizeof *survey->lines);
     for (uint32_t i = 0; i < survey->line_count; i++) {
         struct sightline *line = &survey->lines[i];
-        // The offsets are points of Roberts's two-dimensional sequence (2018), so that no edge runs
-        // along them.
+        // The offsets in the pixel are points of Roberts's two-dimensional sequence (2018), so that
+        // lines do not all follow an edge.
         double x = fmod(0.5 + i * 0.7548776662466927, 1.0);
         double y = fmod(0.5 + i * 0.5698402909980532, 1.0);
         projection_ray(&projection, i % width + x, i / width + y, line->origin, line->direction);
