@@ -77,7 +77,7 @@ static bool render_on(struct gpu *gpu, const struct scene *scene,
         return false;
     bool lowered = variant->limits.storage_range || variant->limits.allocation, ok = true;
     if (lowered && renderer.plan.film_chunks <= 1)
-        ok = err_set(err, ERR_BUG, "%s: one film buffer", variant->name);
+        ok = err_set(err, ERR_BUG, "%s: the film has one buffer, expected several", variant->name);
     ok = ok && render_split(&renderer, variant, err) && renderer_read(&renderer, arena, film, err);
     renderer_finish(&renderer);
     return ok;
@@ -144,7 +144,7 @@ static bool compare(const struct check *check, const struct scene *scene,
     bool lit = lit_pixels(&expected) > (size_t)film.width * film.height / 2;
     snprintf(result->expected, sizeof result->expected, "%016" PRIx64, film_hash(&expected));
     if (!lit)
-        snprintf(result->why, sizeof result->why, "the picture is dark");
+        snprintf(result->why, sizeof result->why, "the picture is black");
     return check_seen(result, lit && bits_are_same(&film, &expected), "%016" PRIx64,
                       film_hash(&film));
 }
@@ -160,9 +160,8 @@ static bool run_variant(const struct check *check, const struct check_case *this
     // On GPUs, compilers may contract floating-point operations differently when kernels contain
     // additional code (docs/design.md).
     if (variant->compile_all && !check->gpu->info.is_cpu)
-        return check_not_run(
-            result,
-            "compiled-in features may change roundings on this device: only CPUs keep the bits");
+        return check_not_run(result, "additional features in kernels may change the rounding on "
+                                     "this device; only CPUs keep the bits");
     if (variant->from_storage && check->gpu->storage_count < SHADING_STORAGE)
         return check_not_run(
             result, "the device binds too few storage buffers to do without texel buffers");
@@ -203,9 +202,9 @@ static const struct check_case cases[] = {
     SAME("G3", "65536 texels", 14),
     SAME("G3", "1024 texels", 15),
     SAME("G3", "16 texels", 16),
-    SAME("G3", "traversal's stack in shared memory", 17),
-    SAME("G3", "traversal's stack in 2 KiB of it", 18),
-    LONG_SAME("G3", "all of that at once", 19),
+    SAME("G3", "traversal stack in shared memory", 17),
+    SAME("G3", "traversal stack in 2 KiB of shared memory", 18),
+    LONG_SAME("G3", "all of these at once", 19),
     SAME("G1", "two waves in flight", 20),
     SAME("G1", "rays sorted by octant and cell", 21),
     SAME("G1", "rays sorted in two waves in flight", 22),

@@ -247,7 +247,7 @@ static bool measure_all(const struct bsdf_check *b, struct renderer *r, union bs
             name = r->scene->materials[m].name;
         }
     }
-    return check_seen(result, worst <= b->most, "at most %.1e, of %s", worst, name);
+    return check_seen(result, worst <= b->most, "at most %.1e, for %s", worst, name);
 }
 
 static bool run_bsdf(const struct check *check, const struct check_case *this_case,
@@ -278,12 +278,14 @@ static bool run_bsdf(const struct check *check, const struct check_case *this_ca
     }
 
 static const struct check_case cases[] = {
-    {"A2 densities", "they and what is absorbed make 1, within 4e-3", BSDF(measure_density, 4e-3)},
+    {"A2 densities", "the pdf and the absorbed fraction integrate to 1, within 4e-3",
+     BSDF(measure_density, 4e-3)},
     {"A3 samples beside values", "weight = f cos / pdf, within 1e-4", BSDF(measure_samples, 1e-4)},
     {"A4 reciprocity", "f(wo, wi) = f(wi, wo), within 1e-4", BSDF(measure_reciprocity, 1e-4)},
-    {"A9 white furnace", "at most all of the light, within 4e-3", BSDF(measure_energy, 4e-3)},
-    {"C19 white furnace, seen at 89.9 and 89.99 degrees", "at most all of the light, within 4e-3",
-     BSDF(measure_grazing_energy, 4e-3)},
+    {"A9 white furnace", "at most all of the incident light, within 4e-3",
+     BSDF(measure_energy, 4e-3)},
+    {"C19 white furnace, seen at 89.9 and 89.99 degrees",
+     "at most all of the incident light, within 4e-3", BSDF(measure_grazing_energy, 4e-3)},
     {"C19 samples, seen at 89.99 degrees", "weight = f cos / pdf, within 1e-2",
      BSDF(measure_grazing_samples, 1e-2)},
 };

@@ -308,7 +308,7 @@ static bool run_arithmetic(const struct check *check, const struct check_case *t
         else
             tell_wrong(result, s.wrong, "");
         if (s.wrong > 0)
-            snprintf(result->why, sizeof result->why, "of %a, %a, %a it makes %a, %a",
+            snprintf(result->why, sizeof result->why, "for %a, %a, %a the result is %a, %a",
                      (double)worst->f[0], (double)worst->f[1], (double)worst->f[2],
                      (double)out[s.at].f[0], (double)out[s.at].f[1]);
     }
@@ -382,9 +382,9 @@ static const struct check_case cases[] = {
     {"rounding", "to nearest, ties to even", .run = run_rounding},
     {"products", "each to the nearest float",
      ARITHMETIC(CHECK_PRODUCT, fill_floats, error_of_product, .error_of_any = either_product)},
-    {"what rounding takes of sums", "sum and rest are exact (Knuth 1969)",
+    {"rounding errors of sums", "the sum and its error are exact (Knuth 1969)",
      ARITHMETIC(CHECK_SUM_ERROR, fill_floats, rest_of_sum, .error_of_any = about_sum)},
-    {"what rounding takes of products", "product and rest are exact (Dekker 1971)",
+    {"rounding errors of products", "the product and its error are exact (Dekker 1971)",
      ARITHMETIC(CHECK_PRODUCT_ERROR, fill_floats, rest_of_product, .error_of_any = about_product)},
     {"precise a b + c", "two roundings: not contracted", .run = run_contraction,
      .data = &(const struct arithmetic){CHECK_CONTRACTION, fill_contraction, error_of_precise,
@@ -395,16 +395,16 @@ static const struct check_case cases[] = {
      ARITHMETIC(CHECK_ROOT, fill_positive, error_of_root, 5.0, "ulp")},
     {"the driver's sine and cosine", "within 2^-11 from -pi to pi",
      ARITHMETIC(CHECK_SINE, fill_angle, error_of_sine, 0x1p-11, "off")},
-    {"our sine and cosine", "within 5e-7, and of length 1",
+    {"the renderer's sine and cosine", "within 5e-7, and of length 1",
      ARITHMETIC(CHECK_TURNS, fill_turns, error_of_turns, 5e-7, "off")},
     {"denormals", "exact, or 0", ARITHMETIC(CHECK_DENORMALS, fill_denormals, error_of_denormal)},
     {"integers", "products of 64 bits, reversed bits, highest bits",
      ARITHMETIC(CHECK_INTEGERS, fill_words, error_of_integers)},
-    {"halves", "every finite one becomes the float of its value, or 0 where it is denormal",
+    {"halves", "every finite half becomes the float of its value, or 0 if it is denormal",
      ARITHMETIC(CHECK_HALVES, fill_halves, error_of_halves)},
     {"conversions", "24 bits to float, floor, and to integers",
      ARITHMETIC(CHECK_CONVERSIONS, fill_conversions, error_of_conversions)},
 };
 
-CHECK_GROUP(check_arithmetic, "arithmetic", "the driver's arithmetic, beside double precision",
-            cases);
+CHECK_GROUP(check_arithmetic, "arithmetic",
+            "the driver's arithmetic, compared with double precision", cases);

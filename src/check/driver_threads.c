@@ -48,7 +48,7 @@ static bool judge_turns(const struct check *check, const struct driver_run *run,
     uint32_t turns = out[0].u[0];
     if (turns == TURNS_ASKED)
         return check_seen(result, true, "all of %u", turns);
-    return check_seen(result, turns >= TURNS_NEEDED, "ends by itself after %u", turns);
+    return check_seen(result, turns >= TURNS_NEEDED, "the loop ends after %u iterations", turns);
 }
 
 static int compare_words(const void *a, const void *b)
@@ -75,7 +75,7 @@ static bool judge_atomics(const struct check *check, const struct driver_run *ru
     for (uint32_t i = 0; i < run->items; i++)
         values[i] = out[i].u[0];
     uint32_t missing = missing_numbers(values, run->items);
-    return check_seen(result, missing == 0, "%u of %u numbers missing or twice", missing,
+    return check_seen(result, missing == 0, "%u of %u numbers are missing or occur twice", missing,
                       run->items);
 }
 
@@ -88,7 +88,8 @@ static bool judge_barriers(const struct check *check, const struct driver_run *r
         uint32_t first = i / DRIVER_WORKGROUP * DRIVER_WORKGROUP;
         wrong += out[i].u[0] != first + (i - first + run->constant) % DRIVER_WORKGROUP;
     }
-    return check_seen(result, wrong == 0, "%u of %u values in the wrong place", wrong, run->items);
+    return check_seen(result, wrong == 0, "%u of %u values are in the wrong place", wrong,
+                      run->items);
 }
 
 static bool judge_array(const struct check *check, const struct driver_run *run,
@@ -98,7 +99,7 @@ static bool judge_array(const struct check *check, const struct driver_run *run,
     uint32_t wrong = 0, n = run->constant + 2;
     for (uint32_t i = 0; i < run->items; i++)
         wrong += out[i].u[0] != i * (n * (n - 1) / 2); // every element is visited: 97 is prime
-    return check_seen(result, wrong == 0, "%u of %u sums wrong", wrong, run->items);
+    return check_seen(result, wrong == 0, "%u of %u sums are wrong", wrong, run->items);
 }
 
 static bool judge_dispatches(const struct check *check, const struct driver_run *run,
@@ -113,7 +114,7 @@ static bool judge_dispatches(const struct check *check, const struct driver_run 
             value = 3 * value + 1;
         wrong += out[i].u[~run->dispatches & 1u] != value;
     }
-    return check_seen(result, wrong == 0, "%u of %u values wrong", wrong, run->items);
+    return check_seen(result, wrong == 0, "%u of %u values are wrong", wrong, run->items);
 }
 
 static bool judge_texels(const struct check *check, const struct driver_run *run,
@@ -195,24 +196,24 @@ static bool run_threads(const struct check *check, const struct check_case *this
     }
 
 static const struct check_case cases[] = {
-    {"loops", "at least 32,768 turns",
+    {"loops", "at least 32,768 iterations",
      THREADS(CHECK_LOOP, .items = DRIVER_WORKGROUP, .fill = fill_turns, .judge = judge_turns)},
-    {"atomics", "8,192 threads draw 8,192 numbers",
+    {"atomics", "8,192 threads get 8,192 different numbers",
      THREADS(CHECK_ATOMICS, .fill = fill_numbers, .judge = judge_atomics)},
-    {"barriers", "values go round their workgroup 37 times",
+    {"barriers", "values move around their workgroup 37 times",
      THREADS(CHECK_BARRIERS, 37, .fill = fill_numbers, .judge = judge_barriers)},
-    {"arrays sized by a constant", "97 elements keep what is written",
+    {"arrays sized by a constant", "97 elements keep the values that are written",
      THREADS(CHECK_ARRAY, 95, .fill = fill_numbers, .judge = judge_array)},
-    {"memory between dispatches", "each of 64 reads what the one before has written",
+    {"memory between dispatches", "each of 64 dispatches reads what the previous one has written",
      THREADS(CHECK_DISPATCHES, .dispatches = 64, .fill = fill_numbers, .judge = judge_dispatches)},
     {"texel buffers", "the words that were written",
      THREADS(CHECK_TEXELS, .texels = true, .fill = fill_mixed, .judge = judge_texels)},
-    {"subgroups", "their size as the device says it, and each rank once",
+    {"subgroups", "the size that the device reports, and each rank once",
      THREADS(CHECK_SUBGROUPS, .ballot = true, .fill = fill_numbers, .judge = judge_subgroups)},
     {"reconvergence", "after a branch all lanes vote together",
      THREADS(CHECK_RECONVERGENCE, .ballot = true, .fill = fill_numbers,
              .judge = judge_reconvergence)},
-    {"timestamps", "they rise, by no more than the host's clock does",
+    {"timestamps", "they increase, by at most as much as the host's clock",
      THREADS(CHECK_LOOP, .items = DRIVER_WORKGROUP, .fill = fill_turns, .judge = judge_timestamps)},
 };
 

@@ -122,7 +122,7 @@ class Tail(Checks):
             {'type': 'quad', 'material': 'grey', 'corner': [-5, 0, -1], 'u': [10, 0, 0], 'v': [0, 5, 0]},
             lights=[{'type': 'point', 'position': [0, 1.005, 0], 'intensity': [1, 1, 1]}]))
         self.assertEqual(found['heavy-tail']['level'], 'slow')
-        self.assertIn('brighter ones come the longer it renders', found['heavy-tail']['consequence'])
+        self.assertIn('longer renders find brighter samples', found['heavy-tail']['consequence'])
 
 
 class Asked(Checks):
@@ -136,7 +136,7 @@ class Asked(Checks):
             figures.append(found['depth']['figure'])
         self.assertEqual(figures[0], figures[1])
         found = self.check_file(path, '--size', '32x32', '--integrator', 'ao')
-        self.assertIn('how open each place is', found['depth']['consequence'])
+        self.assertIn('ambient occlusion', found['depth']['consequence'])
 
 
 class Fix(Checks):

@@ -135,11 +135,11 @@ class Chance(Checks):
         found = self.found(ball, (bulb, 10), *dim)
         self.assertEqual(found['light-by-chance']['level'], 'slow')
         self.assertGreater(found['light-by-chance']['share'], 0.5)
-        self.assertRegex(found['light-by-chance']['figure'], r'^200 lamps.* (99\.\d|100) % of the light')
+        self.assertRegex(found['light-by-chance']['figure'], r'^200 lamps.* (99\.\d|100) % of the direct light')
         self.assertNotIn('light-by-chance', self.found(ball, (bulb, 1e-6), *dim[1:], (open_lamps[0], 10)))
         # Half of the light, from a lamp of the same power in the open.
         figure = self.found(ball, (bulb, 10), ({**bulb, 'center': [0.5, 2, -2]}, 10))['light-by-chance']['figure']
-        self.assertAlmostEqual(float(re.search(r'and ([\d.]+) %', figure)[1]), 50, delta=5)
+        self.assertAlmostEqual(float(re.search(r'blocks ([\d.]+) %', figure)[1]), 50, delta=5)
 
     def test_of_two_rooms(self):
         """A bulb in a glass ball in one, and a lamp of 16 times its light in the other: all of the first
@@ -216,7 +216,7 @@ class Spots(Checks):
             'shapes': [{'type': 'box', 'material': 'grey', 'min': [-2, 0, -2], 'max': [2, 4, 2]}, quad, *more]})
 
     def pixels(self, finding):
-        return float(re.search(r'as large as (\S+) of a pixel', finding['figure'])[1])
+        return float(re.search(r'an area of (\S+) pixels', finding['figure'])[1])
 
     def test_narrow(self):
         found = self.found(0.01)['narrow-spot']

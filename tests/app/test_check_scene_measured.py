@@ -104,7 +104,7 @@ class LampTexels(Checks):
         self.assertAlmostEqual(found['beyond-half']['share'],
                                3 / (10 * math.tan(math.radians(20))) ** 2, delta=0.02)
         self.assertEqual(found['one-texel-lamp']['level'], 'slow')
-        self.assertIn('(5, 3) of 8 x 8 sends 100 %', found['one-texel-lamp']['figure'])
+        self.assertIn('(5, 3) of 8 x 8 emits 100 %', found['one-texel-lamp']['figure'])
         self.assertGreater(found['one-texel-lamp']['share'], 0.3)
         for finding in (found['beyond-half'], found['one-texel-lamp']):
             self.assertRegex(finding['place'], r'^image .*lamp\.exr$')

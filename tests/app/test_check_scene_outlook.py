@@ -49,7 +49,7 @@ class IdleLights(Checks):
         self.assert_found(found, {'idle-light': 'slow'})
         idle = found['idle-light']
         self.assertEqual(idle['place'], place)
-        outlook, without = map(int, re.findall('([0-9]+) spp, and ([0-9]+) without',
+        outlook, without = map(int, re.findall('([0-9]+) spp, but ([0-9]+) spp without',
                                                idle['consequence'])[0])
         self.assertAlmostEqual(outlook, self.result['outlook']['spp'], delta=1)
         self.assertLess(10 * without, outlook)
@@ -59,10 +59,10 @@ class IdleLights(Checks):
         scene = room(CEILING_LAMP, lights=[self.point(1e6, range=0.01, name='dead')])
         place = 'light 0, "dead"'
         # First vertices connect to both lights by default, and those after them to one by the tree.
-        self.assertIn('by which and by distance shadow rays are shared',
+        self.assertIn('which decides with the distance how shadow rays are distributed',
                       self.assert_idle(scene, place)['figure'])
         scene['settings'] = {'light_choice': 'power'}
-        self.assertIn('% of all shadow rays go there', self.assert_idle(scene, place)['figure'])
+        self.assertIn('% of all shadow rays, but', self.assert_idle(scene, place)['figure'])
         # No light takes a ray from another where each vertex connects to all of them.
         scene['settings'] = {'light_choice': 'all'}
         self.assert_found(self.check(scene), {})

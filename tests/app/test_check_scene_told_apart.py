@@ -123,7 +123,7 @@ class Upon(Checks):
                 self.assertNotIn('object-twice', self.check(scene(2e-8, larger=1)))
                 found = self.check(scene(2e-8))
                 self.assertEqual(found['coincident-faces']['level'], 'wrong')
-                self.assertIn(f'met from {away:.4g} m away', found['coincident-faces']['figure'])
+                self.assertIn(f'seen from {away:.4g} m away', found['coincident-faces']['figure'])
                 self.assertGreater(found['coincident-faces']['share'], 0.3)
                 self.assert_found(self.check(scene(1e-4)), {})
 

@@ -62,15 +62,15 @@ static bool tell_bound(struct survey *survey, double seconds, double pixels, str
         &(struct scene_finding){
             .name = "few-pixels",
             .level = FINDING_REMARK,
-            .place = "all of the scene",
+            .place = "the whole scene",
             .figure = arena_printf(survey->arena, "one sample of %.0f pixels takes %.2g s here",
                                    pixels, seconds),
-            .consequence =
-                arena_printf(survey->arena,
-                             "This check has looked at a picture of %u x %u pixels only, so that "
-                             "its renders take about %.0f s: it may miss what is small.",
-                             s->width, s->height, RENDER_SECONDS),
-            .remedy = "Nothing in the scene: a device that is faster, or less busy, sees more.",
+            .consequence = arena_printf(survey->arena,
+                                        "This check renders only %u x %u pixels, so that its "
+                                        "renders take about %.0f s; it may miss small objects.",
+                                        s->width, s->height, RENDER_SECONDS),
+            .remedy = "The scene needs no change; a faster or less busy device makes the check "
+                      "more detailed.",
             .share = NAN,
         },
         err);

@@ -79,8 +79,8 @@ static bool find_white(struct survey *survey, struct err *err)
             .place = survey_material_name(survey, first),
             .figure = arena_printf(survey->arena, "%u of %u materials reflect all light diffusely",
                                    count, materials),
-            .consequence = "Between such surfaces light never fades: closed rooms need many "
-                           "bounces, and no real surface does this.",
+            .consequence = "Such surfaces absorb no light, so closed rooms need many bounces; real "
+                           "surfaces absorb some.",
             .remedy = "Use a \"base_color\" of at most 0.9; white paint has 0.8.",
             .share = share,
             .pixels = touched,
@@ -388,8 +388,8 @@ static bool add_gain(struct survey *survey, uint32_t material, const struct gain
             .level = FINDING_WRONG,
             .place = survey_material_name(survey, material),
             .figure = arena_printf(survey->arena,
-                                   "reflects %.3g of the light that falls on it, seen at %.0f to "
-                                   "%.0f degrees",
+                                   "reflects %.3g times the light that it receives, at viewing "
+                                   "angles from %.0f to %.0f degrees",
                                    gain->most, from, to),
             .consequence =
                 "It reflects more light than it receives: surfaces near it are too bright, and "

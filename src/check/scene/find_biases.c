@@ -27,19 +27,20 @@ static bool add(struct survey *survey, const char *kind, const char *text, doubl
     bool can_fix = is_harmless(kind);
     if (can_fix && survey->params->fixes)
         mend(&survey->settings, kind);
-    return survey_add(survey,
-                      &(struct scene_finding){
-                          .name = "biased-setting",
-                          .level = FINDING_WRONG,
-                          .place = arena_printf(survey->arena, "setting %s", kind),
-                          .figure = text,
-                          .consequence = "The image keeps this bias, however many samples it has.",
-                          .remedy = "Leave the setting at its default.",
-                          .share = share,
-                          .pixels = touched,
-                          .change = can_fix ? "the setting is at its default" : NULL,
-                      },
-                      err);
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "biased-setting",
+            .level = FINDING_WRONG,
+            .place = arena_printf(survey->arena, "setting %s", kind),
+            .figure = text,
+            .consequence = "The image keeps this bias, whatever its number of samples.",
+            .remedy = "Leave the setting at its default.",
+            .share = share,
+            .pixels = touched,
+            .change = can_fix ? "the setting is at its default" : NULL,
+        },
+        err);
 }
 
 bool find_biases(struct survey *survey, struct err *err)

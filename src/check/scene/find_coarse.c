@@ -172,15 +172,14 @@ static bool add_objects(struct survey *survey, const struct bounds *meshes,
                          : arena_printf(arena, "%s, and %u more", place, coarse->count - 1),
             .figure =
                 arena_printf(arena,
-                             "%g m across, %g m from the origin of coordinates: known in steps "
-                             "of %.2g m, %.2g %% of its size",
+                             "%g m across and up to %g m from the origin, where coordinates have "
+                             "steps of %.2g m, %.2g %% of its size",
                              coarse->extent, coarse->farthest, step, 100.0 * step / coarse->extent),
             .consequence = touched
-                               ? "Its form, its shadows and the light that it sends are wrong."
-                               : "Its form is wrong; the image is the same without it, as a render "
-                                 "without it shows.",
-            .remedy = "Move the scene so that what matters is near the origin or near the camera, "
-                      "or make the object larger.",
+                               ? "Its form, its shadows and the light that it emits are wrong."
+                               : "Its form is wrong, but a render without it gives the same image.",
+            .remedy = "Move the scene so that its important parts are near the origin or near the "
+                      "camera, or make the object larger.",
             .share = survey_share(survey, touched),
             .pixels = touched,
         },
@@ -217,14 +216,13 @@ static bool look_at_mesh(struct survey *survey, uint32_t index, const struct bou
             .level = touched ? FINDING_WRONG : FINDING_REMARK,
             .place = survey_object_name(survey, object),
             .figure = arena_printf(survey->arena,
-                                   "%g in size and %g from its own origin: its file knows it in "
-                                   "steps of %.2g",
+                                   "%g in size and %g from its own origin, where the coordinates "
+                                   "in its file have steps of %.2g",
                                    extent, farthest, farthest * (double)FLT_EPSILON),
-            .consequence =
-                touched ? "Its vertices are rounded already: its form is wrong."
-                        : "Its vertices are rounded already: its form is wrong; the picture is the "
-                          "same without it, as a render without it shows.",
-            .remedy = "Export the mesh about its own middle and place it by a transform.",
+            .consequence = touched ? "Its vertices were rounded in the file, so its form is wrong."
+                                   : "Its vertices were rounded in the file, so its form is wrong, "
+                                     "but a render without it gives the same image.",
+            .remedy = "Export the mesh with its own centre as origin, and place it by a transform.",
             .share = survey_share(survey, touched),
             .pixels = touched,
         },
@@ -246,19 +244,21 @@ static bool look_at_camera(struct survey *survey, struct err *err)
             .name = "far-camera",
             .level = is_lost ? FINDING_SLOW : FINDING_WRONG,
             .place = name && *name ? arena_printf(arena, "camera \"%s\"", name) : "the camera",
-            .figure = is_lost ? arena_printf(arena,
-                                             "the scene is %g m across and %g m away: %.2g "
-                                             "of a pixel",
-                                             fault.extent, fault.distance, fault.pixels)
-                              : arena_printf(arena,
-                                             "a pixel is %.2g radians wide, and directions "
-                                             "differ by %.2g",
-                                             fault.pixel, fault.direction),
-            .consequence = is_lost ? "Samples hardly ever find it."
+            .figure =
+                is_lost
+                    ? arena_printf(arena,
+                                   "the scene is %g m across and %g m away: %.2g "
+                                   "of a pixel",
+                                   fault.extent, fault.distance, fault.pixels)
+                    : arena_printf(
+                          arena, "a pixel is %.2g radians wide, but directions have steps of %.2g",
+                          fault.pixel, fault.direction),
+            .consequence = is_lost ? "Samples hardly ever hit the scene."
                                    : "Single precision cannot distinguish the pixels.",
-            .remedy = is_lost ? "Move the camera nearer, or make its field of view narrower."
-                              : "Make the field of view wider, or move the camera away from all of "
-                                "the scene.",
+            .remedy =
+                is_lost
+                    ? "Move the camera nearer, or make its field of view narrower."
+                    : "Make the field of view wider, or move the camera away from the whole scene.",
             .share = 1.0,
         },
         err);

@@ -372,11 +372,11 @@ static const char *figure_of(struct survey *survey, const struct coincidences *c
     double world[3], scale = survey->flat->scale;
     flat_to_world(survey->flat, at->point, world);
     if (coincidences->apart <= 0.0)
-        return arena_printf(survey->arena, "upon each other at (%.4g, %.4g, %.4g)", world[0],
-                            world[1], world[2]);
-    return arena_printf(
-        survey->arena, "one %.2g m behind the other at (%.4g, %.4g, %.4g), met from %.4g m away",
-        coincidences->apart / scale, world[0], world[1], world[2], (double)at->hit.t / scale);
+        return arena_printf(survey->arena, "both at (%.4g, %.4g, %.4g)", world[0], world[1],
+                            world[2]);
+    return arena_printf(survey->arena, "%.2g m apart at (%.4g, %.4g, %.4g), seen from %.4g m away",
+                        coincidences->apart / scale, world[0], world[1], world[2],
+                        (double)at->hit.t / scale);
 }
 
 static bool add_finding(struct survey *survey, const struct coincidences *coincidences,
@@ -457,7 +457,8 @@ static bool add_lamps(struct survey *survey, const struct coincidences *lamps,
             pixels[i] |= seen->touched[i];
     }
     return add_finding(survey, lamps,
-                       arena_printf(survey->arena, "%s, where %.3g %% of all lamps' light begins",
+                       arena_printf(survey->arena,
+                                    "%s, where %.3g %% of all lamps' light is emitted",
                                     figure_of(survey, lamps), 100.0 * lamps->count / count),
                        pixels, err);
 }

@@ -536,17 +536,17 @@ static const struct words {
     const char *consequence, *remedy;
 } words_of[] = {
     [AIM_AT_POINTS] = {"light-lost", FINDING_WRONG,
-                       "Nothing but shadow rays finds these lights, and glass stops shadow rays: "
-                       "their light is missing there.",
-                       "Give the lights an extent: small spheres, or an angular diameter."},
+                       "Only shadow rays find delta lights, and glass blocks shadow rays, so their "
+                       "light is missing there.",
+                       "Replace the lights by small spheres, or give them an angular diameter."},
     [AIM_AT_LAMPS] = {"light-by-chance", FINDING_SLOW,
-                      "Glass stops shadow rays: only paths that meet these lamps by chance bring "
+                      "Glass blocks shadow rays, so only paths that hit these lamps by chance find "
                       "their light there.",
-                      "Make the lamps larger, or take the glass away."},
+                      "Make the lamps larger, or remove the glass."},
     [AIM_AT_SKY] = {"light-by-chance", FINDING_SLOW,
-                    "Glass stops shadow rays: only paths that meet these directions by chance "
-                    "bring their light there.",
-                    "Take the glass away, or use an environment that is more even."},
+                    "Glass blocks shadow rays, so only paths that have these directions by chance "
+                    "find their light there.",
+                    "Remove the glass, or use an environment with less contrast."},
 };
 
 static const char *describe_targets(struct survey *survey, enum aim aim,
@@ -554,15 +554,15 @@ static const char *describe_targets(struct survey *survey, enum aim aim,
 {
     const char *plural = targets->count == 1 ? "" : "s";
     if (aim != AIM_AT_SKY)
-        return arena_printf(survey->arena,
-                            "%u %s%s%s, and %.3g %% of the light that would come from there "
-                            "straight to what is seen is behind glass",
-                            targets->count, aim == AIM_AT_POINTS ? "light" : "lamp", plural,
-                            aim == AIM_AT_POINTS ? " without extent" : " or parts of such",
-                            100.0 * tally->hidden / tally->arrived);
+        return arena_printf(
+            survey->arena,
+            "%u %s%s%s; glass blocks %.3g %% of the direct light from there on visible surfaces",
+            targets->count, aim == AIM_AT_POINTS ? "delta light" : "lamp", plural,
+            aim == AIM_AT_POINTS ? "" : " or parts of lamps",
+            100.0 * tally->hidden / tally->arrived);
     return arena_printf(survey->arena,
-                        "%.0f %% of the environment's light come from directions %.0f times as "
-                        "bright as its mean, or brighter",
+                        "%.0f %% of the environment's light comes from directions at least %.0f "
+                        "times as bright as its mean",
                         100.0 * targets->rare / targets->count, RARE_MIN);
 }
 

@@ -216,19 +216,18 @@ static bool add_finding(struct survey *survey, const struct rays *rays, double s
             .name = "idle-light",
             .level = FINDING_SLOW,
             .place = describe_sources(survey, rays),
-            .figure = arena_printf(arena,
-                                   rays->by_tree
-                                       ? "%.4g %% of the lights' power, by which and by distance "
-                                         "shadow rays are shared, and less than %g %% of the light"
-                                       : "%.4g %% of all shadow rays go there, and bring less than "
-                                         "%g %% of the light",
-                                   percent, 100.0 * LIGHT_MIN),
+            .figure = arena_printf(
+                arena,
+                rays->by_tree ? "%.4g %% of the lights' power, which decides with the distance how "
+                                "shadow rays are distributed, but less than %g %% of the light"
+                              : "%.4g %% of all shadow rays, but less than %g %% of the light",
+                percent, 100.0 * LIGHT_MIN),
             .consequence = arena_printf(arena,
-                                        "The lights that matter get few shadow rays: local "
-                                        "relMSE %g takes %.0f spp, and %.0f without this.",
+                                        "The other lights get few shadow rays: local relMSE %g "
+                                        "takes %.0f spp, but %.0f spp without these lights.",
                                         outlook->error, ceil(outlook->samples), ceil(samples)),
-            .remedy = "Remove it, or let it light something: look for a `range` that ends "
-                      "before any surface, and for an object that encloses it.",
+            .remedy = "Remove it, or let its light reach a surface: its `range` may be too short, "
+                      "or an object may enclose it.",
             .share = 1.0,
         },
         err);

@@ -121,12 +121,11 @@ static bool add_finding(struct survey *survey, const struct placed_light *lights
                            .level = FINDING_REMARK,
                            .place = place_of(survey, &lights[first]),
                            .figure = arena_printf(survey->arena,
-                                                  "%u light%s without extent in the plane of a "
-                                                  "surface",
+                                                  "%u delta light%s in the plane of a surface",
                                                   upon, upon == 1 ? "" : "s"),
-                           .consequence = "That surface receives none of its light, and rounding "
-                                          "decides on which of its sides the light is.",
-                           .remedy = "Move the light to the side that it is to light.",
+                           .consequence = "The surface receives none of this light, and rounding "
+                                          "decides on which side of the surface the light is.",
+                           .remedy = "Move the light to the side that it should illuminate.",
                            .share = survey_share(survey, lit),
                            .pixels = lit,
                        },

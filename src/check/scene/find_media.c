@@ -382,8 +382,8 @@ static bool add_unclosed(struct media_search *search, const struct ways *ways, e
                 survey->arena, "%u of %u %s %s%s", ways->losses[kind][list.first].count,
                 survey->line_count,
                 ways == &search->sight ? "lines of sight" : "paths that were followed",
-                is_left ? "leave it without having entered" : "enter it and never leave",
-                list.count == 1 ? "" : ", the most of them"),
+                is_left ? "leave it without having entered it" : "enter it and never leave it",
+                list.count == 1 ? "" : ", more than any other"),
             .consequence =
                 "The surface of this medium is open, or its faces point inwards: refraction "
                 "and absorption are wrong.",
@@ -412,8 +412,8 @@ static bool add_nested(struct media_search *search, struct err *err)
             .place = place_of(search, &search->sight, LOSS_NESTED, &list),
             .figure = "a fifth medium inside of four others",
             .consequence =
-                "Paths remember four media: which medium is inside is not certain there.",
-            .remedy = "Let fewer closed surfaces with media lie within each other.",
+                "A path keeps track of at most four media, so the medium there is uncertain.",
+            .remedy = "Nest at most four closed surfaces with media.",
             .share = survey_share(survey, touched),
             .pixels = touched,
         },

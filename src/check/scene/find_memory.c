@@ -42,16 +42,14 @@ bool find_memory(struct survey *survey, struct err *err)
             .level = FINDING_WRONG,
             .place = arena_printf(survey->arena, "a picture of %u x %u pixels",
                                   survey->settings.width, survey->settings.height),
-            .figure =
-                survey->refusal
-                    ? survey->refusal
-                    : arena_printf(survey->arena,
-                                   "the scene and the picture take %.1f MiB of device memory, "
-                                   "which the device does not give",
-                                   (double)bytes / 1048576.0),
-            .consequence = "A render ends before its first sample: there is no picture.",
-            .remedy = "Render a smaller picture (--size), on a device with more memory, or when "
-                      "others use less of it.",
+            .figure = survey->refusal ? survey->refusal
+                                      : arena_printf(survey->arena,
+                                                     "the scene and the picture take %.1f MiB of "
+                                                     "device memory, more than the device provides",
+                                                     (double)bytes / 1048576.0),
+            .consequence = "A render would fail before its first sample.",
+            .remedy = "Render a smaller picture (--size), use a device with more memory, or end "
+                      "other programs that use its memory.",
             .share = 1.0,
         },
         err);

@@ -226,15 +226,15 @@ bool find_mirrored_lights(struct survey *survey, struct err *err)
             .name = "light-lost",
             .level = FINDING_WRONG,
             .place = object && material
-                         ? arena_printf(survey->arena, "by way of %s, %s", object, material)
+                         ? arena_printf(survey->arena, "reflected by %s, %s", object, material)
                          : NULL,
             .figure = arena_printf(survey->arena,
-                                   "%u light%s without extent; about %.2g %% of the light on what "
-                                   "is seen would come from there by a perfect mirror",
+                                   "%u delta light%s; a perfect mirror would add about %.2g %% of "
+                                   "the light on visible surfaces",
                                    m.count, m.count == 1 ? "" : "s", 100.0 * part),
-            .consequence = "Nothing but shadow rays finds these lights, and a mirror stops shadow "
-                           "rays: what it would reflect is missing.",
-            .remedy = "Give the lights an extent: small spheres, or an angular diameter.",
+            .consequence = "Only shadow rays find delta lights, and a mirror blocks shadow rays, "
+                           "so the reflected light is missing.",
+            .remedy = "Replace the lights by small spheres, or give them an angular diameter.",
             .share = share,
             .pixels = m.touched,
         },

@@ -153,15 +153,15 @@ static const char *describe_place(const struct survey *survey, const struct patc
 // so that even their centre is darker than the intensity.
 static const char *describe_consequence(const struct survey *survey, const struct light *light)
 {
-    static const char by_chance[] = "Samples find the lit patch by chance, if at all: bright dots "
-                                    "that come late, or no light.";
+    static const char by_chance[] = "Samples hit the lit area by chance, if at all: isolated "
+                                    "bright pixels appear late, or no light does.";
     double left = fmin(versine((double)light->outer_angle) / spot_width(light), 1.0);
     if (left == 1.0)
         return by_chance;
-    return arena_printf(survey->arena,
-                        "%s Of a cone this narrow glTF's falloff leaves %.2g of the intensity in "
-                        "the middle.",
-                        by_chance, left * left);
+    return arena_printf(
+        survey->arena,
+        "%s In so narrow a cone, glTF's falloff leaves %.2g of the intensity at the centre.",
+        by_chance, left * left);
 }
 
 static bool add_finding(struct survey *survey, const struct patch *smallest, uint32_t count,
@@ -175,17 +175,14 @@ static bool add_finding(struct survey *survey, const struct patch *smallest, uin
             .level = FINDING_REMARK,
             .place = describe_place(survey, smallest),
             .figure = count == 1
-                          ? arena_printf(arena,
-                                         "it lights a patch as large as %.2g of a pixel at that "
-                                         "distance",
+                          ? arena_printf(arena, "it lights an area of %.2g pixels at that distance",
                                          smallest->pixels)
                           : arena_printf(arena,
-                                         "%u spot lights, the smallest of whose patches is as "
-                                         "large as %.2g of a pixel at that distance",
+                                         "%u spot lights, the narrowest of which lights an area of "
+                                         "%.2g pixels at that distance",
                                          count, smallest->pixels),
             .consequence = describe_consequence(survey, &survey->scene->lights[smallest->light]),
-            .remedy = "Widen the cone (`outer_degrees`, which is half of its angle), or take the "
-                      "light away.",
+            .remedy = "Widen the cone (`outer_degrees` is half of its angle), or remove the light.",
             .share = survey_share(survey, touched),
             .pixels = touched,
         },

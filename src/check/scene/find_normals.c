@@ -102,11 +102,12 @@ static bool find_far(struct survey *survey, bool *found, struct err *err)
             .level = FINDING_WRONG,
             .place = survey_object_name(survey, first),
             .figure = arena_printf(survey->arena,
-                                   "%u object%s a quarter or more of whose surface that is seen "
-                                   "has normals more than 60 degrees off",
+                                   "%u object%s with normals more than 60 degrees off on a quarter "
+                                   "or more of the visible surface",
                                    count, count == 1 ? "" : "s"),
-            .consequence = "They belong to another form: light falls as on that one.",
-            .remedy = "Compute the normals again; see whether the axes were swapped on export.",
+            .consequence = "The normals are those of another surface, and the object is shaded "
+                           "like that surface.",
+            .remedy = "Compute the normals again, and check whether axes were swapped on export.",
             .share = share,
             .pixels = touched,
         },
@@ -134,12 +135,12 @@ static bool find_straddling(struct survey *survey, struct err *err)
         &(struct scene_finding){
             .name = "normals",
             .level = FINDING_WRONG,
-            .place = name ? arena_printf(arena, "%s, triangle %u first", name, triangle) : NULL,
-            .figure = arena_printf(arena,
-                                   "%u of %u triangles whose corners' normals point to both "
-                                   "of its sides",
-                                   count, flat->triangle_count),
-            .consequence = "Shading turns over within them: dark and bright patches.",
+            .place = name ? arena_printf(arena, "%s, first in triangle %u", name, triangle) : NULL,
+            .figure =
+                arena_printf(arena, "%u of %u triangles have corner normals on both of their sides",
+                             count, flat->triangle_count),
+            .consequence = "The shading normal flips inside of these triangles, which causes dark "
+                           "and bright patches.",
             .remedy = "Compute the normals again, with an angle above which edges stay sharp.",
             .share = share,
             .pixels = touched,

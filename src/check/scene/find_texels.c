@@ -86,7 +86,7 @@ static bool find_cut(struct survey *survey, uint32_t index, struct err *err)
                                    (double)image->greatest),
             .consequence =
                 "They count as 1, because the parameters that they scale must stay in their range.",
-            .remedy = "Scale the image to [0, 1]; light belongs into \"emission\".",
+            .remedy = "Scale the image to [0, 1], and use \"emission\" for light.",
             .share = survey_share(survey, touched),
             .pixels = touched,
         },
@@ -109,7 +109,7 @@ static bool find_zeroed(struct survey *survey, uint32_t index, struct err *err)
                                    (unsigned long long)image->zeroed,
                                    (unsigned long long)image->width * image->height),
             .consequence = "They count as black.",
-            .remedy = "Repair the image where it was made.",
+            .remedy = "Repair the image in the program that made it.",
             .share = survey_share(survey, touched),
             .pixels = touched,
         },
@@ -232,9 +232,10 @@ static bool find_unusable(struct survey *survey, struct err *err)
             .figure = arena_printf(survey->arena, "%llu of %llu texels are negative or not finite",
                                    (unsigned long long)sky->zeroed,
                                    (unsigned long long)sky->width * sky->height),
-            .consequence = "They count as black; if a sun has overflowed half precision, its "
-                           "light is gone.",
-            .remedy = "Repair the image where it was made, or store it in single precision.",
+            .consequence = "They count as black; if a sun has overflowed half precision, its light "
+                           "is missing.",
+            .remedy =
+                "Repair the image in the program that made it, or store it in single precision.",
             .share = 1.0,
         },
         err);
@@ -291,12 +292,12 @@ static bool find_sun_texel(struct survey *survey, struct err *err)
             .level = FINDING_SLOW,
             .place = sky_place(survey),
             .figure = arena_printf(survey->arena,
-                                   "texel (%u, %u), %.2g degrees wide, sends %.0f %% of all light",
+                                   "texel (%u, %u), %.2g degrees wide, emits %.0f %% of all light",
                                    sun.column, sun.row, size, 100.0 * part),
-            .consequence = "Shadows are as soft as the texel is wide, not as under the sun "
-                           "(0.53 degrees), and gloss and glass meet it by chance.",
-            .remedy = "Paint it out and add a directional light with an angular diameter, or use a "
-                      "larger image.",
+            .consequence = "Shadows are as soft as those of a light of the texel's width, not of "
+                           "the sun (0.53 degrees), and paths by gloss and glass hit it by chance.",
+            .remedy = "Paint over it and add a directional light with an angular diameter, or use "
+                      "a larger image.",
             .share = 1.0,
         },
         err);
@@ -305,19 +306,20 @@ static bool find_sun_texel(struct survey *survey, struct err *err)
 static bool add_overflow(struct survey *survey, const char *place, double greatest,
                          const uint8_t *touched, struct err *err)
 {
-    return survey_add(survey,
-                      &(struct scene_finding){
-                          .name = "beyond-half",
-                          .level = FINDING_REMARK,
-                          .place = place,
-                          .figure = arena_printf(survey->arena, "radiance of up to %.3g", greatest),
-                          .consequence = "Pictures written with --half cannot hold it: they end "
-                                         "at 65504.",
-                          .remedy = "Write EXR files in single precision, as is usual.",
-                          .share = survey_share(survey, touched),
-                          .pixels = touched,
-                      },
-                      err);
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "beyond-half",
+            .level = FINDING_REMARK,
+            .place = place,
+            .figure = arena_printf(survey->arena, "radiance of up to %.3g", greatest),
+            .consequence =
+                "Pictures written with --half cannot represent it: their greatest value is 65504.",
+            .remedy = "Write EXR files in single precision, which is the default.",
+            .share = survey_share(survey, touched),
+            .pixels = touched,
+        },
+        err);
 }
 
 static bool find_overflow(struct survey *survey, struct err *err)
@@ -414,14 +416,13 @@ static bool find_lamp_texel(struct survey *survey, uint32_t m, const struct text
                           .name = "one-texel-lamp",
                           .level = FINDING_SLOW,
                           .place = arena_printf(survey->arena, "image %s", image->name),
-                          .figure = arena_printf(survey->arena,
-                                                 "texel (%u, %u) of %u x %u sends %.0f %% of the "
-                                                 "light of all",
-                                                 sun.column, sun.row, image->width, image->height,
-                                                 100.0 * part),
-                          .consequence = "Shadow rays are uniform over the lamp and seldom find "
-                                         "its bright part: bright dots that come late.",
-                          .remedy = "Paint it out, or put a lamp of its own in its place.",
+                          .figure = arena_printf(
+                              survey->arena,
+                              "texel (%u, %u) of %u x %u emits %.0f %% of the image's light",
+                              sun.column, sun.row, image->width, image->height, 100.0 * part),
+                          .consequence = "Shadow rays sample the lamp uniformly and seldom hit its "
+                                         "bright part: isolated bright pixels appear late.",
+                          .remedy = "Paint over it, or replace it by a separate lamp.",
                           .share = survey_share(survey, lit),
                           .pixels = lit,
                       },

@@ -38,17 +38,17 @@ static bool find_zero_areas(struct survey *survey, struct err *err)
             .name = "zero-area",
             .level = emissive ? FINDING_WRONG : FINDING_REMARK,
             .place =
-                name ? arena_printf(arena, "%s, triangle %u first", name, first_triangle) : NULL,
+                name ? arena_printf(arena, "%s, first in triangle %u", name, first_triangle) : NULL,
             .figure =
-                emissive ? arena_printf(arena, "%u of %llu triangles, %u of which emit",
+                emissive ? arena_printf(arena, "%u of %llu triangles, %u of which should emit",
                                         flat->dropped_degenerate, (unsigned long long)all, emissive)
                          : arena_printf(arena, "%u of %llu triangles", flat->dropped_degenerate,
                                         (unsigned long long)all),
-            .consequence = emissive ? "They are omitted, and with them the light that they were "
-                                      "to emit."
-                                    : "They are omitted: nothing can hit them.",
-            .remedy = emissive ? "Make these lamps larger, or use a point light in their place."
-                               : "Nothing need be done; the file is smaller without them.",
+            .consequence = emissive
+                               ? "They are omitted, so the light that they should emit is missing."
+                               : "They are omitted, because no ray can hit them.",
+            .remedy = emissive ? "Make these lamps larger, or replace them by a point light."
+                               : "None is needed; the file is smaller without them.",
             .share = emissive ? NAN : 0.0,
         },
         err);
@@ -114,12 +114,12 @@ static bool find_slivers(struct survey *survey, struct err *err)
         &(struct scene_finding){
             .name = "sliver",
             .level = share > 0.0 ? FINDING_WRONG : FINDING_REMARK,
-            .place = name ? arena_printf(arena, "%s, triangle %u worst", name, triangle) : NULL,
+            .place = name ? arena_printf(arena, "%s, worst in triangle %u", name, triangle) : NULL,
             .figure = arena_printf(arena,
-                                   "%u triangles so thin that the rounding of their corners turns "
+                                   "%u triangles so thin that rounding of their corners rotates "
                                    "them by more than 1 degree, the worst by %.2g",
                                    count, fmin(turn * 180.0 / M_PI, 90.0)),
-            .consequence = "Their normals are arbitrary: they reflect and refract wrongly.",
+            .consequence = "Their normals are inaccurate, so they reflect and refract wrongly.",
             .remedy = "Merge their vertices, or triangulate the surface again.",
             .share = share,
             .pixels = touched,
@@ -150,7 +150,7 @@ static bool find_singular(struct survey *survey, struct err *err)
             .level = FINDING_REMARK,
             .place = survey_object_name(survey, first),
             .figure = arena_printf(arena, "%u of %u instances", count, scene->instance_count),
-            .consequence = "Their transforms leave them no volume: they are omitted.",
+            .consequence = "Their transforms leave them no volume, so they are omitted.",
             .remedy = "Hide or remove them, or give them a scale that is not 0.",
             .share = 0.0,
             .change = "these instances are hidden",

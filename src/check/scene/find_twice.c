@@ -216,18 +216,17 @@ static const struct {
     enum finding_level level;
     const char *consequence, *remedy;
 } words[TWINS_COUNT] = {
-    [TWINS_IDLE] = {FINDING_REMARK, "They cost memory and time, and change nothing.",
+    [TWINS_IDLE] = {FINDING_REMARK, "They cost memory and time without any effect on the image.",
                     "Remove or hide the second one."},
-    [TWINS_ALIKE] = {FINDING_REMARK, "They cost memory and time, and change nothing.",
+    [TWINS_ALIKE] = {FINDING_REMARK, "They cost memory and time without any effect on the image.",
                      "Remove or hide one of them."},
     [TWINS_DOUBLED] = {FINDING_WRONG, "Emissive or blended surfaces count twice there.",
                        "Remove or hide one of them; this changes the image."},
-    [TWINS_CLASH] =
-        {FINDING_WRONG,
-         "Which one of two materials is visible depends on the order of the objects, and "
-         "light that the other one emits counts all the same.",
-         "Remove or hide the one that should not be visible, or move one of them by a "
-         "visible distance."},
+    [TWINS_CLASH] = {FINDING_WRONG,
+                     "The order of the objects decides which of the two materials is visible; "
+                     "light that the other one emits still counts.",
+                     "Remove or hide the one that should not be visible, or move one of them by a "
+                     "visible distance."},
 };
 
 // Returns the text of what --fix does: if it hides several objects, the first one is named. Returns
@@ -285,23 +284,23 @@ static bool add_list(struct survey *survey, enum twins twins, const struct twin_
         return err_memory(err, "names", 0);
     if (!find_touched(survey, twins, list, &touched, err))
         return false;
-    return survey_add(survey,
-                      &(struct scene_finding){
-                          .name = "object-twice",
-                          .level = touched ? words[twins].level : FINDING_REMARK,
-                          .place = a && b ? arena_printf(arena, "%s, and %s", a, b) : NULL,
-                          .figure = arena_printf(arena, "%u object%s at the very place of another",
-                                                 list->count, list->count == 1 ? "" : "s"),
-                          .consequence = touched
-                                             ? words[twins].consequence
-                                             : "They cost memory and time; the image is the same "
-                                               "without them, as renders say.",
-                          .remedy = words[twins].remedy,
-                          .share = survey_share(survey, touched),
-                          .pixels = touched,
-                          .change = change,
-                      },
-                      err);
+    return survey_add(
+        survey,
+        &(struct scene_finding){
+            .name = "object-twice",
+            .level = touched ? words[twins].level : FINDING_REMARK,
+            .place = a && b ? arena_printf(arena, "%s, and %s", a, b) : NULL,
+            .figure = arena_printf(arena, "%u object%s at exactly the same place as another",
+                                   list->count, list->count == 1 ? "" : "s"),
+            .consequence = touched ? words[twins].consequence
+                                   : "They cost memory and time; renders show that the image is "
+                                     "the same without them.",
+            .remedy = words[twins].remedy,
+            .share = survey_share(survey, touched),
+            .pixels = touched,
+            .change = change,
+        },
+        err);
 }
 
 bool find_twice(struct survey *survey, struct err *err)

@@ -176,13 +176,13 @@ static bool has_met_bound(const struct survey *survey, const struct outlier *fir
 static const char *tail_consequence(const struct survey *survey)
 {
     return has_bound(survey)
-               ? "A power below 2, and no bound met: as far as these samples reach, the error "
-                 "falls more slowly than 1 / samples, and its interval may be too small. No sample "
-                 "exceeds what lamps send: once many have met that, the error falls as 1 / "
-                 "samples."
-               : "A power below 2, and no bound met or known: the error falls more slowly than "
-                 "1 / samples, as far as these samples reach, and brighter ones come the longer it "
-                 "renders.";
+               ? "The exponent is below 2, and no upper bound has been reached: with as many "
+                 "samples as these the error decreases more slowly than 1 / samples, and its "
+                 "interval may be too small. No sample exceeds the radiance of the lamps: when "
+                 "many samples have reached that, the error decreases as 1 / samples."
+               : "The exponent is below 2, and no upper bound is reached or known: with as many "
+                 "samples as these the error decreases more slowly than 1 / samples, and longer "
+                 "renders find brighter samples.";
 }
 
 // Returns the vertex of a path with the greatest contribution. *by_shadow_ray is whether it is that
@@ -248,19 +248,19 @@ static bool add_tail(struct survey *survey, const struct outlier *first, const s
         &(struct scene_finding){
             .name = "heavy-tail",
             .level = FINDING_SLOW,
-            .place = path ? arena_printf(survey->arena, "paths by way of %s", path) : NULL,
+            .place = path ? arena_printf(survey->arena, "paths via %s", path) : NULL,
             .figure = arena_printf(
                 survey->arena,
-                "%u of %u samples have %.0f %% of the noise, the brightest is "
-                "%.3g times the picture, about (%u, %u); they fall off with the "
-                "power %.2f of their brightness, the brightest %u with %.2g",
+                "%u of %u samples cause %.0f %% of the noise; the brightest has %.3g times the "
+                "picture's mean, near pixel (%u, %u); the tail of their distribution has the "
+                "exponent %.2f, that of the brightest %u has %.2g",
                 TAIL_LENGTH, survey->line_count * TAIL_SAMPLES, 100.0 * tail->part, first->excess,
                 x * survey->settings.width / width, y * survey->settings.height / height,
                 tail->index, TAIL_END, tail->end_index),
             .consequence = tail_consequence(survey),
-            .remedy =
-                "Look for a small lamp seen by way of gloss, glass or metal: make it larger, or "
-                "the surface rougher. --clamp takes the noise away, but with it light: a bias.",
+            .remedy = "Look for a small lamp that gloss, glass or metal reflects or refracts; make "
+                      "it larger, or the surface rougher. --clamp removes the noise but also "
+                      "light, which is a bias.",
             .share = survey_share(survey, touched),
             .pixels = touched,
         },
@@ -292,14 +292,14 @@ static bool add_black(struct survey *survey, struct err *err)
         &(struct scene_finding){
             .name = "black",
             .level = FINDING_WRONG,
-            .place = "all of the scene",
+            .place = "the whole scene",
             .figure = arena_printf(survey->arena, "each of %u samples of %u pixels is black",
                                    TAIL_SAMPLES + OUTLOOK_SAMPLES, survey->line_count),
-            .consequence = "No light reaches the camera, or so little by chance that none was met.",
-            .remedy =
-                "Look for strengths and intensities of 0, for lights inside of opaque objects "
-                "or behind them, for materials that reflect nothing, for a camera that is "
-                "inside of something, and for `nee` that is off.",
+            .consequence =
+                "No light reaches the camera, or paths find it so rarely that no sample has.",
+            .remedy = "Look for strengths and intensities of 0, lights inside of or behind opaque "
+                      "objects, materials that reflect no light, a camera inside of an object, and "
+                      "`nee` set to off.",
             .share = 1.0,
         },
         err);
@@ -339,10 +339,10 @@ static bool find_accidents(struct survey *survey, struct err *err)
         &(struct scene_finding){
             .name = "not-finite",
             .level = FINDING_WRONG,
-            .place = "all of the scene",
+            .place = "the whole scene",
             .figure = arena_printf(survey->arena, "%llu contributions of %llu paths",
                                    (unsigned long long)dropped, (unsigned long long)stats->paths),
-            .consequence = "They are omitted: light is missing.",
+            .consequence = "They are omitted, so light is missing.",
             .remedy = "Render with --explain, which says how to follow such a path, and look for "
                       "numbers near the limits of single precision.",
             .share = NAN,

@@ -148,8 +148,8 @@ static uint32_t first_depth(const struct survey *survey)
 static const char *missing_light(const struct cut *cut, struct arena *arena)
 {
     if (!(cut->most < PART_MAX))
-        return "paths with more bounces bring nearly all of the light";
-    return arena_printf(arena, "paths with more bounces bring %.3g %% more light (%.3g to %.3g %%)",
+        return "paths with more bounces contribute nearly all of the light";
+    return arena_printf(arena, "paths with more bounces add %.3g %% more light (%.3g to %.3g %%)",
                         more_light(cut->part), more_light(cut->least), more_light(cut->most));
 }
 
@@ -172,14 +172,14 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
                                : arena_printf(arena, "setting max_bounces, %u", depth),
             .figure = missing_light(cut, arena),
             .consequence = "This light is missing in the image.",
-            .remedy = depth == 0  ? "Nothing, if the light of visible lamps is all that is wanted."
-                      : is_wanted ? "Nothing, if direct light is all that is wanted."
+            .remedy = depth == 0  ? "None is needed if only the light of visible lamps is wanted."
+                      : is_wanted ? "None is needed if only direct light is wanted."
                       : is_known  ? arena_printf(arena,
                                                  "--max-bounces %u, beyond which less than "
                                                   "0.1 %% is missing.",
                                                  enough)
-                                  : "Close fewer surfaces that reflect all light: no depth is "
-                                    "enough.",
+                                  : "Enclose less of the scene in surfaces that reflect all light: "
+                                   "no number of bounces is enough.",
             .share = survey_share(survey, touched),
             .pixels = touched,
             .change = is_known ? arena_printf(arena, "max_bounces is %u", enough) : NULL,
@@ -196,8 +196,8 @@ static bool add_occlusion(struct survey *survey, struct err *err)
             .level = FINDING_REMARK,
             .place = "setting integrator, ao",
             .figure = "no path is traced: no lamp, colour or material is used",
-            .consequence = "The image shows how open each place is, not the scene's light.",
-            .remedy = "Nothing, if that is wanted; else --integrator path.",
+            .consequence = "The image shows ambient occlusion, not the scene's light.",
+            .remedy = "None is needed if that is wanted; otherwise use --integrator path.",
             .share = 1.0,
         },
         err);

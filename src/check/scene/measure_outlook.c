@@ -112,12 +112,11 @@ static bool find_small_lights(struct survey *survey, const struct unseen_light *
             .level = FINDING_SLOW,
             .place = "lamps that the camera sees",
             .figure = arena_printf(survey->arena,
-                                   "%u, the smallest of which covers %.2g of a pixel, with a "
-                                   "radiance of up to %.3g",
+                                   "%u lamps, the smallest of which covers %.2g of a pixel; the "
+                                   "greatest radiance is %.3g",
                                    lamps.count, part, lamps.brightest),
-            .consequence = "Samples find them by chance: bright dots that come late.",
-            .remedy = "Make the lamps larger, or hide them from the camera and light by a point "
-                      "light.",
+            .consequence = "Samples hit them by chance: isolated bright pixels appear late.",
+            .remedy = "Make the lamps larger, or hide them from the camera and add a point light.",
             .share = (double)unseen->small_count / survey->line_count,
             .pixels = touched,
         },
@@ -213,21 +212,20 @@ static bool find_dim(struct survey *survey, const struct job_estimate *estimate,
         &(struct scene_finding){
             .name = "dim",
             .level = FINDING_REMARK,
-            .place = "all of the picture",
+            .place = "the whole picture",
             .figure = arena_printf(survey->arena,
-                                   "its mean is %.2g; below %.2g local relMSE counts the noise "
-                                   "against a constant, %.2g, and not against the picture",
+                                   "its mean is %.2g; below %.2g local relMSE relates the noise to "
+                                   "a constant, %.2g, and not to the picture",
                                    light, sqrt(METRICS_RELMSE_EPSILON), METRICS_RELMSE_EPSILON),
-            .consequence = arena_printf(
-                survey->arena,
-                "Local relMSE %g is reached with noise of %.2g %% of the picture. With a mean of 1 "
-                "it would take about %.0f spp.",
-                outlook->error, 100.0 * noise, ceil(samples)),
-            .remedy = arena_printf(survey->arena,
-                                   "Make all lights %.2g times as bright, and what is shown as "
-                                   "much darker (--exposure %+.0f); or ask for samples, not for an "
-                                   "error.",
-                                   1.0 / light, log2(light)),
+            .consequence = arena_printf(survey->arena,
+                                        "Local relMSE %g permits noise of %.2g %% of the mean. If "
+                                        "the mean were 1, it would take about %.0f spp.",
+                                        outlook->error, 100.0 * noise, ceil(samples)),
+            .remedy =
+                arena_printf(survey->arena,
+                             "Make all lights %.2g times as bright and compensate by --exposure "
+                             "%+.0f, or set a number of samples instead of an error.",
+                             1.0 / light, log2(light)),
             .share = 1.0,
         },
         err);

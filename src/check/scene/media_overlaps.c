@@ -123,14 +123,15 @@ static bool add(struct survey *survey, const struct overlap *overlap, bool can_f
                 arena_printf(survey->arena, "%s, %s, and %s", object, materials[0], materials[1]),
             .figure = arena_printf(survey->arena, "both have \"priority\" %u",
                                    survey->scene->materials[overlap->lower].medium_priority),
-            .consequence = is_wrong ? "The inner one is treated as the one around it: it vanishes."
-                                    : "Where they overlap, the order of the file's materials "
-                                      "decides which one is there.",
+            .consequence = is_wrong
+                               ? "The inner medium is treated as the outer one, so it vanishes."
+                               : "Where they overlap, the order of the materials in the file "
+                                 "decides which medium applies.",
             .remedy = "Give the one that should apply there the higher \"priority\".",
             .share = survey_share(survey, touched),
             .pixels = touched,
-            .change = can_fix ? "the inner one has the higher \"priority\"; all other media are in "
-                                "the order that they were in"
+            .change = can_fix ? "the inner one gets the higher \"priority\"; the order of all "
+                                "other media is unchanged"
                               : NULL,
         },
         err);
