@@ -1,4 +1,4 @@
-// The main loop of the viewer: from a command line to an exit code, frame by frame.
+// The main loop of the viewer, from a command line to an exit code.
 #include "viewer/run.h"
 
 #include "base/clock.h"
@@ -23,12 +23,12 @@
 // The default size of the window.
 #define DEFAULT_WIDTH 1280u
 #define DEFAULT_HEIGHT 720u
-// A frame of a script moves the camera by this time, however long the frame takes, so that its
-// images are the same on all devices.
+// In each frame of a script, the camera moves by this time, however long the frame takes, so that
+// the images are the same on all devices.
 #define SCRIPT_FRAME_SECONDS (1.0 / 30.0)
-// A longer frame (in which something was loaded) moves the camera by this time only.
+// A frame that took longer, because something was loaded, moves the camera only by this time.
 #define LONGEST_FRAME_SECONDS 0.25
-// Seconds to wait for events when nothing else happens.
+// The time, in seconds, to wait for events if nothing else is to be done.
 #define REST_WAIT_SECONDS 0.1
 
 // --- a frame -------------------------------------------------------------------------------------
@@ -43,7 +43,8 @@ static void take_window(struct viewer *viewer)
     arena_finish(&viewer->shell.frame_arena);
 }
 
-// This event also arrives if the window was damaged and must be presented again.
+// Adopts the size of the window. The event also arrives if the window was damaged and must be
+// presented again.
 static void take_size(struct viewer *viewer)
 {
     const struct window *window = &viewer->shell.window;
@@ -124,8 +125,8 @@ static bool run_script(struct viewer *viewer, struct err *err)
     return err->code == ERR_NONE;
 }
 
-// Order: window, script, events, files and jobs, camera, panel, changes, rendering, display,
-// statistics. Returns false if the viewer cannot continue.
+// Runs a frame, in this order: window, script, events, files and jobs, camera, panel, changes,
+// rendering, display, statistics. Returns false if the viewer cannot continue.
 static bool run_frame(struct viewer *viewer, struct err *err)
 {
     take_window(viewer);
@@ -148,7 +149,7 @@ static bool run_frame(struct viewer *viewer, struct err *err)
     return ok;
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- start and end -------------------------------------------------------------------------------
 
 static void set_up(struct viewer *viewer, const struct options *options)
 {
@@ -204,12 +205,12 @@ static bool open_all(struct viewer *viewer, struct err *err)
         return false;
     if (options->argument_count == 0)
         return true;
-    // As for any command, the scene of the command line must exist; an empty window shows the
-    // progress of loading.
+    // The scene of the command line must exist, as for any command. An empty window is shown first,
+    // for the progress of loading.
     return viewer_show(viewer, err) && viewer_load_scene(viewer, options->arguments[0], false, err);
 }
 
-// Waits for jobs that write files; everything else is freed in reverse order.
+// Waits for jobs that write files, then frees everything in the reverse order of creation.
 static void close_all(struct viewer *viewer)
 {
     watch_destroy(viewer->shell.watch);
@@ -240,7 +241,7 @@ static bool run_frames(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// Closing the window during loading is a normal end.
+// Prints an error and returns the exit code. Closing the window during loading is a normal end.
 static int fail(struct viewer *viewer, const struct err *err)
 {
     if (err->code == ERR_STOPPED)

@@ -4,17 +4,20 @@
 #include <math.h>
 #include <string.h>
 
-// The view stays this far from the vertical, where no sideways direction exists: a twentieth of a
-// degree, two pixels of an image of 1080 lines and 30 degrees.
+// The least angle between the view and the vertical, where no sideways direction exists: a
+// twentieth of a degree, which is two pixels of an image with 1080 lines and a field of view of 30
+// degrees.
 #define POLE_RADIANS (0.05 * DEGREE)
-// A notch of the wheel scales the distance to the target by this factor: seven halve it.
+// The factor by which one notch of the mouse wheel scales the distance to the target. Seven notches
+// halve it.
 #define DOLLY_FACTOR 0.9
 #define SLOW_FACTOR 0.1
-// Fractions of the scene's diagonal: the distance flown in a second, and the distance of the target
-// of a camera that looks past everything.
+// Fractions of the scene's diagonal: the distance flown per second, and the distance of the target
+// if the camera looks past all objects.
 #define SPEED_PART 0.2
 #define TARGET_PART 0.5
-// Below this cosine with the horizontal, roll is a rounding error.
+// If the camera's right vector has a smaller vertical component than this, its roll is a rounding
+// error.
 #define ROLL_MIN 1e-6
 
 const char *const camera_rig_mode_names[CAMERA_RIG_MODE_COUNT + 1] = {
@@ -37,7 +40,7 @@ static void rotate(const double axis[3], double angle, double v[3])
     memcpy(v, out, sizeof out);
 }
 
-// Computes the direction to the right; returns false if the camera has none.
+// Computes the camera's direction to the right. Returns false if the camera looks along `up`.
 static bool sideways(const struct camera *camera, const double up[3], double out[3])
 {
     vec3_cross(camera->direction, up, out);
@@ -85,15 +88,16 @@ void camera_rig_init(struct camera_rig *rig, const struct camera *camera, const 
 
 // --- turning -------------------------------------------------------------------------------------
 
-// Roll is kept; a camera without roll uses the axis itself as `up`.
+// Returns whether the camera is rolled. Roll is kept; a camera without roll uses the axis itself as
+// `up`.
 static bool has_roll(const struct camera_rig *rig, const struct camera *camera)
 {
     double right[3];
     return sideways(camera, camera->up, right) && fabs(vec3_dot(right, rig->up)) > ROLL_MIN;
 }
 
-// Returns the part of a pitch (upwards positive) that keeps the view off the poles. A view that is
-// already nearer can only move away from them.
+// Returns the part of a pitch (positive upwards) that keeps the view away from the poles. A view
+// that is already too close to a pole can only move away from it.
 static double allowed_pitch(const struct camera_rig *rig, const struct camera *camera, double pitch)
 {
     double cosine = vec3_dot(camera->direction, rig->up);
@@ -103,8 +107,8 @@ static double allowed_pitch(const struct camera_rig *rig, const struct camera *c
     return fmax(least, fmin(pitch, most));
 }
 
-// Rotates direction, up and, unless NULL, a further vector: about the axis, then about the new
-// sideways direction.
+// Rotates the camera's direction, its up vector and, unless it is NULL, a further vector: first
+// about the up axis, then about the new sideways direction.
 static void turn(const struct camera_rig *rig, double yaw, double pitch, struct camera *camera,
                  double offset[3])
 {
@@ -123,7 +127,7 @@ static void turn(const struct camera_rig *rig, double yaw, double pitch, struct 
     vec3_normalize(camera->up);
 }
 
-// Orbits the target, which keeps its place in the image.
+// Rotates the camera about its target, which keeps its place in the image.
 static void orbit(const struct camera_rig *rig, double yaw, double pitch, struct camera *camera)
 {
     double offset[3], length;
@@ -167,7 +171,7 @@ static double pixel_size(const struct camera_rig *rig, const struct camera_rig_i
     return 2.0 * distance * tan(0.5 * camera->fov_y) / height;
 }
 
-// Camera and target move so that the point under the mouse stays there.
+// Moves camera and target so that the point under the mouse stays under the mouse.
 static void pan(struct camera_rig *rig, const struct camera_rig_input *input, struct camera *camera)
 {
     double right[3], up[3], size = pixel_size(rig, input, camera);
@@ -181,7 +185,8 @@ static void pan(struct camera_rig *rig, const struct camera_rig_input *input, st
     }
 }
 
-// An orthographic camera sees the same at any distance: its height is scaled instead.
+// Moves the camera to the target or away from it. The image of an orthographic camera does not
+// depend on its distance, so its height is scaled instead.
 static void dolly(const struct camera_rig *rig, double notches, struct camera *camera)
 {
     double factor = pow(DOLLY_FACTOR, notches), way[3];
@@ -193,13 +198,13 @@ static void dolly(const struct camera_rig *rig, double notches, struct camera *c
     add_scaled(camera->position, way, 1.0 - factor);
 }
 
-// Compares bytes, because a zero of the other sign is another camera.
+// Compares bytes, because the camera counts as changed even if only the sign of a zero differs.
 static bool same_bytes(const void *a, const void *b, size_t size)
 {
     return memcmp(a, b, size) == 0;
 }
 
-// While the camera revolves, the keys for flying left and right change its speed.
+// While the camera revolves, the keys for flying left and right change the speed of the revolution.
 static bool steer_revolution(struct camera_rig *rig, const struct camera_rig_input *input)
 {
     if (rig->mode != CAMERA_RIG_ORBIT || !rig->revolves)
@@ -231,7 +236,7 @@ bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *give
         dolly(rig, input->dolly, camera);
     double from[3], way[3];
     memcpy(from, camera->position, sizeof from);
-    if (fly(rig, input, camera) && orbits) { // the centre moves along
+    if (fly(rig, input, camera) && orbits) { // the target moves with the camera
         vec3_subtract(camera->position, from, way);
         add_scaled(rig->target, way, 1.0);
     }
@@ -248,7 +253,7 @@ void camera_rig_focus(struct camera_rig *rig, const double point[3], struct came
         camera->focus_distance = ahead;
 }
 
-// Returns the distance of a sphere's centre at which the whole sphere is in view.
+// Returns the distance from a sphere's centre at which the whole sphere is in view.
 static double framing_distance(const struct camera *camera, double radius, double aspect)
 {
     double half = 0.5 * camera->fov_y;

@@ -1,5 +1,5 @@
-// Moves a camera: flying and orbiting a point. Plain mathematics on struct camera. The up axis is
-// +Y, or the axis nearest to the camera's `up`.
+// Moves a camera: it flies, or it orbits a point. These functions only compute with struct camera.
+// The up axis is +Y, or the coordinate axis nearest to the camera's `up`.
 #ifndef LAMPYRIS_VIEWER_CORE_CAMERA_RIG_H
 #define LAMPYRIS_VIEWER_CORE_CAMERA_RIG_H
 
@@ -11,7 +11,7 @@ extern const char *const camera_rig_mode_names[CAMERA_RIG_MODE_COUNT + 1];
 struct camera_rig {
     uint32_t mode;
     double up[3];         // unit vector; the axis about which the view rotates
-    double target[3];     // centre of orbits; the point at which the camera looks
+    double target[3];     // centre of orbits, at which the camera looks
     double speed;         // flying speed, metres per second; > 0
     double revolve_speed; // speed of the automatic revolution, degrees per second
     bool revolves;
@@ -19,29 +19,30 @@ struct camera_rig {
 };
 
 struct camera_rig_input {
-    double forward, right, up; // -1 to 1: held keys; `right` also changes the speed of a revolution
-    bool slow;                 // Shift
-    double look[2];            // pixels of the mouse: to the right, downwards
-    double pan[2];             // pixels of the mouse, with the middle button
-    double dolly;              // notches towards the target; negative: away
-    uint32_t picture_height;   // pixels; defines the distance of a pixel of panning
-    double seconds;            // since the last step
+    // Held keys, each from -1 to 1; `right` also changes the speed of a revolution.
+    double forward, right, up;
+    bool slow;               // Shift is held
+    double look[2];          // movement of the mouse in pixels: to the right, downwards
+    double pan[2];           // movement of the mouse in pixels with the middle button held
+    double dolly;            // notches of the wheel towards the target; negative: away from it
+    uint32_t picture_height; // pixels; determines the distance that one pixel of panning moves
+    double seconds;          // since the last step
 };
 
-// Sets speed, target and up axis for a scene with this bounding box (world) and a camera in it.
+// Sets speed, target and up axis for a camera and a scene with this bounding box in world space.
 void camera_rig_init(struct camera_rig *rig, const struct camera *camera, const double min[3],
                      const double max[3]);
-// The greatest speed of the automatic revolution in degrees per second, and its change by a key
-// that is held for a second.
+// The greatest speed of the automatic revolution, in degrees per second, and the change of that
+// speed by a key that is held for a second.
 #define REVOLVE_SPEED_MAX 360.0
 #define REVOLVE_ACCELERATION 45.0
 
-// Returns false if nothing moved; the camera is then bitwise unchanged.
+// Moves the camera by one step. Returns false if it did not move; it is then bitwise unchanged.
 bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *input,
                      struct camera *camera);
-// Makes a point the centre of orbits, and the point in focus if the camera has a lens.
+// Makes a point the centre of orbits and, if the camera has a lens, the point in focus.
 void camera_rig_focus(struct camera_rig *rig, const double point[3], struct camera *camera);
-// Moves the camera, without turning it, so that the whole box is in view.
+// Moves the camera, without turning it, to where the whole box is in view.
 void camera_rig_frame(struct camera_rig *rig, const double min[3], const double max[3],
                       double aspect, struct camera *camera);
 

@@ -11,10 +11,10 @@
 #include <math.h>
 #include <string.h>
 
-// Seconds after the last change at which the image counts as resting: the steps of a hand on the
-// mouse follow faster.
+// The time in seconds after which the image counts as resting if nothing has changed. The steps of
+// a mouse movement follow each other faster.
 #define REST_SECONDS 0.15
-#define SPEED_PART 0.5 // part of the distance to the target, per second
+#define SPEED_PART 0.5 // flying speed per second, as a fraction of the distance to the target
 
 uint32_t viewer_aovs(const struct shown *shown)
 {
@@ -76,15 +76,16 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
     view_begin(view);
 }
 
-// The current image becomes the denoiser's history.
+// Keeps the current image as the denoiser's history.
 static bool keep_history(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct denoise_call call = view_denoise_call(viewer, view);
-    // While another layer is displayed, the renderer lacks the AOVs for denoising.
+    // While another layer is displayed, the renderer does not compute the AOVs that denoising
+    // needs.
     bool has_layers = (DENOISE_AOVS & ~view->job.renderer.specialization.aovs) == 0;
     if (!view->denoiser.gpu || !has_layers || view_samples(view) == 0)
         return true;
-    // A small image of a moving scene has less information than the history of the large one.
+    // If the scene moves, a small image has less information than the history of the full-size one.
     if (view->is_preview && view->motion.has_changed && view->denoiser.has_history)
         return true;
     if (!denoiser_keep(&view->denoiser, &call, err))
@@ -93,7 +94,7 @@ static bool keep_history(struct viewer *viewer, struct view *view, struct err *e
     return true;
 }
 
-// Sides use what is about to be replaced.
+// Ends all jobs, because they use the objects that are about to be replaced.
 static bool end_jobs(struct viewer *viewer, struct err *err)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
@@ -117,7 +118,7 @@ static bool refresh_geometry(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// Sets up the viewer's scene with this side's settings.
+// Sets view->scene to the viewer's scene with the settings of this side.
 static void settle_scene(struct viewer *viewer, struct view *view)
 {
     view->scene = *rebuild_scene(viewer);
@@ -130,7 +131,8 @@ static void settle_scene(struct viewer *viewer, struct view *view)
 static bool build_side(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct method *method = &view->method;
-    // The scene of the geometry no longer exists, and the next one is not ready.
+    // The scene from which the geometry was built no longer exists, and that of the next build is
+    // not ready.
     bool waits = rebuild_is_pending(viewer) && !viewer->document.rebuild.scene;
     if (waits && !refresh_geometry(viewer, err))
         return false;
@@ -211,13 +213,14 @@ static bool update_denoiser(struct viewer *viewer, struct view *view, enum chang
     if (!view->denoiser.gpu)
         return denoiser_create(&viewer->stage.gpu, &view->denoiser, err) ||
                viewer_stop_denoising(viewer, err);
-    // Moved objects are followed; other changes are not.
+    // The denoiser can follow objects that moved, but no other change.
     if (change >= CHANGE_METHOD && change != CHANGE_GEOMETRY)
         denoiser_forget(&view->denoiser);
     return true;
 }
 
-// Changes from a small image to a full one: until that has samples, the small one is shown.
+// Returns whether a side changes from a small image to a full-size one. Until that has samples, the
+// small image is shown.
 static bool sharpens(const struct viewer *viewer, uint32_t side)
 {
     const struct view *view = &viewer->stage.sides[side];
@@ -225,7 +228,8 @@ static bool sharpens(const struct viewer *viewer, uint32_t side)
            !wants_preview(viewer, view);
 }
 
-// While the scene changes continuously the image keeps its size, unless there is good reason.
+// Computes the size of the image that a side should have. While the scene changes continuously, the
+// size is kept unless the budget requires another one.
 static void wanted_size(const struct viewer *viewer, const struct view *view, bool keeps_size,
                         uint32_t size[2])
 {
@@ -240,8 +244,8 @@ static void wanted_size(const struct viewer *viewer, const struct view *view, bo
     size[1] = view->job.renderer.frame.height;
 }
 
-// Brings a side to the state that the changes and the clock require: rebuilt, with a new camera,
-// small while it changes, or at full size at rest.
+// Brings a side to the state that the recorded changes and the time require: rebuilt, with a new
+// camera, small while the scene changes, or full-size at rest.
 static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
 {
     struct view *view = &viewer->stage.sides[side];
@@ -276,7 +280,7 @@ static enum change greatest_change(const struct stage *stage)
     return most;
 }
 
-// Leaves the image unchanged until the BVH is ready.
+// Postpones all changes, and so leaves the image unchanged, until the BVH is ready.
 static void put_off(struct stage *stage)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
@@ -284,7 +288,8 @@ static void put_off(struct stage *stage)
             stage->changes[side] = CHANGE_SHOWN;
 }
 
-// Returns whether a BVH must be rebuilt and takes so long that it is built in the background.
+// Returns whether the BVH must be rebuilt and takes so long that it should be built in the
+// background.
 static bool builds_meanwhile(struct viewer *viewer)
 {
     const struct geometry_params g =
@@ -294,7 +299,7 @@ static bool builds_meanwhile(struct viewer *viewer)
     return can && flatten_key(&params) != viewer->document.geometry.key;
 }
 
-// Changes during a background build of the BVH take effect with the next build.
+// Handles a change of geometry. Changes during a background build take effect with the next build.
 static bool change_geometry(struct viewer *viewer, struct err *err)
 {
     struct rebuild *rebuild = &viewer->document.rebuild;
@@ -336,7 +341,7 @@ static bool apply(struct viewer *viewer, struct err *err)
         has_to_keep |= sharpens(viewer, side);
     if (has_to_keep && !keep_picture(viewer, err))
         return false;
-    // A side that must wait for the geometry makes the others wait, too.
+    // If one side must wait for the geometry, the others wait as well.
     for (uint32_t i = 0; i < 2 * viewer->stage.side_count; i++) {
         uint32_t side = i % viewer->stage.side_count;
         bool is_due = i == side || !viewer->stage.sides[side].is_ready;
@@ -353,7 +358,7 @@ static bool apply(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// Undoes a change that failed; the rest of the scene is unchanged but must be rebuilt.
+// Undoes a change that failed. The rest of the scene is unchanged, but must be rebuilt.
 static bool apply_reverted(struct viewer *viewer, struct err *err)
 {
     struct err reason = *err;
@@ -369,8 +374,8 @@ static bool apply_reverted(struct viewer *viewer, struct err *err)
     return apply(viewer, err);
 }
 
-// Makes the camera orbit the point in the centre of the image, whose distance also sets the flying
-// speed.
+// Makes the camera orbit the point that is visible in the centre of the image. The distance of that
+// point also determines the flying speed.
 static bool aim_rig(struct viewer *viewer, struct err *err)
 {
     struct camera_rig *rig = &viewer->view.rig;

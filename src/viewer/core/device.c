@@ -1,4 +1,5 @@
-// Manages the viewer's resources on the device besides images, from opening to loss.
+// Manages the viewer's objects on the device other than images, from opening the device to its
+// loss.
 #include "viewer/core/device.h"
 
 #include "cli/options.h"
@@ -7,7 +8,7 @@
 #include "viewer/core/viewer.h"
 #include <stdio.h>
 
-// After this many losses the device is not reopened.
+// The number of losses after which the device is not opened again.
 #define RECOVERIES_MAX 2u
 
 static struct gpu_params gpu_params(const struct viewer *viewer)
@@ -19,7 +20,7 @@ static struct gpu_params gpu_params(const struct viewer *viewer)
         params.can_present = window_can_present;
         params.present_context = (void *)&viewer->shell.window;
     }
-    if (viewer->stage.recoveries > 0) // simulated faults occur only once
+    if (viewer->stage.recoveries > 0) // simulated faults must not occur again
         params.lose_device_at_submit = params.fail_allocation = 0;
     return params;
 }

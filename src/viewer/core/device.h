@@ -8,7 +8,7 @@ struct viewer;
 
 bool viewer_open_device(struct viewer *viewer, struct err *err);
 void viewer_close_device(struct viewer *viewer);
-// Opens a lost device again; all images start anew. Returns false if that fails.
+// Opens a lost device again; all images start from the beginning. Returns false on failure.
 bool viewer_recover(struct viewer *viewer, struct err *err);
 
 #endif

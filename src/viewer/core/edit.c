@@ -11,10 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Beyond this number the oldest steps are forgotten.
+// The greatest number of steps in the history; the oldest ones are discarded.
 #define STEPS_MAX 1000u
 
-// A sky's sun is a light that may have been edited, so its state is part of the environment's.
+// The editable state of the environment. It includes the sun of a sky, which is a light that may
+// have been edited.
 struct around {
     struct surroundings surroundings;
     struct light sun;
@@ -49,16 +50,16 @@ struct step {
     enum target target;
     uint32_t index;
     char control[GUI_ID_MAX];
-    bool is_joined; // joined with the previous step: both are undone together
-    void *states;   // the state before, then after
+    bool is_joined; // undone and redone together with the previous step
+    void *states;   // the states of the target before and after the step
 };
 
 struct history {
     struct step steps[STEPS_MAX];
-    uint32_t count, done; // steps[0, done) can be undone, the others redone
-    bool is_open;         // the last step is still open
-    bool is_fresh;        // the last step has not yet been applied successfully
-    bool is_group;        // new steps join the group
+    uint32_t count, done; // steps[0, done) can be undone, steps[done, count) redone
+    bool is_open;         // further changes by the same control belong to the last step
+    bool is_fresh;        // the last step has not been applied successfully yet
+    bool is_group;        // new steps are joined to those of the group
     uint32_t group_begin; // index of the group's first step
 };
 
@@ -92,7 +93,7 @@ void history_destroy(struct history *history)
     free(history);
 }
 
-// --- what is there -------------------------------------------------------------------------------
+// --- the current state of targets ----------------------------------------------------------------
 
 static bool *hidden_flag(struct scene *scene, uint32_t object)
 {
@@ -161,12 +162,12 @@ static bool same_bytes(const void *a, const void *b, size_t size)
     return memcmp(a, b, size) == 0;
 }
 
-// --- what a change asks for ----------------------------------------------------------------------
+// --- what a change requires ----------------------------------------------------------------------
 
 static enum change method_change(const struct method *from, const struct method *to)
 {
     struct method same = *from;
-    // An accumulating image begins with its first sample.
+    // When samples of all frames start to add up, the image must begin with its first sample.
     enum change least = from->fresh_frames && !to->fresh_frames ? CHANGE_CAMERA : CHANGE_SHOWN;
     same.fresh_frames = to->fresh_frames;
     same.samples_a_frame = to->samples_a_frame;
@@ -181,7 +182,7 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
     const struct shown *to = &viewer->stage.shown;
     uint32_t aovs = viewer_aovs(to);
     if (from->what != to->what)
-        viewer->stage.has_kept = false; // the kept image has other display settings
+        viewer->stage.has_kept = false; // the kept image was made with other display settings
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
         const struct view *view = &viewer->stage.sides[side];
         enum change change = CHANGE_SHOWN;
@@ -194,7 +195,7 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
     }
 }
 
-// Applies to methods that distribute samples by their planned number.
+// Shows the planned number of samples if the method distributes samples according to it.
 static void tell_plan(struct viewer *viewer, const struct method *from, const struct method *to)
 {
     uint32_t limit = viewer->stage.shown.spp_limit;
@@ -210,7 +211,8 @@ static void tell_plan(struct viewer *viewer, const struct method *from, const st
             "this method spreads its points over a fixed number of samples: set a limit");
 }
 
-// New texels live in a new arena, so that the old ones survive a failure.
+// Replaces the environment. The new texels are loaded into a new arena, so that the old ones
+// survive a failure.
 static bool put_around(struct viewer *viewer, const struct around *to, struct err *err)
 {
     struct arena arena = {0};
@@ -219,7 +221,7 @@ static bool put_around(struct viewer *viewer, const struct around *to, struct er
         arena_finish(&arena);
         return false;
     }
-    if (rebuild_is_pending(viewer)) { // the build reads the texels that are freed
+    if (rebuild_is_pending(viewer)) { // the background build reads the texels that are freed below
         rebuild_cancel(viewer);
         viewer_changed(viewer, CHANGE_GEOMETRY);
     }
@@ -259,20 +261,22 @@ static bool add_shape(struct scene *scene)
     struct shape *added = scene_add_shape(scene, NULL);
     if (!added)
         return false;
-    memset(added, 0, sizeof *added); // clears padding, too: shapes are compared byte by byte
+    // Clears padding, too, because shapes are compared byte by byte.
+    memset(added, 0, sizeof *added);
     added->kind = SHAPE_QUAD;
     added->axes[0][0] = added->axes[1][2] = 0.5;
     return true;
 }
 
-// Keeps the selection within the list: if the selected entry is gone, the last one is selected.
+// Keeps the selection within a list: if the selected entry was removed, the last one is selected.
 static void choose_within(uint32_t *chosen, uint32_t count)
 {
     if (*chosen >= count)
         *chosen = count > 0 ? count - 1 : 0;
 }
 
-// If memory runs out halfway, the added elements stay but are not visible.
+// Adds or removes elements. If memory runs out in between, the elements added so far remain, but
+// invisible.
 static bool put_lists(struct document *document, const struct list_counts *to, struct err *err)
 {
     struct scene *scene = &document->scene;
@@ -397,7 +401,7 @@ static bool goes_on(const struct history *history, enum target target, uint32_t 
            strcmp(last->control, control) == 0;
 }
 
-// Returns false when out of memory: the step is done but cannot be undone.
+// Records a step. Returns false when out of memory: the change has been made but cannot be undone.
 static bool record(struct history *history, enum target target, uint32_t index, const char *control,
                    const union state *before, const union state *after)
 {
@@ -502,7 +506,7 @@ bool edit_shown(struct viewer *viewer, const struct shown *to, const char *contr
     union state state = zeroed();
     state.shown = *to;
     const bool was_auto = viewer->stage.shown.exposure_is_auto;
-    // Setting the exposure turns off its automatic choice.
+    // Setting the exposure by hand turns off its automatic computation.
     if (!same_bytes(&to->exposure, &viewer->stage.shown.exposure, sizeof to->exposure))
         state.shown.exposure_is_auto = 0;
     bool ok = edit(viewer, TARGET_DISPLAY, 0, &state, control);
@@ -552,7 +556,8 @@ void edit_end_group(struct viewer *viewer)
     viewer->document.history->is_group = viewer->document.history->is_open = false;
 }
 
-// Closes the open step. A step that ends with the value it began with is removed from the history.
+// Closes the open step. A step that ends with the value with which it began is removed from the
+// history.
 void edit_close(struct viewer *viewer)
 {
     struct history *history = viewer->document.history;
@@ -564,7 +569,7 @@ void edit_close(struct viewer *viewer)
     history->is_open = false;
 }
 
-// --- back and forth ------------------------------------------------------------------------------
+// --- undoing and redoing -------------------------------------------------------------------------
 
 static bool go(struct viewer *viewer, const struct step *step, const void *to)
 {
@@ -578,7 +583,7 @@ static bool go(struct viewer *viewer, const struct step *step, const void *to)
     return false;
 }
 
-// Undoes the last step; returns false if that is not possible.
+// Undoes one step. Returns false if there is none.
 static bool undo_one(struct viewer *viewer)
 {
     struct history *history = viewer->document.history;
@@ -633,7 +638,7 @@ void edit_settle(struct viewer *viewer)
     viewer->document.history->is_fresh = false;
 }
 
-// Returns the number of steps, counting joined ones once.
+// Returns the number of steps in a range; steps that are joined count as one.
 static uint32_t count_steps(const struct history *history, uint32_t from, uint32_t to)
 {
     uint32_t count = 0;

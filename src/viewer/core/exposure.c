@@ -4,8 +4,9 @@
 #include "image/image.h"
 #include "viewer/core/viewer.h"
 
-// It is recomputed at doubling numbers of samples until noise no longer matters; then it is kept
-// while the camera moves, so that nothing flickers.
+// The number of samples after which the exposure is no longer updated. Until then it is computed at
+// doubling numbers of samples, when noise still matters. Afterwards it is kept, even while the
+// camera moves, so that the image does not flicker.
 #define SAMPLES_LAST 64
 
 void viewer_begin_exposure(struct viewer *viewer)

@@ -1,4 +1,4 @@
-// Automatic exposure.
+// The automatic exposure.
 #ifndef LAMPYRIS_VIEWER_CORE_EXPOSURE_H
 #define LAMPYRIS_VIEWER_CORE_EXPOSURE_H
 
@@ -6,9 +6,9 @@
 
 struct viewer;
 
-// The image or its light has changed: an automatic exposure is computed anew.
+// Starts the computation of an automatic exposure, because the image or its light has changed.
 void viewer_begin_exposure(struct viewer *viewer);
-// Computes it when it is due.
+// Computes the exposure if it is due. Returns false if the device failed.
 bool viewer_find_exposure(struct viewer *viewer, struct err *err);
 
 #endif

@@ -1,4 +1,4 @@
-// Uses the device for a frame: renders samples and displays them.
+// Uses the device for one frame: renders samples and displays them.
 #include "viewer/core/frame.h"
 
 #include "base/clock.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-// --- where the picture is ------------------------------------------------------------------------
+// --- the place of the image in the window --------------------------------------------------------
 
 void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t *height)
 {
@@ -35,12 +35,13 @@ double viewer_split_x(const struct viewer *viewer)
     return place[0] + viewer->stage.shown.split_at * place[2];
 }
 
-// An image that must be shown completely may take this many frame times: a slow frame is better
-// than one with two cameras.
+// If an image must be shown completely, a frame may take this many times its target time, because a
+// slow frame is better than one in which two cameras are visible.
 #define PATIENCE 8.0
-// At rest, denoising pauses for this multiple of its cost, so that it takes a quarter of the time.
+// At rest, denoising pauses for this multiple of its own time, so that it takes a quarter of the
+// time.
 #define DENOISING_PAUSE 3.0
-// Seconds after the last event from which there is no input.
+// If there was no event for this many seconds, the user counts as idle.
 #define CALM_SECONDS 0.3
 
 // --- rendering -----------------------------------------------------------------------------------
@@ -51,7 +52,7 @@ bool viewer_frame_is_over(void *context)
     return clock_ns() >= viewer->stage.render_until_ns || signals_received() != 0;
 }
 
-// Returns how long a frame renders, in milliseconds.
+// Returns the time, in milliseconds, for which a frame renders.
 static double frame_render_ms(const struct viewer *viewer)
 {
     bool is_calm = !viewer->view.is_moving && !viewer->shell.gui.is_busy &&
@@ -61,7 +62,7 @@ static double frame_render_ms(const struct viewer *viewer)
                    : frame_budget_render_ms(&viewer->view.pace);
 }
 
-// Returns the number of single-pixel samples in the film.
+// Returns the total number of samples in the film, over all pixels.
 static double work_done(const struct view *view)
 {
     const struct renderer *r = &view->job.renderer;
@@ -72,18 +73,18 @@ static double work_done(const struct view *view)
 uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view)
 {
     uint64_t limit = viewer->stage.shown.spp_limit, done = view_samples(view);
-    if (view->method.fresh_frames) // each is an image of its own
+    if (view->method.fresh_frames) // each frame is an image of its own
         limit = view->method.samples_a_frame;
     if (limit == 0)
         limit = SETTINGS_SPP_MAX;
-    if (viewer->stage.is_paused) // a changed image is displayed even so
+    if (viewer->stage.is_paused) // if the image changed, a paused viewer still shows it once
         limit = 1;
     return limit > done ? limit - done : 0;
 }
 
-// Returns the number of samples per pixel of a pass: on fast devices as many as fit, since each
-// pass has a fixed cost. The display lags by a pass, which has at most an eighth of the image's
-// samples.
+// Returns the number of samples per pixel in a pass. Each pass has a fixed cost, so fast devices
+// take as many as fit into a frame. The display lags behind by one pass, which is limited to an
+// eighth of the image's samples.
 static uint64_t samples_at_once(const struct viewer *viewer, const struct view *view)
 {
     const struct renderer *r = &view->job.renderer;
@@ -95,7 +96,7 @@ static uint64_t samples_at_once(const struct viewer *viewer, const struct view *
     return samples < left ? samples : left;
 }
 
-// Renders until the frame is over, or nothing is left to do.
+// Renders until the time of the frame is over, or until nothing is left to render.
 static bool render_side(struct viewer *viewer, struct view *view, uint64_t samples, struct err *err)
 {
     double before = work_done(view);
@@ -127,8 +128,8 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
     return true;
 }
 
-// The limit is half a wave before the end of the time: the last wave ends at most half a wave after
-// it.
+// Sets the time at which rendering should stop to half a wave before the end of the frame: the last
+// wave then ends at most half a wave after the end.
 static void set_time(struct viewer *viewer, const struct view *view, double factor)
 {
     double wave_ms = viewer->view.pace.ms_per_sample * view->job.renderer.plan.wave_samples;
@@ -136,8 +137,8 @@ static void set_time(struct viewer *viewer, const struct view *view, double fact
     viewer->stage.render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
 }
 
-// Makes waves smaller if they take longer than a frame; the image does not change. Measurements are
-// only accurate to a factor of two.
+// Makes waves smaller if they take longer than a frame; this does not change the image. The
+// measured times are only accurate to a factor of two.
 static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
 {
     uint32_t now = view->job.renderer.plan.wave_slots;
@@ -151,7 +152,7 @@ static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
         return true;
     if (viewer->stage.gpu.lost)
         return false;
-    // The renderer has no buffers now: the side must be rebuilt.
+    // The renderer has freed its buffers, so the side must be rebuilt.
     viewer_message(viewer, MESSAGE_WARNING, "%s", err->msg);
     *err = (struct err){0};
     view->is_ready = false;
@@ -173,8 +174,8 @@ static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *er
     return true;
 }
 
-// Renders sides that must be shown completely: without a sample and with nothing else to show, or
-// with a fixed number of samples per frame.
+// Renders the sides that must be shown completely: those that have no sample and no older image to
+// show, and those with a fixed number of samples per frame.
 static bool render_whole(struct viewer *viewer, struct view *view, bool *done, struct err *err)
 {
     uint32_t wanted = view->method.samples_a_frame;
@@ -186,7 +187,7 @@ static bool render_whole(struct viewer *viewer, struct view *view, bool *done, s
     return render_side(viewer, view, wanted > 0 ? wanted : 1, err);
 }
 
-// Returns the side that has had less of the device's time.
+// Returns the side that has used less of the device's time.
 static struct view *next_side(struct viewer *viewer, const bool *done)
 {
     struct view *next = NULL;
@@ -222,7 +223,7 @@ bool viewer_render(struct viewer *viewer, struct err *err)
     return !view->is_ready || render_side(viewer, view, UINT64_MAX, err);
 }
 
-// --- showing -------------------------------------------------------------------------------------
+// --- display -------------------------------------------------------------------------------------
 
 static bool denoises(const struct viewer *viewer, const struct view *view)
 {
@@ -262,7 +263,8 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
     }
 }
 
-// Denoises an image that is new, or has more samples than the displayed one if the pause is over.
+// Returns whether to denoise: the image is new, or it has more samples than the displayed one and
+// the pause is over.
 static bool is_denoising_due(const struct viewer *viewer, const struct view *view)
 {
     double since = viewer_seconds(viewer) - view->denoised_seconds;
@@ -302,8 +304,8 @@ static bool denoise(struct viewer *viewer, struct err *err)
     return true;
 }
 
-// Until the full image is denoised for the first time, the small denoised one is shown instead of
-// the first noisy samples.
+// Returns whether to show the previous, denoised small image: until the full-size image is denoised
+// for the first time, that is better than noisy first samples.
 static bool shows_last(const struct viewer *viewer, const struct display_call *call)
 {
     const struct gpu_screen *screen = &viewer->stage.screen;

@@ -1,16 +1,16 @@
 #include "viewer/core/frame_budget.h"
 
-// The weight of the newest measurement in the running means: a change takes effect within a few
-// frames, and one slow frame does not change the image's size.
+// The weight of the newest measurement in the running means. With this value a change takes effect
+// within a few frames, but a single slow frame does not change the size of the image.
 #define NEWEST 0.25
-// A larger image is only chosen if it fits into this fraction of the time. The rest exceeds the
-// variation between frames.
+// The image is only made larger if it then fits into this fraction of the time. The remaining time
+// exceeds the variation between frames.
 #define MARGIN 0.8
-// Without input, rendering may take this many times all other work, within a limit that keeps the
-// response to new input fast.
+// Without input, rendering may take this many times as long as all other work of the frame, up to a
+// limit that keeps the response to new input fast.
 #define CALM_SHARE 4.0
 #define CALM_FRAME_MS 200.0
-// Used before the first measurement, so that the first image appears at once on any device.
+// The initial value of `shrink`, with which the first image appears quickly on any device.
 #define FIRST_SHRINK 8u
 
 void frame_budget_init(struct frame_budget *pace, double target_ms)
@@ -48,7 +48,8 @@ double frame_budget_render_ms(const struct frame_budget *pace)
     return left > least ? left : least;
 }
 
-// On a slow device the display and the panel would otherwise take more time than the image.
+// Rendering takes more time if there is no input; on a slow device, display and panel would
+// otherwise take more time than the image.
 double frame_budget_calm_render_ms(const struct frame_budget *pace)
 {
     double ms = CALM_SHARE * pace->overhead_ms, most = CALM_FRAME_MS - pace->overhead_ms;

@@ -12,12 +12,13 @@
 #include <math.h>
 #include <string.h>
 
-// A press that moves less than this, points, is a click.
+// The greatest distance, in points, that the mouse may move while its button is held for a click.
 #define CLICK_POINTS 4.0
 #define DOUBLE_CLICK_SECONDS 0.5
-// Distance from the dividing line of a split view, points, within which it can be dragged.
+// The distance from the dividing line of a split view, in points, within which the line can be
+// dragged.
 #define SPLIT_POINTS 6.0
-#define SPEED_FACTOR 1.25 // per notch of the wheel
+#define SPEED_FACTOR 1.25 // change of the flying speed per notch of the wheel
 #define EXPOSURE_STEP 0.5 // stops
 
 // --- what keys do --------------------------------------------------------------------------------
@@ -174,7 +175,7 @@ static void do_quit(struct viewer *viewer)
 
 struct binding {
     int key;
-    uint32_t modifiers; // Shift and Ctrl
+    uint32_t modifiers; // required modifiers: Shift, Ctrl
     void (*act)(struct viewer *viewer);
     bool repeats;
 };
@@ -270,7 +271,7 @@ static bool saved_view(struct viewer *viewer, const struct event *event)
     return true;
 }
 
-// --- what is held --------------------------------------------------------------------------------
+// --- held keys -----------------------------------------------------------------------------------
 
 static void hold(struct keys *keys, const struct event *event)
 {
@@ -454,7 +455,7 @@ void viewer_event(struct viewer *viewer, const struct event *event)
     }
 }
 
-// --- what comes of it ----------------------------------------------------------------------------
+// --- camera movement and clicks ------------------------------------------------------------------
 
 void viewer_move_camera(struct viewer *viewer, double seconds)
 {

@@ -1,4 +1,4 @@
-// Keyboard and mouse input to the image, not to the panel.
+// Keyboard and mouse input for the image; the panel has input of its own.
 #ifndef LAMPYRIS_VIEWER_CORE_KEYS_H
 #define LAMPYRIS_VIEWER_CORE_KEYS_H
 
@@ -21,7 +21,7 @@ enum held_key {
 
 enum drag { DRAG_NONE, DRAG_PENDING, DRAG_LOOK, DRAG_PAN, DRAG_SPLIT };
 
-// The keys that are held, and the mouse movement since the last frame.
+// The keys that are held, and the movement of the mouse since the last frame.
 struct keys {
     bool held[HELD_COUNT];
     bool buttons[3];
@@ -29,11 +29,12 @@ struct keys {
     int drag_button;
     double x, y; // position of the mouse, pixels
     double pressed_x, pressed_y;
-    double look[2], pan[2], dolly; // since the last frame
-    double clicked_seconds;        // clock of the last click, for double clicks
+    double look[2], pan[2], dolly; // movement since the last frame
+    double clicked_seconds;        // time of the last click, to detect double clicks
     double clicked_x, clicked_y;
     bool shows_help;
-    // A click that is evaluated when the image is available; and whether it was a double click.
+    // A click waits to be evaluated until the image is available; wants_focus: it was a double
+    // click.
     bool wants_pick, wants_focus;
     double pick_x, pick_y;
 };
@@ -43,12 +44,13 @@ void viewer_event(struct viewer *viewer, const struct event *event);
 void viewer_move_camera(struct viewer *viewer, double seconds);
 // Evaluates the last click. Returns false if the device failed.
 bool viewer_answer_click(struct viewer *viewer, struct err *err);
-// Returns whether nothing is held, and nothing moves, that could change the scene.
+// Returns whether no key or button is held and no movement is in progress that could change the
+// scene.
 bool viewer_holds_nothing(const struct viewer *viewer);
 
 struct key_help {
     const char *keys, *help;
 };
-extern const struct key_help viewer_keys[]; // ended by {NULL}: for the panel and the manual
+extern const struct key_help viewer_keys[]; // ends with {NULL}; shown by the panel and the manual
 
 #endif

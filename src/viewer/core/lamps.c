@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-// Fractions of the radius of the scene's bounding sphere: the distance of a new lamp from its
-// centre, and half of the lamp's edge.
+// Fractions of the radius of the scene's bounding sphere: the distance of a new lamp from the
+// sphere's centre, and half of the lamp's side.
 #define LAMP_DISTANCE 0.75
 #define LAMP_HALF_EDGE 0.1
 
@@ -35,10 +35,10 @@ bool lamp_is(const struct scene *scene, uint32_t object)
     return material && mean_radiance(scene, material) * mean_opacity(scene, material) > 0;
 }
 
-// --- how much it sends there ---------------------------------------------------------------------
+// --- light sent to the centre of the scene -------------------------------------------------------
 
-// Returns the radius of the scene's bounding sphere, and its centre; 1 m if the scene is empty or
-// infinite.
+// Returns the radius of the scene's bounding sphere and computes its centre. The radius is 1 m if
+// the scene is empty or infinite.
 static double middle_of_scene(const struct document *document, double middle[3])
 {
     double half[3];
@@ -53,8 +53,8 @@ static double middle_of_scene(const struct document *document, double middle[3])
     return 1;
 }
 
-// Returns the projected area of a mesh along `way`. For an open surface it is the sum over its
-// normals; of a closed one half faces away.
+// Returns the area of a mesh projected along `way`. For an open surface all normals count; for a
+// closed one half of them, because the other half faces away.
 static double projected_mesh(const struct scene *scene, const struct instance *instance,
                              const double way[3])
 {
@@ -112,15 +112,15 @@ static double projected_area(const struct scene *scene, uint32_t object, const d
                : projected_shape(&scene->shapes[object - scene->instance_count], way);
 }
 
-// --- new ones ------------------------------------------------------------------------------------
+// --- new lamps -----------------------------------------------------------------------------------
 
-// Orients a square about `center` so that it faces `way`.
+// Sets the corner and edges of a square about `center` so that it faces the direction `way`.
 static void aim_quad(struct shape *quad, const double center[3], const double way[3], double half)
 {
     double across[3] = {fabs(way[0]) < 0.5, fabs(way[0]) >= 0.5, 0}, up[3];
     vec3_cross(way, across, up);
     vec3_normalize(up);
-    vec3_cross(up, way, across); // across x up is then `way`
+    vec3_cross(up, way, across); // the cross product of across and up is then `way`
     memcpy(quad->center, center, sizeof quad->center);
     for (int c = 0; c < 3; c++) {
         quad->axes[0][c] = half * across[c];
@@ -128,7 +128,7 @@ static void aim_quad(struct shape *quad, const double center[3], const double wa
     }
 }
 
-// The material and the shape are the last ones of their lists.
+// Adds a square lamp. Its material and its shape become the last ones of their lists.
 static bool add_quad(struct viewer *viewer, const struct shape *like, const double radiance[3],
                      const char *control)
 {
@@ -180,7 +180,8 @@ bool lamp_add(struct viewer *viewer, const char *control)
     struct shape quad;
     memset(&quad, 0, sizeof quad);
     middle[1] += fmin(LAMP_DISTANCE * radius,
-                      0.9 * (viewer->document.bounds_max[1] - middle[1])); // below a ceiling
+                      // Below a ceiling, if there is one.
+                      0.9 * (viewer->document.bounds_max[1] - middle[1]));
     aim_quad(&quad, middle, down, LAMP_HALF_EDGE * radius);
     edit_begin_group(viewer);
     bool ok = add_quad(viewer, &quad, white, control);
@@ -199,7 +200,7 @@ bool light_add(struct viewer *viewer, const char *control)
     return ok;
 }
 
-// --- one for the other ---------------------------------------------------------------------------
+// --- exchanging lamps and lights -----------------------------------------------------------------
 
 bool lamp_exchange(struct viewer *viewer, uint32_t object, const char *control)
 {

@@ -17,7 +17,8 @@
 #include <stdio.h>
 #include <string.h>
 
-// Sets the options of a scene: those of the command line only apply to the scene named there.
+// Sets the options for a scene. Options of the command line apply only to the scene that is named
+// there.
 static void set_options(struct viewer *viewer, const char *path)
 {
     const struct options *given = viewer->shell.options;
@@ -37,7 +38,7 @@ static void set_options(struct viewer *viewer, const char *path)
     options->environment_rotate_degrees = 0.0;
 }
 
-// A newly loaded scene, complete before the old one is closed.
+// A newly loaded scene. It is complete before the old one is closed.
 struct opened {
     struct scene scene, pristine;
     struct arena pristine_arena;
@@ -96,7 +97,8 @@ static void set_methods(struct viewer *viewer)
 {
     const struct device_options *options = &viewer->shell.options->device;
     struct method method;
-    memset(&method, 0, sizeof method); // clears padding, too: methods are compared byte by byte
+    // Clears padding, too, because methods are compared byte by byte.
+    memset(&method, 0, sizeof method);
     method.settings = viewer->document.scene.settings;
     method.wave = options->wave;
     method.workgroup = options->workgroup;
@@ -115,7 +117,8 @@ void viewer_find_bounds(struct viewer *viewer)
     flat_to_world(flat, high, viewer->document.bounds_max);
 }
 
-// A model without a camera is viewed from all sides, so the camera orbits its centre.
+// Makes the camera orbit the centre of a model that has no camera of its own, because models are
+// viewed from all sides.
 static void orbit_model(struct viewer *viewer)
 {
     if (!viewer->document.scene.camera_is_framed ||
@@ -132,7 +135,7 @@ void viewer_go_home(struct viewer *viewer)
 {
     struct camera camera = viewer->document.scene.cameras[viewer->view.camera_index];
     if (viewer->document.scene.camera_is_framed) {
-        struct scene fitted = viewer->document.scene; // only its camera is changed
+        struct scene fitted = viewer->document.scene; // only the camera is changed in this copy
         fitted.cameras = &camera;
         viewer_picture_size(viewer, &fitted.settings.width, &fitted.settings.height);
         scene_frame_camera(&fitted);
@@ -141,7 +144,7 @@ void viewer_go_home(struct viewer *viewer)
     edit_camera(viewer, &camera, "camera.reset");
 }
 
-// Sets the view according to the scene and the command line.
+// Sets the initial view as the scene and the command line say.
 static void set_view(struct viewer *viewer)
 {
     const struct settings *settings = &viewer->document.scene.settings;
@@ -161,7 +164,8 @@ static void set_view(struct viewer *viewer)
         options_given(viewer->shell.options, OPTION_SPP) ? (uint32_t)settings->spp : 0;
 }
 
-// Copies the names of cameras that outlive their scene.
+// Gives saved views names of their own, because they outlive the scene that has the names of its
+// cameras.
 static void rename_cameras(struct viewer *viewer)
 {
     const char *name = viewer->document.scene.cameras[viewer->view.camera_index].name;

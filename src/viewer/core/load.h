@@ -6,19 +6,20 @@
 
 struct viewer;
 
-// Replaces the scene; on failure the old one stays, with a message. keep_view: camera, methods and
-// display settings are kept (reloading). While events, jobs or the panel are being processed,
-// returns true and opens the scene afterwards, in the same frame.
+// Replaces the scene. If that fails, the old scene stays and the viewer shows a message. keep_view
+// keeps camera, methods and display settings, as for reloading. While events, jobs or the panel are
+// being processed, the function returns true and the scene is opened later in the same frame.
 bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view);
 void viewer_close_scene(struct viewer *viewer);
-// Loads a scene without a message. ERR_STOPPED if the window was closed meanwhile.
+// Loads a scene without showing a message. Fails with ERR_STOPPED if the window was closed during
+// loading.
 bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err);
 struct geometry_params viewer_geometry_params(const struct viewer *viewer,
                                               const struct scene *scene,
                                               const struct camera *camera);
-void viewer_find_bounds(struct viewer *viewer); // bounds of the current geometry
-// Restores the scene's camera. A framed camera is fitted to the current image and orbits the centre
-// of the scene.
+void viewer_find_bounds(struct viewer *viewer); // computes the bounds of the current geometry
+// Restores the camera of the scene file. If the file has none, the camera is fitted to the current
+// image and orbits the centre of the scene.
 void viewer_go_home(struct viewer *viewer);
 
 #endif

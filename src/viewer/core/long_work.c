@@ -1,4 +1,4 @@
-// Shows the progress of work that takes longer than a frame, and stops it on request.
+// Shows the progress of work that takes longer than a frame, and stops the work on request.
 #include "viewer/core/long_work.h"
 
 #include "base/clock.h"
@@ -6,7 +6,7 @@
 #include "viewer/core/messages.h"
 #include "viewer/core/viewer.h"
 
-// Seconds between updates of the progress.
+// The time between updates of the progress, in seconds.
 #define LONG_WORK_SECONDS 0.3
 #define PROGRESS_SECONDS 0.1
 
@@ -34,7 +34,8 @@ static bool has_picture(const struct viewer *viewer)
                (uint64_t)viewer->stage.screen.width * viewer->stage.screen.height * 4;
 }
 
-// Keys that are released meanwhile are no longer held; other input during the work is ignored.
+// Processes events during the work: keys that are released are no longer held, all other input is
+// ignored.
 static void poll_meanwhile(struct viewer *viewer)
 {
     window_poll(&viewer->shell.window, 0.0);
@@ -48,7 +49,7 @@ static void poll_meanwhile(struct viewer *viewer)
     }
 }
 
-// A failure is reported in the next frame.
+// If drawing fails, the next frame reports it.
 void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction)
 {
     struct err err = {0};

@@ -1,4 +1,4 @@
-// Prints messages of the viewer and the log: on stderr, and in the window.
+// Shows messages of the viewer and of the log, on stderr and in the window.
 #include "viewer/core/messages.h"
 
 #include "base/clock.h"
@@ -41,7 +41,8 @@ void viewer_message(struct viewer *viewer, enum message_kind kind, const char *f
     viewer_print(viewer, levels[kind], text);
 }
 
-// Called by any thread. A renderer may repeat a warning after every change: it is shown once.
+// Receives a line of the log; any thread may call it. A renderer may repeat a warning after every
+// change, but it is shown only once.
 static void take_log(void *context, enum log_level level, const char *text)
 {
     struct viewer *viewer = context;

@@ -4,11 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Scenes with more objects are not followed, because every renderer would copy as many frames.
+// The denoiser does not follow scenes with more objects, because every renderer would copy as many
+// object frames.
 #define OBJECTS_MAX 65536u
 
-// An object's own coordinate frame in the world, which moves, rotates and scales with it. Equal
-// frames have equal bytes.
+// A coordinate system that moves, rotates and scales with an object, in world space. Equal frames
+// have equal bytes.
 struct object_frame {
     double axes[3][4];
 };
@@ -19,7 +20,7 @@ static void set_column(double m[3][4], int column, const double v[3], double fac
         m[c][column] = factor * v[c];
 }
 
-// Computes two unit vectors orthogonal to a third one, which is returned as the last.
+// Computes two unit vectors that are orthogonal to `normal` and to each other; out[2] is `normal`.
 static void across(const double normal[3], double out[3][3])
 {
     int least = fabs(normal[0]) < fabs(normal[1]) ? 0 : 1;
@@ -32,7 +33,8 @@ static void across(const double normal[3], double out[3][3])
     vec3_cross(normal, out[0], out[1]);
 }
 
-// Shapes without axes of their own, such as spheres, do not rotate, and neither does their shading.
+// Returns the frame of a shape. Shapes without axes of their own, such as spheres, do not rotate;
+// neither does their shading.
 static struct object_frame shape_frame(const struct shape *shape)
 {
     struct object_frame frame;
@@ -78,7 +80,7 @@ static void find_frames(struct object_frames *frames, const struct scene *scene)
         frames->list[i] = frame_of(scene, i);
 }
 
-// Finds the primitives of an object in the flat scene; none if it is hidden.
+// Finds the primitives of an object in the flat scene. There are none if the object is hidden.
 static void find_primitives(const struct scene *scene, const struct flat_scene *flat,
                             uint32_t object, struct denoise_motion *out)
 {

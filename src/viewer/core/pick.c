@@ -19,8 +19,8 @@ uint32_t viewer_object(const struct renderer *renderer, bool is_shape, uint32_t 
     return flat_instance == NO_INSTANCE ? instance : flat->instances[flat_instance].source;
 }
 
-// Returns whether the surface that a side shows is still in the scene: it may have been removed
-// while the BVH is rebuilt.
+// Returns whether the surface that a side shows is still in the scene. It may have been removed
+// while the BVH is being rebuilt.
 static bool is_there(const struct scene *scene, const struct picked *picked)
 {
     return picked->object < scene->instance_count + scene->shape_count &&
@@ -61,7 +61,7 @@ bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, 
         return true;
     const struct gpu_frame *frame = &view->job.renderer.frame;
     struct replay replay;
-    // Follow one of the samples of the image itself.
+    // Follows one of the samples of the image itself.
     if (!job_replay(&view->job, pixel_at(x, place[2], frame->width),
                     pixel_at(y, place[3], frame->height), 0, &viewer->shell.frame_arena, &replay,
                     err))

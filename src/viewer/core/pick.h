@@ -1,4 +1,4 @@
-// Finds the surface at a pixel.
+// Finds the surface that is visible in a pixel.
 #ifndef LAMPYRIS_VIEWER_CORE_PICK_H
 #define LAMPYRIS_VIEWER_CORE_PICK_H
 
@@ -9,9 +9,10 @@ struct picked;
 struct renderer;
 struct viewer;
 
-// Finds the surface at a pixel of the window. Returns false if the device failed.
+// Finds the surface in a pixel of the window. Returns false if the device failed.
 bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, struct err *err);
-// Returns the scene's index of an object of a renderer's flat scene, which is the AOV id less 1.
+// Returns the index in the scene of an object of a renderer's flat scene. It is the object's AOV id
+// minus 1.
 uint32_t viewer_object(const struct renderer *renderer, bool is_shape, uint32_t primitive,
                        uint32_t flat_instance);
 

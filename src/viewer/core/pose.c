@@ -29,8 +29,8 @@ static bool same_pose(const struct scene_pose *a, const struct scene_pose *b)
     return memcmp(a, b, sizeof *a) == 0;
 }
 
-// Returns the parameters to load at another time: those of the base, if the file has one, since the
-// file's edits are already applied.
+// Returns the parameters with which the scene is loaded at another time. If the file has a base,
+// these are the base's, because the file's edits are already applied.
 static const struct scene_load_params *animated(const struct document *document)
 {
     return document->pristine.base ? &document->pristine.base->load : &document->load_params;
@@ -40,7 +40,7 @@ void pose_init(struct viewer *viewer)
 {
     struct pose *pose = &viewer->document.pose;
     const struct scene_load_params *load = animated(&viewer->document);
-    memset(pose, 0, sizeof *pose); // clears padding, too: poses are compared byte by byte
+    memset(pose, 0, sizeof *pose); // clears padding, too, because poses are compared byte by byte
     pose->speed = 1;
     pose->shown.is_posed = load->at_seconds != NULL;
     pose->shown.seconds = load->at_seconds ? *load->at_seconds : 0;
@@ -72,7 +72,7 @@ static bool run(void *context, struct err *err)
     return scene_load(&job->params, &job->scene, err);
 }
 
-// --- what moved ----------------------------------------------------------------------------------
+// --- finding what has moved ----------------------------------------------------------------------
 
 static bool same_array(const void *a, const void *b, size_t bytes)
 {
@@ -89,7 +89,7 @@ static bool same_vertices(const struct mesh *a, const struct mesh *b)
            same_array(a->tangents, b->tangents, n * sizeof *a->tangents);
 }
 
-// The arrays of the scene as in the base.
+// The arrays of the base scene that the document has copied.
 struct base_lists {
     struct instance *instances;
     struct shape *shapes;
@@ -97,7 +97,7 @@ struct base_lists {
     uint32_t shape_count, light_count;
 };
 
-// They are the document's own copies, which only this file changes.
+// Returns the document's own copies, which only this file changes.
 static struct base_lists base_of(struct document *document)
 {
     struct scene *pristine = &document->pristine;
@@ -150,9 +150,10 @@ static bool has_moved(struct document *document, const struct scene *posed)
     return !same;
 }
 
-// --- taking it over ------------------------------------------------------------------------------
+// --- adopting the pose ---------------------------------------------------------------------------
 
-// The placement of an object is relative to its transform in the current pose.
+// Adopts the transforms of objects. The placement of an object is relative to its transform in the
+// current pose.
 static bool take_objects(struct document *document, const struct scene *posed, struct err *err)
 {
     const struct base_lists base = base_of(document);
@@ -181,7 +182,8 @@ static bool take_objects(struct document *document, const struct scene *posed, s
     return true;
 }
 
-// Takes lights from the new pose except for edited members. A sky's sun does not move.
+// Adopts the lights of the new pose, except for members that the user has edited. The sun of a sky
+// does not move.
 static void take_lights(struct document *document, const struct scene *posed)
 {
     const struct base_lists base = base_of(document);
@@ -207,7 +209,8 @@ static bool same_camera(const struct camera *a, const struct camera *b)
            memcmp(a->up, b->up, sizeof a->up) == 0;
 }
 
-// A camera of the file that is in use moves along; one that was moved by hand does not.
+// Adopts the cameras. A camera of the file that is in use moves with the pose, unless the user has
+// moved it.
 static void take_cameras(struct viewer *viewer, const struct scene *posed)
 {
     struct scene *scene = &viewer->document.scene;
@@ -229,7 +232,8 @@ static void take_cameras(struct viewer *viewer, const struct scene *posed)
     viewer_changed(viewer, CHANGE_CAMERA);
 }
 
-// Meshes of another time have their vertices in its scene; materials are kept.
+// Adopts the meshes. At another time their vertices are owned by that pose's scene; materials are
+// kept.
 static bool take_meshes(struct document *document, const struct scene *posed, struct err *err)
 {
     bool same = true;
@@ -248,7 +252,7 @@ static bool take_meshes(struct document *document, const struct scene *posed, st
     }
     scene->meshes = document->pristine.meshes = meshes;
     document->pose.deformations += !same;
-    // The ground of a studio fades out around the objects.
+    // The ground of a studio fades out around the objects, so its texture changes with them.
     if (posed->has_ground && posed->image_count == scene->image_count &&
         posed->texture_count == scene->texture_count) {
         scene->images = document->pristine.images = posed->images;
@@ -268,7 +272,8 @@ static bool take(struct viewer *viewer, struct pose_job *job, struct err *err)
         take_cameras(viewer, &job->scene);
         return true;
     }
-    // Sides and geometry use the previous scene, which is freed with the next pose.
+    // Sides and geometry still use the previous scene, which is freed when the next pose is
+    // adopted.
     scene_finish(&pose->older);
     pose->older = pose->loaded;
     pose->loaded = job->scene;
@@ -280,7 +285,7 @@ static bool take(struct viewer *viewer, struct pose_job *job, struct err *err)
     return take_meshes(document, &pose->loaded, err) && take_objects(document, &pose->loaded, err);
 }
 
-// --- when ----------------------------------------------------------------------------------------
+// --- loading poses -------------------------------------------------------------------------------
 
 static void done(void *context, void *viewer, bool ok, const struct err *err)
 {
@@ -316,7 +321,7 @@ static void start(struct viewer *viewer)
     if (worker_add(viewer->shell.worker, &task))
         pose->job = job;
     else
-        free_job(job); // tried again in the next frame
+        free_job(job); // the next frame tries again
 }
 
 void pose_update(struct viewer *viewer)
@@ -351,7 +356,8 @@ static double wrapped(double seconds, double length)
     return length > 0 ? fmod(fmod(seconds, length) + length, length) : 0;
 }
 
-// Playing is not an edit: it cannot be undone, and undone steps can still be redone.
+// Advances a playing animation. This is no edit: it cannot be undone, and undone steps can still be
+// redone.
 void pose_play(struct viewer *viewer, double seconds)
 {
     struct scene_pose *wanted = &viewer->document.pose.wanted;

@@ -9,11 +9,12 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-// Builds that take longer would delay frames.
+// Builds that take longer than this many seconds are done in the background, because they would
+// delay frames.
 #define REBUILD_SECONDS 0.05
 #define NAME "geometry"
 
-// Everything that the worker's thread reads except meshes, which do not change.
+// All data that the worker's thread reads, except for meshes, which do not change.
 struct rebuild_job {
     struct scene scene;
     struct arena scene_arena;
@@ -66,7 +67,8 @@ static bool run(void *context, struct err *err)
 
 // --- on the viewer's thread ----------------------------------------------------------------------
 
-// Undoes a change that cannot be built, as when building between two frames.
+// Finishes a build. If it failed, the change that caused it is undone, as for a build between two
+// frames.
 static void done(void *context, void *of_viewer, bool ok, const struct err *err)
 {
     struct viewer *viewer = of_viewer;
@@ -111,7 +113,7 @@ static void forget_copy(struct rebuild *rebuild)
     rebuild->scene = NULL;
 }
 
-// The job's copy of the scene becomes the one from which sides are built.
+// Makes the job's copy of the scene the one from which sides are built.
 static bool keep_copy(struct rebuild *rebuild, struct rebuild_job *job)
 {
     struct scene *copy = malloc(sizeof *copy);
@@ -149,7 +151,7 @@ void rebuild_adopt(struct viewer *viewer)
         goes_on = false;
     }
     if (is_old && !goes_on)
-        viewer_changed(viewer, CHANGE_GEOMETRY); // it is then built between two frames
+        viewer_changed(viewer, CHANGE_GEOMETRY); // the BVH is then built between two frames
 }
 
 void rebuild_cancel(struct viewer *viewer)

@@ -1,5 +1,5 @@
-// BVHs of large scenes are rebuilt on the worker's thread, while the image with the old one
-// continues. Small ones are built between two frames.
+// Rebuilds BVHs. That of a large scene is built on the worker's thread, while rendering goes on
+// with the old one. That of a small scene is built between two frames.
 #ifndef LAMPYRIS_VIEWER_CORE_REBUILD_H
 #define LAMPYRIS_VIEWER_CORE_REBUILD_H
 
@@ -8,27 +8,28 @@
 
 struct viewer;
 
-// The build in progress, or one that was adopted after the scene had changed again.
+// A build in progress, or one that was adopted although the scene had changed again.
 struct rebuild {
-    struct rebuild_job *job; // NULL: no build is in progress
+    struct rebuild_job *job; // NULL if no build is in progress
     bool is_stale;           // the scene changed since the job began
-    // A copy of the scene of the geometry, if that is not the document's current scene; else NULL.
+    // A copy of the scene from which the geometry was built, if that differs from the document's
+    // current scene; otherwise NULL.
     struct scene *scene;
     struct arena scene_arena;
 };
 
-// Returns whether the last build took so long that frames would be delayed.
+// Returns whether the last build took so long that it would delay frames.
 bool rebuild_is_worthwhile(const struct viewer *viewer);
 bool rebuild_is_pending(const struct viewer *viewer);
 // Starts a build for a copy of the document's current scene. Returns false on failure.
 bool rebuild_start(struct viewer *viewer, struct err *err);
-bool rebuild_is_done(const struct viewer *viewer); // the build has finished
-// The result becomes the document's geometry, which no side may use meanwhile; all sides must be
-// rebuilt. If the scene has changed since the build began, another build is started.
+bool rebuild_is_done(const struct viewer *viewer); // returns whether the build has ended
+// Makes the result the document's geometry. No side may be using the geometry, and all sides must
+// be rebuilt afterwards. If the scene has changed since the build began, another build is started.
 void rebuild_adopt(struct viewer *viewer);
-// Cancels the build and waits for its end; the document's geometry must then be refreshed.
+// Cancels the build and waits for its end. The caller must then refresh the document's geometry.
 void rebuild_cancel(struct viewer *viewer);
-// Returns the scene of the document's geometry.
+// Returns the scene from which the document's geometry was built.
 const struct scene *rebuild_scene(const struct viewer *viewer);
 
 #endif

@@ -1,5 +1,5 @@
-// Recompiles kernels while the viewer runs. Those for display and denoising are not included: they
-// do not belong to the renderer, and do not affect the film.
+// Recompiles kernels while the viewer runs. The kernels for display and denoising are not
+// recompiled: they do not belong to the renderer, and do not affect the film.
 #include "viewer/core/reload.h"
 
 #include "base/clock.h"
@@ -17,13 +17,14 @@
 
 #define ERRORS_MAX 8192
 
-// A .comp file. `code` is its last compilation; NULL: the embedded code.
+// A .comp file. `code` is the result of its last compilation, or NULL while the embedded code is
+// used.
 struct source {
     struct shader_unit unit;
     struct shader_code *code;
 };
 
-// The kernels that renderers may be using, which hold references to their code.
+// The kernels that renderers may be using. They hold references to their code.
 struct set {
     struct kernel_set kernels;
     struct shader_code *codes[KERNEL_COUNT];
@@ -37,13 +38,14 @@ struct reload {
     uint32_t source_count;
     uint32_t source_of[KERNEL_COUNT];
     struct set *sets;
-    bool is_running, is_asked_again; // a job runs until its `done`; another one was requested
-                                     // meanwhile
+    // A job runs until its `done`; is_asked_again: another one was requested in the meantime.
+    bool is_running, is_asked_again;
     char errors[ERRORS_MAX];
     atomic_bool is_cancelled;
 };
 
-// Kernels of one source have the same embedded code; the first of them has the file's name.
+// Lists the sources. Kernels of the same source have the same embedded code; the first of them has
+// the file's name.
 static void list_sources(struct reload *reload)
 {
     for (int id = 0; id < KERNEL_COUNT; id++) {
@@ -76,7 +78,7 @@ bool reload_create(const struct options *options, struct reload **out, struct er
     return true;
 }
 
-// --- who uses which code -------------------------------------------------------------------------
+// --- references to code --------------------------------------------------------------------------
 
 static void release(struct shader_code *code, struct gpu *gpu)
 {
@@ -133,7 +135,7 @@ void reload_stop(struct reload *reload)
 
 struct compile {
     struct shader_job job;
-    struct shader_unit units[SHADER_UNITS_MAX]; // their files belong to the reload
+    struct shader_unit units[SHADER_UNITS_MAX]; // the files' paths are owned by the struct reload
     struct shader_result results[SHADER_UNITS_MAX];
     char errors[ERRORS_MAX];
     uint64_t start_ns;
@@ -145,7 +147,7 @@ static bool compile(void *context, struct err *err)
     return shader_compile(&c->job, c->results, c->errors, sizeof c->errors, err);
 }
 
-// --- what came of it -----------------------------------------------------------------------------
+// --- results -------------------------------------------------------------------------------------
 
 static bool is_same(const struct shader_code *code, const void *words, size_t bytes)
 {
@@ -162,7 +164,8 @@ static const struct kernel_code *embedded(const struct reload *reload, uint32_t 
     return out;
 }
 
-// Takes ownership of the code; unchanged code is discarded, so that its pipelines stay in use.
+// Takes ownership of compiled code. Code that has not changed is freed, so that its pipelines stay
+// in use.
 static void take(struct reload *reload, struct gpu *gpu, uint32_t index, bool ballot,
                  const struct shader_result *result)
 {
@@ -187,13 +190,13 @@ static void take(struct reload *reload, struct gpu *gpu, uint32_t index, bool ba
 
 static struct shader_code *current_code(const struct viewer *viewer, int id)
 {
-    const struct set *set = (const struct set *)viewer->stage.kernels; // the set is its first
-                                                                       // member
+    // `set` is the struct's first member.
+    const struct set *set = (const struct set *)viewer->stage.kernels;
     return set ? set->codes[id] : NULL;
 }
 
-// Makes the renderers use the sources' current code. Returns how many kernels have changed, or -1
-// when out of memory.
+// Makes the renderers use the current code of the sources. Returns how many kernels have changed,
+// or -1 when out of memory.
 static int use_sources(struct reload *reload, struct viewer *viewer)
 {
     int changed = 0;

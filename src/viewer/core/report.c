@@ -1,4 +1,4 @@
-// Speed of the viewer: of the last frames for the panel, of all frames at the end.
+// Reports the viewer's speed: of the last frames in the panel, and of all frames at the end.
 #include "viewer/core/report.h"
 
 #include "base/clock.h"
@@ -15,13 +15,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define RATE_SECONDS 0.5     // averaging interval of rates
-#define NEWEST 0.1           // weight of the newest frame in the means by kernel
-#define TIMES_MAX (1u << 20) // more than an hour of frames; later ones are not kept
+#define RATE_SECONDS 0.5     // interval over which rates are averaged
+#define NEWEST 0.1           // weight of the newest frame in the running means per kernel
+#define TIMES_MAX (1u << 20) // more than an hour of frames; times of later frames are not kept
 
 // --- frame times ---------------------------------------------------------------------------------
 
-// A frame is omitted when out of memory.
+// Adds the time of a frame. When out of memory, the frame is left out.
 void frame_times_add(struct frame_times *times, double ms)
 {
     if (times->count == times->capacity && times->count < TIMES_MAX) {
@@ -57,7 +57,7 @@ double frame_times_quantile(struct frame_times *times, double part)
     return (double)times->ms[at];
 }
 
-// --- of the last frames --------------------------------------------------------------------------
+// --- the last frames -----------------------------------------------------------------------------
 
 static void count_kernels(struct viewer *viewer, double *rays)
 {
@@ -118,7 +118,7 @@ void viewer_count_frame(struct viewer *viewer)
 {
     struct frame_stats *stats = &viewer->stage.stats;
     double rays = 0.0, ms = clock_seconds_since(viewer->shell.frame_ns) * 1e3;
-    // With vsync, presenting includes waiting for the display.
+    // With vsync, the time of presentation includes waiting for the display.
     double waiting = viewer->stage.swapchain.vsync ? stats->present_ms : 0.0;
     stats->frame_ms = ms;
     stats->frames++;
@@ -134,7 +134,7 @@ void viewer_count_frame(struct viewer *viewer)
                         ms);
 }
 
-// --- when it ends --------------------------------------------------------------------------------
+// --- the summary at the end ----------------------------------------------------------------------
 
 static json_t *times_json(struct frame_times *times)
 {
@@ -220,7 +220,7 @@ static void print_text(struct viewer *viewer)
         print_side(viewer, side);
 }
 
-// If the device is lost, the last known values are reported.
+// Estimates the error at the end. If the device is lost, the last known values are reported.
 static void judge(struct viewer *viewer)
 {
     struct err err = {0};

@@ -1,5 +1,5 @@
-// Saves images and scenes. The data of an image is copied in the viewer's thread, which takes
-// milliseconds; the worker compresses and writes it.
+// Saves images and scenes. The viewer's thread copies the data of an image, which takes
+// milliseconds; the worker's thread compresses and writes it.
 #include "viewer/core/save.h"
 
 #include "base/file.h"
@@ -20,21 +20,21 @@
 
 #define NUMBERS_MAX 9999u
 
-// An image that waits to be written; all of it lives in its arena.
+// An image that waits to be written. Its arena owns all of its data.
 struct saving {
     struct arena arena;
-    const char *path; // NULL: the first free number is used when it is written
+    const char *path; // NULL: the first free number is determined when the image is written
     const char *stem, *extension;
     struct image image;
-    uint8_t (*display)[4]; // data of a PNG; NULL: image
+    uint8_t (*display)[4]; // pixels of a PNG; NULL if `image` is saved
     struct layers layers;
     struct metadata metadata;
-    const float (*mean)[3]; // the metadata contains its hash; NULL: none
+    const float (*mean)[3]; // pixels whose hash the metadata contains; NULL: no hash
 };
 
 // --- names ---------------------------------------------------------------------------------------
 
-// "folder/box.json" -> "box"; files are saved into the working directory.
+// Returns "box" for "folder/box.json"; files are saved in the working directory.
 static char *stem_of(const struct viewer *viewer, struct arena *arena)
 {
     const char *name = path_name(viewer->document.scene_path);
@@ -46,7 +46,8 @@ static char *stem_of(const struct viewer *viewer, struct arena *arena)
                   : arena_strdup(arena, "lampyris");
 }
 
-// Only one thread chooses numbers, so that no two images get the same.
+// Returns the first free name. Only one thread chooses names, so that no two images get the same
+// one.
 static char *free_name(struct arena *arena, const char *stem, const char *extension,
                        struct err *err)
 {
@@ -64,9 +65,9 @@ static char *free_name(struct arena *arena, const char *stem, const char *extens
     return NULL;
 }
 
-// --- what a picture says about itself ------------------------------------------------------------
+// --- metadata ------------------------------------------------------------------------------------
 
-// Describes the current film of a side, as `render` describes its output.
+// Describes the current film of a side in the same form as `render` describes its output.
 static bool describe(const struct viewer *viewer, uint32_t side, const struct film_image *film,
                      struct saving *saving, struct err *err)
 {
@@ -101,7 +102,8 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
     return metadata_make(&params, &saving->arena, &saving->metadata, err);
 }
 
-// Adds the camera, and whether the scene was edited: the remaining inputs of the image.
+// Adds the camera, and whether the scene was edited, which complete the description of the image's
+// inputs.
 static bool add_view(const struct viewer *viewer, struct saving *saving, struct err *err)
 {
     char *steps = arena_printf(&saving->arena, "%u", edit_undo_count(viewer));
@@ -112,7 +114,8 @@ static bool add_view(const struct viewer *viewer, struct saving *saving, struct 
 
 // --- on the worker's thread ----------------------------------------------------------------------
 
-// The FNV hash of a large image takes as long as a frame.
+// Adds the FNV hash of the image. For a large image this takes as long as a frame, so it is
+// computed here.
 static bool set_hash(struct saving *saving, struct err *err)
 {
     uint64_t pixels = (uint64_t)saving->image.width * saving->image.height;
@@ -121,7 +124,8 @@ static bool set_hash(struct saving *saving, struct err *err)
     return metadata_set(&saving->metadata, "lampyris:image_hash", text, err);
 }
 
-// Converts to the values whose sRGB encoding this is: encoding them again gives the same codes.
+// Converts display values to the linear values whose sRGB encoding they are; encoding these again
+// gives the same bytes.
 static bool decode_display(struct saving *saving, struct err *err)
 {
     float linear[256];
@@ -198,7 +202,8 @@ static struct saving *begin(const struct viewer *viewer, const char *path, const
     return NULL;
 }
 
-// Takes ownership of `saving`; ok: it is complete.
+// Passes an image to the worker, and takes ownership of `saving`. `ok` tells whether it is
+// complete.
 static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, struct err *err)
 {
     if (ok && !worker_add(viewer->shell.worker,
@@ -212,8 +217,8 @@ static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, str
     return false;
 }
 
-// Shows the last image without the panel until the next frame is drawn. If that fails, the display
-// is unchanged.
+// Draws the last image without the panel; the next frame is drawn as usual. If this fails, the
+// display is unchanged.
 static void draw_alone(struct viewer *viewer)
 {
     struct display_call call = viewer->stage.last_call;
@@ -297,7 +302,8 @@ bool save_exr(struct viewer *viewer, uint32_t side, const char *path, bool denoi
     return hand_over(viewer, saving, ok, &err);
 }
 
-// Scenes are small and may be edited meanwhile: the viewer's own thread writes them.
+// Writes the scene on the viewer's own thread, because scenes are small and might be edited in the
+// meantime.
 static bool write_scene(struct viewer *viewer, const char *path)
 {
     struct arena arena = {0};
@@ -339,8 +345,8 @@ static bool write_scene(struct viewer *viewer, const char *path)
     return ok;
 }
 
-// Until the requested pose is loaded, camera and lights belong to another time. While an animation
-// is playing, the displayed pose is saved.
+// Returns whether the scene must be saved later: until the requested pose is loaded, camera and
+// lights belong to another time. While an animation is playing, the displayed pose is saved.
 static bool has_to_wait(const struct viewer *viewer)
 {
     return pose_is_pending(viewer) && !pose_is_played(viewer);

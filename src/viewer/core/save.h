@@ -7,15 +7,18 @@
 
 struct viewer;
 
-// Both copy the current image and write it on the worker's thread; a message reports the end. path
-// NULL: "NAME-0001.png" in the working directory, with the first free number.
-bool save_png(struct viewer *viewer, const char *path, bool with_panel); // as displayed
-// Saves the film of a side, linear, with metadata and its AOVs; denoised only on request.
+// These functions copy the current image and write it on the worker's thread; a message reports the
+// end. With path NULL the file is "NAME-0001.png" in the working directory, with the first free
+// number.
+// Saves the image as it is displayed.
+bool save_png(struct viewer *viewer, const char *path, bool with_panel);
+// Saves the film of a side: linear values, metadata and AOVs. It is denoised only on request.
 bool save_exr(struct viewer *viewer, uint32_t side, const char *path, bool denoised);
-// "Save as scene JSON". While another pose of an animation is being loaded, the scene is written
-// when that is shown (save_waiting_scene).
+// Saves the scene as JSON. While another pose of an animation is being loaded, the scene is written
+// when that pose is displayed (save_waiting_scene).
 bool save_scene(struct viewer *viewer, const char *path);
-// Writes a scene that waits for its pose, when that is loaded; at_once: in the displayed pose.
+// Writes a scene that waits for its pose if that is loaded; with at_once, writes it in the
+// displayed pose.
 void save_waiting_scene(struct viewer *viewer, bool at_once);
 
 #endif

@@ -16,8 +16,8 @@
 
 #define COMPILER "glslangValidator"
 #define SECOND_NS UINT64_C(1000000000)
-#define SPIRV_MAGIC 0x07230203u // SPIR-V specification, section 2.3: the first word of a module
-#define SPIRV_HEADER_BYTES 20u  // section 2.3: five words before the first instruction
+#define SPIRV_MAGIC 0x07230203u // first word of a module (SPIR-V specification, section 2.3)
+#define SPIRV_HEADER_BYTES 20u  // the five words before the first instruction (section 2.3)
 
 // --- what can be known before --------------------------------------------------------------------
 
@@ -54,7 +54,7 @@ static bool is_unchanged(const struct shader_unit *unit, struct arena *arena)
     return unit->files && hash_files(unit->files, arena, &hash) && hash == unit->hash;
 }
 
-// The clocks of some file systems have a resolution of a second.
+// The modification times of some file systems have a resolution of a second.
 static bool is_newer(const char *files, uint64_t than_ns)
 {
     for (const char *path = files; *path; path += strlen(path) + 1) {
@@ -65,8 +65,9 @@ static bool is_newer(const char *files, uint64_t than_ns)
     return false;
 }
 
-// Parses make's syntax, "TARGET: FILE FILE …", which the compiler does not escape: a folder with a
-// blank in its name gives paths that do not exist, and so no hash.
+// Parses a dependency file in make's syntax, "TARGET: FILE FILE …". The compiler does not escape
+// names, so a folder with a blank in its name gives paths that do not exist, and then there is no
+// hash.
 static char *parse_dependencies(const char *text)
 {
     const char *at = strchr(text, ':');
@@ -90,7 +91,7 @@ static char *parse_dependencies(const char *text)
 struct run {
     struct process process;
     uint32_t unit;
-    const char *code, *dependencies, *messages; // files that it writes
+    const char *code, *dependencies, *messages; // files that the compiler writes
 };
 
 static bool spawn(struct run *run, const char *const *arguments, struct err *err)
@@ -105,7 +106,7 @@ static bool spawn(struct run *run, const char *const *arguments, struct err *err
     return ok;
 }
 
-// The names live in the arena.
+// Starts the compiler for one unit. The arena owns the names.
 static bool start(const struct shader_job *job, const char *temporary, uint32_t unit,
                   struct arena *arena, struct run *run, struct err *err)
 {
@@ -146,9 +147,9 @@ static void remove_files(const struct run *run)
     file_remove(run->messages);
 }
 
-// --- what came of it -----------------------------------------------------------------------------
+// --- results -------------------------------------------------------------------------------------
 
-// Returns a copy; NULL if it is not SPIR-V.
+// Returns a copy of the code, or NULL if the file is not SPIR-V.
 static struct shader_code *read_code(const char *path, struct arena *arena)
 {
     struct file_bytes bytes;
@@ -166,7 +167,8 @@ static struct shader_code *read_code(const char *path, struct arena *arena)
     return code;
 }
 
-// Adds a line unless it exists: an error in a file that several kernels include is reported once.
+// Adds a line unless it is there already: an error in a file that several kernels include is
+// reported only once.
 static void add_error(char *errors, size_t size, const char *line)
 {
     size_t used = strlen(errors), length = strlen(line);
@@ -177,8 +179,8 @@ static void add_error(char *errors, size_t size, const char *line)
         snprintf(errors + used, size - used, "%s\n", line);
 }
 
-// Returns whether a line of the compiler is an error: summaries name no place, and the final
-// failure follows from other errors.
+// Returns whether a line of the compiler's output is an error. Summaries name no place, and the
+// final failure follows from other errors.
 static bool is_fault(const char *line)
 {
     const char *colon = strchr(line, ':');
@@ -186,7 +188,8 @@ static bool is_fault(const char *line)
     return digits > 0 && colon[1 + digits] == ':' && !strstr(line, ": compilation terminated");
 }
 
-// "ERROR: FOLDER/lib/x.glsl:12: text" becomes "lib/x.glsl:12: text".
+// Adds the errors in the compiler's output; "ERROR: FOLDER/lib/x.glsl:12: text" becomes
+// "lib/x.glsl:12: text".
 static void add_messages(const struct shader_job *job, const char *name, const char *text,
                          char *errors, size_t size)
 {
@@ -217,8 +220,8 @@ static void add_messages(const struct shader_job *job, const char *name, const c
     add_error(errors, size, line);
 }
 
-// started: the clock's time; files that changed after it may have been read before or after the
-// change.
+// Collects the result of a run. `started` is the time at which it started: files that changed after
+// it may have been read before or after the change.
 static void collect(const struct shader_job *job, const struct run *run, bool exited_well,
                     uint64_t started_ns, struct shader_result *result, char *errors, size_t size)
 {
@@ -246,7 +249,7 @@ static void collect(const struct shader_job *job, const struct run *run, bool ex
     arena_finish(&arena);
 }
 
-// --- all of them ---------------------------------------------------------------------------------
+// --- all units -----------------------------------------------------------------------------------
 
 struct batch {
     const struct shader_job *job;
@@ -256,12 +259,12 @@ struct batch {
     struct arena arena;
     char *temporary;
     uint64_t started_ns;
-    struct run *runs; // the running ones
+    struct run *runs; // the runs in progress
     uint32_t run_count, most_runs;
     bool failed;
 };
 
-// Collects a finished run; returns whether there was one.
+// Collects a run that has ended. Returns whether there was one.
 static bool reap(struct batch *batch)
 {
     for (uint32_t i = 0; i < batch->run_count; i++) {
@@ -293,7 +296,7 @@ static void kill_all(struct batch *batch)
     batch->run_count = 0;
 }
 
-// Lists the units to compile; returns their number.
+// Lists the units whose files have changed, and returns their number.
 static uint32_t list_changed(const struct shader_job *job, uint32_t out[SHADER_UNITS_MAX])
 {
     uint32_t count = 0;

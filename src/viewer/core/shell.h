@@ -1,4 +1,4 @@
-// The shell around the images: window, panel, worker and messages.
+// Everything around the images: window, panel, worker and messages.
 #ifndef LAMPYRIS_VIEWER_CORE_SHELL_H
 #define LAMPYRIS_VIEWER_CORE_SHELL_H
 
@@ -8,10 +8,10 @@
 #include "viewer/gui/gui.h"
 #include "viewer/window/window.h"
 
-// Lines of the log, from any thread, that become messages in the next frame.
+// Lines of the log, written by any thread, which become messages in the next frame.
 struct viewer_log {
     struct mutex mutex;
-    enum log_level level; // the level up to which stderr receives them as well
+    enum log_level level; // messages up to this level are also written to stderr
     char last[1024];
     bool is_new;
     enum log_level last_level;
@@ -26,7 +26,7 @@ struct shell {
     const struct options *options;
     struct window window;
     struct gui gui;
-    struct gpu_drawing drawing; // the panel's, for the current frame
+    struct gpu_drawing drawing; // triangles of the panel for the current frame
     struct panel *panel;
     bool is_panel_shown;
     struct worker *worker;
@@ -34,17 +34,20 @@ struct shell {
     struct reload *reload;
     struct watch *watch; // NULL without --watch
 
-    struct progress progress; // progress of long work: shows it in the window, and stops it when
-                              // the window is closed
-    double progress_seconds;  // clock: when progress was shown last
-    bool puts_off; // events, tasks or the panel are being processed: scenes are opened afterwards
+    // Progress listener of long work: shows progress in the window, and stops the work when the
+    // window is closed.
+    struct progress progress;
+    double progress_seconds; // time at which progress was last shown
+    // events, tasks or the panel are being processed, so scenes are opened afterwards.
+    bool puts_off;
     bool wants_quit;
-    int exit_code; // EXIT_CODE_* of the error that ended it
+    int exit_code; // EXIT_CODE_* of the error that ended the viewer
 
-    uint64_t start_ns, frame_ns; // clock; frame_ns: of the current frame
-    double frame_seconds;        // duration of the last frame, including waiting
-    double input_seconds;        // clock of the last event
-    struct arena frame_arena;    // emptied in every frame
+    // Times of the clock: at the start, and at the start of the current frame.
+    uint64_t start_ns, frame_ns;
+    double frame_seconds;     // duration of the last frame, waiting included
+    double input_seconds;     // time of the last event
+    struct arena frame_arena; // emptied at each frame
 
     struct viewer_log log;
     enum message_kind message_kind;

@@ -10,7 +10,7 @@
 
 #define VIEWER_SIDES 2u
 
-// The display settings. Plain data, undone as TARGET_DISPLAY.
+// The display settings: plain data, which TARGET_DISPLAY undoes.
 struct shown {
     uint32_t what;      // SHOWN_*
     float exposure;     // stops
@@ -18,29 +18,30 @@ struct shown {
     uint32_t automatic; // the range of false colours is computed from the image
     double range[2];
     uint32_t denoise, denoise_temporal, denoise_iterations;
-    uint32_t split;  // two sides are shown
-    double split_at; // fraction of the width
+    uint32_t split;  // both sides are shown
+    double split_at; // position of the dividing line, as a fraction of the width
     uint32_t nearest;
     uint32_t spp_limit;        // samples per pixel at which rendering stops; 0: no limit
-    uint32_t exposure_is_auto; // 1: computed from the image
-    uint32_t error_by;         // 0: off; else 1 + enum error_kind: by what the error is split
+    uint32_t exposure_is_auto; // 1 if the exposure is computed from the image
+    uint32_t error_by; // how the error is split: 0 not at all, otherwise 1 + enum error_kind
 };
 
-// Measurements of the last frames for the panel.
+// Measurements of the last frames, for the panel.
 struct frame_stats {
-    double fps;      // over the last half second
+    double fps;      // mean over the last half second
     double frame_ms; // total time of the last frame
     double render_ms, denoise_ms, display_ms, panel_ms, present_ms;
     uint64_t frames;
-    double kernel_ms[KERNEL_COUNT]; // per frame, a running mean
-    // Rays, and samples of single pixels, over the last half second.
+    double kernel_ms[KERNEL_COUNT]; // time per frame, a running mean
+    // Rays, and samples over all pixels, per second in the last half second.
     double rays_per_second, samples_per_second;
 };
 
-// Times of all frames of a kind, for the report at the end.
+// Times of all frames of one kind, for the report at the end.
 struct frame_times {
     float *ms;
-    uint32_t count, capacity; // number of the first frames' times, up to the capacity
+    // Number of times; when the capacity is reached, later ones are omitted.
+    uint32_t count, capacity;
 };
 
 // Counts since the last update of the rates.
@@ -58,26 +59,26 @@ struct stage {
 
     struct view sides[VIEWER_SIDES];
     uint32_t side_count;
-    uint32_t edited_side;                  // the panel shows its method
-    enum change changes[VIEWER_SIDES];     // requested in this frame, by side
-    const struct kernel_set *kernels;      // owned by reload.c; NULL: the embedded ones
+    uint32_t edited_side;                  // side whose method the panel shows
+    enum change changes[VIEWER_SIDES];     // changes requested in this frame, for each side
+    const struct kernel_set *kernels;      // owned by reload.c; NULL: the embedded kernels
     const struct kernel_set *good_kernels; // the last set with which all sides could be built
-    bool shaders_changed;                  // reload.c has made new kernels
+    bool shaders_changed;                  // reload.c has compiled new kernels
     bool is_paused;
-    bool is_resting; // nothing is left to do except waiting for events
+    bool is_resting; // nothing is left to do but to wait for events
 
     struct shown shown;
-    uint64_t exposure_samples;     // samples per pixel at which the exposure is computed; 0: it is
-                                   // fixed
-    struct display_call last_call; // what the screen shows; without its sides, which may have
-                                   // changed
-    bool has_kept;                 // display_keep holds an image that is shown while there are no
-                                   // samples
+    // Samples per pixel at which the exposure is computed next; 0: it is fixed.
+    uint64_t exposure_samples;
+    // How the screen's content was drawn; its sides may have changed since.
+    struct display_call last_call;
+    bool has_kept; // display_keep() holds an image to show while there are no samples
 
-    struct progress frame_progress; // stops renderers at the end of the frame's time
-    uint64_t render_until_ns;       // clock time of that
-    double frame_samples;           // samples of single pixels in the current frame
-    double render_seconds;          // sum over all frames
+    // Progress listener that stops renderers at the end of the frame's time.
+    struct progress frame_progress;
+    uint64_t render_until_ns; // time of the clock at which that happens
+    double frame_samples;     // samples over all pixels in the current frame
+    double render_seconds;    // total rendering time of all frames
     struct frame_stats stats;
     struct frame_rate rate;
     struct frame_times moving_times, resting_times;

@@ -5,10 +5,10 @@
 #include "viewer/core/viewer.h"
 #include <stdlib.h>
 
-// Seconds between two error estimates, after those at doubling numbers: an estimate reads the film
-// back, which delays the image a little.
+// The time between two error estimates, in seconds, after those at doubling numbers of samples. An
+// estimate reads the film back, which delays the image a little.
 #define LOOK_SECONDS 3.0
-#define FIRST_LOOK 2 // samples: one in each half
+#define FIRST_LOOK 2 // samples at the first estimate: one in each half
 
 uint64_t view_samples(const struct view *view)
 {
@@ -64,7 +64,7 @@ static bool run_look(void *context, struct err *err)
     return job_estimate_end(&job->estimate, err);
 }
 
-// When the list is full, every other estimate of the older half is removed, so that the curve keeps
+// When the list is full, removes every other estimate of its older half, so that the curve keeps
 // its beginning.
 static void thin(struct view *view)
 {
@@ -113,8 +113,8 @@ static void look_done(void *context, void *viewer, bool ok, const struct err *er
     free_job(job);
 }
 
-// Both halves have equal numbers of samples at even numbers, and all pixels have the same number at
-// the end of a pass.
+// Returns whether the error can be estimated now. Both halves have equal numbers of samples if the
+// number is even, and all pixels have the same number at the end of a pass.
 bool view_wants_look(const struct viewer *viewer, const struct view *view)
 {
     uint64_t samples = view_samples(view);
@@ -171,7 +171,7 @@ bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
         return false;
     }
     view->looked_seconds = viewer_seconds(viewer);
-    // At doubling numbers first; later the time decides.
+    // The first estimates are at doubling numbers of samples; later the time decides.
     view->next_look = job->samples >= 256 ? job->samples + 2 : 2 * job->samples;
     view->is_looking = worker_add(viewer->shell.worker, &(struct worker_task){
                                                             .name = "error",
@@ -180,6 +180,6 @@ bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
                                                             .context = job,
                                                         });
     if (!view->is_looking)
-        free_job(job); // the list is full: tried again later
+        free_job(job); // the list of tasks is full, so this is tried again later
     return true;
 }

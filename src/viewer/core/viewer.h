@@ -1,8 +1,8 @@
 // The interactive viewer: the state that its parts share.
 //
-// One thread runs everything, frame by frame (viewer/run.c), except the worker's jobs. A frame
-// reads input (window, script), applies it to the scene and the cameras, renders for the frame's
-// time, and displays the result.
+// One thread does all work, frame by frame (viewer/run.c), except for the worker's tasks. A frame
+// reads input (from the window or a script), applies it to the scene and the cameras, renders for
+// the frame's time, and displays the result.
 #ifndef LAMPYRIS_VIEWER_CORE_VIEWER_H
 #define LAMPYRIS_VIEWER_CORE_VIEWER_H
 

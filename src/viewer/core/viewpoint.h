@@ -14,13 +14,13 @@ struct saved_view {
 };
 
 struct viewpoint {
-    struct camera camera;  // the camera that all sides share
-    uint32_t camera_index; // the camera of the scene with which it began
+    struct camera camera;  // the camera of all sides
+    uint32_t camera_index; // index of the scene's camera from which it started
     struct camera_rig rig;
-    bool wants_target; // the rig's target is to be found in the first image
+    bool wants_target; // the rig's target is to be determined from the first image
     struct keys keys;
     struct saved_view saved[VIEWER_SAVED_VIEWS];
-    bool is_moving; // the camera moved, or the scene changed, a moment ago
+    bool is_moving; // the camera or the scene changed a moment ago
     struct frame_budget pace;
 };
 

@@ -1,5 +1,5 @@
-// Polls files a few times a second, which works on every file system and detects both files written
-// in place and files replaced by name.
+// Polls files several times a second. This works on every file system, both for files that are
+// overwritten and for files that are replaced by renaming.
 #include "viewer/core/watch.h"
 
 #include "viewer/core/load.h"
@@ -12,11 +12,11 @@
 
 #define SECONDS_BETWEEN_LOOKS 0.25
 
-// Files that are reloaded together.
+// A set of files that are reloaded together.
 struct watched {
     struct watch_files files;
-    uint64_t loaded; // hash of the loaded files
-    uint64_t seen;   // hash at the last poll
+    uint64_t loaded; // hash of the files when they were loaded
+    uint64_t seen;   // hash of the files at the last poll
 };
 
 struct watch {
@@ -67,8 +67,8 @@ void watch_destroy(struct watch *watch)
     free(watch);
 }
 
-// Returns whether files have changed since they were loaded, and were unchanged between two polls:
-// saving may take several steps.
+// Returns whether files have changed since they were loaded and were then unchanged between two
+// polls, because saving may take several steps.
 static bool has_changed(struct watched *watched)
 {
     uint64_t stamp = watch_files_stamp(&watched->files);

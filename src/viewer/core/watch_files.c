@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-// Longer files name other files at their beginning (OBJ), or not at all (binary glTF).
+// Only the first bytes of a file are searched: longer files name other files at their beginning
+// (OBJ), or not at all (binary glTF).
 #define TEXT_MAX (1u << 20)
 
 void watch_files_finish(struct watch_files *files)
@@ -45,8 +46,8 @@ static bool has_text(const char *path)
     return false;
 }
 
-// Any text in quotation marks (JSON) or between blanks that is the name of a file in the folder is
-// taken as a reference: extra files do no harm.
+// Takes any text in quotation marks (JSON) or between blanks for a reference if it is the name of a
+// file in the folder. Superfluous files do no harm.
 static void add_word(struct watch_files *files, const char *folder, const char *word, size_t length)
 {
     char path[PATH_MAX];
@@ -70,7 +71,7 @@ static void add_named(struct watch_files *files, const char *path)
     for (int c; file && folder && total < TEXT_MAX && (c = fgetc(file)) != EOF; total++) {
         if (!c || !strchr(ends, c)) {
             text[used] = (char)c;
-            used += used + 1 < sizeof text; // too long for a name
+            used += used + 1 < sizeof text; // the word is too long for a name
             continue;
         }
         add_word(files, folder, text, used);

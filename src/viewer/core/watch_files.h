@@ -1,4 +1,4 @@
-// Lists the files of a scene, as far as its text names them, and detects changes.
+// Lists the files of a scene, as far as their text shows them, and detects changes of them.
 #ifndef LAMPYRIS_VIEWER_CORE_WATCH_FILES_H
 #define LAMPYRIS_VIEWER_CORE_WATCH_FILES_H
 
@@ -14,15 +14,15 @@ struct watch_files {
 };
 
 void watch_files_add(struct watch_files *files, const char *path);
-// Adds the file and, if it is text of a known kind (our JSON, glTF, OBJ, MTL), all existing files
-// that it names, recursively.
+// Adds a file and, if it is text of a known kind (our JSON, glTF, OBJ, MTL), recursively all
+// existing files that it names.
 void watch_files_add_scene(struct watch_files *files, const char *path);
-// The sources of kernels in a folder.
+// Adds the sources of kernels in a folder.
 void watch_files_add_shaders(struct watch_files *files, const char *folder);
-void watch_files_finish(struct watch_files *files); // {0} afterwards
+void watch_files_finish(struct watch_files *files); // *files is {0} afterwards
 
-// Returns a hash of the times, sizes and inodes of all files: it changes when any was written or
-// replaced.
+// Returns a hash of the times, sizes and inode numbers of all files. It changes when a file is
+// written or replaced.
 uint64_t watch_files_stamp(const struct watch_files *files);
 
 #endif

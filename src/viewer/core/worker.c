@@ -12,11 +12,11 @@ struct entry {
     struct err err;
 };
 
-// A ring of entries, in this order: finished, running, waiting. The three counters only grow.
+// A ring of tasks in this order: finished, running, waiting. The three counters only increase.
 struct worker {
     struct thread thread;
     struct mutex mutex;    // protects all members below
-    struct condition wake; // there is a task, or `is_closing`
+    struct condition wake; // signalled when there is a task, or when `is_closing` is set
     struct entry entries[TASKS_MAX];
     uint64_t taken, finished, added;
     bool is_closing;
@@ -37,7 +37,7 @@ static void worker_main(void *argument)
         if (worker->finished == worker->added)
             break;
         struct entry *entry = entry_at(worker, worker->finished);
-        mutex_unlock(&worker->mutex); // no other thread writes to this entry
+        mutex_unlock(&worker->mutex); // no other thread writes to the entry of a running task
         entry->ok = entry->task.run(entry->task.context, &entry->err);
         mutex_lock(&worker->mutex);
         worker->finished++;
@@ -91,7 +91,7 @@ bool worker_add(struct worker *worker, const struct worker_task *task)
     return is_taken;
 }
 
-// Frees the entry first, so that `done` may add a task.
+// Takes a finished task out of the ring first, so that its `done` may add a task.
 static bool take_finished(struct worker *worker, struct entry *out)
 {
     mutex_lock(&worker->mutex);
@@ -111,7 +111,7 @@ void worker_poll(struct worker *worker, void *viewer)
 
 uint32_t worker_count(const struct worker *worker, const char *name)
 {
-    struct worker *w = (struct worker *)worker; // only its mutex changes
+    struct worker *w = (struct worker *)worker; // only the mutex is changed
     uint32_t count = 0;
     mutex_lock(&w->mutex);
     for (uint64_t i = w->finished; i < w->added; i++)
@@ -122,7 +122,7 @@ uint32_t worker_count(const struct worker *worker, const char *name)
 
 bool worker_is_idle(const struct worker *worker)
 {
-    struct worker *w = (struct worker *)worker; // only its mutex changes
+    struct worker *w = (struct worker *)worker; // only the mutex is changed
     mutex_lock(&w->mutex);
     bool is_idle = w->taken == w->added;
     mutex_unlock(&w->mutex);

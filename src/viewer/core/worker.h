@@ -1,6 +1,5 @@
-// A thread for work that must not delay the image: error estimates, files, compiling. Tasks run in
-// order; finished ones are taken by the viewer's thread, the only one that may call these
-// functions.
+// A thread for work that must not delay the image: error estimates, files, compilation. It runs
+// tasks in order. Only the viewer's thread may call these functions; it also finishes the tasks.
 #ifndef LAMPYRIS_VIEWER_CORE_WORKER_H
 #define LAMPYRIS_VIEWER_CORE_WORKER_H
 
@@ -12,22 +11,24 @@ struct worker;
 
 struct worker_task {
     const char *name; // "error", "picture", "shaders"
-    // Runs on the worker's thread. Returns false with err on failure.
+    // Called on the worker's thread. Returns false and sets err on failure.
     bool (*run)(void *context, struct err *err);
-    // Runs on the viewer's thread, from worker_poll; frees the context. `viewer` is worker_poll's.
+    // Called on the viewer's thread by worker_poll(); frees the context. `viewer` is the argument
+    // of worker_poll().
     void (*done)(void *context, void *viewer, bool ok, const struct err *err);
     void *context;
 };
 
 bool worker_create(struct worker **out, struct err *err);
-// Finishes the tasks that are left (an image that is being saved is not lost), and calls their
+// Runs all remaining tasks, so that an image that is being saved is not lost, and calls their
 // `done`.
 void worker_destroy(struct worker *worker, void *viewer); // accepts NULL
-// Returns false if the list is full (64): the caller keeps the context.
+// Adds a task. Returns false if the list (64 tasks) is full; the caller then keeps the context.
 bool worker_add(struct worker *worker, const struct worker_task *task);
 // Calls `done` for the finished tasks.
 void worker_poll(struct worker *worker, void *viewer);
-uint32_t worker_count(const struct worker *worker, const char *name); // waiting or running
+// Number of tasks with this name that wait or run.
+uint32_t worker_count(const struct worker *worker, const char *name);
 bool worker_is_idle(const struct worker *worker);
 
 #endif

@@ -1,5 +1,5 @@
-// The panel: created, fed with events, laid out, and converted to triangles. It uses only the core
-// of Dear ImGui: windows and devices belong to this program.
+// The panel: its creation, input, layout and conversion to triangles. Only the core of Dear ImGui
+// is used; windows and devices are this program's own.
 #include "viewer/gui/gui.h"
 
 #include "base/file_system.h"
@@ -10,16 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Size of the font, points: about forty letters fit into a panel of 320 points.
+// The size of the font in points. With it, about forty letters fit into a panel of 320 points.
 #define FONT_POINTS 13.0f
 #define PANEL_POINTS 340.0f
-#define PANEL_PART 0.4f // part of the window's width, at most
+#define PANEL_PART 0.4f // greatest fraction of the window's width
 #define HELP_LINES 3.0f
 
-// --- life ----------------------------------------------------------------------------------------
+// --- creation and end ----------------------------------------------------------------------------
 
-// Uses the distribution's font, which has the letters of most names, if it is installed; else the
-// one that is embedded in Dear ImGui.
+// Uses the distribution's font if it is installed, because it has the letters of most names;
+// otherwise the font that is embedded in Dear ImGui.
 static void add_font(float pixels)
 {
     static const char *const paths[] = {
@@ -27,7 +27,8 @@ static void add_font(float pixels)
         "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
         "/usr/share/fonts/TTF/DejaVuSans.ttf",
     };
-    // Latin, Greek, Cyrillic; dashes, quotation marks, arrows and some mathematical symbols.
+    // The Unicode ranges of Latin, Greek, Cyrillic, dashes, quotation marks, arrows and some
+    // mathematical symbols.
     static const uint16_t ranges[] = {0x20,   0x24f,  0x370,  0x3ff,  0x400,  0x45f,
                                       0x2010, 0x2026, 0x2070, 0x209c, 0x2190, 0x2193,
                                       0x2202, 0x2265, 0x25b4, 0x25c3, 0};
@@ -75,7 +76,8 @@ void gui_atlas(struct gui *gui, struct gpu_atlas *out)
 void gui_begin(struct gui *gui, uint32_t width, uint32_t height, double seconds)
 {
     struct gui_state *own = gui->own;
-    // ImGui requires a time above 0; after a frame that waited for seconds the time is limited.
+    // ImGui requires a time above 0. The time is limited because a frame may follow one that waited
+    // for seconds.
     float step = (float)fmin(fmax(seconds, 1e-4), 1.0);
     own->clock += (double)step;
     events_feed(gui);
@@ -91,7 +93,7 @@ void gui_end(struct gui *gui, struct gpu_drawing *out)
 {
     struct gui_state *own = gui->own;
     items_end(gui);
-    // If the control of a typed text is no longer shown, typing ends.
+    // If the control into which text is typed is no longer shown, typing ends.
     if (own->edit_id[0] && ++own->edit_idle > 1)
         own->edit_id[0] = '\0';
     im_end(own->im, out, &gui->is_busy, &gui->wants_keys);
@@ -120,7 +122,7 @@ float gui_panel_width(const struct gui *gui, uint32_t window_width)
     return gui->is_floating ? 0.0f : usual_width(gui, (float)window_width);
 }
 
-// The panel is beside the image, or a window over it that the user can move.
+// The panel is either beside the image, or a window over it that the user can move.
 static void begin_window(struct gui *gui, const char *title, struct im_vec size)
 {
     struct im_rect place = {0.0f, 0.0f, gui->width, size.y};
@@ -189,7 +191,7 @@ void gui_space(struct gui *gui)
 
 // --- texts ---------------------------------------------------------------------------------------
 
-// label: in the column of labels; NULL for none.
+// Draws a line of text. `label` is drawn in the column of labels; NULL for none.
 __attribute__((format(printf, 5, 0))) static void line(struct gui *gui, const char *label,
                                                        uint32_t rgba, float wrap,
                                                        const char *format, va_list arguments)

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#define CURVES_POINTS 120.0f // height
+#define CURVES_POINTS 120.0f // height of a chart
 
 static const uint32_t series_colors[] = {
     IM_GLOW,
@@ -17,7 +17,7 @@ static const uint32_t series_colors[] = {
 #define BAR_COLOR IM_RGBA(128, 152, 66, 255)
 #define SERIES_COLORS (sizeof series_colors / sizeof *series_colors)
 
-// `labels`: the width of their column. `most`: the value of the longest bar.
+// Draws a bar. `labels` is the width of the column of labels, `most` the value of the longest bar.
 static void draw_bar(const struct gui_state *own, const struct gui_bar *bar, const char *unit,
                      float labels, double most)
 {
@@ -25,7 +25,7 @@ static void draw_bar(const struct gui_state *own, const struct gui_bar *bar, con
     const struct im_place now = im_now();
     const struct im_vec at = now.cursor;
     float width = now.room, line = now.line, number = im_text_width("000.00 ms");
-    float least = 16.0f * own->scale; // least width of the bar
+    float least = 16.0f * own->scale; // width that the bar has at least
     float left = at.x + fmaxf(fminf(labels, width - number - least), 0.0f);
     float room = fmaxf(at.x + width - number - left, 1.0f);
     char text[64];
@@ -63,7 +63,7 @@ void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const
 
 // --- curves --------------------------------------------------------------------------------------
 
-// The ranges of the axes in decades, and the rectangle in which they are drawn.
+// The ranges of the axes, in decades, and the rectangle in which the curves are drawn.
 struct axes {
     double x[2], y[2]; // log10
     struct im_vec min, max;
@@ -88,7 +88,7 @@ static void widen(double range[2], double value)
     range[1] = fmax(range[1], log10(value));
 }
 
-// Adds a margin, and makes the range at least half a decade.
+// Adds a margin to a range, and makes it at least half a decade.
 static void make_room(double range[2])
 {
     double middle = 0.5 * (range[0] + range[1]);
@@ -102,7 +102,7 @@ static bool has_bound(const struct gui_curve *curve, uint32_t point)
     return curve->most && is_good(curve->most[point]);
 }
 
-// Returns false if there is no point to show.
+// Computes the axes. Returns false if there is no point to show.
 static bool find_axes(const struct gui_curve *curves, uint32_t count, struct axes *out)
 {
     out->x[0] = out->y[0] = DBL_MAX;
@@ -127,7 +127,8 @@ static bool find_axes(const struct gui_curve *curves, uint32_t count, struct axe
     return true;
 }
 
-// Positions of grid lines, ascending: 10^n, and 2 and 5 times these if they are few.
+// Positions of grid lines in ascending order: powers of ten, and 2 and 5 times these if there are
+// few.
 struct ticks {
     double values[64];
     uint32_t count;
@@ -154,7 +155,7 @@ static void write_tick(double value, char *out, size_t size)
         snprintf(out, size, "%.0e", value);
 }
 
-// Draws the grid lines; labels that would touch the previous one are omitted.
+// Draws the vertical grid lines. Labels that would touch the previous one are omitted.
 static void draw_columns(struct ImDrawList *list, const struct axes *axes)
 {
     struct ticks ticks;
@@ -194,7 +195,7 @@ static void draw_rows(struct ImDrawList *list, const struct axes *axes)
     }
 }
 
-// An arrow downwards: the value is somewhere below the bound.
+// Draws a downward arrow, which shows that the value is somewhere below the bound.
 static void draw_bound(struct ImDrawList *list, struct im_vec at, uint32_t color, float scale)
 {
     const float length = 8.0f * scale, barb = 3.0f * scale, width = 1.5f * scale;
@@ -211,7 +212,8 @@ static void draw_curve(struct ImDrawList *list, const struct axes *axes,
 {
     struct im_vec last = {0}, last_low = {0}, last_high = {0};
     bool has_last = false, has_band = false;
-    const uint32_t band = (color & 0xffffffu) | 46u << 24; // the same colour with another alpha
+    // The same colour with an alpha of 46/255.
+    const uint32_t band = (color & 0xffffffu) | 46u << 24;
     for (uint32_t p = 0; p < curve->count; p++) {
         if (is_good(curve->x[p]) && !is_good(curve->y[p]) && has_bound(curve, p))
             draw_bound(list, place(axes, curve->x[p], curve->most[p]), color, scale);

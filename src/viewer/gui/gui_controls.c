@@ -1,5 +1,5 @@
-// Controls: each is entered into the registry, applies what a script sets, and is drawn with a
-// label at the left and the value at the right.
+// Controls. Each is entered into the registry, takes the value that a script has set, and is drawn
+// with a label at the left and the value at the right.
 #include "base/maths.h"
 #include "image/image.h"
 #include "viewer/gui/gui_state.h"
@@ -13,9 +13,9 @@
 
 #define REFUSAL_SECONDS 4.0
 
-// --- what all share ------------------------------------------------------------------------------
+// --- functions for all controls ------------------------------------------------------------------
 
-// Records the rectangle of the last item of ImGui, and whether the mouse is over it.
+// Records the rectangle of ImGui's last item, and whether the mouse is over it.
 static void note_drawn(struct gui *gui, struct gui_item *item)
 {
     struct gui_state *own = gui->own;
@@ -36,7 +36,7 @@ static void note_drawn(struct gui *gui, struct gui_item *item)
         im_scroll_here();
 }
 
-// Draws the label in its column; the control fills the rest of the line.
+// Draws the label in its column; the control will fill the rest of the line.
 static void put_label(struct gui *gui, struct gui_item *item)
 {
     const float column = gui->own->label_width;
@@ -51,8 +51,8 @@ static void put_label(struct gui *gui, struct gui_item *item)
     im_same_line(column, -1.0f);
 }
 
-// Enters a control into the registry, and starts drawing it if it is visible. *wish: the value that
-// a script sets.
+// Enters a control into the registry, and starts to draw it if it is visible. *wish receives the
+// value that a script has set, or NULL.
 static struct gui_item *begin(struct gui *gui, const char *id, enum gui_kind kind,
                               const char *label, const char *help, const char **wish)
 {
@@ -204,7 +204,7 @@ bool gui_flag(struct gui *gui, const char *id, const char *label, const char *he
     return true;
 }
 
-// While it is open, its words are rows with items of their own.
+// Draws a choice. While it is open, its words are drawn as rows, which are items of their own.
 static void draw_choice(struct gui *gui, const struct gui_item *item, const char *const *names,
                         uint32_t *value)
 {
@@ -215,7 +215,7 @@ static void draw_choice(struct gui *gui, const struct gui_item *item, const char
     for (uint32_t i = 0; names[i]; i++) {
         char id[GUI_ID_MAX];
         if (snprintf(id, sizeof id, "%s=%s", item->id, names[i]) >= GUI_ID_MAX)
-            id[GUI_ID_MAX - 1] = '\0'; // names in a scene may have any length
+            id[GUI_ID_MAX - 1] = '\0'; // names in a scene may be longer than ids
         struct gui_item *entry = items_add(own, id, GUI_ROW, names[i], item->help);
         bool wished = items_wish(own, entry) != NULL;
         if (im_row(names[i], i == *value) || wished)
@@ -255,7 +255,7 @@ static void edit_start(struct gui_state *own, const char *id, const char *text)
     own->edit_idle = 0;
 }
 
-// A text box for typing. Returns true when typing ended; edit_text is then the typed text.
+// Draws a text box for typing. Returns true when typing has ended; edit_text then has the text.
 static bool text_box(struct gui_state *own, const char *id, const char *text, uint32_t size,
                      float width)
 {
@@ -274,7 +274,7 @@ static bool text_box(struct gui_state *own, const char *id, const char *text, ui
     if (!last.was_deactivated)
         return false;
     own->edit_id[0] = '\0';
-    return last.was_edited; // and not cancelled
+    return last.was_edited; // the text was edited, and typing was not cancelled
 }
 
 bool gui_text(struct gui *gui, const char *id, const char *label, const char *help, char *value,
@@ -309,8 +309,8 @@ static void type_number(struct gui_state *own, const char *id, float width,
     own->refusal_until = own->clock + REFUSAL_SECONDS;
 }
 
-// Dragging the last item, whose width is given, changes the number. A click with Ctrl, or a double
-// click, starts typing.
+// Changes a number by dragging the last item, which has the given width. A click with Ctrl, or a
+// double click, starts typing.
 static void drag_number(struct gui_state *own, const char *id, float width,
                         const struct gui_range *range, bool is_float, double *value)
 {
@@ -333,8 +333,8 @@ static void drag_number(struct gui_state *own, const char *id, float width,
     }
 }
 
-// Draws as many digits as fit; below them a bar for the number's position in its range, if it has
-// one.
+// Draws a number with as many digits as fit, and below it, if it has a range, a bar that shows its
+// position in the range.
 static void draw_number(float width, const struct gui_range *range, double value)
 {
     const struct im_place now = im_now();
@@ -355,7 +355,7 @@ static void draw_number(float width, const struct gui_range *range, double value
     im_draw_rect(im_layer(IM_WINDOW), bar, IM_DIM_GLOW, now.rounding);
 }
 
-// Draws the boxes in the rest of the line, as one item.
+// Draws boxes for `count` numbers in the rest of the line, as a single item.
 static void draw_boxes(struct gui_state *own, const char *id, uint32_t count,
                        const struct gui_range *range, bool is_float, double *value)
 {
@@ -381,8 +381,9 @@ static void draw_boxes(struct gui_state *own, const char *id, uint32_t count,
     im_group_end();
 }
 
-// Values are linear; the swatch and the colour wheel show them sRGB-encoded (IEC 61966-2-1). A
-// colour above 1 is shown and edited scaled so that its greatest component is 1.
+// Draws a colour. Its values are linear; the swatch and the colour wheel show them sRGB-encoded
+// (IEC 61966-2-1). A colour with a component above 1 is shown and edited after scaling its greatest
+// component to 1.
 static void draw_swatch(struct gui *gui, struct gui_item *item, const struct gui_range *range,
                         double value[3])
 {
@@ -404,7 +405,8 @@ static void draw_swatch(struct gui *gui, struct gui_item *item, const struct gui
     im_same_line(0.0f, now.inner_spacing);
 }
 
-// Numbers are handled as doubles, which represent the other types exactly.
+// Draws controls for numbers of any type. They are handled as doubles, which represent the other
+// types exactly.
 static bool numbers(struct gui *gui, const char *id, enum gui_kind kind, const char *label,
                     const char *help, const struct gui_range *range, bool is_float, double *value)
 {
@@ -485,8 +487,9 @@ bool gui_color(struct gui *gui, const char *id, const char *label, const char *h
 
 // --- lists ---------------------------------------------------------------------------------------
 
-// Positions are computed in doubles: 10^6 rows are more pixels than single precision resolves, and
-// rows would jitter. ImGui's own rounding moves all rows together.
+// Computes which rows of a list are visible. Positions are doubles, because 10^6 rows are more
+// pixels than single precision resolves, and rows would jitter. ImGui's own rounding moves all rows
+// by the same amount.
 static void find_rows(struct gui_list *list, float height)
 {
     const struct im_place now = im_now();
@@ -497,7 +500,7 @@ static void find_rows(struct gui_list *list, float height)
     list->first = list->first < list->last ? list->first : list->last;
 }
 
-// Moves the cursor to the start of the row.
+// Moves the cursor to the start of a row.
 static void go_to_row(uint32_t row)
 {
     const struct im_place now = im_now();
@@ -521,7 +524,7 @@ void gui_list_begin(struct gui *gui, const char *id, struct gui_list *list)
     im_dummy(0.0f, 0.0f);
 }
 
-// Returns the first row, from `row` on, for which the caller must draw.
+// Returns the first row, starting with `row`, that the caller must draw.
 static uint32_t next_row(const struct gui_list *list, uint32_t row)
 {
     if (row < GUI_LIST_IDS || (row >= list->first && row < list->last) || row == list->chosen)

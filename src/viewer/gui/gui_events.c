@@ -1,7 +1,7 @@
 // Passes mouse and keyboard events to the panel.
 //
-// Dear ImGui reads the state at the time of a frame, so a second change within one frame (press and
-// release) waits for the next one.
+// Dear ImGui only reads the state at each frame, so a second change of the same button or key
+// within a frame (press and release) waits for the next frame.
 #include "viewer/gui/gui_state.h"
 #include "viewer/gui/imgui_bridge.h"
 
@@ -15,7 +15,8 @@ static bool is_over_panel(const struct gui *gui)
            (!gui->is_floating || (mouse[1] >= (double)place[1] && mouse[1] < (double)place[3]));
 }
 
-// A button that was pressed elsewhere receives its movements and its release there.
+// Decides which events the panel receives. If a button was pressed outside of the panel, movements
+// and its release belong there, too.
 void events_want(struct gui *gui)
 {
     const struct gui_state *own = gui->own;
@@ -38,7 +39,7 @@ void gui_event(struct gui *gui, const struct event *event)
     } else if (event->kind == EVENT_FOCUS) {
         own->buttons_elsewhere = 0;
     }
-    // The release of a button is sent to where it was pressed.
+    // The release of a button is sent to the place at which it was pressed.
     bool let_go_elsewhere = event->kind == EVENT_BUTTON && !event->down && !gui->wants_mouse;
     events_want(gui);
     if (let_go_elsewhere)
@@ -50,7 +51,7 @@ void gui_event(struct gui *gui, const struct event *event)
     }
 }
 
-// The events already passed in this frame.
+// Events that were already passed in this frame.
 struct fed {
     uint32_t buttons;
     int keys[32];
@@ -62,8 +63,8 @@ static bool must_wait(const struct fed *fed, const struct event *event)
 {
     switch (event->kind) {
     case EVENT_MOVE:
-        return fed->buttons != 0; // a click belongs to the mouse position at that time
-    case EVENT_BUTTON:            // a drag must reach the place of the release before it ends
+        return fed->buttons != 0; // a click belongs to the position that the mouse had at that time
+    case EVENT_BUTTON:            // a drag must reach the position of the release before it ends
         return (fed->buttons >> event->code & 1u) || (fed->moved && !event->down);
     case EVENT_KEY:
         for (uint32_t i = 0; i < fed->key_count; i++)

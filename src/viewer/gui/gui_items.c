@@ -1,4 +1,5 @@
-// The registry of controls: the controls of a frame, and the values that scripts set.
+// The registry of controls: the controls of the current frame, and the values that scripts have
+// set.
 #include "viewer/gui/gui_state.h"
 
 #include "base/suggest.h"
@@ -15,7 +16,7 @@ static uint32_t slot_of(const char *id)
     return hash & (GUI_SLOTS - 1u);
 }
 
-// Returns the slot with the id, or the free slot for it.
+// Returns the slot that contains the id, or a free slot for it.
 static uint32_t slot_find(const struct gui_state *own, const char *id)
 {
     uint32_t slot = slot_of(id);
@@ -41,7 +42,7 @@ void items_begin(struct gui_state *own)
         own->result[0] = '\0';
 }
 
-// Returns true if the id is new.
+// Enters an id. Returns false if it was there already.
 static bool enter(struct gui_state *own, const char *id)
 {
     uint32_t slot = slot_find(own, id);
@@ -93,7 +94,7 @@ const char *items_wish(struct gui_state *own, const struct gui_item *item)
 void items_refuse(struct gui_state *own, const char *format, ...)
 {
     if (own->result[0])
-        return; // the first one counts
+        return; // if several calls fail, the first reason is kept
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(own->result, sizeof own->result, format, arguments);
@@ -177,7 +178,8 @@ void gui_reveal(struct gui *gui, const char *id)
     struct gui_state *own = gui->own;
     const struct gui_item *item = gui_find(gui, id);
     snprintf(own->reveal, sizeof own->reveal, "%s", id);
-    own->reveal_frames = 2; // the first frame opens the groups, in the second their sizes are known
+    // The first frame opens the groups; in the second one their sizes are known.
+    own->reveal_frames = 2;
     for (uint32_t group = item ? item->group : 0; group; group = own->groups[group - 1].parent)
         own->groups[group - 1].is_open = true;
 }

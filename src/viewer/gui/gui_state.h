@@ -1,6 +1,6 @@
-// State that the files of the panel's controls share: the registry (gui_items.c, gui_values.c), and
-// the drawing with Dear ImGui through imgui_bridge.h (gui.c, gui_events.c, gui_controls.c,
-// gui_charts.c, gui_overlay.c).
+// The state that the files of the panel's controls share. gui_items.c and gui_values.c implement
+// the registry; gui.c, gui_events.c, gui_controls.c, gui_charts.c and gui_overlay.c draw with Dear
+// ImGui through imgui_bridge.h.
 #ifndef LAMPYRIS_VIEWER_GUI_GUI_STATE_H
 #define LAMPYRIS_VIEWER_GUI_GUI_STATE_H
 
@@ -12,102 +12,107 @@
 #define GUI_EVENTS_MAX 1024
 #define GUI_TEXT_MAX 1024
 #define GUI_WHY_MAX 512
-#define GUI_SLOTS 4096 // a power of two, twice GUI_ITEMS_MAX
+#define GUI_SLOTS 4096 // a power of two, and twice GUI_ITEMS_MAX
 
-// A value that a script sets.
+// A value to which a script sets a control.
 struct gui_wish {
     char id[GUI_ID_MAX];
     char value[GUI_TEXT_MAX];
-    bool is_due;  // a frame has begun since
-    bool is_seen; // its control was called
+    bool is_due;  // a frame has begun since the script set it
+    bool is_seen; // the control has been called
 };
 
 struct gui_group {
     char id[GUI_ID_MAX];
-    uint32_t parent; // index plus 1; 0: none
+    uint32_t parent; // index of the parent group plus 1; 0: none
     bool is_open;
 };
 
 struct gui_state {
-    // Controls of the current frame.
+    // The controls of the current frame.
     struct gui_item items[GUI_ITEMS_MAX];
-    struct gui_item spare; // for those beyond the capacity
+    struct gui_item spare; // used for controls beyond the capacity
     uint32_t item_count;
-    uint16_t slots[GUI_SLOTS]; // index plus 1 by a hash of the id; 0: none
+    uint16_t slots[GUI_SLOTS]; // hash table by id: index of the item plus 1; 0: free
     char duplicate[GUI_ID_MAX], last_duplicate[GUI_ID_MAX];
 
-    struct gui_group groups[GUI_GROUPS_MAX]; // all groups so far
+    struct gui_group groups[GUI_GROUPS_MAX]; // all groups that have been called so far
     uint32_t group_count;
-    uint32_t stack[GUI_DEPTH_MAX]; // open groups around the current control, index plus 1
+    uint32_t stack[GUI_DEPTH_MAX]; // the open groups around the current control: index plus 1
     bool stack_drawn[GUI_DEPTH_MAX];
     uint32_t depth;
-    bool is_drawn;   // the panel is shown, and so are all groups around
+    bool is_drawn;   // the panel is shown and all groups around the control are open
     bool is_enabled; // see gui_enabled
 
     struct gui_wish wishes[GUI_WISHES_MAX];
     uint32_t wish_count;
-    char result[512]; // result of the last frame; "" if all succeeded
+    char result[512]; // result of gui_set() in the last frame; "" if all calls succeeded
 
-    char reveal[GUI_ID_MAX]; // id to scroll to
-    uint32_t reveal_frames;  // frames left for that
-    bool reveal_hit;         // its control was called since the current list last asked
-    double list_reveal;      // row of the list to scroll to; negative: none
+    char reveal[GUI_ID_MAX]; // id of the control to scroll to
+    uint32_t reveal_frames;  // number of frames left for scrolling to it
+    bool reveal_hit;    // the control to scroll to was called since the current list last checked
+    double list_reveal; // row of the current list to scroll to; negative: none
 
-    // The number or text that is being typed, and the number that is being dragged.
-    char edit_id[GUI_ID_MAX]; // "" for none
+    // The number or text that is being typed, or the number that is being dragged.
+    char edit_id[GUI_ID_MAX]; // id of its control; "" if there is none
     char edit_text[GUI_TEXT_MAX];
     bool edit_begins;
-    uint32_t edit_idle; // frames in which its control was not called
+    uint32_t edit_idle; // number of frames since that control was last called
     double drag_start, drag_widths;
-    bool drag_types;   // becomes typing if the mouse does not move
+    bool drag_types;   // typing starts if the button is released without a movement of the mouse
     char refusal[512]; // why the last typed value was rejected
     double refusal_until, clock;
-    const struct gui_item *hovered; // under the mouse, valid while gui.hovered_help is not NULL
+    // Control under the mouse; valid while gui.hovered_help is not NULL.
+    const struct gui_item *hovered;
 
-    // Events that wait for a frame of their own.
+    // Events that wait for a later frame.
     struct event events[GUI_EVENTS_MAX];
     uint32_t event_first, event_count;
     double mouse[2];
-    uint32_t buttons_elsewhere; // buttons held that were pressed outside of the panel, as bits
+    // A bit for each button that is held and was pressed outside of the panel.
+    uint32_t buttons_elsewhere;
     bool has_popup;
 
     float scale;
-    bool same_line; // the next control continues the line
+    bool same_line; // the next control continues the current line
     float label_width;
     struct im *im;          // see imgui_bridge.h
-    struct gpu_atlas atlas; // atlas of the font
+    struct gpu_atlas atlas; // texture atlas of the font
 };
 
 // --- gui_items.c: never NULL ---------------------------------------------------------------------
 void items_begin(struct gui_state *own);
 struct gui_item *items_add(struct gui_state *own, const char *id, enum gui_kind kind,
                            const char *label, const char *help);
-// Returns the value that a script sets, or NULL. Rejects it if the control is disabled.
+// Returns the value that a script has set, or NULL. If the control is disabled, the value is
+// rejected.
 const char *items_wish(struct gui_state *own, const struct gui_item *item);
 void items_refuse(struct gui_state *own, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void items_end(struct gui *gui);
-// Returns the group's index plus 1, and creates it if it is new. 0: there are too many.
+// Returns the index of a group plus 1, and creates the group if it is new. Returns 0 if there are
+// too many.
 uint32_t items_group(struct gui_state *own, const char *id, bool open_at_first);
 
 // --- gui_values.c --------------------------------------------------------------------------------
-// Writes doubles or floats as text that reads back to the same bits: "A", or "A,B,C". out:
+// Writes numbers as text from which exactly the same bits can be read: "A" or "A,B,C". `out` has
 // GUI_VALUE_MAX bytes.
 void value_write(const double *value, uint32_t count, bool is_float, const struct gui_range *range,
                  char *out);
-// Writes a number as displayed: with at most `digits` digits, and the unit.
+// Writes a number as it is displayed: with its unit and at most `digits` digits.
 void value_show(double value, const struct gui_range *range, int digits, char *out);
-// Reads `count` numbers, at most 3, separated by commas. Returns false with the reason in `why`
-// (GUI_WHY_MAX bytes); out is then unchanged.
+// Reads `count` (at most 3) numbers that are separated by commas. On failure returns false, writes
+// the reason to `why` (GUI_WHY_MAX bytes) and leaves `out` unchanged.
 bool value_read(const char *text, uint32_t count, bool is_float, const struct gui_range *range,
                 double *out, char *why);
 bool value_read_switch(const char *text, bool *out, char *why);
 bool value_read_choice(const char *text, const char *const *names, uint32_t *out, char *why);
-// Returns the value, in the range, of a drag from `start` by `widths` widths of the control.
+// Returns the value, inside the range, that results from dragging `start` by `widths` times the
+// width of the control.
 double value_dragged(double start, double widths, const struct gui_range *range, bool is_float);
 
 // --- gui_events.c --------------------------------------------------------------------------------
-void events_feed(struct gui *gui); // to the current frame
-void events_want(struct gui *gui); // decides whether the panel receives the next mouse events
+void events_feed(struct gui *gui); // passes events to the current frame
+void events_want(struct gui *gui); // decides whether the panel gets the next mouse events
 
 #endif

@@ -13,7 +13,7 @@ static bool same(double a, double b, bool is_float)
     return is_float ? (float)a == (float)b : a == b;
 }
 
-// Returns the word that stands for a value, or NULL.
+// Returns the word that replaces a value, or NULL.
 static const char *word_of(double value, const struct gui_range *range)
 {
     if (range && range->infinite && value >= range->max)
@@ -32,7 +32,7 @@ static void write_one(double value, bool is_float, const struct gui_range *range
         snprintf(out, GUI_VALUE_MAX, "%.0f", value == 0.0 ? 0.0 : value);
         return;
     }
-    // 17 significant digits distinguish all doubles (IEEE 754-2019, 5.12.2).
+    // 17 significant digits are enough to distinguish all doubles (IEEE 754-2019, 5.12.2).
     for (int digits = 1; digits <= 17; digits++) {
         snprintf(out, GUI_VALUE_MAX, "%.*g", digits, value);
         if (same(strtod(out, NULL), value, is_float))
@@ -95,7 +95,8 @@ static void say_range(const struct gui_range *range, bool is_float, const char *
         snprintf(why, GUI_WHY_MAX, "%.60s is outside [%.40s, %.40s]", value, min, max);
 }
 
-// Reads one number at the beginning of text; *end is after it and after its unit, if that follows.
+// Reads a number at the beginning of a text. *end is set to the position after it and after its
+// unit, if that follows.
 static bool read_one(const char *text, const char **end, bool is_float,
                      const struct gui_range *range, double *out, char *why)
 {
@@ -122,7 +123,7 @@ static bool read_one(const char *text, const char **end, bool is_float,
     *end = skip_spaces(behind);
     if (range->unit && strncmp(*end, range->unit, strlen(range->unit)) == 0)
         *end += strlen(range->unit);
-    // As in scene files and options, the range is checked before the number is rounded.
+    // The range is checked before the number is rounded, as in scene files and options.
     if (!(value >= range->min && value <= (range->infinite ? range->greatest : range->max))) {
         say_range(range, is_float, written, why);
         return false;
@@ -185,17 +186,19 @@ bool value_read_choice(const char *text, const char *const *names, uint32_t *out
 }
 
 // --- dragging ------------------------------------------------------------------------------------
-// Dragging over the width of the control covers a range that is not wide, or a factor of 1000 if
-// the range is logarithmic. Results are rounded to the resolution of a few hundred pixels, so that
-// they are round numbers.
+// Dragging over the width of a control covers its whole range if that is not wide, or a factor of
+// 1000 if the range is logarithmic. Results are rounded to the resolution of a few hundred pixels,
+// so that they are round numbers.
 
 #define FACTOR_A_WIDTH 1000.0
-#define WIDE 1e4 // wider than this, a width changes the value by its own size, or by 1
+// If the range is wider, dragging by a width changes the value by its own magnitude, or by 1.
+#define WIDE 1e4
 
 static double rounded(double value, double step)
 {
     double unit = pow(10.0, floor(log10(step)));
-    // Dividing if the unit is below 1 makes 0.3 the double nearest to 0.3.
+    // If the unit is below 1, dividing by its inverse makes the result for 0.3 the double nearest
+    // to 0.3.
     return unit < 1.0 ? rint(value * rint(1.0 / unit)) / rint(1.0 / unit)
                       : rint(value / unit) * unit;
 }
@@ -208,7 +211,7 @@ static double dragged_logarithmic(double start, double widths, const struct gui_
         return widths > 0.0 ? rounded(least * (factor - 1.0), least * factor / 1000.0) : range->min;
     double value = start * factor;
     if (range->min <= 0.0 && widths <= -1.0)
-        return range->min; // from there downwards the result is min
+        return range->min; // dragging further down stays at min
     return value > 1e-300 && isfinite(value) ? rounded(value, value / 200.0) : value;
 }
 
@@ -225,7 +228,7 @@ double value_dragged(double start, double widths, const struct gui_range *range,
     if (widths == 0.0)
         return start;
     if (range->infinite && start >= range->max &&
-        start > 1e3) { // is left downwards, from a number of some size
+        start > 1e3) { // is decreased from a number above 1000
         if (widths > 0.0)
             return start;
         start = 1e3;

@@ -136,5 +136,5 @@ void panel_draw(struct viewer *viewer)
     keys(panel);
     gui_panel_end(gui);
     panel_overlay(panel, document, stage, &viewer->view, shell);
-    assert(!gui_duplicate(gui)); // holds for the last frame
+    assert(!gui_duplicate(gui)); // checks the last frame
 }

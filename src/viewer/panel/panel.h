@@ -1,4 +1,5 @@
-// The panel: groups of controls for all of the viewer's state. Changes go through edit.h.
+// The panel: groups of controls for the whole state of the viewer. All changes are made through
+// edit.h.
 #ifndef LAMPYRIS_VIEWER_PANEL_PANEL_H
 #define LAMPYRIS_VIEWER_PANEL_PANEL_H
 
@@ -6,11 +7,11 @@
 #include <stdbool.h>
 
 struct viewer;
-struct panel; // typed texts, and the filters of lists
+struct panel; // texts being typed, and the filters of lists
 
 bool panel_create(struct panel **out, struct err *err);
 void panel_destroy(struct panel *panel); // accepts NULL
-// Between gui_begin and gui_end, in every frame, hidden or not.
+// Call this between gui_begin and gui_end in every frame, even if the panel is hidden.
 void panel_draw(struct viewer *viewer);
 
 #endif

@@ -22,7 +22,7 @@ static const struct gui_range speed = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .
 static const struct gui_range turning = {-360, 360, .unit = "°/s", .drag = 90};
 static const struct gui_range slot = {1, VIEWER_SAVED_VIEWS, .integer = true};
 
-// --- moving --------------------------------------------------------------------------------------
+// --- moving the camera ---------------------------------------------------------------------------
 
 static void moving(struct panel *panel, struct viewpoint *view)
 {
@@ -56,8 +56,8 @@ static double target_distance(const struct viewpoint *view)
     return distance > 0 && isfinite(distance) ? distance : 1;
 }
 
-// Another kind of camera shows about as much of the target, and has no lens: only perspective
-// cameras have one.
+// Converts a camera to another kind that shows about as much of the target. Only a perspective
+// camera has a lens.
 static void change_kind(const struct viewpoint *view, struct camera *to)
 {
     if (!(to->fov_y > 0 && to->fov_y < M_PI))
@@ -90,7 +90,7 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
     uint32_t corners = to->lens_blades;
     if (gui_count(gui, "camera.blades", "Blades",
                   "Of the aperture; 0: a round one. 1 and 2 become 3.", &blades, &corners)) {
-        // The values between 0 (round) and 3 are invalid: dragging skips them.
+        // Numbers of blades between 0 (a round aperture) and 3 are invalid, so dragging skips them.
         bool is_falling = corners < to->lens_blades;
         to->lens_blades = corners == 1 || corners == 2 ? (is_falling ? 0 : 3) : corners;
     }

@@ -1,4 +1,4 @@
-// Shows the sources of the image's error, like --error-by of render, while it accumulates.
+// Shows the sources of the image's error while it accumulates, as --error-by of `render` does.
 #include "viewer/panel/panel_internal.h"
 
 #include <stdio.h>
@@ -45,7 +45,7 @@ static void contents(struct gui *gui, const struct view *view, enum error_kind k
 
 void panel_error_by(struct panel *panel, const struct stage *stage)
 {
-    const char *words[ERROR_KIND_COUNT + 2] = {"off"}; // the entry after the last is NULL
+    const char *words[ERROR_KIND_COUNT + 2] = {"off"}; // the list ends with NULL
     struct gui *gui = panel->gui;
     for (int kind = 0; kind < ERROR_KIND_COUNT; kind++)
         words[1 + kind] = error_kind_names[kind];

@@ -25,14 +25,14 @@ static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
              light_kind_names[light->kind], light->hidden ? ", hidden" : "");
 }
 
-// Gives unused parameters useful values when a light becomes one of another type.
+// Gives useful values to parameters that become used when a light changes its type.
 static void change_kind(struct light *to, uint32_t kind)
 {
     to->kind = kind;
     if (vec3_length(to->direction) == 0)
         memcpy(to->direction, (double[3]){0, -1, 0}, sizeof to->direction);
     if (!(to->outer_angle > to->inner_angle) || !(to->outer_angle <= (float)(M_PI / 2))) {
-        to->inner_angle = 0; // KHR_lights_punctual's defaults
+        to->inner_angle = 0; // default of KHR_lights_punctual
         to->outer_angle = (float)(M_PI / 4);
     }
     if (!(to->range > 0))
@@ -56,7 +56,8 @@ static void place(struct panel *panel, const struct document *document, struct l
     gui_enabled(gui, true);
 }
 
-// Edits intensity and colour separately: the greatest component, and its multiplier.
+// Edits intensity and colour separately: the intensity is the greatest component, the colour the
+// ratios to it.
 static void radiant(struct gui *gui, struct light *to)
 {
     struct gui_range strength = panel_radiance;
@@ -75,11 +76,12 @@ static void radiant(struct gui *gui, struct light *to)
         to->radiant[c] = color[c] * intensity;
 }
 
-// The inner angle stays below the outer one: editing one of them moves the other if necessary.
+// The inner angle must be less than the outer one. Editing one of them changes the other if
+// necessary.
 static void cone(struct gui *gui, struct light *to)
 {
     double inner = (double)to->inner_angle, outer = (double)to->outer_angle;
-    const float least = 1e-3f; // difference of the two, radians
+    const float least = 1e-3f; // least difference of the two angles, radians
     gui_enabled(gui, to->kind == LIGHT_SPOT);
     if (gui_angle(gui, "light.inner_angle", "Inner angle",
                   "Between the axis and where the light begins to fade, degrees.", &right_angle,

@@ -1,4 +1,4 @@
-// Lists of any length with a filter: rows whose names contain a text are shown.
+// Lists of any length with a filter that shows only the rows whose names contain a text.
 #include "viewer/panel/panel_internal.h"
 
 #include <ctype.h>
@@ -21,7 +21,7 @@ static bool contains(const char *name, const char *text)
     return false;
 }
 
-// Applies the filter to all names only if the filter or the list changed since the last frame.
+// Applies the filter to all names, if the filter or the list has changed since the last frame.
 static void update(struct panel_filter *filter, const struct panel_list *list)
 {
     bool is_same = filter->of == list->of && filter->of_count == list->count &&

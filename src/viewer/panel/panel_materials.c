@@ -1,4 +1,4 @@
-// Materials: a list, and the parameters of the selected one's model.
+// The list of materials, and the parameters of the selected material's model.
 #include "viewer/panel/panel_internal.h"
 
 #include "scene/json/load_json.h"
@@ -15,7 +15,7 @@ static void material_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
              material->name[0] ? ", " : "", material_model_names[material->model]);
 }
 
-// "base_color" -> "Base colour"
+// Makes the label "Base colour" of the name "base_color".
 static const char *label_of(struct panel *panel, const char *name)
 {
     char *label = arena_strdup(panel->frame_arena, name);
@@ -26,8 +26,8 @@ static const char *label_of(struct panel *panel, const char *name)
             *c = ' ';
     if (label[0] >= 'a' && label[0] <= 'z')
         label[0] = (char)(label[0] - 'a' + 'A');
-    const char *color = strstr(label, "color"); // files use the American spelling, the panel the
-                                                // British one
+    // Scene files use American spelling, the panel uses British spelling.
+    const char *color = strstr(label, "color");
     if (color)
         color = arena_printf(panel->frame_arena, "%.*scolour%s", (int)(color - label), label,
                              color + strlen("color"));
@@ -38,7 +38,7 @@ static struct gui_range range_of(const struct material_parameter *p)
 {
     return (struct gui_range){.min = (double)p->min,
                               .max = (double)p->max,
-                              // Wide ranges belong to quantities that vary by factors.
+                              // Parameters with a wide range vary by factors.
                               .logarithmic = p->min >= 0 && p->max > 10};
 }
 
@@ -57,7 +57,7 @@ static bool is_black(const float color[3])
     return color[0] == 0 && color[1] == 0 && color[2] == 0;
 }
 
-// Returns whether a parameter has an effect, given the others.
+// Returns whether a parameter has an effect with the present values of the others.
 static bool matters(const struct document *document, const struct material *m, uint32_t parameter)
 {
     bool is_principled = m->model == MATERIAL_PRINCIPLED;
@@ -90,7 +90,7 @@ static bool matters(const struct document *document, const struct material *m, u
     }
 }
 
-// Ids live as long as the frame, and so does gui->used.
+// Ids must be valid until the end of the frame, because gui->used may refer to one.
 static void parameter(struct panel *panel, const struct document *document,
                       const struct material_parameter *p, struct material *to)
 {
@@ -110,7 +110,7 @@ static void parameter(struct panel *panel, const struct document *document,
 
 // --- flags ---------------------------------------------------------------------------------------
 
-// id: "material." followed by the key.
+// Draws a switch for a flag. `id` is "material." followed by the flag's key.
 static void flag(struct gui *gui, const char *id, const char *label, const char *help,
                  struct material *to)
 {
@@ -194,7 +194,7 @@ static void inside(struct gui *gui, struct material *to)
     gui_enabled(gui, true);
 }
 
-// --- the chosen one ------------------------------------------------------------------------------
+// --- the selected material -----------------------------------------------------------------------
 
 static void parameters(struct panel *panel, const struct document *document, uint32_t index)
 {

@@ -1,4 +1,4 @@
-// Shows the overlays of the image: messages, the sides of the split view, keys.
+// Draws over the image: messages, the labels of the split view's sides, and the list of keys.
 #include "viewer/panel/panel_internal.h"
 
 #include "base/false_color.h"
@@ -21,14 +21,14 @@ static double message_lasts(enum message_kind kind)
     return seconds[kind];
 }
 
-// Returns the left end of the space beside the panel.
+// Returns the x coordinate of the left end of the space beside the panel.
 static float free_x(struct panel *panel)
 {
     return panel->gui->width + MARGIN * panel->window->scale;
 }
 
-// Writes the settings of the second side that differ from the first's: ", sampler pcg, mis none",
-// as many as fit.
+// Writes those settings of the second side that differ from the first side's, such as ", sampler
+// pcg, mis none", as far as they fit.
 static void write_difference(const struct stage *stage, char *out, size_t size)
 {
     const struct settings *a = &stage->sides[0].method.settings;
@@ -67,14 +67,15 @@ static void side_note(struct panel *panel, const struct stage *stage, uint32_t s
         gui_note(panel->gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples, other);
 }
 
-// One is below the other if the line is too far to the left for both.
+// Draws the labels of both sides. One is drawn below the other if the dividing line leaves no space
+// for both.
 static float sides(struct panel *panel, const struct stage *stage, float y)
 {
     float line = 22.0f * panel->window->scale;
     float left = free_x(panel);
     float right = (float)viewer_split_x(panel->viewer) + MARGIN * panel->window->scale;
     side_note(panel, stage, 0, left, y);
-    // The width of a sentence of some forty letters.
+    // 330 points is the width of a line of about forty letters.
     if (right < left + 330.0f * panel->window->scale) {
         side_note(panel, stage, 1, fmaxf(right, left), y + line);
         return y + 2.0f * line;
@@ -99,7 +100,7 @@ static uint32_t encoded(double linear)
     return image_quantize(image_srgb_from_linear(fminf(fmaxf((float)linear, 0.0f), 1.0f)));
 }
 
-// Draws the legend of false colours: the ends of the range and its centre.
+// Draws the legend of false colours, with the values at both ends and in the centre of the range.
 static void legend(struct panel *panel, const struct document *document, const struct stage *stage)
 {
     enum { COLORS = 33 };

@@ -1,4 +1,4 @@
-// The placement of the selected object, and the exchange of lamps and lights.
+// The placement of the selected object, and the exchange of lamps and directional lights.
 #include "viewer/panel/panel_internal.h"
 
 #include "scene/core/placement.h"
@@ -8,7 +8,8 @@
 static const struct gui_range turn = {-1e6, 1e6, .unit = "°", .drag = 180};
 static const struct gui_range scale = {1e-6, 1e6, .logarithmic = true};
 
-// The centre of a mesh depends on all its vertices, so it is computed once.
+// Returns the centre of an object. It depends on all vertices of a mesh, so it is computed only
+// when the object changes.
 static const double *middle_of(struct panel *panel, const struct scene *scene, uint32_t object)
 {
     struct panel_middle *known = &panel->middle;
@@ -26,7 +27,7 @@ static const double *middle_of(struct panel *panel, const struct scene *scene, u
     return known->middle;
 }
 
-// Shapes with a single scale get it along all axes.
+// Shapes with a single scale factor get it along all axes.
 static void even_scale(double now[3], const double before[3])
 {
     double changed = now[0];

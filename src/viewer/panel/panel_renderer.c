@@ -28,7 +28,7 @@ static void accumulation(struct panel *panel, const struct stage *stage, struct 
     gui_count(gui, "renderer.samples_a_frame", "Per frame",
               "Samples of every pixel in a frame; 0: as many as the time allows.", &samples_a_frame,
               &to->samples_a_frame);
-    const char *used = gui->used; // the limit is not part of the method
+    const char *used = gui->used; // the limit is not a part of the method
     struct shown shown = stage->shown;
     double most = shown.spp_limit ? (double)shown.spp_limit : spp.max;
     if (gui_number(gui, "renderer.spp", "Samples",
@@ -40,7 +40,7 @@ static void accumulation(struct panel *panel, const struct stage *stage, struct 
     gui->used = used;
 }
 
-// Powers of two that the device supports; 0 for its default.
+// Draws a choice between the powers of two that the device supports; 0 is its default.
 static void workgroup(const struct stage *stage, struct gui *gui, struct method *to)
 {
     static const char *const words[] = {"device's", "8",   "16",  "32",   "64",
@@ -83,8 +83,8 @@ static void device(const struct stage *stage, struct gui *gui, struct method *to
         to->merge_classes = merged;
 }
 
-// Applies to all materials: turning it off makes anisotropic materials isotropic, turning it on
-// restores the file's values.
+// Draws a switch that applies to all materials: off makes anisotropic materials isotropic, on
+// restores the values of the file.
 static void anisotropy(struct panel *panel, const struct document *document)
 {
     struct gui *gui = panel->gui;
@@ -107,7 +107,8 @@ static void anisotropy(struct panel *panel, const struct document *document)
     edit_begin_group(panel->viewer);
     for (uint32_t i = 0; i < scene->material_count; i++) {
         struct material to = scene->materials[i];
-        bool was = is_on && i < before->material_count; // otherwise it was added
+        // The material was in the file; otherwise it was added.
+        bool was = is_on && i < before->material_count;
         to.anisotropic = was ? before->materials[i].anisotropic : 0.0f;
         edit_material(panel->viewer, i, &to, id);
     }
@@ -136,7 +137,7 @@ void panel_renderer(struct panel *panel, const struct document *document, struct
     gui_group_end(gui);
 }
 
-// --- what is shown -------------------------------------------------------------------------------
+// --- display settings ----------------------------------------------------------------------------
 
 static void picture(const struct stage *stage, struct gui *gui, struct shown *to)
 {
@@ -215,7 +216,7 @@ static void split(struct panel *panel, const struct stage *stage, struct shown *
     }
 }
 
-// These belong to the viewer alone: they are neither undone nor saved.
+// Draws settings of the viewer itself, which can neither be undone nor saved.
 static void pace(struct panel *panel, struct stage *stage, struct viewpoint *view)
 {
     static const struct gui_range target = {1, 1000, .logarithmic = true, .unit = "ms"};

@@ -1,4 +1,4 @@
-// The scene: its file, its environment, its objects, and the picked surface.
+// The scene's file, its environment, its objects, and the surface that was clicked.
 #include "viewer/panel/panel_internal.h"
 
 #include "base/file.h"
@@ -26,8 +26,8 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-// Lists scenes into panel->files; the list is empty when out of memory or if the folder cannot be
-// read.
+// Lists the scenes in a folder into panel->files. The list is empty when out of memory, or if the
+// folder cannot be read.
 static void list_folder(struct panel *panel)
 {
     struct arena *arena = &panel->files_arena;
@@ -53,7 +53,8 @@ static void list_folder(struct panel *panel)
         qsort(panel->files, panel->file_count, sizeof *panel->files, by_name);
 }
 
-// The newest is first; an existing entry moves to the front.
+// Adds a path to the recent files, of which the newest is the first. An existing entry moves to the
+// front.
 static void remember(struct panel *panel, const char *path)
 {
     uint32_t place = 0;
@@ -134,7 +135,7 @@ static void file(struct panel *panel, const struct document *document)
     recent_rows(panel);
 }
 
-// --- what is around it ---------------------------------------------------------------------------
+// --- the environment -----------------------------------------------------------------------------
 
 static void sky(struct gui *gui, struct surroundings *to)
 {
@@ -159,7 +160,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
                     "The light that arrives from infinitely far.", false);
     struct surroundings to = document->surroundings;
     gui->used = NULL;
-    // Before an image is set, its path must be entered.
+    // An image can be selected only after its path has been entered.
     bool has_image = to.image[0] != '\0';
     uint32_t kind = to.kind;
     if (gui_choice(gui, "surroundings.kind", "Kind",
@@ -176,8 +177,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     gui_enabled(gui, is_lit);
     gui_number(gui, "surroundings.strength", "Strength", "Factor on all of it.", &panel_radiance,
                &to.strength);
-    gui_enabled(gui, is_lit && around->width > 0); // a constant environment is the same in all
-                                                   // rotations
+    gui_enabled(gui, is_lit && around->width > 0); // rotating a constant environment has no effect
     gui_number(gui, "surroundings.rotation", "Rotation",
                "About +Y, degrees, in addition to the file's.", &turn, &to.rotation_degrees);
     gui_enabled(gui, to.kind == SURROUNDINGS_CONSTANT);
@@ -188,7 +188,7 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     if (gui_text(gui, "surroundings.image", "Image",
                  "Path of a picture in latitude and longitude (.hdr, .exr, …); Enter shows it.",
                  to.image, sizeof to.image)) {
-        // Unused bytes are 0, so that states can be compared byte by byte.
+        // Unused bytes are 0, because states are compared byte by byte.
         size_t length = strlen(to.image);
         memset(to.image + length, 0, sizeof to.image - length);
         to.kind = length ? SURROUNDINGS_IMAGE : SURROUNDINGS_ORIGINAL;
@@ -286,7 +286,7 @@ static void animation(struct panel *panel, struct document *document)
     gui_group_end(gui);
 }
 
-// --- what was picked -----------------------------------------------------------------------------
+// --- the surface that was clicked ----------------------------------------------------------------
 
 static uint32_t object_count(const struct scene *scene)
 {

@@ -1,9 +1,9 @@
-// A control for each setting, as the table of settings describes it.
+// Draws a control for each setting from the table of settings.
 #include "viewer/panel/panel_internal.h"
 
 #include <math.h>
 
-#define WIDE 1e3 // wider ranges are logarithmic
+#define WIDE 1e3 // wider ranges get a logarithmic control
 
 static const char *const setting_ids[SETTING_TOTAL] = {
 #define SETTING(ID, type, member, key, ...) [SETTING_##ID] = "renderer." key,
@@ -11,7 +11,8 @@ static const char *const setting_ids[SETTING_TOTAL] = {
 #include "scene/core/settings_list.h"
 };
 
-// If a word stands for a number beyond the range, the control ends one step after the range.
+// Returns whether a word stands for a number beyond the range. The control then ends one step after
+// the range.
 static bool has_word_at_end(const struct field *field)
 {
     return field->word && field->word_value > field->max;

@@ -10,7 +10,7 @@
 
 static const char *const side_names[] = {"A", "B", NULL};
 
-// "1.23 M"
+// Formats a number such as "1.23 M".
 static const char *short_number(struct panel *panel, double value)
 {
     static const char *const letters[] = {"", " k", " M", " G", " T"};
@@ -48,9 +48,10 @@ static void frame_bars(struct panel *panel, const struct stage *stage)
     gui_bars(panel->gui, bars, sizeof bars / sizeof *bars, "ms");
 }
 
-#define KERNEL_ROWS 8u // at least, so that the layout below does not change as kernels come and go
+// Least number of rows, so that the layout does not change when the number of kernels does.
+#define KERNEL_ROWS 8u
 
-// Draws the existing kernels in the order in which they run.
+// Draws a bar for each kernel in use, in the order in which they run.
 static void kernel_bars(struct panel *panel, const struct stage *stage)
 {
     struct gui_bar bars[KERNEL_COUNT + KERNEL_ROWS] = {0};
@@ -68,7 +69,8 @@ static void kernel_bars(struct panel *panel, const struct stage *stage)
 
 // --- error ---------------------------------------------------------------------------------------
 
-// The error of independent samples decreases with their number, and so with time.
+// Shows the time at which the error should reach the next lower power of ten. The error of
+// independent samples is inversely proportional to their number, and so to the time.
 static void forecast_line(struct panel *panel, const struct job_look *look)
 {
     struct gui *gui = panel->gui;
@@ -82,7 +84,7 @@ static void forecast_line(struct panel *panel, const struct job_look *look)
              time_text(panel, look->seconds * error / target));
 }
 
-// Always draws three lines, so that the layout does not change.
+// Draws the error, always in three lines, so that the layout does not change.
 static void error_lines(struct panel *panel, const struct stage *stage, uint32_t side)
 {
     struct gui *gui = panel->gui;
@@ -137,11 +139,11 @@ static void error_curves(struct panel *panel, const struct stage *stage)
     gui_curves(panel->gui, curves, stage->side_count, "seconds", "local relMSE");
 }
 
-// --- what was left out ---------------------------------------------------------------------------
+// --- parts that were left out --------------------------------------------------------------------
 
 struct left_out {
     struct arena *arena;
-    const char *kind; // kind of the text that grows
+    const char *kind; // kind of the parts that are being listed
     const char *text;
     struct gui *gui;
     uint64_t bytes;
@@ -185,7 +187,7 @@ static void left_out(struct panel *panel, const struct stage *stage)
     gui_group_end(gui);
 }
 
-// --- all -----------------------------------------------------------------------------------------
+// --- the whole group -----------------------------------------------------------------------------
 
 static void memory(struct panel *panel, const struct document *document, const struct stage *stage)
 {

@@ -1,4 +1,5 @@
-// Runs a script in place of a user: one command after the other, one step of it per frame.
+// Runs a script instead of a user: one command after the other, and one step of a command per
+// frame.
 #include "viewer/script/script.h"
 
 #include "base/clock.h"
@@ -55,8 +56,8 @@ enum step rest_frames(struct script *script, uint64_t frames)
 
 // --- files ---------------------------------------------------------------------------------------
 
-// An image is written on another thread: a failure is a message that is newer than the start of the
-// command.
+// Waits until an image is written. This happens on another thread; if it fails, there is a message
+// that is newer than the start of the command.
 static enum step wait_for_file(struct script *script, struct viewer *viewer, struct err *err)
 {
     if (!worker_is_idle(viewer->shell.worker) || viewer->document.waits_to_save)
@@ -102,14 +103,14 @@ static enum step step_copy(struct script *script, struct viewer *viewer,
     (void)script, (void)viewer;
     struct arena arena = {0};
     struct file_bytes bytes;
-    // It simulates an editor that replaces files which the viewer reads.
+    // Simulates an editor that replaces a file which the viewer reads.
     bool ok = file_read_own(&arena, command->texts[0], 0, &bytes, err) &&
               file_replace_atomic(command->texts[1], bytes.data, bytes.size, err);
     arena_finish(&arena);
     return ok ? STEP_DONE : STEP_FAILED;
 }
 
-// --- the rest ------------------------------------------------------------------------------------
+// --- other commands ------------------------------------------------------------------------------
 
 static enum step step_lose_device(struct script *script, struct viewer *viewer,
                                   const struct command_line *command, struct err *err)

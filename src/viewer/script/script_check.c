@@ -1,4 +1,4 @@
-// Waiting, and tests of the viewer's state and image.
+// Commands that wait, and commands that test the viewer's state and image.
 #include "viewer/core/messages.h"
 #include "viewer/script/script_run.h"
 
@@ -27,7 +27,7 @@ static uint64_t least_samples(const struct viewer *viewer)
     return viewer->stage.side_count ? least : 0;
 }
 
-// Returns whether every pixel has all its samples and no work is in progress.
+// Returns whether all pixels have all their samples and no work is in progress.
 static bool is_complete(const struct viewer *viewer)
 {
     return viewer->stage.is_resting && viewer->stage.shown.spp_limit > 0 &&
@@ -70,9 +70,9 @@ enum step step_wait(struct script *script, struct viewer *viewer,
     return is_over ? STEP_DONE : STEP_AGAIN;
 }
 
-// --- writing down --------------------------------------------------------------------------------
+// --- writing results -----------------------------------------------------------------------------
 
-// Appends a line to the file.
+// Appends a JSON object to a file, as a line.
 static bool append(const char *path, json_t *object, struct err *err)
 {
     if (!file_inputs_check(path, err)) {
@@ -123,7 +123,7 @@ enum step step_state(struct script *script, struct viewer *viewer,
     return json_write(state_json(viewer), command->texts[0], err) ? STEP_DONE : STEP_FAILED;
 }
 
-// --- expecting -----------------------------------------------------------------------------------
+// --- the command expect --------------------------------------------------------------------------
 
 static const char *value_text(const json_t *value, char *out, size_t size)
 {
@@ -190,10 +190,10 @@ enum step step_expect(struct script *script, struct viewer *viewer,
     return ok ? STEP_DONE : STEP_FAILED;
 }
 
-// --- what a control does -------------------------------------------------------------------------
+// --- the command check ---------------------------------------------------------------------------
 
-// Removes the control's own value, messages, the count of undone steps and times, which always
-// differ.
+// Removes from a state what always differs: the control's own value, messages, the number of undone
+// steps, and times.
 static void forget_own(json_t *state, const char *id)
 {
     static const char history[] = "history.";
@@ -223,8 +223,8 @@ static bool has_changed(const struct script *script, const struct command_line *
     return !json_equal(json_object_get(before, "sides"), json_object_get(after, "sides"));
 }
 
-// Waits until the image is complete before the change, so that equal numbers of samples are
-// compared; step_set() tests whether the control takes the value.
+// Sets a control and tests the effect. It first waits until the image is complete, so that equal
+// numbers of samples are compared. step_set() tests whether the control takes the value.
 enum step step_check(struct script *script, struct viewer *viewer,
                      const struct command_line *command, struct err *err)
 {

@@ -1,4 +1,4 @@
-// Simulates keyboard and mouse, and sets the panel's controls.
+// Commands that simulate keyboard and mouse, and that set the panel's controls.
 #include "viewer/core/viewer.h"
 #include "viewer/script/script_run.h"
 
@@ -22,7 +22,8 @@ static void push_mouse(struct script *script, struct viewer *viewer, double x, d
     push(script, viewer, (struct event){.kind = EVENT_MOVE, .x = x, .y = y});
 }
 
-// The modifiers are keys, too: they are pressed before the key, and released after it.
+// Presses or releases the modifiers, which are keys, too: they are pressed before the key and
+// released after it.
 static void push_modifiers(struct script *script, struct viewer *viewer, uint32_t modifiers,
                            bool down)
 {
@@ -115,7 +116,7 @@ enum step step_scroll(struct script *script, struct viewer *viewer,
     return next_phase(script);
 }
 
-// Returns the next character of UTF-8; invalid bytes are returned one by one.
+// Returns the next character of a UTF-8 text. Invalid bytes are returned one by one.
 static int take_character(const char **text)
 {
     const unsigned char *at = (const unsigned char *)*text;
@@ -201,10 +202,10 @@ enum step step_set(struct script *script, struct viewer *viewer, const struct co
     return rest_frames(script, FRAMES_TO_SEE);
 }
 
-#define REVEAL_FRAMES 3u  // until a control has its final place after scrolling
-#define REVEAL_TRIALS 10u // frames in all
+#define REVEAL_FRAMES 3u  // a control has its final place this many frames after scrolling
+#define REVEAL_TRIALS 10u // greatest number of frames to try
 
-// Moves the mouse to the control; the next phase begins when it is there.
+// Moves the mouse to a control. The next phase begins when the mouse is there.
 static enum step aim(struct script *script, struct viewer *viewer, const char *id, struct err *err)
 {
     const struct gui_item *item = gui_find(&viewer->shell.gui, id);
@@ -233,7 +234,7 @@ enum step step_click(struct script *script, struct viewer *viewer,
     switch (script->now.phase) {
     case 0:
         return aim(script, viewer, command->texts[0], err);
-    case 1: // the control has seen the mouse
+    case 1: // the control has received the mouse's position
         return script->now.frame++ == 0 ? STEP_AGAIN : next_phase(script);
     case 2:
         push_button(script, viewer, 0, true);

@@ -32,7 +32,7 @@ static const struct {
     {"Alt", GLFW_KEY_LEFT_ALT},
 };
 
-// GLFW's codes of printable keys are the characters of a US layout.
+// Returns the code of a printable key. GLFW uses the character that the key has in the US layout.
 static int code_of(const char *name)
 {
     static const char printable[] = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ'-,./;=[]\\`";
@@ -65,7 +65,7 @@ bool script_key(const char *name, int *code, uint32_t *modifiers, struct err *er
             continue;
         *modifiers |= prefixes[i].modifier;
         key += length;
-        i = (size_t)-1; // modifiers may be in any order
+        i = (size_t)-1; // starts again, because modifiers may be in any order
     }
     *code = code_of(key);
     if (*code != GLFW_KEY_UNKNOWN)

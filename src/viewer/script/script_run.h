@@ -1,4 +1,4 @@
-// The running script, for the files of this folder.
+// The state of a running script, for the files of this folder.
 #ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_RUN_H
 #define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_RUN_H
 
@@ -7,19 +7,20 @@
 
 struct viewer;
 
-// Result of one frame of a command.
+// The result of one frame of a command.
 enum step {
-    STEP_DONE,  // the next command may begin in this frame
-    STEP_AGAIN, // continues in the next frame
+    STEP_DONE,  // the next command may begin in the same frame
+    STEP_AGAIN, // the command continues in the next frame
     STEP_FAILED
 };
 
-// State of the current command, zeroed when it begins.
+// The state of the current command. It is zero when the command begins.
 struct progress_of {
     bool has_begun;
     uint32_t phase;
-    uint64_t frame; // frames of this phase, from 0
-    json_t *before; // for `check`: the state, and the image's hash, before
+    uint64_t frame; // number of frames since the phase began
+    // For the command `check`: the state, and the hash of the image, before the change.
+    json_t *before;
     uint64_t picture;
 };
 
@@ -29,8 +30,8 @@ struct script {
     struct command_line *commands;
     uint32_t count, at;
     struct progress_of now;
-    double started;         // clock time at which the current command began
-    double timeout_seconds; // for one command
+    double started;         // time of the clock at which the current command began
+    double timeout_seconds; // greatest time that a command may take
     double mouse[2];
 };
 
@@ -61,11 +62,12 @@ enum step step_expect(struct script *, struct viewer *, const struct command_lin
 
 // Starts the next phase with its frame 0.
 enum step next_phase(struct script *script);
-// Continues in the next frame until this phase has had so many frames; then returns STEP_DONE.
+// Continues in the next frame until this phase has had the given number of frames; then returns
+// STEP_DONE.
 enum step rest_frames(struct script *script, uint64_t frames);
 
-// Frames from a command to its effect on the image: pushed events are read in the next frame, and
-// their effect is on the screen at its end.
+// The number of frames from a command to its effect on the image: events that are pushed are read
+// in the next frame, at whose end their effect is on the screen.
 #define FRAMES_TO_SEE 2u
 
 #endif

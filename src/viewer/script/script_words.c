@@ -9,7 +9,7 @@
 
 #define WORDS_MAX 8u
 
-// A line of a script during parsing.
+// The words of a line while it is parsed.
 struct words {
     const char *list[WORDS_MAX];
     uint32_t count, next;
@@ -50,8 +50,8 @@ static bool take_count(struct words *words, const char *what, double most, doubl
                     most));
 }
 
-// Takes the word's index in a NULL-terminated list; returns false, without taking it, if it is not
-// in the list.
+// Takes a word that is in a NULL-terminated list, and returns its index in *out. Returns false
+// without taking the word if it is not in the list.
 static bool take_one_of(struct words *words, const char *const *names, int *out)
 {
     for (int i = 0; words->next < words->count && names[i]; i++)
@@ -295,8 +295,8 @@ static bool parse_line(struct words *words, struct command_line *out, struct err
 
 // --- lines ---------------------------------------------------------------------------------------
 
-// Splits the line into words, in place. They are separated by blanks, or quoted; in quotes, a
-// backslash escapes the next character. Text after an unquoted # is a comment.
+// Splits a line into words, in place. Words are separated by blanks, or are quoted; in quotes, a
+// backslash escapes the next character. Text after a # outside of quotes is a comment.
 static bool split(char *line, struct words *out, struct err *err)
 {
     *out = (struct words){0};

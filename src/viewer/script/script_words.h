@@ -1,4 +1,4 @@
-// Parses scripts. Commands and their arguments are checked before anything runs.
+// Parses scripts. All commands and their arguments are checked before any command runs.
 #ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_WORDS_H
 #define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_WORDS_H
 
@@ -50,19 +50,19 @@ enum comparison {
     COMPARE_CONTAINS,
     COMPARE_LACKS
 };
-// The effect that the change of a control must have: see script_check.c.
+// The effect that a change of a control must have: see script_check.c.
 enum effect { EFFECT_RESULT, EFFECT_PICTURE, EFFECT_STATE };
 
 #define COMMAND_TEXTS 3
 #define COMMAND_NUMBERS 2
 
-// The table of commands says which members a command uses.
+// A command. The table of commands says which members each command uses.
 struct command_line {
     enum verb verb;
     uint32_t line;
-    const char *texts[COMMAND_TEXTS]; // files, ids, values
+    const char *texts[COMMAND_TEXTS]; // paths, ids or values
     double numbers[COMMAND_NUMBERS];
-    int code; // code of a key (GLFW's) or of a button
+    int code; // code of a key (as GLFW's) or of a button
     uint32_t modifiers;
     enum press press;
     enum wait_unit unit;
@@ -72,10 +72,10 @@ struct command_line {
     bool with_panel, denoised;
 };
 
-// Reads a script. ERR_INPUT: "FILE:LINE: what is wrong and what was expected".
+// Reads a script. Fails with ERR_INPUT and "FILE:LINE: what is wrong and what was expected".
 bool script_read(const char *path, struct arena *arena, struct command_line **out, uint32_t *count,
                  struct err *err);
-// Returns the name of a comparison in scripts, "==".
+// Returns the comparison operator as it is written in scripts, such as "==".
 const char *comparison_name(enum comparison comparison);
 
 #endif

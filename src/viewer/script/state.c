@@ -56,7 +56,7 @@ static json_t *items_json(const struct gui *gui)
     return array;
 }
 
-// --- pictures ------------------------------------------------------------------------------------
+// --- images --------------------------------------------------------------------------------------
 
 static void list_kept(void *context, const struct part *part)
 {
@@ -102,7 +102,7 @@ static json_t *picked_json(const struct picked *picked)
                      json_number(picked->distance));
 }
 
-// --- all the rest --------------------------------------------------------------------------------
+// --- the whole state -----------------------------------------------------------------------------
 
 static json_t *counts_json(const struct viewer *viewer)
 {
@@ -195,7 +195,7 @@ json_t *state_json(const struct viewer *viewer)
         items_json(&viewer->shell.gui));
 }
 
-// --- looking things up ---------------------------------------------------------------------------
+// --- finding values ------------------------------------------------------------------------------
 
 static const json_t *find_item(const json_t *state, const char *id, const char *what)
 {
@@ -234,7 +234,7 @@ bool state_hash_picture(struct viewer *viewer, uint64_t *hash, struct err *err)
     uint64_t bytes = (uint64_t)screen->width * screen->height * 4;
     *hash = HASH_INIT;
     if (bytes == 0 || viewer->stage.display.pixels.bytes < bytes)
-        return true; // nothing has been displayed yet
+        return true; // no image has been displayed yet
     uint8_t *pixels = malloc(bytes);
     if (!pixels)
         return err_memory(err, "the picture", bytes);

@@ -3,10 +3,11 @@
 
 #include "viewer/window/swapchain_choose.h"
 
-// Longer than a frame of any display. A window that is not visible may never get an image: then the
-// image is skipped, and the program continues.
+// The time to wait for an image, in nanoseconds: longer than a frame of any display. A window that
+// is not visible may never get an image; then the image is skipped, and the program continues.
 #define ACQUIRE_NS UINT64_C(100000000)
-// Without an image between them; if the window system is gone for good, this ends the loop.
+// The number of lost surfaces, without an image in between, after which presentation fails. This
+// ends the loop if the window system no longer works.
 #define MAX_LOST_SURFACES 4
 
 static bool succeeds(struct gpu *gpu, const char *call, VkResult result, struct err *err)
@@ -14,8 +15,8 @@ static bool succeeds(struct gpu *gpu, const char *call, VkResult result, struct 
     return result == VK_SUCCESS || gpu_fail(gpu, call, result, err);
 }
 
-// Returns false if the result ends the work on this image. It is a failure (*failed) only if
-// recreating the swapchain does not help.
+// Returns whether the work on this image can go on. Sets *failed if it cannot and recreating the
+// swapchain does not help.
 static bool goes_on(struct gpu *gpu, struct swapchain *swapchain, const char *call, VkResult result,
                     bool *failed, struct err *err)
 {
@@ -23,7 +24,7 @@ static bool goes_on(struct gpu *gpu, struct swapchain *swapchain, const char *ca
     case VK_SUCCESS:
         return true;
     case VK_SUBOPTIMAL_KHR:
-        // If it is suboptimal from its first image on, recreating it does not help.
+        // If the first image of a swapchain is suboptimal, recreating the swapchain does not help.
         swapchain->is_suboptimal |= swapchain->shown == swapchain->shown_before_made;
         swapchain->is_stale |= !swapchain->is_suboptimal;
         return true;
@@ -44,7 +45,7 @@ static bool goes_on(struct gpu *gpu, struct swapchain *swapchain, const char *ca
     }
 }
 
-// --- what it consists of ------------------------------------------------------------------------
+// --- parts of a swapchain ------------------------------------------------------------------------
 
 static void calls_load(struct gpu *gpu, struct swapchain_calls *out)
 {
@@ -66,7 +67,7 @@ static void calls_load(struct gpu *gpu, struct swapchain_calls *out)
 #undef DEVICE
 }
 
-// Frees everything except the swapchain itself, which is passed to its successor.
+// Frees all parts except the swapchain itself, which is passed to the creation of its successor.
 static void images_finish(struct gpu *gpu, struct swapchain *swapchain)
 {
     gpu_settle(gpu);
@@ -146,7 +147,7 @@ static bool images_create(struct gpu *gpu, struct swapchain *swapchain, struct e
                              &swapchain->converted, err));
 }
 
-// --- making it ----------------------------------------------------------------------------------
+// --- creation ------------------------------------------------------------------------------------
 
 struct offer {
     VkSurfaceCapabilitiesKHR capabilities;
@@ -155,7 +156,8 @@ struct offer {
     uint32_t format_count, mode_count;
 };
 
-// If there are more entries than room, the first ones are enough to choose from.
+// Reads what the surface offers. If there are more entries than there is space for, the first ones
+// are enough to choose from.
 static VkResult offer_read(const struct gpu *gpu, const struct swapchain *swapchain,
                            struct offer *out)
 {
@@ -189,8 +191,8 @@ static VkCompositeAlphaFlagBitsKHR composite_alpha(const VkSurfaceCapabilitiesKH
     VkCompositeAlphaFlagsKHR offered = surface->supportedCompositeAlpha;
     if (offered & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR)
         return VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
-    return 1u << __builtin_ctz(offered); // at least one is offered: images are opaque in all of
-                                         // them
+    // At least one bit is set; images are opaque, so that all modes give the same result.
+    return 1u << __builtin_ctz(offered);
 }
 
 static VkResult handle_create(struct gpu *gpu, struct swapchain *swapchain,
@@ -220,12 +222,13 @@ static VkResult handle_create(struct gpu *gpu, struct swapchain *swapchain,
     VkResult result = swapchain->calls.create(gpu->device, &info, NULL, &swapchain->handle);
     if (result != VK_SUCCESS)
         swapchain->handle = VK_NULL_HANDLE;
-    if (old) // it is retired, even if creation failed
+    if (old) // the old swapchain is retired even if creation fails
         swapchain->calls.destroy(gpu->device, old, NULL);
     return result;
 }
 
-// Returns false if there is no swapchain: *failed tells whether that is an error.
+// Recreates the swapchain. Returns false if there is none afterwards; *failed is whether that is an
+// error.
 static bool remake(struct gpu *gpu, struct swapchain *swapchain, const struct window *window,
                    bool *failed, struct err *err)
 {
@@ -252,8 +255,8 @@ static bool remake(struct gpu *gpu, struct swapchain *swapchain, const struct wi
     return !*failed;
 }
 
-// Makes a swapchain for the current window. If the window has no area or the surface was lost,
-// there is none afterwards, and that is no failure.
+// Creates a swapchain for the current window. If the window has no area or the surface is lost,
+// there is no swapchain afterwards, and this is not a failure.
 static bool swapchain_make(struct gpu *gpu, struct swapchain *swapchain,
                            const struct window *window, struct err *err)
 {
@@ -316,7 +319,7 @@ static bool bring_up_to_date(struct gpu *gpu, struct swapchain *swapchain, struc
     return !is_out_of_date(swapchain, window) || swapchain_make(gpu, swapchain, window, err);
 }
 
-// --- showing ------------------------------------------------------------------------------------
+// --- presentation --------------------------------------------------------------------------------
 
 static const VkImageSubresourceLayers color_layer = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
 
@@ -340,7 +343,7 @@ static void barrier(struct gpu_commands *commands, VkImage image, VkImageLayout 
                          VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL, 0, NULL, 1, &info);
 }
 
-// Reorders the channels for the image's format, and scales.
+// Copies the image to the swapchain's image; reorders the channels for its format, and scales.
 static void blit(struct swapchain *swapchain, const struct gpu_screen *screen, VkImage to)
 {
     bool same_size = screen->width == swapchain->width && screen->height == swapchain->height;
@@ -366,8 +369,8 @@ static void copy(struct swapchain *swapchain, VkImage from, VkImage to)
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
-// The screen's values are sRGB-encoded. Blits to formats that encode would encode them again;
-// copies keep the bits.
+// Records the copy to the swapchain's image. The screen's values are sRGB-encoded already. A blit
+// to a format that encodes would encode them again, but a copy keeps the bits.
 static void picture_record(struct swapchain *swapchain, const struct gpu_screen *screen,
                            VkImage image)
 {
@@ -403,13 +406,14 @@ static VkResult present_call(struct gpu *gpu, struct swapchain *swapchain, uint3
     return swapchain->calls.present(gpu->queue, &info);
 }
 
-// *shown: whether an image was presented.
+// Presents the image. *shown receives whether it was presented.
 static bool picture_show(struct gpu *gpu, struct swapchain *swapchain,
                          const struct gpu_screen *screen, bool *shown, struct err *err)
 {
     bool failed = false;
     uint32_t index;
-    // Waits for the last copy, which has waited for the semaphore, so that it can be reused.
+    // gpu_begin() waits for the end of the last copy, which has waited for the semaphore, so that
+    // the semaphore can be used again.
     if (!gpu_begin(gpu, &swapchain->commands, err))
         return false;
     VkResult result = swapchain->calls.acquire(gpu->device, swapchain->handle, ACQUIRE_NS,
@@ -420,7 +424,9 @@ static bool picture_show(struct gpu *gpu, struct swapchain *swapchain,
     swapchain->commands.awaited = swapchain->acquired;
     swapchain->commands.signalled = swapchain->copied[index];
     if (!gpu_submit(gpu, &swapchain->commands, err)) {
-        swapchain->is_stale = true; // its image and its semaphore would wait forever
+        // The image that was acquired would never be presented, and its semaphore never be waited
+        // for.
+        swapchain->is_stale = true;
         return false;
     }
     result = present_call(gpu, swapchain, index);
@@ -435,8 +441,8 @@ bool swapchain_show(struct gpu *gpu, struct swapchain *swapchain, struct window 
         return true;
     if (gpu->lost)
         return gpu_fail(gpu, "showing a picture", VK_ERROR_DEVICE_LOST, err);
-    // Tries again if the swapchain is out of date, so that a window that is being resized has an
-    // image in every frame.
+    // If the swapchain is out of date, it is recreated and used at once, so that a window that is
+    // being resized shows an image in every frame.
     bool shown = false;
     for (int attempt = 0; attempt < 2 && !shown; attempt++) {
         if (!bring_up_to_date(gpu, swapchain, window, err) ||

@@ -1,4 +1,5 @@
-// Shows the screen's image in the window. The only vk* calls outside of src/gpu.
+// Shows the screen's image in the window. The vk* calls of this folder are the only ones outside of
+// src/gpu.
 #ifndef LAMPYRIS_VIEWER_WINDOW_SWAPCHAIN_H
 #define LAMPYRIS_VIEWER_WINDOW_SWAPCHAIN_H
 
@@ -7,7 +8,7 @@
 
 #define SWAPCHAIN_IMAGES_MAX 16
 
-// Functions of the extensions VK_KHR_surface and VK_KHR_swapchain: see gpu_function.
+// The functions of VK_KHR_surface and VK_KHR_swapchain; see gpu_function().
 struct swapchain_calls {
     PFN_vkDestroySurfaceKHR destroy_surface;
     PFN_vkGetPhysicalDeviceSurfaceSupportKHR support;
@@ -29,32 +30,33 @@ struct swapchain {
     VkFormat format;
     VkPresentModeKHR present_mode;
     VkImage images[SWAPCHAIN_IMAGES_MAX];
-    VkSemaphore copied[SWAPCHAIN_IMAGES_MAX]; // signalled when the image is ready to be presented
-    VkSemaphore acquired;                     // signalled when the last acquired image may be
-                                              // written
+    // One per image; signalled when the image is ready for presentation.
+    VkSemaphore copied[SWAPCHAIN_IMAGES_MAX];
+    VkSemaphore acquired; // signalled when the image that was acquired last may be written
     uint32_t image_count;
-    // An image of the swapchain's size in case its format encodes values to sRGB, which they are
-    // already: copies keep the bits, and are only possible from this image.
+    // An image of the swapchain's size, for formats that encode values to sRGB. The values are
+    // encoded already, so they must be copied without a change of bits, which is possible only from
+    // an image of the same size.
     struct gpu_image converted;
-    bool vsync; // may be changed at any time; swapchain_show applies it
+    bool vsync; // may be changed at any time; takes effect at the next swapchain_show
     bool has_vsync;
-    uint32_t window_width, window_height; // size of the window when the swapchain was made
-    bool is_stale, is_surface_lost;       // must be recreated
-    bool is_suboptimal;                   // and recreating it does not help
-    uint32_t lost_in_a_row;               // number of surfaces lost since the last image
+    uint32_t window_width, window_height; // size of the window when the swapchain was created
+    bool is_stale, is_surface_lost;       // the swapchain or the surface must be recreated
+    bool is_suboptimal;                   // the swapchain is suboptimal even after recreation
+    uint32_t lost_in_a_row; // number of surfaces lost since the last image that was shown
     struct gpu_commands commands;
-    uint64_t shown, recreated;  // numbers of images shown, and of recreations
-    uint64_t shown_before_made; // `shown` at the last creation
+    uint64_t shown, recreated;  // number of images shown, and number of recreations
+    uint64_t shown_before_made; // value of `shown` when the swapchain was created
     struct swapchain_calls calls;
 };
 
-// Headless windows have no swapchain: *out is {0}, and swapchain_show does nothing.
+// Creates a swapchain. A headless window has none: *out is {0}, and swapchain_show does nothing.
 bool swapchain_create(struct gpu *gpu, struct window *window, bool vsync, struct swapchain *out,
                       struct err *err);
 void swapchain_finish(struct gpu *gpu, struct swapchain *swapchain); // accepts NULL and {0}
-// Copies the screen's image of gpu_screen_draw, scaled if the sizes differ, and presents it.
-// Recreates the swapchain if the window or vsync changed, if it is out of date or if the surface
-// was lost; an image may be skipped then. Does nothing while minimised.
+// Presents the screen's image (see gpu_screen_draw), scaled if the sizes differ. Recreates the
+// swapchain if the window or vsync has changed, or if the swapchain is out of date or its surface
+// lost; then an image may be skipped. Does nothing while the window is minimised.
 bool swapchain_show(struct gpu *gpu, struct swapchain *swapchain, struct window *window,
                     const struct gpu_screen *screen, struct err *err);
 

@@ -1,7 +1,7 @@
 #include "viewer/window/swapchain_choose.h"
 
 static const struct {
-    VkFormat format, twin; // twin: see swapchain_twin
+    VkFormat format, twin; // twin: as swapchain_twin() returns it
 } formats[] = {
     {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_UNDEFINED},
     {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_UNDEFINED},
@@ -41,7 +41,7 @@ VkPresentModeKHR swapchain_choose_mode(const VkPresentModeKHR *offered, uint32_t
         for (uint32_t i = 0; i < count; i++)
             if (offered[i] == wanted[w])
                 return offered[i];
-    return VK_PRESENT_MODE_FIFO_KHR; // every surface supports it
+    return VK_PRESENT_MODE_FIFO_KHR; // every surface supports this mode
 }
 
 static uint32_t within(uint32_t value, uint32_t least, uint32_t most)
@@ -52,7 +52,8 @@ static uint32_t within(uint32_t value, uint32_t least, uint32_t most)
 VkExtent2D swapchain_choose_extent(const VkSurfaceCapabilitiesKHR *surface, uint32_t window_width,
                                    uint32_t window_height)
 {
-    // Marks surfaces that take any size (Vulkan specification, VkSurfaceCapabilitiesKHR).
+    // UINT32_MAX marks surfaces that can have any size (Vulkan specification,
+    // VkSurfaceCapabilitiesKHR).
     if (surface->currentExtent.width != UINT32_MAX)
         return surface->currentExtent;
     return (VkExtent2D){
@@ -61,13 +62,13 @@ VkExtent2D swapchain_choose_extent(const VkSurfaceCapabilitiesKHR *surface, uint
     };
 }
 
-// One more than the surface holds back, so that an image is available while another one is
-// displayed; mailbox mode needs one more for the waiting image.
+// Returns one image more than the surface holds back, so that an image is available while another
+// one is displayed. Mailbox mode needs another one, for the image that waits.
 uint32_t swapchain_choose_count(const VkSurfaceCapabilitiesKHR *surface, VkPresentModeKHR mode)
 {
     uint32_t count = surface->minImageCount + 1;
     if (mode == VK_PRESENT_MODE_MAILBOX_KHR && count < 3)
         count = 3;
-    uint32_t most = surface->maxImageCount; // 0: no limit
+    uint32_t most = surface->maxImageCount; // 0 means that there is no limit
     return most && count > most ? most : count;
 }

@@ -1,4 +1,4 @@
-// The window: GLFW's, or a headless replacement.
+// The window: one of GLFW, or a headless replacement.
 #include "viewer/window/window.h"
 
 #include "base/clock.h"
@@ -10,15 +10,16 @@
 
 // --- events -------------------------------------------------------------------------------------
 
-// Both events report a current state, so only the last of consecutive ones counts.
+// Moves and changes of size report a state, so the last one of consecutive events replaces the
+// others.
 static bool replaces_last(const struct window_events *queue, const struct event *event)
 {
     return queue->count > 0 && event->kind == queue->list[queue->count - 1].kind &&
            (event->kind == EVENT_MOVE || event->kind == EVENT_RESIZE);
 }
 
-// A full queue ends with the loss of focus: the lost events may be releases of keys, and no key may
-// stay held forever.
+// Adds an event. If the queue is full, its last event becomes a loss of focus: the events that are
+// dropped may be releases, and no key may remain held forever.
 static void event_add(struct window *window, const struct event *event)
 {
     struct window_events *queue = &window->queues[window->gathering];
@@ -45,7 +46,8 @@ void window_push(struct window *window, const struct event *event)
     event_add(window, event);
 }
 
-// GLFW's modifiers omit the key itself when a modifier is pressed (X11).
+// Returns the modifiers that are held. On X11, GLFW's own flags do not include a modifier key in
+// the event of its press.
 static uint32_t held_modifiers(GLFWwindow *handle)
 {
     static const struct {
@@ -64,7 +66,7 @@ static uint32_t held_modifiers(GLFWwindow *handle)
     return held;
 }
 
-// Adds an event that GLFW reported.
+// Adds an event that GLFW has reported.
 static void tell(GLFWwindow *handle, struct event event)
 {
     event.modifiers = held_modifiers(handle);
@@ -117,7 +119,8 @@ static void on_drop(GLFWwindow *handle, int count, const char **paths)
         tell(handle, (struct event){.kind = EVENT_DROP, .path = paths[i]});
 }
 
-// A window without area, which some systems report while it is minimised, keeps its size here.
+// Adopts a new size. Some systems report no area for a window that is minimised; its size is then
+// kept.
 static bool size_set(struct window *window, int width, int height)
 {
     if (width <= 0 || height <= 0)
@@ -171,7 +174,7 @@ static void on_error(int code, const char *text)
     log_warn("window: %s", text);
 }
 
-// --- opening ------------------------------------------------------------------------------------
+// --- opening and closing -------------------------------------------------------------------------
 
 static const char *glfw_error(void)
 {
@@ -265,7 +268,7 @@ const char *const *window_extensions(uint32_t *count)
 bool window_can_present(void *window, VkInstance instance, VkPhysicalDevice device,
                         uint32_t queue_family)
 {
-    (void)window; // GLFW does not need the window for this
+    (void)window; // GLFW needs no window to determine this
     return glfwGetPhysicalDevicePresentationSupport(instance, device, queue_family);
 }
 
@@ -277,7 +280,7 @@ bool window_create_surface(struct window *window, VkInstance instance, VkSurface
            err_set(err, ERR_GPU, "the window has no surface: %s (%d)", glfw_error(), (int)result);
 }
 
-// --- use ----------------------------------------------------------------------------------------
+// --- events, size and clipboard ------------------------------------------------------------------
 
 void window_poll(struct window *window, double wait_seconds)
 {
@@ -287,7 +290,7 @@ void window_poll(struct window *window, double wait_seconds)
     else if (window->handle)
         glfwPollEvents();
     else if (waits)
-        clock_sleep(wait_seconds); // a signal ends it early, as it ends waiting for events
+        clock_sleep(wait_seconds); // a signal ends this wait, too
     struct window_events *gathered = &window->queues[window->gathering];
     window->events = gathered->list;
     window->event_count = gathered->count;
@@ -321,7 +324,7 @@ void window_minimise(struct window *window, bool minimised)
 void window_capture(struct window *window, bool captured)
 {
     if (window->handle && window->is_captured != captured) {
-        // Raw movements of the mouse, without the system's acceleration.
+        // Uses raw mouse movements, to which the system has not applied acceleration.
         if (glfwRawMouseMotionSupported())
             glfwSetInputMode(window->handle, GLFW_RAW_MOUSE_MOTION, captured);
         glfwSetInputMode(window->handle, GLFW_CURSOR,
