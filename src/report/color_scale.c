@@ -4,7 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-// In units of the scale: 1 pixel for images of up to 511 pixels, 2 up to 767, and so on.
+// Sizes in units of the scale. A unit is 1 pixel for images up to 511 pixels wide, 2 pixels up to
+// 767, and so on.
 enum { GAP = 4, BAR = 8, TICK = 2, GLYPH_ROWS = 5, GLYPH_ADVANCE = 4, MARGIN = 10 };
 enum { STRIP = GAP + BAR + TICK + 1 + GLYPH_ROWS + GAP, LEAST_WIDTH = 160, UNIT_MAX = 4 };
 
@@ -12,10 +13,11 @@ static const float background[3] = {0.2f, 0.2f, 0.2f}, ink[3] = {0.9f, 0.9f, 0.9
 
 struct canvas {
     struct image *image;
-    uint32_t top, unit; // place of the strip below the image
+    uint32_t top, unit; // y of the strip below the image, and pixels per unit
 };
 
-// x in pixels; y and height in units from the strip's top.
+// Fills a rectangle of the strip. x and width are in pixels; y and height are in units from the
+// strip's top.
 static void fill(const struct canvas *c, uint32_t x, uint32_t width, uint32_t y, uint32_t height,
                  const float color[3])
 {
@@ -26,7 +28,7 @@ static void fill(const struct canvas *c, uint32_t x, uint32_t width, uint32_t y,
         }
 }
 
-// Returns the rows of a glyph, three bits each from the top, as octal digits.
+// Returns the rows of a glyph from the top as octal digits, whose three bits are the pixels.
 static uint32_t glyph(char letter)
 {
     static const char letters[] = "0123456789e-.";
@@ -57,7 +59,7 @@ static void draw_bar(const struct canvas *c, uint32_t left, uint32_t width)
     }
 }
 
-// Ticks are a decade apart, or a fifth of the range.
+// Draws the ticks: one per decade, or one per fifth of the range.
 static void draw_ticks(const struct canvas *c, enum error_map map, uint32_t left, uint32_t width)
 {
     struct error_scale scale = error_map_scale(map);

@@ -1,4 +1,4 @@
-// The scale below an image in false colours: colours, ticks and numbers.
+// Draws the scale below an image in false colours: colours, ticks and numbers.
 #ifndef LAMPYRIS_REPORT_COLOR_SCALE_H
 #define LAMPYRIS_REPORT_COLOR_SCALE_H
 
@@ -6,8 +6,8 @@
 #include "image/image.h"
 #include "metrics/error_map.h"
 
-// Makes an image of display values with the map's scale below it; narrow images are widened to make
-// room. The result lives in `arena`. Returns false when out of memory.
+// Makes an image of display values with the map's scale below it. Narrow images are made wider to
+// have room for the scale. `arena` owns the result. Returns false when out of memory.
 bool color_scale_append(enum error_map map, const struct image *picture, struct arena *arena,
                         struct image *out);
 

@@ -5,10 +5,11 @@
 #include "base/err.h"
 #include <stdio.h>
 
-void csv_words(FILE *file, const char *text); // in quotes, which are doubled inside
-void csv_number(FILE *file, double value);    // empty if it is not finite
+// Writes a quoted text; quotation marks in it are doubled.
+void csv_words(FILE *file, const char *text);
+void csv_number(FILE *file, double value); // writes nothing if the value is not finite
 
-// Writes what `print` prints into a file, at one stroke.
+// Writes the output of `print` to a file atomically.
 typedef void (*csv_print_fn)(const void *context, FILE *file);
 bool csv_write(const char *path, csv_print_fn print, const void *context, struct err *err);
 

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Runs gnuplot between two files; its error messages go to ours.
+// Runs gnuplot with `in` as its input and `out` as its output. Its error messages go to stderr.
 static bool run(FILE *in, FILE *out, struct err *err)
 {
     const char *const arguments[] = {"gnuplot", NULL};

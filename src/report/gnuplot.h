@@ -5,8 +5,9 @@
 #include "base/arena.h"
 #include "base/err.h"
 
-// Returns the output of gnuplot for `script`, which must set a terminal without a file name:
-// zero-terminated text in `arena`. ERR_SYSTEM if gnuplot is not installed or fails.
+// Runs a gnuplot script, which must set a terminal without a file name, and returns the output as
+// zero-terminated text in `arena`. Fails with ERR_SYSTEM if gnuplot is not installed or reports an
+// error.
 bool gnuplot_run(const char *script, struct arena *arena, char **out, struct err *err);
 
 #endif

@@ -14,7 +14,7 @@ static const char head[] =
     "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>%s</title>\n"
     "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<style>\n";
 
-// The look and the code of the page, from the files beside this one.
+// The style and the code of the page, embedded from the files in this folder.
 static const char style[] = EMBEDDED_PAGE_CSS;
 static const char *const scripts[] = {EMBEDDED_FIGURE_JS, EMBEDDED_VIEWER_JS,
                                       EMBEDDED_VIEWER_FIGURES_JS};
@@ -52,7 +52,7 @@ bool html_begin(struct html_page *page, struct arena *arena, const char *folder,
     return true;
 }
 
-// Only pages with pictures or plots to work with have code.
+// Writes the page's code. Only pages with interactive images or plots have any.
 static void put_scripts(struct html_page *page)
 {
     if (page->viewers == 0 && !page->has_plots)
@@ -116,9 +116,9 @@ void html_base64(struct html_page *page, const uint8_t *bytes, size_t count)
     }
 }
 
-// 13 bits are two digits of base 91, since 91 * 91 >= 2^13: 16 bytes take 20 characters, where
-// base64 takes 22. Digits are the characters from '#' on, but for '<', which '~' replaces: '<'
-// could end a script element.
+// Writes a digit of base 91. Two digits represent 13 bits, because 91 * 91 >= 2^13, so 16
+// characters carry 13 bytes, which is 7 % more than base64 does. The digits are the characters from
+// '#' on; '~' replaces '<', which could end a script element.
 static void put_digit(FILE *out, uint32_t digit)
 {
     const int character = '#' + (int)digit;
@@ -127,7 +127,7 @@ static void put_digit(FILE *out, uint32_t digit)
 
 void html_base91(struct html_page *page, const uint8_t *bytes, size_t count)
 {
-    uint32_t bits = 0, bit_count = 0; // the lowest are the next to be written
+    uint32_t bits = 0, bit_count = 0; // the next bits to be written, and how many there are
     for (size_t i = 0; i < count || bit_count > 0;) {
         for (; bit_count < 13 && i < count; bit_count += 8)
             bits |= (uint32_t)bytes[i++] << bit_count;
@@ -138,7 +138,7 @@ void html_base91(struct html_page *page, const uint8_t *bytes, size_t count)
     }
 }
 
-// Formats are literals of the callers, with one double.
+// All formats are string literals of the callers with a single double.
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
 
 void html_value(struct html_page *page, struct interval i, const char *format)
@@ -176,7 +176,7 @@ void html_number(struct html_page *page, double value, const char *format)
 
 // --- plots ---------------------------------------------------------------------------------------
 
-// gnuplot supports escapes only in double quotes; single quotes are doubled.
+// Writes a text in single quotes, in which gnuplot has no escapes; single quotes in it are doubled.
 void html_plot_words(FILE *script, const char *text)
 {
     fputc('\'', script);
@@ -198,7 +198,7 @@ static bool keep_part(struct html_page *page, const char *name, const char *exte
                 : err_memory(err, "file names", strlen(name));
 }
 
-// The SVG is embedded without its XML declaration.
+// The plot's SVG is embedded without its XML declaration.
 bool html_plot(struct html_page *page, const char *name, const char *script, struct err *err)
 {
     struct err failure = {0};
@@ -221,7 +221,7 @@ bool html_plot(struct html_page *page, const char *name, const char *script, str
     return keep_part(page, name, "svg", svg, strlen(svg), err);
 }
 
-// --- pictures ------------------------------------------------------------------------------------
+// --- images --------------------------------------------------------------------------------------
 
 static bool encode(struct html_page *page, const char *name, const struct image *image,
                    uint8_t **png, size_t *size, struct err *err)

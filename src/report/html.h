@@ -1,4 +1,4 @@
-// Writes HTML reports: one file that needs no network, with plots, tables and pictures.
+// Writes HTML reports. Each is a single file with plots, tables and images that needs no network.
 #ifndef LAMPYRIS_REPORT_HTML_H
 #define LAMPYRIS_REPORT_HTML_H
 
@@ -11,58 +11,60 @@
 
 struct html_page {
     struct arena *arena;
-    const char *folder;   // folder of the page
-    const char *path;     // file of the page; NULL: FOLDER/report.html
-    bool keeps_parts;     // plots, their scripts and pictures also stand beside the page, as files
-    float exposure_stops; // for the following images, except false colours
+    const char *folder; // folder of the page
+    const char *path;   // file of the page; NULL: FOLDER/report.html
+    bool keeps_parts;   // plots, their scripts and images are also written as files beside the page
+    float exposure_stops; // exposure, in stops, of the images that follow, except for false colours
     enum tone_curve tone;
-    bool has_no_plots; // gnuplot is not there, which the page says
+    bool has_no_plots; // gnuplot is not available; the page has a note about that
     bool has_plots;
-    uint32_t viewers; // html_viewer.h
+    uint32_t viewers; // number of viewers in the page, see html_viewer.h
     struct memory_stream stream;
     FILE *out; // stream of the page
 };
 
-// Before the work: checks that neither FOLDER/report.html nor the results.json and results.csv
-// beside it are files that this run reads. ERR_USAGE.
+// Checks before the work that FOLDER/report.html and the files results.json and results.csv beside
+// it are not files that this run reads. Fails with ERR_USAGE.
 bool html_check_files(const char *folder, struct arena *arena, struct err *err);
-// Checks the same of a page of another name (NULL: none), which ends in .html or .htm, and that it
-// can be written.
+// Does the same for a page with another name, which must end in .html or .htm, and checks that the
+// page can be written. NULL: there is no page.
 bool html_check_file(const char *path, struct err *err);
 
-// Begins FOLDER/report.html in memory, with its title as a headline, without keeping parts.
+// Begins the page FOLDER/report.html in memory, with its title as headline. keeps_parts is false.
 bool html_begin(struct html_page *page, struct arena *arena, const char *folder, const char *title,
                 struct err *err);
-// Writes it, or, after a failure, only releases it.
+// Writes the page to its file if `ok` is set. Frees the page in any case.
 bool html_end(struct html_page *page, bool ok, struct err *err);
 
-void html_text(struct html_page *page, const char *text); // escaped
+void html_text(struct html_page *page, const char *text); // writes text and escapes it
 void html_base64(struct html_page *page, const uint8_t *bytes, size_t count);
-// For scripts of our own, which decode it (viewer.js): 1.23 characters a byte where base64
-// has 1.33.
+// Writes bytes in base 91, which viewer.js decodes. It takes 1.23 characters per byte, base64 takes
+// 1.33.
 void html_base91(struct html_page *page, const uint8_t *bytes, size_t count);
-// A table's cell, by a format of one double. Of an interval that is not known, its value alone.
+// Writes a table cell with an interval. `format` has one double. If the interval is not known, only
+// its value is written.
 void html_interval(struct html_page *page, struct interval interval, const char *format);
 void html_number(struct html_page *page, double value, const char *format);
-// Adds a value with its known interval, without a cell.
+// Does the same without a table cell.
 void html_value(struct html_page *page, struct interval interval, const char *format);
 
-// Runs a gnuplot script and embeds the plot. Without gnuplot the page has one note instead. `name`:
-// of the files if parts are kept, NAME.gp and NAME.svg.
+// Runs a gnuplot script and embeds the plot. If gnuplot is not available, the page gets a single
+// note instead. If parts are kept, they are NAME.gp and NAME.svg.
 bool html_plot(struct html_page *page, const char *name, const char *script, struct err *err);
-// Writes words for such a script, in quotes.
+// Writes a text for such a script, in quotes.
 void html_plot_words(FILE *script, const char *text);
-// Embeds an image. attributes: of the element, such as a class. `name`: of the file if parts are
-// kept, NAME.png.
+// Embeds an image. `attributes` are HTML attributes of the element, such as a class. If parts are
+// kept, the file is NAME.png.
 bool html_picture(struct html_page *page, const char *name, const struct image *image,
                   const char *attributes, struct err *err);
-// Where parts are kept, writes a picture beside the page, NAME.png; and false colours of relative
-// differences, as metrics_difference_picture has them, in fewer colours.
+// If parts are kept, writes an image beside the page as NAME.png. The second function writes the
+// false colours of metrics_difference_picture(), with fewer colours.
 bool html_keep_picture(struct html_page *page, const char *name, const struct image *image,
                        struct err *err);
 bool html_keep_difference(struct html_page *page, const char *name, const struct image *image,
                           const struct image *reference, struct err *err);
-// The machine, the device and its driver, our version and the command that was given.
+// Writes a description of the machine, the device, its driver, the version of this program, and the
+// command.
 void html_machine(struct html_page *page, const struct gpu *gpu, const char *command);
 
 #endif

@@ -1,13 +1,13 @@
-// Pictures that stand beside a report as files.
+// Images that are written as files beside a report.
 #include "report/html.h"
 
 #include "metrics/metrics.h"
 #include <math.h>
 
-// False colours are display values; images hold linear values.
+// Converts false colours, which are display values, to the linear values that images have.
 static void linearize(struct image *image)
 {
-    const float steps = 16; // between one colour of the scale and the next
+    const float steps = 16; // number of steps of the reduced colour scale
     uint64_t count = (uint64_t)image->width * image->height;
     for (uint64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)

@@ -8,14 +8,16 @@
 #include <math.h>
 #include <string.h>
 
-// Up to so many bytes of all pictures together, as floats, they stay floats. Encoded as PNG and
-// base 91 a page is at most as large again as that; noise of 16 bits does not compress.
+// If the values of all images together take at most this many bytes as floats, they are stored as
+// floats. In the page, as PNG in base 91, they take at most 1.23 times as much, because noise in 16
+// bits cannot be compressed.
 #define FLOATS_MAX (UINT64_C(8) << 20)
-// Above so many bytes as halves, these lose two bits: noise does not compress, and so a page of
-// four pictures of 1280 x 720 pixels stays near 20 MB. What is left, 9 bits of a number, is three
-// digits.
+// If the images take more bytes than this as halves, two bits of each half are rounded away. Noise
+// cannot be compressed, so this keeps a page with four images of 1280 x 720 pixels near 20 MB. The
+// remaining 9 bits of precision are three decimal digits.
 #define ALL_BITS_MAX (UINT64_C(16) << 20)
-// Above so many bytes as halves, pictures are reduced: five of 1920 x 1080 pixels stay whole.
+// If the images take more bytes than this as halves, their resolution is reduced. Five images of
+// 1920 x 1080 pixels are not.
 #define HALVES_MAX (UINT64_C(64) << 20)
 
 static uint64_t component_count(const struct html_viewer_params *params, uint32_t reduction)
@@ -38,7 +40,7 @@ static uint32_t choose_bits(const struct html_viewer_params *params, uint32_t re
     return component_count(params, reduction) * sizeof(float) <= FLOATS_MAX ? 32 : 16;
 }
 
-// Decimal digits that components have in the page.
+// Returns the number of decimal digits that the values in the page have.
 static uint32_t choose_digits(const struct html_viewer_params *params, uint32_t reduction)
 {
     if (choose_bits(params, reduction) == 32)
@@ -46,8 +48,8 @@ static uint32_t choose_digits(const struct html_viewer_params *params, uint32_t 
     return component_count(params, reduction) * sizeof(uint16_t) <= ALL_BITS_MAX ? 4 : 3;
 }
 
-// Base 91 takes 16 bytes for 13, the stream that holds them up to twice their size while it grows.
-// The maps of FLIP have a byte for each component.
+// Base 91 takes 16 bytes for 13, and the stream that receives them takes up to twice their size
+// while it grows. Maps of FLIP have one byte per component.
 uint64_t html_viewer_bytes(const struct html_viewer_params *params)
 {
     uint32_t reduction = choose_reduction(params);
@@ -55,7 +57,7 @@ uint64_t html_viewer_bytes(const struct html_viewer_params *params)
     return component_count(params, reduction) * bytes * 16 / 13 * 2;
 }
 
-// --- the description -----------------------------------------------------------------------------
+// --- the description of the viewer ---------------------------------------------------------------
 
 static json_t *maps_json(void)
 {
@@ -124,9 +126,9 @@ bool html_viewer_begin(struct html_page *page, const struct html_viewer_params *
     return true;
 }
 
-// --- pictures ------------------------------------------------------------------------------------
+// --- images --------------------------------------------------------------------------------------
 
-// The mean over the square of source pixels that one in the page stands for.
+// Returns the mean over the square of source pixels that one pixel of the page represents.
 static float reduced(const struct html_viewer *v, const float *values, uint32_t stride,
                      uint32_t source_height, uint32_t x, uint32_t y)
 {
@@ -141,8 +143,8 @@ static float reduced(const struct html_viewer *v, const float *values, uint32_t 
     return (float)(sum / (double)count);
 }
 
-// 32-bit FNV-1a, which the page compares with that of what it decoded: some browsers change pixels
-// of canvases on purpose.
+// Computes the 32-bit FNV-1a hash, with which the page verifies the values that it has decoded:
+// some browsers alter the pixels of canvases on purpose.
 static uint32_t hash_codes(const uint8_t *codes, size_t count)
 {
     uint32_t hash = 0x811c9dc5u;
@@ -151,7 +153,8 @@ static uint32_t hash_codes(const uint8_t *codes, size_t count)
     return hash;
 }
 
-// One plane of bytes as a PNG: lossless, small, and decoded fast by every browser.
+// Writes a plane of bytes as a PNG, which is lossless and small, and which all browsers decode
+// fast.
 static bool put_plane(struct html_viewer *v, const uint8_t *codes, const char *name,
                       struct arena *arena, json_t *sums, struct err *err)
 {
@@ -168,8 +171,8 @@ static bool put_plane(struct html_viewer *v, const uint8_t *codes, const char *n
     return true;
 }
 
-// To a multiple of four units in the last place; infinity and NaN stay what they are, and what
-// would be rounded up to infinity is the greatest half.
+// Rounds a half to a multiple of four units in the last place. Infinity and NaN are unchanged. A
+// value that would be rounded up to infinity becomes the greatest finite half.
 static uint32_t round_half_bits(uint32_t half)
 {
     const uint32_t sign = half & 0x8000u, magnitude = half & 0x7fffu, greatest = 0x7bffu;
@@ -179,7 +182,7 @@ static uint32_t round_half_bits(uint32_t half)
     return sign | (rounded > greatest ? greatest : rounded);
 }
 
-// The bits of a component as they stand in the page.
+// Returns the bits that represent a component in the page.
 static uint32_t bits_of(const struct html_viewer *v, float value)
 {
     uint32_t bits;
@@ -189,8 +192,8 @@ static uint32_t bits_of(const struct html_viewer *v, float value)
     return bits;
 }
 
-// Byte `byte` of each component, the least significant first, is a plane of its own: bytes beside
-// each other are alike then, and compress.
+// Writes the components as planes of bytes, least significant bytes first. Bytes of the same
+// significance are similar in neighbouring pixels, so they compress better.
 static bool put_planes(struct html_viewer *v, const float (*pixels)[3], uint32_t source_height,
                        uint8_t *codes, struct arena *arena, json_t *sums, struct err *err)
 {
@@ -209,8 +212,9 @@ static bool put_planes(struct html_viewer *v, const float (*pixels)[3], uint32_t
     return true;
 }
 
-// FLIP in red and HDR-FLIP in green, in steps of 1/255, and of 1/31 beside halves: of noisy
-// pictures the maps do not compress, and so many shades of false colours are enough.
+// Returns the code of FLIP (red) or HDR-FLIP (green), in steps of 1/255, or of 1/31 if the images
+// are stored as halves: maps of noisy images do not compress, and this many shades of false colours
+// are enough.
 static uint8_t flip_code(const struct html_viewer *v, float value)
 {
     const float steps = v->bits == 16 ? 31.0f : 255.0f;
@@ -260,8 +264,8 @@ void html_viewer_figure(struct html_viewer *viewer, const char *name, struct int
                                     json_number(value.high)));
 }
 
-// JSON inside of a script element: "<" is escaped, so that no name can end the element or begin
-// another one (HTML standard, 13.2.5.15 and following).
+// Writes JSON inside a script element. "<" is escaped, so that a name can neither end the element
+// nor begin another one (HTML standard, 13.2.5.15 and following).
 static void put_json(FILE *out, const char *text)
 {
     for (; *text; text++)

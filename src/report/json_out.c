@@ -45,10 +45,10 @@ char *json_to_text(json_t *object, size_t flags, struct err *err)
 
 bool json_put(json_t *object, struct err *err)
 {
-    // Nine digits are enough for floats, and times are not more accurate.
+    // Nine digits distinguish all floats, and times are not more accurate.
     char *text = json_to_text(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9), err);
     if (text)
-        puts(text); // main notices when stdout cannot be written
+        puts(text); // main() detects that stdout cannot be written
     json_release(text);
     return text != NULL;
 }

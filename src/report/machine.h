@@ -1,4 +1,4 @@
-// Describes the machine of a measurement.
+// Describes the machine on which a measurement was made.
 #ifndef LAMPYRIS_REPORT_MACHINE_H
 #define LAMPYRIS_REPORT_MACHINE_H
 
@@ -11,9 +11,9 @@ struct machine {
     double memory_bytes;
 };
 
-// Unknown values are "unknown" or 0.
+// Returns a description in which unknown values are "unknown" or 0.
 struct machine machine_describe(void);
-// {processor, threads, memory_bytes, system, device, driver, version}
+// Returns {processor, threads, memory_bytes, system, device, driver, version}.
 json_t *machine_json(const struct gpu *gpu);
 
 #endif

@@ -5,7 +5,7 @@
 #include "base/printable.h"
 #include <stdio.h>
 
-// Prints text that may come from a file: what base/printable.h masks, as '?'.
+// Prints text that may come from a file. Characters that base/printable.h masks are printed as '?'.
 static inline void print_words(const char *text)
 {
     while (*text) {
@@ -26,7 +26,7 @@ static inline void print_line(const char *label, const char *text)
     putchar('\n');
 }
 
-// Prints where --report has written; folder NULL: nowhere.
+// Prints where --report has written its files; prints nothing if `folder` is NULL.
 static inline void print_report(const char *folder)
 {
     if (!folder)
