@@ -1,4 +1,4 @@
-// Makes the layers of an EXR file that hold AOVs, the images other than radiance.
+// Makes the layers of an EXR file that contain AOVs: images other than radiance.
 #ifndef LAMPYRIS_OUTPUT_LAYERS_H
 #define LAMPYRIS_OUTPUT_LAYERS_H
 
@@ -13,9 +13,10 @@ struct layers {
 
 struct film_image;
 
-// Lists the requested layers of the film (AOV_*); their values belong to the film.
+// Lists those layers of the film that are requested (AOV_*). The film owns their values.
 void layers_list(const struct film_image *film, uint32_t wanted, struct layers *out);
-// Returns the greatest number of bytes per pixel of the layers in a file, uncompressed.
+// Returns the greatest number of bytes per pixel that these layers take in a file without
+// compression.
 uint64_t layers_bytes(uint32_t wanted, bool half_float);
 
 #endif

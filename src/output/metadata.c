@@ -1,4 +1,4 @@
-// Writes down in a picture how it was made.
+// Describes in an image file how the image was made.
 #include "output/metadata.h"
 
 #include "job/job.h"
@@ -33,7 +33,7 @@ static void add(struct attributes *a, const char *key, const char *format, ...)
 
 static void add(struct attributes *a, const char *key, const char *format, ...)
 {
-    char text[600]; // the longest is the driver's name
+    char text[600]; // long enough for the driver's name, which is the longest value
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
@@ -41,7 +41,7 @@ static void add(struct attributes *a, const char *key, const char *format, ...)
     a->failed |= !metadata_set(a->out, key, arena_strdup(a->arena, text), NULL);
 }
 
-// Adds a value that lives as long as the arena; NULL means that memory for it ran out.
+// Adds a value that is valid as long as the arena. NULL means that memory for the value ran out.
 static void add_text(struct attributes *a, const char *key, const char *value)
 {
     a->failed |= !metadata_set(a->out, key, value, NULL);
@@ -84,7 +84,7 @@ static void add_settings(struct attributes *a, const struct metadata_params *par
     const struct job_params *asked = &params->job->params;
     const struct renderer *r = &params->job->renderer;
     struct settings made = *params->settings;
-    // The samples and the exposure are those of the image, not those that were requested.
+    // The samples and the exposure of the image may differ from those in the settings.
     made.spp = params->samples;
     made.exposure = params->exposure;
     made.exposure_is_auto = false;
@@ -115,7 +115,7 @@ static void add_layers(struct attributes *a, const struct metadata_params *param
         add_text(a, "lampyris:layers", names);
 }
 
-// An estimate without an interval is omitted.
+// Adds the estimated error. An estimate without an interval is left out.
 static void add_error(struct attributes *a, const struct half_error *error)
 {
     if (error->known) {
@@ -162,7 +162,7 @@ bool metadata_make(const struct metadata_params *params, struct arena *arena, st
     add_text(&a, "lampyris:command", params->command);
     if (params->repeat)
         add_text(&a, "lampyris:repeat", params->repeat);
-    // The viewer may open another scene before the image is written.
+    // The path is copied, because the viewer may open another scene before the image is written.
     add_text(&a, "lampyris:scene", arena_strdup(arena, job->scene->path));
     add(&a, "lampyris:scene_hash", "%016" PRIx64, job->scene->hash);
     add(&a, "lampyris:device", "%s", job->gpu->info.name);

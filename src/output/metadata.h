@@ -1,5 +1,5 @@
-// Metadata of an image file that describe how the image was made: enough to judge it, and to make
-// it again.
+// The metadata of an image file. They describe how the image was made, in enough detail to evaluate
+// it and to render it again.
 #ifndef LAMPYRIS_OUTPUT_METADATA_H
 #define LAMPYRIS_OUTPUT_METADATA_H
 
@@ -20,27 +20,29 @@ struct job_seconds;
 struct scene_load_params;
 
 struct metadata_params {
-    const struct job *job;                // the job that rendered it: device, scene, renderer and
-                                          // goal
-    const struct scene_load_params *load; // the parameters with which the scene was loaded
-    const struct settings *settings;      // but for the number of samples and the exposure
+    const struct job *job; // the job that rendered the image, with device, scene, renderer and goal
+    const struct scene_load_params *load; // parameters with which the scene was loaded
+    // The settings, except for the number of samples and the exposure.
+    const struct settings *settings;
     const struct film_image *film;
     const struct half_error *error;
     const struct job_seconds *seconds;
     const char *ended_by; // see job_ended_by()
-    const char *command;  // the command that made it
-    const char *repeat;   // the command that makes it again; NULL: there is none
-    uint64_t samples;     // per pixel, as --spp
+    const char *command;  // the command that rendered the image
+    const char *repeat;   // a command that renders it again; NULL if there is none
+    uint64_t samples;     // samples per pixel, as for --spp
     uint64_t image_hash;
     float exposure;  // stops
-    uint32_t camera; // index into the scene's
-    uint32_t frame;  // 0: the image of all
+    uint32_t camera; // index of the camera in the scene
+    uint32_t frame;  // number of the frame; 0: the image has the samples of all frames
 };
 
-// Values are copied into `arena`, except the two commands and the error's reason.
+// Makes the metadata. Values are copied into `arena`, except the two commands and the error's
+// reason.
 bool metadata_make(const struct metadata_params *params, struct arena *arena, struct metadata *out,
                    struct err *err);
-// Adds one, or takes the place of the one with this key. NULL for `value`: no memory for it.
+// Adds a value or replaces the value with the same key. A value of NULL means that there was no
+// memory for it, and fails.
 bool metadata_set(struct metadata *metadata, const char *key, const char *value, struct err *err);
 
 #endif
