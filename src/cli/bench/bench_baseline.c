@@ -1,4 +1,4 @@
-// Finds rows that are slower than in an earlier run.
+// Finds rows that are slower than in an earlier run (the baseline).
 #include "cli/bench/bench.h"
 
 #include "base/file.h"
@@ -37,7 +37,7 @@ static json_t *find_row(json_t *variant, const char *name)
     return NULL;
 }
 
-// The work must be the same; the results may differ, which is then reported.
+// Checks that both runs did the same work. Their results may differ, which is reported.
 static bool check_work(const struct bench *b, const struct bench_variant *v, const json_t *before,
                        struct err *err)
 {
@@ -69,7 +69,7 @@ static void look_at_picture(const struct bench *b, const struct bench_variant *v
                  text_of(before, "image_hash"), hash);
 }
 
-// Reads the repetitions' times of a row from the file; NULL if it has none.
+// Reads the times of all repetitions of a row. Returns NULL if the file has none.
 static double *read_times(struct bench *b, json_t *row, size_t *count, struct err *err)
 {
     const json_t *list = json_object_get(row, "repeat_ms");
@@ -103,7 +103,8 @@ static bool compare_row(struct bench *b, struct bench_change *change, json_t *be
     return true;
 }
 
-// Lists the rows to compare: all except those of the host, which depend on its operating system.
+// Lists the rows to compare: all except those of the host, whose times depend on the operating
+// system.
 static uint32_t list_rows(const struct bench_variant *v, json_t *before, struct bench_change *out)
 {
     uint32_t count = 0;
@@ -186,7 +187,7 @@ bool bench_compare_baseline(struct bench *b, struct err *err)
         look_at_picture(b, &b->variants[i], before);
         b->change_count += list_rows(&b->variants[i], before, b->changes + b->change_count);
     }
-    // Bonferroni's inequality (Dunn 1961).
+    // The confidence of each row, by Bonferroni's inequality (Dunn 1961).
     double confidence = 1 - BENCH_FALSE_ALARMS / fmax(b->change_count, 1.0);
     for (uint32_t i = 0; i < b->change_count; i++) {
         struct bench_change *change = &b->changes[i];

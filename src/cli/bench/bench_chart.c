@@ -17,10 +17,10 @@ static const char head[] =
     "set terminal svg size 620,440 dynamic font 'sans-serif,12' noenhanced background 'white'\n"
     "set grid ytics lc '#dddddd'\nset border 3\nset tics nomirror\n";
 
-// --- a bar a variant -----------------------------------------------------------------------------
+// --- one bar per variant -------------------------------------------------------------------------
 
-// Returns whether the kernel is in the chart: those that some variant runs, in the order of the
-// list, and the host's part.
+// Returns whether a kernel is in the chart of stacked bars: all kernels that at least one variant
+// runs, and the host's part.
 static bool is_stacked(const struct chart *c, int kernel)
 {
     for (uint32_t i = 0; i < c->count; i++)
@@ -45,7 +45,7 @@ static double stacked_ms(const struct bench_variant *v, int kernel)
     return fmax(sum, 0.0);
 }
 
-// In gnuplot's data, words must be in double quotes.
+// Writes a label; in gnuplot's data, text must be in double quotes.
 static void put_tick(FILE *out, const char *label)
 {
     fputc('"', out);
@@ -87,9 +87,10 @@ static bool write_bars(const struct chart *c, FILE *out)
     return true;
 }
 
-// --- by bounce -----------------------------------------------------------------------------------
+// --- occupancy by bounce -------------------------------------------------------------------------
 
-// Variants with the same image have the same rays.
+// Returns whether no earlier variant has the same image; variants with the same image have the same
+// rays.
 static bool is_new_picture(const struct chart *c, uint32_t i)
 {
     for (uint32_t k = 0; k < i; k++)
@@ -136,10 +137,10 @@ static bool write_bounces(const struct chart *c, FILE *out)
     return true;
 }
 
-// --- against a number ----------------------------------------------------------------------------
+// --- time against a number that varies -----------------------------------------------------------
 
-// Returns the value of "KEY=VALUE" if it is a number; NAN if more than that is varied, or if it is
-// a word.
+// Returns the number in the variant's label "KEY=VALUE"; NAN if it is a word, or if several options
+// vary.
 static double swept_number(const struct bench_variant *v)
 {
     const char *value = strchr(v->variant.label, '=');
@@ -191,10 +192,10 @@ static bool write_sweep(const struct chart *c, FILE *out)
     return true;
 }
 
-// --- kernels alone, against the depth ------------------------------------------------------------
+// --- single kernels against the depth ------------------------------------------------------------
 
-// Writes the row's points; returns how many. Rows of one kernel form a line: camera rays are
-// followed by scattered rays. With NULL, nothing is written.
+// Writes the points of a kernel's rows and returns their number. The rows form a line: camera rays
+// first, then scattered rays. Nothing is written if `out` is NULL.
 static uint32_t write_line(const struct bench_variant *v, enum kernel_id kernel, FILE *out)
 {
     uint32_t points = 0;
@@ -213,7 +214,8 @@ static uint32_t write_line(const struct bench_variant *v, enum kernel_id kernel,
     return points;
 }
 
-// Writes the data of all variants and kernels, or else how to draw them.
+// If `data` is set, writes the points of all variants and kernels; otherwise the commands that draw
+// them. Returns the number of lines.
 static uint32_t write_lines(const struct chart *c, bool data, FILE *out)
 {
     uint32_t lines = 0;
@@ -258,7 +260,7 @@ static bool write_depths(const struct chart *c, FILE *out)
     return true;
 }
 
-// --- all of them ---------------------------------------------------------------------------------
+// --- all charts ----------------------------------------------------------------------------------
 
 static bool put(const struct chart *c, const char *kind,
                 bool (*write)(const struct chart *, FILE *), struct err *err)

@@ -1,4 +1,4 @@
-// Computes statistics from the times.
+// Computes statistics of the measured times.
 #include "cli/bench/bench.h"
 
 #include "metrics/spread.h"
@@ -56,8 +56,8 @@ double bench_bvh_bytes(const struct bench_variant *v, const struct bench_row *ro
            (double)row->primitives * (double)sizeof(struct gpu_triangle);
 }
 
-// Returns the ratio of times; for a kernel alone, of times per item, because waves of other sizes
-// have other numbers of items.
+// Returns the ratio of the times of two rows. For a single kernel these are times per item, because
+// other wave sizes give other numbers of items.
 static struct interval speed_ratio(const struct bench_row *first, const struct bench_row *row,
                                    uint32_t count)
 {
@@ -90,7 +90,8 @@ static bool conclude_variant(const struct bench *b, struct bench_variant *v, str
     return true;
 }
 
-// Variants with the same image, and repetitions of a variant, must give the same bits.
+// Checks that images are equal bit for bit where they must be: those of all repetitions of a
+// variant, and those of variants whose options must not change the image.
 static bool same_pictures(const struct bench *b, struct err *err)
 {
     for (uint32_t i = 0; i < b->variant_count; i++) {

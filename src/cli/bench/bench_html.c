@@ -1,4 +1,4 @@
-// The HTML report: one file that needs no network, with charts and tables.
+// Writes the HTML report: a single file with charts and tables that needs no network.
 #include "cli/bench/bench.h"
 
 #include "cli/bench/bench_chart.h"
@@ -13,7 +13,7 @@ struct page {
     struct html_page html;
 };
 
-// The other variants are compared with the first one.
+// Writes the speed of a variant relative to the first variant.
 static void put_speed(struct page *page, const struct bench_variant *v, const struct bench_row *row)
 {
     if (v != bench_first(page->b, v))
@@ -103,9 +103,10 @@ static void put_rows(struct page *page, const struct bench_variant *v)
     fputs("</table></div>\n", out);
 }
 
-// --- pictures ------------------------------------------------------------------------------------
+// --- images --------------------------------------------------------------------------------------
 
-// Whether the variant's picture is there, of the first one's size, and no earlier variant's.
+// Returns whether to show a variant's image: it exists, has the size of the first variant's, and no
+// earlier variant has the same one.
 static bool is_shown(const struct bench_variant *first, uint32_t index)
 {
     const struct bench_variant *v = first + index;
@@ -119,7 +120,7 @@ static bool is_shown(const struct bench_variant *first, uint32_t index)
     return true;
 }
 
-// The last repetition's pictures, one for variants that make the same.
+// Shows the images of the last repetition, one for all variants that have the same.
 static bool put_pictures(struct page *page, const struct bench_variant *first, uint32_t count,
                          struct err *err)
 {

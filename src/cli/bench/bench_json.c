@@ -87,7 +87,7 @@ static json_t *bvh_json(const struct bvh *bvh)
                      "triangles", (json_int_t)bvh->triangle_count);
 }
 
-// A repetition is a frame; null with --kernel.
+// Makes the object about a frame, which is a repetition; null with --kernel.
 static json_t *frame_json(const struct bench_variant *v)
 {
     const struct bench_row *wall = bench_wall(v);

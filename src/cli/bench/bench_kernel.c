@@ -1,4 +1,4 @@
-// --kernel: measures one kernel alone, on the queues that it gets in a render.
+// Option --kernel: measures a single kernel on the queues that it gets in a render.
 #include "cli/bench/bench.h"
 
 #include "base/log.h"
@@ -13,16 +13,16 @@ static const char *const kernel_names[KERNEL_COUNT] = {
     KERNEL_LIST(X)
 #undef X
 };
-// indexed by enum rays_option
+// Indexed by enum rays_option.
 static const char *const rays_names[] = {"primary", "diffuse", "shadow"};
 #define ALL_KINDS (sizeof rays_names / sizeof rays_names[0])
 
-// --- what is to be timed -------------------------------------------------------------------------
+// --- rows to measure -----------------------------------------------------------------------------
 
-// A row for each variant.
+// A row that is measured for each variant.
 struct target {
     enum kernel_id kernel;
-    const char *rays; // NULL for kernels that trace no rays
+    const char *rays; // kind of rays; NULL for kernels that trace no rays
     uint32_t depth;
 };
 
@@ -56,7 +56,7 @@ static bool is_traced(enum kernel_id kernel)
     return kernel == KERNEL_intersect_closest || kernel == KERNEL_intersect_shadow;
 }
 
-// Returns whether the kernel runs once per wave.
+// Returns whether a kernel runs once per wave, and so has no depth.
 static bool has_no_depth(enum kernel_id kernel)
 {
     return kernel == KERNEL_generate_rays || kernel == KERNEL_accumulate ||
@@ -67,11 +67,11 @@ static void add(struct targets *out, const struct target *target)
 {
     for (uint32_t i = 0; i < out->count; i++)
         if (out->list[i].kernel == target->kernel && out->list[i].depth == target->depth)
-            return; // given twice
+            return; // the option names the row twice
     out->list[out->count++] = *target;
 }
 
-// Adds rays of one kind: camera rays have depth 0, scattered ones greater depths.
+// Adds rows for one kind of rays: camera rays have depth 0, scattered rays greater depths.
 static bool add_rays(const struct bench_options *options, enum rays_option kind,
                      struct targets *out, struct err *err)
 {
@@ -123,7 +123,7 @@ static bool plan(const struct bench_options *options, struct arena *arena, struc
         return false;
     if (!is_traced(kernel))
         return add_depths(options, kernel, out, err);
-    // The kind of rays determines which of the two kernels traces them.
+    // The kind of rays determines which of the two intersection kernels traces them.
     uint32_t usual = kernel == KERNEL_intersect_shadow ? 1u << RAYS_SHADOW
                                                        : 1u << RAYS_PRIMARY | 1u << RAYS_DIFFUSE;
     uint32_t kinds = options->rays ? options->rays : usual;
@@ -144,13 +144,13 @@ bool bench_check_kernel(const struct bench_options *options, struct err *err)
 
 // --- timing --------------------------------------------------------------------------------------
 
-// One target, for all variants.
+// The measurement of one target for all variants.
 struct contest {
     struct bench *b;
     const struct target *target;
-    uint32_t index;                    // index of the row
+    uint32_t index;                    // index of the row in each variant
     struct kernel_recording *recorded; // one per variant
-    double from, to;                   // range of the total progress
+    double from, to; // the range of the total progress that this measurement takes
 };
 
 static bool fail(const struct contest *c, const struct bench_variant *v, struct err *err)
@@ -160,7 +160,8 @@ static bool fail(const struct contest *c, const struct bench_variant *v, struct 
                        v->variant.label, kernel_names[c->target->kernel]);
 }
 
-// Returns the bytes of rays, and of the entries in the queues of hits and misses.
+// Returns the bytes of the rays that are read, and of the entries that are written to the queues of
+// hits and misses.
 static double bytes_traced(const struct renderer *r, const struct bench_row *row)
 {
     double bytes = (double)row->items * bench_bytes_read(r, row->kernel);
@@ -170,7 +171,7 @@ static double bytes_traced(const struct renderer *r, const struct bench_row *row
     return bytes;
 }
 
-// If the variant does not have the kernel, the row stays empty.
+// Records the queues of a kernel. If the variant does not use the kernel, the row remains empty.
 static bool record(struct contest *c, uint32_t variant, struct err *err)
 {
     struct bench_variant *v = &c->b->variants[variant];
@@ -181,7 +182,7 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
         .depth = c->target->depth,
         .samples = v->scene_data.settings.spp,
     };
-    bool is_first = v == bench_first(c->b, v); // it represents the others in messages
+    bool is_first = v == bench_first(c->b, v); // the first variant represents all in messages
     double ms;
     if (!v->job.renderer.kernels[params.kernel].pipeline) {
         if (is_first)
@@ -202,7 +203,7 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
     if (is_traced(params.kernel) &&
         !kernel_recording_count_steps(recorded, &row->nodes, &row->primitives, err))
         return fail(c, v, err);
-    if (!kernel_recording_run(recorded, &ms, err)) // warm-up
+    if (!kernel_recording_run(recorded, &ms, err)) // a run to warm up
         return fail(c, v, err);
     if (is_traced(params.kernel))
         row->bytes = bytes_traced(&v->job.renderer, row);
@@ -272,7 +273,7 @@ static bool make_rows(struct bench *b, struct bench_variant *v, const struct tar
     return v->rows;
 }
 
-// Checks that every kernel exists in some variant.
+// Checks that each kernel is used by at least one variant.
 static bool check_there(const struct bench *b, const struct targets *targets, struct err *err)
 {
     for (uint32_t t = 0; t < targets->count; t++) {
@@ -288,7 +289,7 @@ static bool check_there(const struct bench *b, const struct targets *targets, st
     return true;
 }
 
-// After a signal only complete rows are kept.
+// Discards incomplete rows after a signal.
 static void end_early(struct bench *b, uint32_t complete)
 {
     b->repeats_done = complete > 0 ? b->repeats : 0;

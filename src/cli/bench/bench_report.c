@@ -1,4 +1,4 @@
-// Prints the text output of `lampyris bench`, and writes its files.
+// Prints the text output of `lampyris bench`, and writes the files of --report.
 #include "cli/bench/bench.h"
 
 #include "base/file.h"
@@ -50,7 +50,7 @@ static void print_frame(const struct bench *b, const struct bench_variant *v)
                wall->ratio.high, bench_label(bench_first(b, v)), bench_verdict(wall->ratio));
 }
 
-// Prints a number, or a dash if it is not known.
+// Prints a number, or a dash if the number is not known.
 static void print_number(const char *format, int width, double value)
 {
     if (isnan(value)) {

@@ -1,4 +1,4 @@
-// Runs the measurements: all variants in turn, with the same samples in each repetition.
+// Runs the measurements. All variants run in turn, with the same samples in each repetition.
 #include "cli/bench/bench.h"
 
 #include "base/clock.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Samples per pixel of a repetition by default.
+// The default number of samples per pixel in a repetition.
 #define BENCH_SPP 4
 
 // --- variants ------------------------------------------------------------------------------------
@@ -103,10 +103,11 @@ struct bench_row *bench_rows_create(struct bench *b, uint32_t count, struct err 
 
 // --- counting ------------------------------------------------------------------------------------
 
-// Counts the kernels' work in a repetition that is not timed.
+// The work of the kernels, counted in a repetition whose time is not reported.
 struct census {
     struct bench_variant *v;
-    uint64_t rays_before, shadow_before; // entries of the queues that shading fills
+    // Numbers of entries that shading has written into the queues of rays and shadow rays.
+    uint64_t rays_before, shadow_before;
     double bytes[KERNEL_COUNT];
     uint64_t steps[STEPS_COUNT];
 };
@@ -116,35 +117,35 @@ static bool is_shading(enum kernel_id kernel)
     return kernel >= KERNEL_shade_miss && kernel <= KERNEL_shade_whitted;
 }
 
-// Counts the records that an item takes at least: of paths, rays and queues, not of the scene.
-// Output of a kernel is counted by the number of items that it produces.
+// Returns the least number of bytes that are read for an item: records of paths, rays and queues,
+// but not of the scene. The output of a kernel is counted by the number of items that it produces.
 double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
 {
     const double queue = 4.0, word = 16.0;
     const uint32_t slot_words = AOV_SLOT_WORDS(r->specialization.aovs);
     switch (kernel) {
-    case KERNEL_generate_rays: // writes everything except the hit
+    case KERNEL_generate_rays: // the whole record except for the hit
         return 3.0 * word + word * slot_words + queue;
-    case KERNEL_intersect_closest: // origin, direction
+    case KERNEL_intersect_closest: // reads origin and direction
         return queue + 2.0 * word;
     case KERNEL_intersect_shadow:
         return queue + (double)sizeof(struct gpu_shadow_ray);
-    case KERNEL_shade_miss: // direction, throughput; adds to the radiance
+    case KERNEL_shade_miss: // reads direction and throughput; adds to the radiance
         return queue + 4.0 * word;
     case KERNEL_shade_ao:
         return queue + 3.0 * word;
-    case KERNEL_sort_count: // origin, direction; writes the key
+    case KERNEL_sort_count: // reads origin and direction; writes the key
         return queue + 3.0 * word;
-    case KERNEL_sort_scan: // negligible per ray: it reads and writes counts
+    case KERNEL_sort_scan: // negligible per ray: reads and writes counters only
         return 0.0;
-    case KERNEL_sort_scatter: // the key
+    case KERNEL_sort_scatter: // reads the key
         return 2.0 * queue + word;
     default:
         return queue + (double)sizeof(struct gpu_path);
     }
 }
 
-// Returns the bytes of shadow rays that a vertex writes for one slot.
+// Returns the bytes of shadow rays that a vertex writes into its slot.
 static double bytes_of_shadow_rays(const struct renderer *r, uint32_t bounce)
 {
     double others = (double)wave_shadow_launches(r, bounce + 1) - 1.0;
@@ -214,7 +215,7 @@ static bool count_wave(void *context, struct err *err)
 static const char *const host_names[] = {"recording", "submitting", "reading back", "other"};
 #define HOST_ROWS (sizeof host_names / sizeof host_names[0])
 
-// Returns whether rendering runs the kernel; resolving the film comes afterwards.
+// Returns whether a kernel runs during rendering. Resolving the film comes afterwards.
 static bool runs(const struct bench_variant *v, int kernel)
 {
     return v->job.renderer.kernels[kernel].pipeline && kernel != KERNEL_resolve;
@@ -286,14 +287,15 @@ static bool hash_picture(struct bench *b, struct bench_variant *v, uint64_t *has
     return ok;
 }
 
-// Renders of a single wave end before they can be stopped.
+// Returns whether to stop. This is checked separately, because a render of a single wave ends
+// before it could be stopped.
 static bool should_stop(struct bench *b)
 {
     b->stopped |= progress_should_stop(b->options->progress);
     return b->stopped;
 }
 
-// Runs one repetition: the samples of the variant, from the first.
+// Runs a repetition: all samples of the variant, from the first one.
 static bool repeat(struct bench *b, struct bench_variant *v, struct job_step step, double *ms,
                    struct err *err)
 {
@@ -311,7 +313,8 @@ static bool repeat(struct bench *b, struct bench_variant *v, struct job_step ste
     return ok;
 }
 
-// Stores the times of one repetition in the rows: the increase of the renderer's statistics.
+// Stores the times of a repetition, which are the increases of the renderer's statistics, in the
+// rows.
 static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t round,
                        const struct render_stats *before, double wall_ms)
 {
@@ -348,7 +351,8 @@ static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t 
                                           : NAN;
 }
 
-// Runs once to count, which also adapts the renderer to its rays, and once to warm up.
+// Runs a repetition that counts, which also adapts the renderer to the scene's rays, and one to
+// warm up.
 static bool warm_up(struct bench *b, struct bench_variant *v, struct job_step step, struct err *err)
 {
     struct census census = {.v = v};

@@ -6,7 +6,7 @@
 #include "report/html.h"
 #include "report/json_out.h"
 
-// Reports what was measured before the device failed.
+// Measures. If the device fails, the results so far are reported nevertheless.
 static bool measure(struct bench *b, struct err *err)
 {
     if (b->options->bench.kernel ? bench_measure_kernel(b, err) : bench_measure(b, err))
