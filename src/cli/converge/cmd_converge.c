@@ -2,7 +2,7 @@
 
 #include "cli/converge/converge.h"
 
-// Reports what was measured before the device failed.
+// Measures. If the device fails, the results so far are reported nevertheless.
 static bool measure(struct converge *c, struct err *err)
 {
     if (converge_measure(c, err))

@@ -1,4 +1,4 @@
-// Makes the command that renders a curve's image again.
+// Makes the command that renders the image of a curve again.
 #include "cli/converge/converge.h"
 
 #include "base/memory_stream.h"
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Returns whether an option is copied to the command: those of render that affect how an image is
-// computed. Options that differ between curves, and between replicates, are appended.
+// Returns whether an option is copied to the command: options of `render` that affect how the image
+// is computed. Options that differ between curves or replicates are appended separately.
 static bool is_kept(const struct option_def *def)
 {
     switch ((enum option_id)(def - option_table)) {
@@ -40,7 +40,7 @@ static const struct option_def *find(const char *argument, bool *is_attached)
     return NULL;
 }
 
-// Returns whether the curve's own value, which is appended, replaces this one.
+// Returns whether the curve has a value of its own for this option, which is appended instead.
 static bool is_varied(const struct converge_curve *curve, const struct option_def *def)
 {
     size_t length = strlen(def->name);
@@ -73,7 +73,7 @@ static bool put_given(FILE *out, const struct options *options, const struct con
         if (strcmp(argument, "--") == 0)
             break;
         if (argument[0] != '-' || argument[1] == '\0')
-            continue; // the command's name, or a scene
+            continue; // the name of the command, or a scene
         const struct option_def *def = find(argument, &is_attached);
         bool has_value = def && def->type != VALUE_FLAG && !is_attached && i + 1 < options->argc;
         if (def && is_kept(def) && !is_varied(curve, def))
@@ -107,7 +107,8 @@ bool converge_command(struct converge *c, const struct converge_curve *curve, co
         return err_memory(err, "a command", 0);
     FILE *file = stream.file;
     const char *scene = c->options->arguments[curve->variant.scene];
-    bool is_last = scene[0] == '-'; // "--" separates it from an option
+    // "--" separates a scene whose name begins with '-' from the options.
+    bool is_last = scene[0] == '-';
     fputs("lampyris render", file);
     bool ok = (is_last || put_word(file, scene)) && put_given(file, c->options, curve) &&
               put_varied(file, &c->arena, curve);

@@ -97,8 +97,8 @@ uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZ
 }
 
 struct columns {
-    double *values, *others; // scratch memory: one per replicate
-    double *errors, *x;      // a row of points for each replicate
+    double *values, *others; // temporary memory: one value per replicate
+    double *errors, *x;      // for each replicate, the values at all points
 };
 
 // --- points --------------------------------------------------------------------------------------
@@ -176,8 +176,9 @@ static void find_efficiency(const struct converge *c, struct converge_curve *cur
 
 // --- time to an error ----------------------------------------------------------------------------
 
-// Outside of its points a curve is continued with slope -1, as for independent samples, because a
-// slope from few points is not its asymptote. The interval includes the measured slope.
+// Returns the slope with which a curve is continued outside of its points. It is -1, as for
+// independent samples, because the slope of a few points is not the asymptotic one. The interval
+// includes the measured slope.
 static struct interval slope_outside(const struct converge_curve *curve)
 {
     struct interval found = curve->slope;
@@ -185,7 +186,7 @@ static struct interval slope_outside(const struct converge_curve *curve)
     return (struct interval){-1, fmin(found.low, -1), is_slow ? found.high : -1};
 }
 
-// Continues the curve itself, and those along the ends of its intervals.
+// Computes where the curve, and the curves through the ends of its intervals, reach the target.
 static struct interval reach(const struct converge *c, const struct converge_curve *curve,
                              bool in_samples, double target, double *x, double *errors)
 {
@@ -202,7 +203,7 @@ static struct interval reach(const struct converge *c, const struct converge_cur
         double found = curve_reach(x, errors, points, with, target);
         *(side == 0 ? &out.value : side == 1 ? &out.low : &out.high) = found;
     }
-    if (out.low > out.high) // before the first point
+    if (out.low > out.high) // this happens before the first point
         out = (struct interval){out.value, out.high, out.low};
     return out;
 }

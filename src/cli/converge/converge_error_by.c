@@ -1,4 +1,4 @@
-// --error-by: splits the error of a curve's last images.
+// Option --error-by: splits the error of the last images of a curve by its sources.
 #include "cli/converge/converge.h"
 
 bool converge_split_error(struct converge *c, struct converge_curve *curve, uint32_t replicate,
@@ -13,7 +13,8 @@ bool converge_split_error(struct converge *c, struct converge_curve *curve, uint
     return job_find_sources(&curve->job, &curve->sources[replicate], err);
 }
 
-// All replicates of a curve have the same number of samples, or each gives a reason.
+// Returns why there is no split, or NULL. All replicates of a curve have the same number of
+// samples, so either all have a split or each gives a reason.
 static const char *find_reason(const struct converge *c, const struct converge_curve *curve)
 {
     for (uint32_t r = 0; r < c->replicates_done; r++)

@@ -1,4 +1,4 @@
-// The HTML report: one file that needs no network, with plots, tables and images.
+// Writes the HTML report: a single file with plots, tables and images that needs no network.
 #include "cli/converge/converge.h"
 
 #include "report/html_viewer.h"
@@ -12,7 +12,7 @@ struct page {
     struct html_page html;
 };
 
-// A matrix of all pairs of more curves would be unreadable.
+// The greatest number of curves for which a matrix of all pairs is readable.
 #define MATRIX_CURVES 8
 
 static bool put_plot(struct page *page, uint32_t scene, bool over_time, struct err *err)
@@ -29,7 +29,7 @@ static bool put_plot(struct page *page, uint32_t scene, bool over_time, struct e
     return ok;
 }
 
-// --- pictures ------------------------------------------------------------------------------------
+// --- images --------------------------------------------------------------------------------------
 
 static bool put_reference(struct page *page, struct html_viewer *viewer, uint32_t scene,
                           struct err *err)
@@ -254,7 +254,7 @@ static void put_kind(struct page *page, const struct error_by *by, enum error_ki
     fputs("<td></td></tr>\n</table></div>\n", out);
 }
 
-// Adds --error-by for the last images of each curve.
+// Writes the sources of the error (--error-by) of the last images of each curve.
 static void put_sources(struct page *page, uint32_t first, uint32_t count)
 {
     FILE *out = page->html.out;
@@ -300,7 +300,7 @@ static void put_matrix(struct page *page, uint32_t first, uint32_t count)
     fputs("</table></div>\n", out);
 }
 
-// --- words ---------------------------------------------------------------------------------------
+// --- text ----------------------------------------------------------------------------------------
 
 static void put_reference_words(struct page *page, const struct converge_reference *reference)
 {

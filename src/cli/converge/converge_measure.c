@@ -5,13 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-// SSIM and FLIP take 1.3 us per pixel on one processor: about a sample's time on a CPU, but a
-// hundred samples' on a GPU. Up to this size they are measured in every replicate, in a tenth of a
-// second each.
+// SSIM and FLIP take 1.3 us per pixel on one processor. On a CPU this is about the time of one
+// sample, but on a GPU that of a hundred samples. Images with at most this many pixels are measured
+// in every replicate, in a tenth of a second each.
 #define PERCEPTION_PIXELS (256u * 256u)
 
-// Returns false if the perceptual metrics lack memory. When stopped, some metrics stay NAN, and the
-// replicate does not count.
+// Compares an image with the reference. Returns false if there is no memory for the perceptual
+// metrics. If it was stopped, some metrics remain NAN and the replicate does not count.
 static bool compare(const struct reference *reference, const struct film_image *film,
                     bool with_perception, const struct progress *progress,
                     double metric[CONVERGE_METRICS], struct err *err)
@@ -34,8 +34,8 @@ static bool compare(const struct reference *reference, const struct film_image *
            err_memory(err, "SSIM and FLIP", metrics_flip_bytes(film->width, film->height));
 }
 
-// Without a reference, the error is estimated from the half-buffers, as in a render's summary. For
-// relMSE they give only a bound.
+// Estimates the error from the half-buffers if there is no reference, as in the summary of a
+// render. For relMSE this gives only a bound.
 static bool estimate(struct job *job, struct converge_sample *sample, struct err *err)
 {
     if (!job_judge_film(job, err))
@@ -76,7 +76,7 @@ bool converge_measure_point(struct converge *c, struct converge_curve *curve, ui
         ok = estimate(job, sample, err);
     if (ok && point + 1 == c->point_count)
         ok = converge_split_error(c, curve, replicate, err);
-    // The mean of all replicates shows the bias.
+    // The mean of the images of all replicates shows the bias, so the images are kept.
     bool is_needed = reference->name || replicate == 0 || c->options->converge.images;
     if (ok && point + 1 == c->point_count && is_needed)
         ok = keep_picture(c, curve, replicate, &job->film, err);

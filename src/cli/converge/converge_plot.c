@@ -1,4 +1,4 @@
-// gnuplot scripts for curves.
+// Makes gnuplot scripts that plot curves.
 #include "cli/converge/converge.h"
 
 #include "base/memory_stream.h"
@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// gnuplot cannot draw an error bar with an unknown bound.
+// Returns whether an interval can be drawn: gnuplot cannot draw an error bar with an unknown end.
 static bool is_drawn(struct interval i)
 {
     return isfinite(i.value) && i.value > 0;
@@ -32,7 +32,7 @@ static void put_data(FILE *out, const struct converge *c, const struct converge_
     fputs("EOD\n", out);
 }
 
-// The range in which a scene's curves are drawn.
+// The ranges of the axes, which contain all curves of a scene.
 struct extent {
     uint32_t curves;
     double x_min, x_max, y_min, y_max;
@@ -70,7 +70,8 @@ static struct extent find_extent(const struct converge *c, uint32_t scene, bool 
     return out;
 }
 
-// Colours that colour-blind people can distinguish: Okabe and Ito (2008), without yellow.
+// Colours that people with colour blindness can distinguish: those of Okabe and Ito (2008) without
+// yellow.
 #define COLORS 7
 static const char style[] = "set logscale xy\nset grid xtics ytics mytics linecolor '#dfe4ea'\n"
                             "set border 3 linecolor '#66727f'\nset tics nomirror\nset bars 0.6\n"
@@ -83,7 +84,8 @@ static const char style[] = "set logscale xy\nset grid xtics ytics mytics lineco
                             "set linetype 7 linecolor '#000000' pointtype 4\n"
                             "set ylabel 'local relMSE'\nset format y '1e%T'\n";
 
-// gnuplot only labels powers of ten: for short ranges this adds 1, 2 and 5 of each decade.
+// Adds tics at 1, 2 and 5 of each decade if the range is short, because gnuplot labels only powers
+// of ten.
 static void put_tics(FILE *out, char axis, double min, double max)
 {
     if (max / min > 100)
@@ -101,7 +103,7 @@ static void put_tics(FILE *out, char axis, double min, double max)
     fputs(")\n", out);
 }
 
-#define KEY_INSIDE 6 // curves whose names fit into a corner of the plot
+#define KEY_INSIDE 6 // greatest number of curves whose names fit into a corner of the plot
 
 static void put_frame(FILE *out, const struct converge *c, const struct extent *extent,
                       uint32_t scene, bool over_time)
@@ -134,7 +136,7 @@ static void put_script(FILE *out, const struct converge *c, const struct extent 
     for (uint32_t i = 0; i < c->curve_count; i++)
         if (is_in(c, i, scene))
             put_data(out, c, &c->curves[i], i, over_time);
-    // A line for independent samples, from the upper left.
+    // Adds a line with the slope of independent samples, through the upper left corner.
     fprintf(out, "plot %.9g / x with lines dashtype 3 linecolor '#8a949e' title '1 / %s'",
             extent->x_min * extent->y_max, over_time ? "time" : "samples");
     uint32_t number = 0;

@@ -27,7 +27,7 @@ static void print_head(const struct converge *c, const struct converge_curve *cu
            c->spp ? "slope on samples" : "slope on time", "s", "efficiency, ratio");
 }
 
-// Formats are literals of the callers, with one double.
+// All formats are string literals of the callers with a single double.
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
 
 static void print_interval(struct interval i, const char *format, int width)
@@ -45,7 +45,8 @@ static void print_interval(struct interval i, const char *format, int width)
     printf(" %*s", width, text);
 }
 
-// If only a bound is known for a replicate, this is the mean of the bounds.
+// Prints the error at a point. If only bounds are known for some replicates, the mean of the bounds
+// is printed.
 static void print_error(const struct converge_point *point)
 {
     struct interval error = point->metric[CONVERGE_LOCAL_RELMSE];
@@ -90,7 +91,7 @@ static void print_targets(const struct converge_curve *curve)
     putchar('\n');
 }
 
-// Prints the curves from which this one differs significantly.
+// Prints from which other curves this one differs significantly.
 static void print_verdict(const struct converge *c, const struct converge_curve *curve,
                           enum curve_verdict verdict, const char *words)
 {

@@ -1,15 +1,16 @@
-// Makes the reference with which the curves of `lampyris converge` are compared.
+// Renders or reads the references with which the curves are compared.
 #include "cli/converge/converge.h"
 
 #include "base/log.h"
 #include <math.h>
 #include <string.h>
 
-// Its samples relative to those of the longest curve; it has a seed of its own and the settings
-// without variations.
+// The number of samples of a reference, relative to that of the longest curve. A reference has a
+// seed of its own and the settings without variations.
 #define REFERENCE_FACTOR 100
 
-// With --times, it is the number that the fastest curve is expected to reach.
+// Returns the number of samples of the longest curve. With --times it is the number that the
+// fastest curve is expected to reach.
 static double longest_samples(const struct converge *c, uint32_t scene)
 {
     double most = 1;
@@ -24,7 +25,8 @@ static double longest_samples(const struct converge *c, uint32_t scene)
     return ceil(most);
 }
 
-// Shorter pilots know the speed to some tenths, which distinguishes seconds from hours.
+// The least time of the pilot. Shorter ones measure the speed to some tenths only, which is enough
+// to distinguish seconds from hours.
 #define PILOT_SECONDS 0.1
 
 static const char *duration(struct arena *arena, double seconds)
@@ -35,8 +37,8 @@ static const char *duration(struct arena *arena, double seconds)
                           : arena_printf(arena, "about %.1f hours", seconds / 3600);
 }
 
-// Says what the reference will cost, as soon as a pilot has measured how fast it is. This note is
-// printed by default, because the longest part of the run begins with it.
+// Prints the cost of the reference as soon as a pilot has measured the speed. This note is printed
+// by default, because rendering the reference is the longest part of the run.
 static bool announce(struct converge *c, uint32_t scene, struct job *job, struct err *err)
 {
     const struct converge_reference *reference = &c->references[scene];
@@ -114,7 +116,8 @@ static bool read(struct converge *c, uint32_t scene, struct err *err)
 bool converge_reference(struct converge *c, struct err *err)
 {
     const char *name = c->options->reference ? c->options->reference : "auto";
-    bool is_file = options_given(c->options, OPTION_REFERENCE_FROM); // whatever its name
+    // --reference-from names a file even if its name is "auto".
+    bool is_file = options_given(c->options, OPTION_REFERENCE_FROM);
     uint32_t scenes = c->options->argument_count;
     c->references = ARENA_NEW(&c->arena, struct converge_reference, scenes);
     if (!c->references)

@@ -1,4 +1,4 @@
-// Writes the JSON output of `lampyris converge`, and its files.
+// Prints the JSON output of `lampyris converge`, and writes its files.
 #include "cli/converge/converge.h"
 
 #include "base/file.h"
@@ -98,7 +98,7 @@ static json_t *references_json(const struct converge *c)
     return references;
 }
 
-// Lists each pair of a scene's curves once.
+// Makes a list with each pair of curves of the same scene.
 static json_t *pairs_json(const struct converge *c)
 {
     json_t *pairs = json_array();
@@ -126,7 +126,7 @@ static json_t *result_json(const struct converge *c)
     for (uint32_t i = 0; i < c->curve_count; i++) {
         json_t *curve = curve_json(c, &c->curves[i]);
         json_object_set_new(curve, "command", json_words(c->curves[i].command));
-        // The brightest paths are only reported for single images.
+        // The brightest paths are reported for single images only.
         json_t *sources = error_sources_json(&c->curves[i].pooled, NULL);
         json_object_del(sources, "brightest");
         json_object_set_new(curve, "error_by", sources);
@@ -246,7 +246,7 @@ static bool check_path(const char *path, struct err *err)
 
 bool converge_check_files(struct converge *c, const char *folder, struct err *err)
 {
-    // The reference has not been read yet.
+    // Registers the reference here, because it has not been read yet.
     if ((c->options->reference && !file_inputs_add(c->options->reference, err)) ||
         !html_check_files(folder, &c->arena, err))
         return false;

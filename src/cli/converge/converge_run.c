@@ -22,7 +22,8 @@ static bool make_curves(struct converge *c, struct err *err)
     return true;
 }
 
-// Uses the given times, or numbers of samples that double from --spp-from to --spp.
+// Makes the points of all curves: the given times, or numbers of samples that double from
+// --spp-from to --spp.
 static bool make_points(struct converge *c, struct err *err)
 {
     if (c->options->converge.times) {
@@ -70,7 +71,7 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
     return true;
 }
 
-// With --times, the pilot also measures the time of samples.
+// The least time, in seconds, of the pilot that measures the time of a sample for --times.
 #define PILOT_SECONDS 0.1
 
 static bool warm_up(struct converge *c, struct converge_curve *curve, struct err *err)
@@ -132,8 +133,8 @@ bool converge_advance(struct converge *c, struct job *job, const struct job_step
     return ok;
 }
 
-// Returns the number of samples of a point; with --times, as many as fit according to the
-// measurements so far.
+// Returns the number of samples at a point. With --times it is the number that the measurements so
+// far predict for the time.
 static uint64_t plan_samples(const struct converge *c, const struct converge_curve *curve,
                              uint32_t point)
 {
@@ -143,7 +144,7 @@ static uint64_t plan_samples(const struct converge *c, const struct converge_cur
     return fit < 1 ? 1 : fit < SETTINGS_SPP_MAX ? (uint64_t)fit : SETTINGS_SPP_MAX;
 }
 
-// A replicate of a curve, and its part of the total progress.
+// A replicate of a curve, and the range of the total progress that it takes.
 struct run {
     struct converge *c;
     struct converge_curve *curve;
@@ -194,7 +195,8 @@ static bool measure_replicate(struct run *run, struct err *err)
 {
     struct converge *c = run->c;
     struct converge_curve *curve = run->curve;
-    // Planned samplers begin anew for each point; others continue from the previous point.
+    // Samplers that stratify over a planned number of samples start again for each point; others
+    // continue from the previous point.
     bool is_planned = sample_planning(&curve->scene_data.settings, NULL) != PLANNING_NONE;
     for (uint32_t point = 0; point < c->point_count && !c->stopped; point++) {
         if ((point == 0 || is_planned) && !begin(run, point, err))
@@ -209,7 +211,7 @@ static bool measure_replicate(struct run *run, struct err *err)
             return false;
         c->stopped |= progress_should_stop(&c->progress); // the measurement may be incomplete
     }
-    bool is_first = run->replicate == 0; // a pilot is short, and slower
+    bool is_first = run->replicate == 0; // the pilot was short and slower, so its speed is replaced
     curve->speed.samples = (is_first ? 0 : curve->speed.samples) + run_samples(run);
     curve->speed.seconds = (is_first ? 0 : curve->speed.seconds) + job_elapsed(&curve->job);
     return true;
