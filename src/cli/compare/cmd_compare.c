@@ -1,4 +1,4 @@
-// lampyris compare: error metrics between images and a reference.
+// lampyris compare: computes error metrics between images and a reference.
 #include "cli/commands.h"
 
 #include "base/file.h"
@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// --- reading -------------------------------------------------------------------------------------
+// --- reading images ------------------------------------------------------------------------------
 
-// Splits "FILE:LAYER", unless there is a file with that complete name.
+// Splits "FILE:LAYER" into file and layer, unless a file with the complete name exists.
 static bool split_layer(const struct comparison *c, const char *name, struct arena *arena,
                         struct image_read_params *out, struct err *err)
 {
@@ -61,7 +61,7 @@ static bool read_variance(struct comparison *c, const char *name, struct err *er
     return ok;
 }
 
-// Reads the reference, and estimates its noise as --reference-variance says.
+// Reads the reference, and estimates its noise as --reference-variance requires.
 static bool read_reference(struct comparison *c, struct err *err)
 {
     const char *variance = c->options->compare.reference_variance, *name = c->reference_path;
@@ -100,7 +100,7 @@ static void correct(const struct comparison *c, struct compared *picture)
         intervals[k]->value -= noise[k];
         intervals[k]->low -= noise[k];
         intervals[k]->high -= noise[k];
-        // An error is not below 0, but it may be after subtraction of the reference's noise.
+        // An error is at least 0, except if the noise of the reference was subtracted.
         if (!c->is_corrected && intervals[k]->low < 0)
             intervals[k]->low = 0;
     }
@@ -145,7 +145,8 @@ static bool measure(const struct comparison *c, const struct picture_pair *pair,
     return !progress_should_stop(progress) || stopped(err);
 }
 
-// Exposes the image, in memory from `arena` unless the exposure is 0.
+// Multiplies the image by the exposure. The result is allocated in `arena` unless the exposure is
+// 0.
 static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_t count,
                    struct arena *arena, const float (**out)[3], struct err *err)
 {
@@ -156,7 +157,7 @@ static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_
     float(*exposed)[3] = arena_alloc(arena, count, sizeof *exposed);
     if (!exposed)
         return err_memory(err, "an exposed picture", count * sizeof *exposed);
-    // Pixels that are not finite are excluded from the comparison.
+    // Pixels that are not finite are omitted.
     for (uint64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
             exposed[i][k] = isfinite(pixels[i][k])
@@ -166,7 +167,7 @@ static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_
     return true;
 }
 
-// The part of the total progress of one image.
+// The range of the total progress that one image takes.
 struct share {
     const struct progress *whole;
     uint32_t index, count;
@@ -184,7 +185,8 @@ static bool should_stop(void *context)
     return progress_should_stop(share->whole);
 }
 
-// `maps`: room for the numbers of FLIP and of HDR-FLIP, or NULL.
+// Computes the perceptual metrics of an image. `maps` has memory for the values of FLIP and
+// HDR-FLIP, or is NULL.
 static bool look(const struct comparison *c, uint32_t index, const struct picture_pair *pair,
                  struct arena *arena, float *const maps[2], struct compared *picture,
                  struct err *err)
@@ -208,7 +210,7 @@ static bool look(const struct comparison *c, uint32_t index, const struct pictur
                                : err_memory(err, "SSIM and FLIP", count * sizeof(float));
 }
 
-// Room for the maps of FLIP that are asked for: by --map, and by --report both.
+// Allocates memory for the maps of FLIP that are needed: one for --map, both for --report.
 static bool make_room(const struct comparison *c, const struct compared *picture, uint64_t count,
                       struct arena *arena, float *maps[2], struct err *err)
 {
@@ -247,7 +249,7 @@ static bool compare_picture(struct comparison *c, uint32_t index, struct arena *
     return !picture->map || compare_write_map(c, picture, &pair, flip, arena, err);
 }
 
-// --- judging -------------------------------------------------------------------------------------
+// --- limits and checks ---------------------------------------------------------------------------
 
 static bool check_limits(const struct comparison *c, const struct compared *picture)
 {
@@ -266,16 +268,16 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
     double nonfinite = picture->value[METRIC_NONFINITE];
     if (nonfinite == 0 || nonfinite_limited)
         return passed;
-    // Pixels that are not finite are excluded from the metrics, so an image full of NaN must fail
-    // by itself.
+    // The metrics omit pixels that are not finite, so an image with such pixels only must fail
+    // separately.
     bool fails = options->compare.limit_count > 0;
     log_message(fails ? LOG_ERROR : LOG_WARN, "%s: %.0f pixels are not finite and were left out",
                 picture->path, nonfinite);
     return passed && !fails;
 }
 
-// All inputs are listed first, because the first difference image is written before the second
-// image is read.
+// Registers all input files at first, because the first difference image is written before the
+// second image is read.
 static bool name_inputs(const struct comparison *c, struct err *err)
 {
     const char *variance = c->options->compare.reference_variance;
@@ -290,7 +292,7 @@ static bool name_inputs(const struct comparison *c, struct err *err)
     return ok;
 }
 
-// Chooses the names of the difference images, and checks in advance whether they can be written.
+// Chooses the names of the difference images, and checks beforehand that they can be written.
 static bool prepare_maps(struct comparison *c, struct err *err)
 {
     const char *path = c->options->compare.difference;
@@ -309,10 +311,10 @@ static bool prepare_maps(struct comparison *c, struct err *err)
     return true;
 }
 
-// Uses "START,STOP", or computes the exposures from the reference.
+// Takes the exposures from "START,STOP", or computes them from the reference.
 static bool choose_exposures(struct comparison *c, struct err *err)
 {
-    const double most = 128; // stops in either direction: the range of floats
+    const double most = 128; // the range of floats, in stops in either direction
     const char *text = c->options->compare.exposures;
     const struct image *reference = &c->reference.image;
     const float(*pixels)[3] = (const float(*)[3])reference->pixels;
@@ -332,9 +334,8 @@ static bool choose_exposures(struct comparison *c, struct err *err)
     return true;
 }
 
-// Checks the memory budget, once the reference's size is known, for the most that comparing one
-// image needs: the image itself, the exposed copies and the map of errors, and one metric at a
-// time.
+// Checks the memory budget once the size of the reference is known. Comparing an image takes at
+// most the image itself, its exposed copies, the error map, and the memory of one metric at a time.
 static bool check_memory(const struct comparison *c, struct err *err)
 {
     uint32_t width = c->reference.image.width, height = c->reference.image.height;
@@ -357,7 +358,7 @@ static bool check_memory(const struct comparison *c, struct err *err)
     return memory_check(most, what, err);
 }
 
-// Before the work: that the report can be written, and is no map either.
+// Checks beforehand that the report can be written and is not the file of a difference image.
 static bool check_report(const struct comparison *c, struct err *err)
 {
     const char *report = c->options->study.report;

@@ -1,11 +1,12 @@
-// The report of `lampyris compare`: one page with a viewer of all pictures and a table of errors.
+// The report of `lampyris compare`: a page with a viewer of all images and a table of errors.
 #include "cli/compare/compare.h"
 
 #include "base/file.h"
 #include <math.h>
 #include <string.h>
 
-// The file's name without its folder, unless another picture has the same.
+// Returns the name of a file without its folder, or the whole path if another image has the same
+// name.
 static const char *label_of(const struct comparison *c, const char *path)
 {
     const char *name = path_name(path);
@@ -53,7 +54,7 @@ bool compare_html_add(struct comparison *c, const struct compared *picture,
 
 // --- the table -----------------------------------------------------------------------------------
 
-// Where all pictures are alike, a star on each of them would say nothing.
+// Returns whether to mark an image as the best. If all images are equal, none is marked.
 static bool has_star(const struct comparison *c, uint32_t picture, enum compare_metric metric)
 {
     bool differ = false;

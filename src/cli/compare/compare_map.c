@@ -1,4 +1,4 @@
-// Difference images of lampyris compare.
+// The difference images of `lampyris compare`.
 #include "cli/compare/compare.h"
 
 #include "base/file.h"
@@ -22,7 +22,8 @@ const char *compare_map_words(enum error_map map)
     return words[map];
 }
 
-// Fills in three numbers per pixel, equal if the map has only one; NaN if there is no value.
+// Computes three numbers per pixel, which are equal if the map has only one; NaN if there is no
+// value.
 static void fill_values(enum error_map map, const struct picture_pair *pair, const float *flip,
                         float (*out)[3])
 {
@@ -45,7 +46,7 @@ static bool write_numbers(const struct image_write_params *params, enum error_ma
                                 .channels = colors,
                                 .type = IMAGE_LAYER_FULL};
     if (is_flip(map)) {
-        // The map has one number per pixel: they are moved to the front.
+        // This map has one number per pixel, so the numbers are moved to the front of the array.
         float *plane = &values->pixels[0][0];
         for (uint64_t i = 0; i < (uint64_t)values->width * values->height; i++)
             plane[i] = values->pixels[i][0];
@@ -58,7 +59,7 @@ static bool write_numbers(const struct image_write_params *params, enum error_ma
     return image_write(&numbers, err);
 }
 
-// The colours are display values, but images hold linear values.
+// Writes false colours. They are display values, but the image must have linear values.
 static bool write_colors(const struct image_write_params *params, enum error_map map,
                          const struct image *values, struct arena *arena, struct err *err)
 {

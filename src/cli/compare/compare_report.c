@@ -66,14 +66,15 @@ static void print_one(const struct comparison *c)
     }
 }
 
-// Pixels that are not finite are excluded from metrics, or black in both images: they must not make
-// an image the best.
+// Returns whether an image may be the best. Pixels that are not finite are omitted from some
+// metrics and count as black in both images in others, so an image with such pixels could seem
+// best.
 static bool may_be_best(const struct compared *p)
 {
     return p->value[METRIC_NONFINITE] == 0;
 }
 
-// Returns NAN if no image has the metric.
+// Returns the best value of a metric; NAN if no image has the metric.
 static double best_value(const struct comparison *c, enum compare_metric metric)
 {
     double best = NAN;
@@ -204,7 +205,7 @@ static json_t *checks_json(const struct comparison *c, const struct compared *p)
     return checks;
 }
 
-// "hdr-flip" of the command line is "hdr_flip" in JSON.
+// Sets a member for a metric. The name "hdr-flip" of the command line becomes "hdr_flip" in JSON.
 static void set_metric(json_t *object, enum compare_metric metric, double value)
 {
     char key[32];
@@ -266,7 +267,7 @@ int compare_print_json(const struct comparison *c)
         images, "passed", c->passed);
     const char *report = c->options->study.report;
     json_object_set_new(object, "report", report ? json_words(report) : json_null());
-    // The figures of a single picture stand at the top, too.
+    // The results of a single image are also members of the top-level object.
     if (object && c->count == 1)
         json_object_update_missing(object, json_array_get(images, 0));
     return command_print(object);
