@@ -1,4 +1,4 @@
-// lampyris devices: lists the Vulkan devices, and the one that would be used.
+// lampyris devices: lists the Vulkan devices, and marks the one that would be used.
 #include "cli/commands.h"
 
 #include "base/log.h"
@@ -9,10 +9,11 @@
 struct device_list {
     struct gpu_device_info devices[GPU_MAX_DEVICES];
     uint32_t count;
-    uint32_t chosen; // index, or UINT32_MAX when none can be used
+    uint32_t chosen; // index; UINT32_MAX if no device can be used
 };
 
-// Opens the device as render would, so that the choice is the same, and known to work.
+// Finds the device that would be used by opening it as `render` does, so that it is certain to
+// work.
 static bool find_chosen(const struct options *options, struct device_list *list, struct err *err)
 {
     struct gpu gpu = {0};
@@ -71,7 +72,8 @@ int cmd_devices(const struct options *options)
     if (!gpu_list_devices(list.devices, &list.count, &err))
         return command_fail(&err);
     if (!find_chosen(options, &list, &err)) {
-        // The list is useful even if no device can be used.
+        // The list is useful even if no device can be used, so this is no error unless a device was
+        // requested.
         if (options->device.gpu.device)
             return command_fail(&err);
         log_warn("no device can be used: %s", err.msg);

@@ -1,4 +1,5 @@
-// `lampyris info`: the contents of a scene, the code that it needs, and the memory that it takes.
+// lampyris info: prints the contents of a scene, the kernels that it needs, and the memory that it
+// takes.
 #include "cli/commands.h"
 
 #include "base/memory.h"
@@ -30,7 +31,7 @@ static uint32_t count_materials(const struct scene *scene, uint32_t model)
     return count;
 }
 
-// Counts materials that are shaded as a simpler model than their own.
+// Counts the materials that are shaded by a simpler model than their own.
 static uint32_t count_reduced(const struct scene *scene)
 {
     uint32_t count = 0;
@@ -80,7 +81,7 @@ static void print_buffer(const struct planned_buffer *buffer)
     puts(buffer->copies > 1 ? " (in several buffers)" : "");
 }
 
-// Prints the bounds about the flat scene's origin, in metres.
+// Prints the bounds of the scene relative to the origin of the flat scene, in metres.
 static void print_bounds(const struct flat_scene *flat)
 {
     double low[3], high[3];
