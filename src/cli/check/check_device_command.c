@@ -18,7 +18,7 @@ size_t device_check_outcomes(const struct device_check *d, enum check_outcome ou
     return count;
 }
 
-// A case that was named is run however long it takes.
+// Returns whether to run a case. A case that is named is run even if it takes long.
 static bool is_wanted(const struct options *options, const struct check_group *group,
                       const struct check_case *this_case)
 {
@@ -30,7 +30,7 @@ static bool is_wanted(const struct options *options, const struct check_group *g
            (!this_case->is_long || options->check.longer || options->check.list || by_name);
 }
 
-// Groups and cases go by the same option.
+// Reports that --only names neither a group nor a case.
 static bool fail_no_case(const char *name, struct err *err)
 {
     struct suggestion suggestion = {.wanted = name};
@@ -65,7 +65,7 @@ static bool choose_cases(struct device_check *d, struct err *err)
     return fail_no_case(d->options->check.only, err);
 }
 
-// A case may have lost the device: it is opened again.
+// Opens the device. It is opened again if a case has lost it.
 static bool provide_device(struct device_check *d, struct err *err)
 {
     if (d->gpu.lost)
@@ -83,7 +83,8 @@ static bool run_case(struct device_check *d, const struct check *check, struct c
         struct check_result *result = &row->result;
         if (was_lost && !*result->why)
             snprintf(result->why, sizeof result->why, "the device was lost, and opened again");
-        // Cases are run again as often, all of them together, as a render goes on (--reopen).
+        // The number of repetitions, over all cases together, is limited like that of a render
+        // (--reopen).
         if (!result->is_lost || d->reopened == d->options->render.reopens)
             return true;
         d->reopened++;
@@ -93,7 +94,8 @@ static bool run_case(struct device_check *d, const struct check *check, struct c
 
 static bool run_cases(struct device_check *d, struct err *err)
 {
-    // Renders inside of cases do not report: the cases report what is done.
+    // Renders inside of cases do not report progress, because the run reports the number of
+    // finished cases.
     const struct progress *listener = d->options->progress;
     const struct progress quiet = {.should_stop = listener->should_stop,
                                    .context = listener->context};
@@ -118,7 +120,7 @@ static bool run_cases(struct device_check *d, struct err *err)
     return ok || err->code == ERR_STOPPED;
 }
 
-// Fails where cases were not run since the device stayed lost.
+// Returns an exit code for failure if cases were not run because the device remained lost.
 static int fail_if_lost(const struct device_check *d)
 {
     struct err err;
@@ -154,13 +156,13 @@ int check_device_command(const struct options *options)
 {
     struct device_check d = {.options = options};
     struct err err = {0}, of_report = {0};
-    // Extreme scenes are warned of, and what they are is known.
+    // Warnings about extreme scenes are hidden, because these scenes are extreme on purpose.
     if (!options_given(options, OPTION_LOG_LEVEL))
         log_set_level(LOG_ERROR);
     bool ok = html_check_file(options->study.report, &err) && choose_cases(&d, &err) &&
               (options->check.list || run_cases(&d, &err));
     progress_end(options->progress);
-    // A device that is lost for good does not take away what is known so far.
+    // If the device is lost for good, the results so far are printed nevertheless.
     int code = ok || d.done > 0 ? tell(&d, &of_report) : EXIT_CODE_OK;
     if (!ok)
         code = command_fail(&err);

@@ -1,4 +1,4 @@
-// The HTML report: one file with the cases and their images.
+// Writes the HTML report: a single file with the cases and their images.
 #include "cli/check/device_check.h"
 
 #include "base/file.h"
@@ -17,7 +17,7 @@ static bool put_picture(struct html_page *page, const struct check_result *resul
     if (picture->pixels) {
         for (size_t i = 0; i < values; i++)
             sum += (double)picture->pixels[i / 3][i % 3];
-        // Exposes the image so that its mean is middle grey.
+        // The exposure maps the image's mean to middle grey.
         page->exposure_stops = sum > 0.0 ? (float)log2(0.18 * (double)values / sum) : 0.0f;
         if (!html_picture(page, "case", &image, "width=\"64\" alt=\"\"", err))
             return false;

@@ -37,8 +37,8 @@ void device_check_print_row(const struct device_check *d, size_t row)
     fflush(stdout);
 }
 
-// Prints, for a paper, what was equal, and on which device. The first case renders the same image
-// again.
+// Prints a sentence, for use in publications, about which bits were equal on which device. The
+// first case only renders the same image again.
 static void print_reproducible(const struct device_check *d)
 {
     size_t same = device_check_outcomes(d, CHECK_PASSED), others = 0, broken = 0;

@@ -1,4 +1,5 @@
-// `lampyris check SCENE`: stiff and extreme properties of a scene, as text and as JSON.
+// `lampyris check SCENE`: finds what makes a scene difficult or wrong to render; prints text or
+// JSON.
 #include "cli/check/check_command.h"
 
 #include "base/file_inputs.h"
@@ -14,10 +15,10 @@
 #include <math.h>
 #include <stdio.h>
 
-// The default error for the outlook.
+// The default local relMSE for the outlook.
 #define USUAL_ERROR 1e-3
 
-// Counts errors that remain in the file of --fix.
+// Counts the findings of level `wrong` that remain, in the file of --fix if there is one.
 static uint32_t count_wrong(const struct scene_check *check)
 {
     uint32_t count = 0;
@@ -29,7 +30,7 @@ static uint32_t count_wrong(const struct scene_check *check)
     return count;
 }
 
-// --- for people ----------------------------------------------------------------------------------
+// --- text output ---------------------------------------------------------------------------------
 
 void scene_check_print_share(double share, FILE *out)
 {
@@ -52,7 +53,8 @@ static void print_finding(const struct scene_finding *finding)
     print_line("  remedy  ", finding->remedy);
 }
 
-// Returns the number of decimals that gives three significant digits: "410", "41.0", "1180".
+// Returns the number of decimals with which x has at least three significant digits: "410", "41.0",
+// "1180".
 static int decimals(double x)
 {
     return x >= 100.0 ? 0 : x >= 10.0 ? 1 : 2;
@@ -116,7 +118,7 @@ static void print_text(const struct scene_check *check)
     print_changes(check);
 }
 
-// --- for machines --------------------------------------------------------------------------------
+// --- JSON output ---------------------------------------------------------------------------------
 
 static json_t *finding_json(const struct scene_finding *finding)
 {
@@ -179,9 +181,9 @@ static bool run(struct scene_check *check, struct err *err)
            (!fix || scene_write(&fixed, err));
 }
 
-// Prepares to check again from the beginning, which takes some seconds, if the device was lost.
-// Returns false if it failed for another reason, or was reopened as often as a render permits
-// (--reopen).
+// If the device was lost, prepares to run the whole check again, which takes some seconds. Returns
+// false if the check failed for another reason, or if the device was reopened as often as --reopen
+// permits.
 static bool run_again(struct scene_check *check, uint32_t reopened, struct err *err)
 {
     struct err failure;

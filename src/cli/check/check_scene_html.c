@@ -1,4 +1,5 @@
-// The HTML report: one file with the findings of a scene, and images that show where they are.
+// Writes the HTML report: a single file with the findings of a scene, and images that show where
+// they are.
 #include "cli/check/scene_check.h"
 
 #include "base/file.h"
@@ -7,8 +8,8 @@
 #include "report/html.h"
 #include <math.h>
 
-// Draws the image in grey at half its brightness, and in red the pixels that a finding affects.
-// `white` is the radiance that is shown as 1.
+// Draws the image in grey at half its brightness, and the pixels that a finding affects in red.
+// `white` is the radiance that becomes 1.
 static void mark_pixels(const struct image *picture, const uint8_t *flags, float white,
                         float (*out)[3])
 {

@@ -1,4 +1,4 @@
-// `lampyris check`: tests a device; with a scene, finds its stiff properties.
+// `lampyris check`: tests a device or, if a scene is given, the scene.
 #include "cli/check/check_command.h"
 #include "cli/commands.h"
 
