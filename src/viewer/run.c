@@ -184,10 +184,8 @@ static bool open_window(struct viewer *viewer, struct err *err)
         .headless = options->view.headless,
     };
     if (options->view.headless && !options->view.script)
-        return err_set(
-            err, ERR_USAGE,
-            "--headless: expected --script FILE: without a window nothing else says what "
-            "to do");
+        return err_set(err, ERR_USAGE,
+                       "--headless: expected --script FILE, because there is no window for input");
     return (!options->view.script ||
             script_open(options->view.script, &viewer->shell.script, err)) &&
            window_open(&params, &viewer->shell.window, err);

@@ -39,13 +39,13 @@ class Faults(Case):
                 ('set view.exposur 1\n', 'view.exposure'),
                 ('set view.exposure 1e9\n', 'view.exposure'),
                 ('click no.such.control\n', 'no.such.control'),
-                ('expect samples.x == 1\n', 'the state has no samples.x'),
+                ('expect samples.x == 1\n', "the viewer's state has no key samples.x"),
                 ('wait 1 frames\nexpect camera.kind == fish\n',
                  'camera.kind is "perspective"; expected == "fish"'),
-                ('wait 9 samples\n', 'rests at its limit of 4'),
-                ('hash h.jsonl b\n', 'no picture on side b'),
+                ('wait 9 samples\n', 'stops at the limit of 4'),
+                ('hash h.jsonl b\n', 'side b has no picture'),
                 ('timeout 0.2\nwait 3000 ms\n', 'the command has not finished after 0.2 s'),
-                ('check view.pause on picture\n', 'nothing but its own value has changed'),
+                ('check view.pause on picture\n', 'has changed nothing but its own value'),
         ):
             with self.subTest(script):
                 result = self.view(script, '--spp', '4', code=1)

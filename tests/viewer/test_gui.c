@@ -73,11 +73,11 @@ TEST(what_cannot_be_is_refused)
     struct bench *bench = bench_new(1);
     bench_frame(bench);
     CHECK_REFUSED(bench, "kinds.number", "1.7", "kinds.number: 1.7 is outside [0, 1]");
-    CHECK_REFUSED(bench, "kinds.number", "nan", "is no number");
-    CHECK_REFUSED(bench, "kinds.number", "0.5 apples", "more than a number");
-    CHECK_REFUSED(bench, "kinds.count", "1.5", "no whole number");
-    CHECK_REFUSED(bench, "kinds.count", "-1", "is outside [0, 4294967294], and not \"all\"");
-    CHECK_REFUSED(bench, "kinds.float", "red", "is no number");
+    CHECK_REFUSED(bench, "kinds.number", "nan", "is not a number");
+    CHECK_REFUSED(bench, "kinds.number", "0.5 apples", "other text besides a number");
+    CHECK_REFUSED(bench, "kinds.count", "1.5", "not a whole number");
+    CHECK_REFUSED(bench, "kinds.count", "-1", "is outside [0, 4294967294] and is not \"all\"");
+    CHECK_REFUSED(bench, "kinds.float", "red", "is not a number");
     CHECK_REFUSED(bench, "kinds.switch", "yes", "neither \"on\" nor \"off\"");
     CHECK_REFUSED(bench, "kinds.choice", "delta", "there are alpha, beta, gamma");
     CHECK_REFUSED(bench, "kinds.color", "0.5,0.5", "three numbers");

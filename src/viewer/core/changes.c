@@ -368,7 +368,7 @@ static bool apply_reverted(struct viewer *viewer, struct err *err)
         return false;
     viewer->stage.kernels = viewer->stage.good_kernels;
     viewer_message(viewer, MESSAGE_ERROR, "%s: %s",
-                   has_bad_kernels ? "the kernels stay as they were" : "undone", reason.msg);
+                   has_bad_kernels ? "the old kernels remain in use" : "undone", reason.msg);
     viewer_changed(viewer, CHANGE_GEOMETRY);
     *err = (struct err){0};
     return apply(viewer, err);

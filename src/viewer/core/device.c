@@ -63,6 +63,6 @@ bool viewer_recover(struct viewer *viewer, struct err *err)
         return false;
     viewer->stage.gpu.validation_messages += messages;
     viewer_changed(viewer, CHANGE_METHOD);
-    viewer_message(viewer, MESSAGE_WARNING, "%s: opened the device again", reason);
+    viewer_message(viewer, MESSAGE_WARNING, "%s: the device was opened again", reason);
     return true;
 }

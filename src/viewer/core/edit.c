@@ -203,12 +203,13 @@ static void tell_plan(struct viewer *viewer, const struct method *from, const st
     if (planning == PLANNING_NONE || sample_planning(&from->settings, NULL) != PLANNING_NONE)
         return;
     if (limit > 0)
-        viewer_message(viewer, MESSAGE_NOTE, "planned for %u samples a pixel, where it rests",
-                       limit);
+        viewer_message(
+            viewer, MESSAGE_NOTE,
+            "sample points are planned for %u samples per pixel, at which rendering stops", limit);
     else if (planning == PLANNING_NEEDED)
         viewer_message(
             viewer, MESSAGE_NOTE,
-            "this method spreads its points over a fixed number of samples: set a limit");
+            "this sampler stratifies over a fixed number of samples: set a sample limit");
 }
 
 // Replaces the environment. The new texels are loaded into a new arena, so that the old ones
@@ -445,7 +446,8 @@ static bool edit(struct viewer *viewer, enum target target, uint32_t index, cons
     }
     get(viewer, target, index, &after);
     if (!record(viewer->document.history, target, index, control, &before, &after))
-        viewer_message(viewer, MESSAGE_WARNING, "out of memory: %s cannot be undone", control);
+        viewer_message(viewer, MESSAGE_WARNING, "out of memory: the change of %s cannot be undone",
+                       control);
     return true;
 }
 

@@ -26,13 +26,13 @@
 static void do_undo(struct viewer *viewer)
 {
     if (!edit_undo(viewer))
-        viewer_message(viewer, MESSAGE_NOTE, "nothing to undo");
+        viewer_message(viewer, MESSAGE_NOTE, "there is nothing to undo");
 }
 
 static void do_redo(struct viewer *viewer)
 {
     if (!edit_redo(viewer))
-        viewer_message(viewer, MESSAGE_NOTE, "nothing to do again");
+        viewer_message(viewer, MESSAGE_NOTE, "there is nothing to redo");
 }
 
 static void do_save_scene(struct viewer *viewer)
@@ -206,36 +206,36 @@ static const struct binding bindings[] = {
 };
 
 const struct key_help viewer_keys[] = {
-    {"W A S D", "fly forwards, left, back, right"},
-    {"A D", "while the camera revolves (R): more slowly, faster; below 0 it turns the other way"},
+    {"W A S D", "fly forwards, left, backwards, right"},
+    {"A D", "while the camera revolves (R): slower, faster; below 0 the direction is reversed"},
     {"E Q", "fly up, down"},
     {"Shift", "fly at a tenth of the speed"},
-    {"Right drag", "look around; in orbit: turn about the target"},
-    {"Left drag", "the same; on the line of a split view: move it"},
+    {"Right drag", "look around; in orbit mode: rotate about the target"},
+    {"Left drag", "the same; on the dividing line of a split view: move the line"},
     {"Middle drag", "pan"},
-    {"Wheel", "fly: speed; orbit: nearer, farther"},
-    {"Click", "pick: the panel shows the surface there"},
-    {"Double click", "focus: sets the centre of orbits and the focus of the lens"},
+    {"Wheel", "fly mode: change the speed; orbit mode: move closer, farther away"},
+    {"Click", "show the surface under the mouse in the panel"},
+    {"Double click", "make this point the centre of orbits and the focus of the lens"},
     {"C", "fly or orbit"},
-    {"R", "revolve about the target, or stop"},
-    {"F", "the whole scene in the picture"},
-    {"Home", "the scene's camera; without one, all of it in the picture, as when it was opened"},
-    {"1 to 9", "go to a saved view"},
+    {"R", "start or stop revolving about the target"},
+    {"F", "frame the whole scene"},
+    {"Home", "return to the scene's camera; if it has none, frame the whole scene"},
+    {"1 to 9", "restore a saved view"},
     {"Ctrl+1 to Ctrl+9", "save the view"},
     {"Ctrl+Z", "undo"},
     {"Ctrl+Y, Ctrl+Shift+Z", "do again"},
     {"Ctrl+S", "save the scene as JSON"},
     {"Ctrl+C", "copy the camera as JSON"},
-    {"Space", "pause rendering, go on"},
-    {"V", "split view of two settings, on and off"},
-    {"N", "denoising of the display, on and off"},
-    {"Tab, Shift+Tab", "the next, the last picture: radiance, albedo, normals ..."},
-    {"[ ]", "darker, brighter by half a stop"},
-    {"F1", "the panel, on and off"},
+    {"Space", "pause or continue rendering"},
+    {"V", "turn the split view of two settings on or off"},
+    {"N", "turn denoising of the display on or off"},
+    {"Tab, Shift+Tab", "show the next or previous layer: radiance, albedo, normals ..."},
+    {"[ ]", "make the display darker or brighter by half a stop"},
+    {"F1", "show or hide the panel"},
     {"F5", "reload shaders and scene"},
     {"F11", "save the film as EXR"},
-    {"F12", "save the displayed image as PNG"},
-    {"H", "this list, on and off"},
+    {"F12", "save the displayed picture as PNG"},
+    {"H", "show or hide this list"},
     {"Esc", "quit"},
     {NULL, NULL},
 };
@@ -266,7 +266,8 @@ static bool saved_view(struct viewer *viewer, const struct event *event)
     } else if (view->is_used) {
         edit_camera(viewer, &view->camera, "camera.restore");
     } else {
-        viewer_message(viewer, MESSAGE_NOTE, "no view %d: Ctrl+%d saves one", number, number);
+        viewer_message(viewer, MESSAGE_NOTE,
+                       "view %d is empty: Ctrl+%d saves the current camera there", number, number);
     }
     return true;
 }
@@ -504,6 +505,6 @@ bool viewer_answer_click(struct viewer *viewer, struct err *err)
     struct camera camera = viewer->view.camera;
     camera_rig_focus(&viewer->view.rig, picked.position, &camera);
     edit_camera(viewer, &camera, "camera.focus");
-    viewer_message(viewer, MESSAGE_NOTE, "focus: %.4g m away", picked.distance);
+    viewer_message(viewer, MESSAGE_NOTE, "the focus is %.4g m away", picked.distance);
     return true;
 }

@@ -214,7 +214,8 @@ bool lamp_exchange(struct viewer *viewer, uint32_t object, const char *control)
     double distance = vec3_length(way);
     if (!lamp_is(scene, object) || !vec3_normalize(way)) {
         viewer_message(viewer, MESSAGE_WARNING,
-                       "object %u sends no light to the scene's middle: it stays", object);
+                       "object %u sends no light to the scene's centre, so it is not replaced",
+                       object);
         return false;
     }
     double solid_angle = projected_area(scene, object, way) / (distance * distance);
@@ -237,7 +238,8 @@ bool light_exchange(struct viewer *viewer, uint32_t index, const char *control)
     struct shape quad;
     memset(&quad, 0, sizeof quad);
     if (light.kind != LIGHT_DIRECTIONAL) {
-        viewer_message(viewer, MESSAGE_WARNING, "light %u is not directional: it stays", index);
+        viewer_message(viewer, MESSAGE_WARNING,
+                       "light %u is not directional, so it is not replaced", index);
         return false;
     }
     for (int c = 0; c < 3; c++) {

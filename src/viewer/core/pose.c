@@ -123,8 +123,8 @@ static bool fits(struct document *document, const struct scene *posed, struct er
             posed->mesh_count == document->scene.mesh_count &&
             posed->shape_count == base.shape_count) ||
            err_set(err, ERR_INPUT,
-                   "at that time the file has other objects: %u instances of %u meshes, expected "
-                   "%u of %u",
+                   "the file has other objects at that time: %u instances of %u meshes, expected "
+                   "%u instances of %u meshes",
                    posed->instance_count, posed->mesh_count, document->scene.instance_count,
                    document->scene.mesh_count);
 }

@@ -96,7 +96,8 @@ bool rebuild_start(struct viewer *viewer, struct err *err)
     job->params.progress = &job->progress;
     const struct worker_task task = {.name = NAME, .run = run, .done = done, .context = job};
     if (ok && !worker_add(viewer->shell.worker, &task))
-        ok = err_set(err, ERR_SYSTEM, "too much is under way to build a hierarchy");
+        ok = err_set(err, ERR_SYSTEM,
+                     "the BVH cannot be built in the background: too many tasks are waiting");
     if (!ok) {
         free_job(job);
         return false;

@@ -236,9 +236,9 @@ static void tell(struct viewer *viewer, const struct compile *c, int changed)
     if (changed < 0)
         viewer_message(viewer, MESSAGE_ERROR, "shaders: out of memory");
     else if (changed == 0)
-        viewer_message(viewer, MESSAGE_NOTE, "shaders: nothing has changed");
+        viewer_message(viewer, MESSAGE_NOTE, "shaders: no source has changed");
     else
-        viewer_message(viewer, MESSAGE_NOTE, "shaders: %d of %d kernels are new, after %.1f s",
+        viewer_message(viewer, MESSAGE_NOTE, "shaders: %d of %d kernels were recompiled in %.1f s",
                        changed, KERNEL_COUNT, seconds);
 }
 
@@ -292,7 +292,8 @@ void reload_shaders(struct viewer *viewer)
     c->start_ns = clock_ns();
     if (!worker_add(viewer->shell.worker, &(struct worker_task){"shaders", compile, done, c})) {
         free(c);
-        viewer_message(viewer, MESSAGE_ERROR, "shaders: too much else is being done");
+        viewer_message(viewer, MESSAGE_ERROR,
+                       "shaders: not reloaded, because too many tasks are waiting");
         return;
     }
     reload->is_running = true;

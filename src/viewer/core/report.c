@@ -201,7 +201,7 @@ static void print_side(const struct viewer *viewer, uint32_t index)
         printf("; at %.0f spp %s%s%s\n", look.samples, words,
                error->known ? " (blind to bias)" : ": ", error->known ? "" : error->reason);
     else
-        printf("; its error is not known: %s\n", error->reason);
+        printf("; the error is not known: %s\n", error->reason);
     bool splits = view->job.renderer.specialization.split_lobes > 0;
     error_sources_print(&view->sources, splits ? NULL : "lampyris render SAVED.json");
 }

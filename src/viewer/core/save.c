@@ -83,7 +83,7 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
         .render = view->seconds,
     };
     const struct job_look look = view_newest_look(view);
-    const struct half_error none = film_error_none("it was not looked at");
+    const struct half_error none = film_error_none("the error was not estimated");
     bool is_even = film->least_samples == film->most_samples;
     const struct metadata_params params = {
         .job = &view->job,
@@ -208,7 +208,8 @@ static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, str
 {
     if (ok && !worker_add(viewer->shell.worker,
                           &(struct worker_task){"picture", write_picture, picture_done, saving}))
-        ok = err_set(err, ERR_OUTPUT, "too many pictures wait to be written");
+        ok = err_set(err, ERR_OUTPUT,
+                     "not saved, because too many pictures are waiting to be written");
     if (ok)
         return true;
     if (saving)
@@ -239,7 +240,7 @@ static bool copy_display(struct viewer *viewer, bool with_panel, struct saving *
     saving->image.width = screen->width;
     saving->image.height = screen->height;
     if (!screen->is_drawn || viewer->stage.display.pixels.bytes < pixels * 4)
-        return err_set(err, ERR_OUTPUT, "there is no picture so far");
+        return err_set(err, ERR_OUTPUT, "there is no picture yet");
     if (with_panel)
         return gpu_screen_read(&viewer->stage.gpu, screen, &saving->arena, &saving->display, err);
     draw_alone(viewer);
@@ -266,7 +267,7 @@ static bool copy_denoised(struct viewer *viewer, const struct view *view, struct
     uint64_t pixels = (uint64_t)saving->image.width * saving->image.height;
     if (!denoiser->gpu || denoiser->width != saving->image.width ||
         denoiser->height != saving->image.height)
-        return err_set(err, ERR_OUTPUT, "the picture is not denoised: the switch is off");
+        return err_set(err, ERR_OUTPUT, "the picture is not denoised: denoising is switched off");
     float(*four)[4] = arena_alloc(&saving->arena, pixels, sizeof *four);
     saving->image.pixels = arena_alloc(&saving->arena, pixels, sizeof *saving->image.pixels);
     if (!four || !saving->image.pixels)
@@ -276,7 +277,7 @@ static bool copy_denoised(struct viewer *viewer, const struct view *view, struct
     for (uint64_t i = 0; i < pixels; i++)
         memcpy(saving->image.pixels[i], four[i], sizeof *saving->image.pixels);
     return metadata_set(&saving->metadata, "lampyris:denoised",
-                        "a preview: biased, see docs/denoising.md", err);
+                        "denoised pictures are biased previews, see docs/denoising.md", err);
 }
 
 static bool copy_film(struct viewer *viewer, uint32_t side, bool denoised, struct saving *saving,
@@ -285,7 +286,7 @@ static bool copy_film(struct viewer *viewer, uint32_t side, bool denoised, struc
     struct view *view = &viewer->stage.sides[side];
     struct film_image film;
     if (side >= viewer->stage.side_count || !view->is_ready)
-        return err_set(err, ERR_OUTPUT, "there is no picture so far");
+        return err_set(err, ERR_OUTPUT, "there is no picture yet");
     if (!job_copy_film(&view->job, &saving->arena, &film, err) ||
         !describe(viewer, side, &film, saving, err) || !add_view(viewer, saving, err))
         return false;
@@ -336,7 +337,7 @@ static bool write_scene(struct viewer *viewer, const char *path)
     ok = ok && path && scene_write(&params, &err);
     if (ok)
         viewer_message(viewer, MESSAGE_NOTE, "wrote %s%s", path,
-                       is_outside ? "; it names files outside of its folder, and so needs "
+                       is_outside ? "; it names files outside of its folder, so loading it needs "
                                     "--allow-outside-paths"
                                   : "");
     else

@@ -28,7 +28,7 @@ const char *shader_why_not(const char *folder)
     if (!program_is_installed(COMPILER))
         return COMPILER " is not installed (Debian: glslang-tools)";
     if (!file_is_executable(name))
-        return "the folder of the kernels' source is not there; --shaders names another";
+        return "the folder of the kernels' sources does not exist; name another one by --shaders";
     return NULL;
 }
 
@@ -216,7 +216,7 @@ static void add_messages(const struct shader_job *job, const char *name, const c
     if (is_some)
         return;
     snprintf(line, sizeof line, "%s.comp: %.*s", name, *text ? (int)strcspn(text, "\n") : 80,
-             *text ? text : COMPILER " made no SPIR-V of it");
+             *text ? text : COMPILER " produced no SPIR-V");
     add_error(errors, size, line);
 }
 

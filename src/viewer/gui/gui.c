@@ -168,7 +168,7 @@ static void draw_help(const struct gui *gui)
         put_text(IM_TEXT, 0.0f, "%s", help);
     } else {
         put_text(IM_DIM, 0.0f,
-                 "Help on what the mouse is over. Numbers: drag, or Ctrl+click to type.");
+                 "Help for the control under the mouse. Drag numbers, or Ctrl+click to type them.");
     }
 }
 

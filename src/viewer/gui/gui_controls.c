@@ -284,7 +284,7 @@ bool gui_text(struct gui *gui, const char *id, const char *label, const char *he
     const char *wish, *to = NULL;
     struct gui_item *item = begin(gui, id, GUI_TEXT, label, help, &wish);
     if (wish && strlen(wish) >= size)
-        items_refuse(own, "%s: longer than %u bytes", id, size - 1);
+        items_refuse(own, "%s: the text is longer than %u bytes", id, size - 1);
     else
         to = wish;
     if (own->is_drawn && text_box(own, item->id, value, size, rest_of_line()))

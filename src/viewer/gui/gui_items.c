@@ -154,9 +154,9 @@ void gui_set(struct gui *gui, const char *id, const char *value)
         strlen(value) >= GUI_TEXT_MAX) {
         own->result[0] = '\0';
         if (own->wish_count == GUI_WISHES_MAX)
-            items_refuse(own, "%s: more than %d controls at once", id, GUI_WISHES_MAX);
+            items_refuse(own, "%s: more than %d controls are set at once", id, GUI_WISHES_MAX);
         else
-            items_refuse(own, "%.60s: id or value too long", id);
+            items_refuse(own, "%.60s: the id or the value is too long", id);
         return;
     }
     struct gui_wish *wish = &own->wishes[own->wish_count++];
@@ -169,7 +169,7 @@ const char *gui_set_result(const struct gui *gui)
 {
     const struct gui_state *own = gui->own;
     if (own->wish_count)
-        return "not done yet: no frame was drawn since";
+        return "not set yet: no frame has been drawn since";
     return own->result[0] ? own->result : NULL;
 }
 

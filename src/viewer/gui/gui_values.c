@@ -89,7 +89,7 @@ static void say_range(const struct gui_range *range, bool is_float, const char *
     write_one(range->min, is_float, NULL, min);
     write_one(range->infinite ? range->greatest : range->max, is_float, NULL, max);
     if (range->infinite)
-        snprintf(why, GUI_WHY_MAX, "%.60s is outside [%.40s, %.40s], and not \"%s\"", value, min,
+        snprintf(why, GUI_WHY_MAX, "%.60s is outside [%.40s, %.40s] and is not \"%s\"", value, min,
                  max, range->infinite);
     else
         snprintf(why, GUI_WHY_MAX, "%.60s is outside [%.40s, %.40s]", value, min, max);
@@ -113,7 +113,7 @@ static bool read_one(const char *text, const char **end, bool is_float,
     char *behind;
     double value = strtod(text, &behind);
     if (behind == text || isnan(value)) {
-        snprintf(why, GUI_WHY_MAX, "\"%.60s\" is no number%s%s%s", text,
+        snprintf(why, GUI_WHY_MAX, "\"%.60s\" is not a number%s%s%s", text,
                  range->infinite ? ", and not \"" : "", range->infinite ? range->infinite : "",
                  range->infinite ? "\"" : "");
         return false;
@@ -129,7 +129,7 @@ static bool read_one(const char *text, const char **end, bool is_float,
         return false;
     }
     if (range->integer && value != rint(value)) {
-        snprintf(why, GUI_WHY_MAX, "%s is no whole number", written);
+        snprintf(why, GUI_WHY_MAX, "%s is not a whole number", written);
         return false;
     }
     *out = is_float ? (double)(float)value : value;
@@ -150,10 +150,9 @@ bool value_read(const char *text, uint32_t count, bool is_float, const struct gu
             continue;
         }
         if (count > 1)
-            snprintf(why, GUI_WHY_MAX, "\"%.60s\" is not three numbers with commas between them",
-                     text);
+            snprintf(why, GUI_WHY_MAX, "\"%.60s\" is not three numbers separated by commas", text);
         else
-            snprintf(why, GUI_WHY_MAX, "\"%.60s\" has more than a number%s%s", text,
+            snprintf(why, GUI_WHY_MAX, "\"%.60s\" has other text besides a number%s%s", text,
                      range->unit ? " and its unit, " : "", range->unit ? range->unit : "");
         return false;
     }
@@ -179,7 +178,8 @@ bool value_read_choice(const char *text, const char *const *names, uint32_t *out
         *out = i;
         return true;
     }
-    size_t used = (size_t)snprintf(why, GUI_WHY_MAX, "no choice \"%.60s\"; there are", text);
+    size_t used =
+        (size_t)snprintf(why, GUI_WHY_MAX, "\"%.60s\" is not a choice; the choices are", text);
     for (uint32_t i = 0; names[i] && used < GUI_WHY_MAX; i++)
         used += (size_t)snprintf(why + used, GUI_WHY_MAX - used, "%s %s", i ? "," : "", names[i]);
     return false;

@@ -33,23 +33,23 @@ void panel_destroy(struct panel *panel)
 static void files(struct panel *panel, const struct document *document, const struct stage *stage)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "files", "Files", "Pictures and scenes are written here.", false);
+    gui_group_begin(gui, "files", "Files", "Saves pictures and scenes.", false);
     gui_switch(gui, "files.with_panel", "With panel",
-               "Screenshots show the panel, too; off: the picture alone.", &panel->saves_panel);
+               "Includes the panel in screenshots; off: only the picture.", &panel->saves_panel);
     if (gui_button(gui, "files.screenshot", "Screenshot (F12)",
-                   "Writes the displayed image as a PNG into the working directory."))
+                   "Writes the displayed picture as a PNG into the working directory."))
         save_png(panel->viewer, NULL, panel->saves_panel);
     gui_enabled(gui, stage->shown.denoise);
     gui_switch(gui, "files.denoised", "Denoised",
-               "EXRs get the denoised preview instead of the film; off: what was rendered.",
+               "Writes the denoised preview into EXRs; off: the film as rendered.",
                &panel->saves_denoised);
     gui_enabled(gui, document->has_scene);
     if (gui_button(gui, "files.exr", "EXR (F11)",
-                   "Writes the chosen side's film with all metadata into the working directory."))
+                   "Writes the selected side's film with all metadata into the working directory."))
         save_exr(panel->viewer, stage->edited_side, NULL,
                  panel->saves_denoised && stage->shown.denoise);
     gui_text(gui, "files.scene_path", "Scene file",
-             "Where \"Save scene\" writes to; it must end in .json.", panel->save_path,
+             "The file that \"Save scene\" writes; its name must end in .json.", panel->save_path,
              sizeof panel->save_path);
     gui_enabled(gui, document->has_scene && panel->save_path[0]);
     if (gui_button(gui, "files.save_scene", "Save scene",
@@ -63,16 +63,16 @@ static void shaders(struct panel *panel, const struct shell *shell)
     struct gui *gui = panel->gui;
     const char *why_not = NULL;
     bool can = reload_can_compile(shell->reload, &why_not);
-    gui_group_begin(gui, "shaders", "Shaders", "Kernels compiled anew from their sources.", false);
+    gui_group_begin(gui, "shaders", "Shaders", "Recompiles kernels from their sources.", false);
     gui_enabled(gui, can);
     if (gui_button(gui, "shaders.reload", "Reload (F5)",
-                   "Compiles all kernels anew; where one fails, the old ones stay."))
+                   "Recompiles all kernels; if one fails, the old kernels remain in use."))
         reload_shaders(panel->viewer);
     if (gui_is_drawn(gui)) {
         if (can)
             gui_line(gui, "%s", reload_folder(shell->reload));
         else
-            gui_warning(gui, "%s", why_not ? why_not : "not possible here");
+            gui_warning(gui, "%s", why_not ? why_not : "not available");
         const char *errors = reload_errors(shell->reload);
         if (errors[0])
             gui_warning(gui, "%s", errors);
@@ -83,14 +83,13 @@ static void shaders(struct panel *panel, const struct shell *shell)
 static void history(struct panel *panel)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "history", "History", "Changes taken back and made again.", false);
+    gui_group_begin(gui, "history", "History", "Undoes and redoes changes.", false);
     gui_enabled(gui, edit_undo_count(panel->viewer) > 0);
-    if (gui_button(gui, "history.undo", "Undo (Ctrl+Z)", "Takes back the last change."))
+    if (gui_button(gui, "history.undo", "Undo (Ctrl+Z)", "Undoes the last change."))
         edit_undo(panel->viewer);
     gui_same_line(gui);
     gui_enabled(gui, edit_redo_count(panel->viewer) > 0);
-    if (gui_button(gui, "history.redo", "Redo (Ctrl+Y)",
-                   "Repeats the change that was undone last."))
+    if (gui_button(gui, "history.redo", "Redo (Ctrl+Y)", "Redoes the change that was undone last."))
         edit_redo(panel->viewer);
     if (gui_is_drawn(gui)) {
         const char *name = edit_undo_name(panel->viewer);
@@ -103,7 +102,8 @@ static void history(struct panel *panel)
 static void keys(struct panel *panel)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "keys", "Keys", "What keys and mouse do over the picture.", false);
+    gui_group_begin(gui, "keys", "Keys", "Shows the functions of keys and mouse over the picture.",
+                    false);
     for (const struct key_help *key = viewer_keys; gui_is_drawn(gui) && key->keys; key++)
         gui_pair(gui, key->keys, "%s", key->help);
     gui_group_end(gui);

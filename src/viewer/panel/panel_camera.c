@@ -31,15 +31,16 @@ static void moving(struct panel *panel, struct viewpoint *view)
     gui_choice(gui, "camera.mode", "Moves",
                "Fly freely, or orbit the point that was double-clicked (C changes it).",
                camera_rig_mode_names, &rig->mode);
-    gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second.", &speed, &rig->speed);
-    if (gui_switch(gui, "camera.revolves", "Revolve", "Turns about the target by itself.",
+    gui_number(gui, "camera.speed", "Speed", "Flying speed in metres per second.", &speed,
+               &rig->speed);
+    if (gui_switch(gui, "camera.revolves", "Revolve", "Revolves continuously about the target.",
                    &rig->revolves) &&
         rig->revolves)
         rig->mode = CAMERA_RIG_ORBIT;
     gui_number(gui, "camera.revolve_speed", "  speed",
-               "Of that, degrees a second; below 0: the other way round.", &turning,
-               &rig->revolve_speed);
-    if (gui_button(gui, "camera.stop", "Stop", "Ends the turning.")) {
+               "Speed of revolving in degrees per second; negative values reverse the direction.",
+               &turning, &rig->revolve_speed);
+    if (gui_button(gui, "camera.stop", "Stop", "Stops revolving.")) {
         rig->revolves = false;
         edit_close(panel->viewer);
     }
@@ -73,30 +74,34 @@ static void lens(const struct viewpoint *view, struct gui *gui, struct camera *t
     bool is_perspective = to->kind == CAMERA_PERSPECTIVE;
     double radius = to->lens_radius * 1e3;
     gui_enabled(gui, is_perspective);
-    gui_angle(gui, "camera.fov", "Field of view", "Between the lower and the upper edge, degrees.",
-              &angle, &to->fov_y);
+    gui_angle(gui, "camera.fov", "Field of view",
+              "Angle between the lower and the upper edge of the picture, in degrees.", &angle,
+              &to->fov_y);
     gui_enabled(gui, to->kind == CAMERA_ORTHOGRAPHIC);
-    gui_number(gui, "camera.height", "Height", "Of what an orthographic camera sees, metres.",
-               &metres, &to->height);
+    gui_number(gui, "camera.height", "Height",
+               "Height, in metres, of the region that an orthographic camera sees.", &metres,
+               &to->height);
     gui_enabled(gui, is_perspective);
     if (gui_number(gui, "camera.lens_radius", "Lens radius",
-                   "Millimetres; 0: a pinhole, all is in focus.", &millimetres, &radius))
+                   "Radius in millimetres; 0: a pinhole camera, with which everything is in focus.",
+                   &millimetres, &radius))
         to->lens_radius = radius * 1e-3;
     if (to->lens_radius > 0 && !(to->focus_distance > 0))
         to->focus_distance = target_distance(view);
     gui_enabled(gui, is_perspective && to->lens_radius > 0);
-    gui_number(gui, "camera.focus", "Focus", "Distance of the plane in focus, metres.", &metres,
+    gui_number(gui, "camera.focus", "Focus", "Distance of the plane in focus, in metres.", &metres,
                &to->focus_distance);
     uint32_t corners = to->lens_blades;
     if (gui_count(gui, "camera.blades", "Blades",
-                  "Of the aperture; 0: a round one. 1 and 2 become 3.", &blades, &corners)) {
+                  "Number of blades of the aperture; 0: it is round. 1 and 2 become 3.", &blades,
+                  &corners)) {
         // Numbers of blades between 0 (a round aperture) and 3 are invalid, so dragging skips them.
         bool is_falling = corners < to->lens_blades;
         to->lens_blades = corners == 1 || corners == 2 ? (is_falling ? 0 : 3) : corners;
     }
     gui_enabled(gui, is_perspective && to->lens_radius > 0 && to->lens_blades > 0);
-    gui_angle(gui, "camera.blade_rotation", "  rotation", "Of the blades, degrees.", &panel_turn,
-              &to->lens_rotation);
+    gui_angle(gui, "camera.blade_rotation", "  rotation", "Rotation of the blades in degrees.",
+              &panel_turn, &to->lens_rotation);
     gui_enabled(gui, true);
 }
 
@@ -135,7 +140,7 @@ static void copy_as_json(struct panel *panel, const struct viewpoint *view)
         return;
     }
     window_set_clipboard(panel->window, json);
-    viewer_message(panel->viewer, MESSAGE_NOTE, "The camera is in the clipboard, as JSON.");
+    viewer_message(panel->viewer, MESSAGE_NOTE, "The camera was copied to the clipboard as JSON.");
 }
 
 static void frame_all(struct panel *panel, const struct document *document, struct viewpoint *view)
@@ -143,7 +148,8 @@ static void frame_all(struct panel *panel, const struct document *document, stru
     struct camera to = view->camera;
     uint32_t width, height;
     if (!(document->bounds_min[0] <= document->bounds_max[0])) {
-        viewer_message(panel->viewer, MESSAGE_WARNING, "Nothing to frame: the scene is empty.");
+        viewer_message(panel->viewer, MESSAGE_WARNING,
+                       "There is nothing to frame: the scene is empty.");
         return;
     }
     viewer_picture_size(panel->viewer, &width, &height);
@@ -155,15 +161,17 @@ static void frame_all(struct panel *panel, const struct document *document, stru
 static void buttons(struct panel *panel, const struct document *document, struct viewpoint *view)
 {
     struct gui *gui = panel->gui;
-    if (gui_button(gui, "camera.reset", "Reset",
-                   "The camera as the scene file has it; without one, all of it in the picture."))
+    if (gui_button(
+            gui, "camera.reset", "Reset",
+            "Returns to the camera of the scene file; if it has none, frames the whole scene."))
         viewer_go_home(panel->viewer);
     gui_same_line(gui);
-    if (gui_button(gui, "camera.frame", "Frame all", "The whole scene in the picture."))
+    if (gui_button(gui, "camera.frame", "Frame all",
+                   "Moves the camera so that the whole scene is in the picture."))
         frame_all(panel, document, view);
     gui_same_line(gui);
     if (gui_button(gui, "camera.copy", "Copy as JSON",
-                   "Puts the camera into the clipboard, for a scene file."))
+                   "Copies the camera to the clipboard in the form that scene files have."))
         copy_as_json(panel, view);
 }
 
@@ -171,17 +179,18 @@ static void saved_views(struct panel *panel, struct viewpoint *view)
 {
     struct gui *gui = panel->gui;
     gui_count(gui, "camera.slot", "Saved view",
-              "The one that the buttons mean; keys 1 to 9 restore, with Ctrl save.", &slot,
-              &panel->slot);
+              "The saved view to which the buttons apply; keys 1 to 9 restore views, and save them "
+              "with Ctrl.",
+              &slot, &panel->slot);
     struct saved_view *saved = &view->saved[panel->slot - 1];
-    if (gui_button(gui, "camera.save", "Save", "Saves the current camera."))
+    if (gui_button(gui, "camera.save", "Save", "Saves the current camera in this view."))
         *saved = (struct saved_view){.is_used = true, .camera = view->camera};
     gui_enabled(gui, saved->is_used);
     gui_same_line(gui);
-    if (gui_button(gui, "camera.restore", "Restore", "The camera as it was saved."))
+    if (gui_button(gui, "camera.restore", "Restore", "Restores the camera from this view."))
         edit_camera(panel->viewer, &saved->camera, "camera.restore");
     gui_same_line(gui);
-    if (gui_button(gui, "camera.clear", "Clear", "Forgets the saved view."))
+    if (gui_button(gui, "camera.clear", "Clear", "Deletes this view."))
         saved->is_used = false;
     gui_enabled(gui, true);
     if (!gui_is_drawn(gui))
@@ -197,18 +206,19 @@ static void saved_views(struct panel *panel, struct viewpoint *view)
 void panel_camera(struct panel *panel, const struct document *document, struct viewpoint *view)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "camera", "Camera", "Where the picture is seen from.", false);
+    gui_group_begin(gui, "camera", "Camera", "The position and the kind of the camera.", false);
     if (document->has_scene) {
         moving(panel, view);
         gui_space(gui);
         camera_of_scene(panel, document, view);
         struct camera to = view->camera;
         gui->used = NULL;
-        if (gui_choice(gui, "camera.kind", "Kind", "How directions become a picture.", camera_names,
+        if (gui_choice(gui, "camera.kind", "Kind", "The projection of the camera.", camera_names,
                        &to.kind))
             change_kind(view, &to);
-        panel_position(panel, document, "camera.position", "Metres, in the world.", to.position);
-        panel_direction(panel, "camera.direction", "Where it looks; becomes a unit vector.", to.up,
+        panel_position(panel, document, "camera.position", "Position in world space, in metres.",
+                       to.position);
+        panel_direction(panel, "camera.direction", "Viewing direction; it is normalised.", to.up,
                         to.direction);
         lens(view, gui, &to);
         if (gui->used)

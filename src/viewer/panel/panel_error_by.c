@@ -24,8 +24,9 @@ static void brightest(struct gui *gui, const struct error_sources *sources)
         gui_fact(gui, label, "%.2g %%, %s, %u", 100.0 * path->share,
                  error_class_name(ERROR_BY_EMITTER, path->emitter), path->scattering_events);
     }
-    gui_line(gui, "To follow one, save the scene, and call lampyris render SAVED.json --pixel X,Y "
-                  "--sample N.");
+    gui_line(
+        gui,
+        "To follow one, save the scene and run lampyris render SAVED.json --pixel X,Y --sample N.");
 }
 
 static void contents(struct gui *gui, const struct view *view, enum error_kind kind)
@@ -50,12 +51,11 @@ void panel_error_by(struct panel *panel, const struct stage *stage)
     for (int kind = 0; kind < ERROR_KIND_COUNT; kind++)
         words[1 + kind] = error_kind_names[kind];
     gui_group_begin(gui, "statistics.error", "Where the error comes from",
-                    "Shares of the error in light of different kinds, and what contributed most.",
-                    false);
+                    "Shares of the error by kind of light, and the greatest contributions.", false);
     struct shown to = stage->shown;
     if (gui_choice(gui, "statistics.error_by", "Error by",
                    "Splits the error by emission, direct and indirect light, by the number of "
-                   "scattering events, or by the kind of emitter. The picture begins anew.",
+                   "scattering events, or by the kind of emitter. Restarts the picture.",
                    words, &to.error_by))
         edit_shown(panel->viewer, &to, "statistics.error_by");
     if (gui_is_drawn(gui) && to.error_by)

@@ -48,10 +48,11 @@ static void place(struct panel *panel, const struct document *document, struct l
     struct gui *gui = panel->gui;
     double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
     gui_enabled(gui, to->kind != LIGHT_DIRECTIONAL);
-    panel_position(panel, document, "light.position", "Metres, in the world.", to->position);
+    panel_position(panel, document, "light.position", "Position in world space, in metres.",
+                   to->position);
     gui_enabled(gui, to->kind != LIGHT_POINT || to->profile);
     if (panel_direction(panel, "light.direction",
-                        "In which its light travels; becomes a unit vector.", NULL, direction))
+                        "Direction in which the light travels; it is normalised.", NULL, direction))
         light_aim(to, direction);
     gui_enabled(gui, true);
 }
@@ -67,10 +68,12 @@ static void radiant(struct gui *gui, struct light *to)
         color[c] = to->radiant[c] / most;
     strength.unit = to->kind == LIGHT_DIRECTIONAL ? "W/m²" : "W/sr";
     bool changed = gui_float(gui, "light.intensity", "Intensity",
-                             "Of its greatest component: W/sr, or W/m^2 of directional lights.",
+                             "Greatest component of the intensity, in W/sr, or of a directional "
+                             "light's irradiance, in W/m^2.",
                              &strength, &intensity);
-    if (gui_color(gui, "light.color", "Colour", "Factors on the intensity; linear Rec. 709.",
-                  &panel_unit, color))
+    if (gui_color(gui, "light.color", "Colour",
+                  "Factors by which the intensity is multiplied; linear Rec. 709.", &panel_unit,
+                  color))
         changed = true;
     for (int c = 0; changed && c < 3; c++)
         to->radiant[c] = color[c] * intensity;
@@ -84,13 +87,14 @@ static void cone(struct gui *gui, struct light *to)
     const float least = 1e-3f; // least difference of the two angles, radians
     gui_enabled(gui, to->kind == LIGHT_SPOT);
     if (gui_angle(gui, "light.inner_angle", "Inner angle",
-                  "Between the axis and where the light begins to fade, degrees.", &right_angle,
-                  &inner)) {
+                  "Angle from the axis at which the light begins to fade, in degrees.",
+                  &right_angle, &inner)) {
         to->inner_angle = fminf((float)inner, (float)(M_PI / 2) - least);
         to->outer_angle = fmaxf(to->outer_angle, to->inner_angle + least);
     }
     if (gui_angle(gui, "light.outer_angle", "Outer angle",
-                  "Between the axis and where it ends, degrees.", &right_angle, &outer)) {
+                  "Angle from the axis at which the light ends, in degrees.", &right_angle,
+                  &outer)) {
         to->outer_angle = fmaxf(fminf((float)outer, (float)(M_PI / 2)), least);
         to->inner_angle = fminf(to->inner_angle, to->outer_angle - least);
     }
@@ -105,9 +109,10 @@ static void parameters(struct panel *panel, const struct document *document, uin
     gui->used = NULL;
     uint32_t kind = to.kind;
     bool visible = !to.hidden;
-    if (gui_switch(gui, "light.visible", "Visible", "Off: it is taken out of the scene.", &visible))
+    if (gui_switch(gui, "light.visible", "Visible", "Off: the light is removed from the scene.",
+                   &visible))
         to.hidden = !visible;
-    if (gui_choice(gui, "light.kind", "Kind", "Point, spot, or parallel light from afar.",
+    if (gui_choice(gui, "light.kind", "Kind", "Point light, spot light, or directional light.",
                    light_kind_names, &kind))
         change_kind(&to, kind);
     radiant(gui, &to);
@@ -116,23 +121,23 @@ static void parameters(struct panel *panel, const struct document *document, uin
     double across = 2 * to.angular_radius;
     gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
     if (gui_angle(gui, "light.diameter", "Size",
-                  "Of the sun that a directional light comes from, degrees across.", &diameter,
-                  &across))
+                  "Angular diameter, in degrees, of the sun that a directional light stands for.",
+                  &diameter, &across))
         to.angular_radius = across / 2;
     gui_enabled(gui, to.kind != LIGHT_DIRECTIONAL);
-    gui_float(gui, "light.range", "Range", "Metres beyond which it lights nothing.", &reach,
-              &to.range);
+    gui_float(gui, "light.range", "Range",
+              "Distance in metres beyond which the light has no effect.", &reach, &to.range);
     gui_enabled(gui, to.profile != NULL);
-    if (gui_button(gui, "light.profile_off", "Take profile away",
-                   "The same intensity in all directions, instead of the IES profile's.")) {
+    if (gui_button(gui, "light.profile_off", "Remove profile",
+                   "Replaces the IES profile by the same intensity in all directions.")) {
         to.profile = NULL;
         gui->used = "light.profile_off";
     }
     gui_same_line(gui);
     gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
-    bool exchanges = gui_button(gui, "light.exchange", "Area light instead",
-                                "Hides it; a square that faces the scene's middle shines from "
-                                "there, as bright in the middle.");
+    bool exchanges = gui_button(gui, "light.exchange", "Replace by area light",
+                                "Hides this light and adds a square in its place that faces the "
+                                "scene's centre and is as bright there.");
     gui_enabled(gui, true);
     if (exchanges)
         light_exchange(panel->viewer, index, "light.exchange");
@@ -143,11 +148,12 @@ static void parameters(struct panel *panel, const struct document *document, uin
 static void additions(struct panel *panel)
 {
     if (gui_button(panel->gui, "lights.add", "Add light",
-                   "A further light: directional at first, of any kind then."))
+                   "Adds a directional light, whose kind can be changed afterwards."))
         light_add(panel->viewer, "lights.add");
     gui_same_line(panel->gui);
     if (gui_button(panel->gui, "lights.add_area", "Add area light",
-                   "A square that shines, with a material of its own; it is among the objects."))
+                   "Adds an emissive square with a material of its own, which is listed among the "
+                   "objects."))
         lamp_add(panel->viewer, "lights.add_area");
 }
 
@@ -156,10 +162,11 @@ void panel_lights(struct panel *panel, struct document *document)
     struct gui *gui = panel->gui;
     const struct scene *scene = &document->scene;
     gui_group_begin(gui, "lights", "Lights",
-                    "Delta lights and suns; emissive surfaces are among the materials.", false);
+                    "Delta lights and suns; emissive surfaces are listed among the materials.",
+                    false);
     const struct panel_list list = {
         .id = "lights",
-        .help = "Chooses the light whose parameters are below.",
+        .help = "Selects the light whose parameters are shown below.",
         .count = scene->light_count,
         .height = 5,
         .name = light_name,
@@ -171,7 +178,7 @@ void panel_lights(struct panel *panel, struct document *document)
         if (document->chosen_light < scene->light_count)
             parameters(panel, document, document->chosen_light);
     } else {
-        gui_line(gui, "None: emissive surfaces or the environment light this scene.");
+        gui_line(gui, "There are none: emissive surfaces or the environment light this scene.");
     }
     additions(panel);
     gui_group_end(gui);

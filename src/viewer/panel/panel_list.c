@@ -64,8 +64,8 @@ bool panel_list(struct panel *panel, struct panel_filter *filter, const struct p
     uint32_t before = *chosen;
     snprintf(id, sizeof id, "%s.filter", list->id);
     gui_enabled(gui, list->count > 1);
-    gui_text(gui, id, "Filter", "Shows those alone whose names have this text in them.",
-             filter->text, sizeof filter->text);
+    gui_text(gui, id, "Filter", "Shows only entries whose names contain this text.", filter->text,
+             sizeof filter->text);
     gui_enabled(gui, true);
     update(filter, list);
     struct gui_list rows = {
@@ -86,6 +86,6 @@ bool panel_list(struct panel *panel, struct panel_filter *filter, const struct p
     }
     gui_list_end(gui, &rows);
     if (filter->count == 0 && list->count > 0)
-        gui_line(gui, "None has \"%s\" in its name.", filter->text);
+        gui_line(gui, "No name contains \"%s\".", filter->text);
     return *chosen != before;
 }

@@ -128,8 +128,8 @@ static void phong_exponent(struct gui *gui, struct material *to)
                                            .greatest = 1e6};
     double exponent = material_phong_exponent((double)to->roughness);
     if (gui_number(gui, "material.phong_exponent", "Phong exponent",
-                   "Of Phong's distribution of normals: its roughness in other terms.", &range,
-                   &exponent))
+                   "Exponent of Phong's distribution of normals, which corresponds to a roughness.",
+                   &range, &exponent))
         to->roughness = (float)material_phong_roughness(exponent);
 }
 
@@ -138,42 +138,47 @@ static void flags(struct gui *gui, struct material *to)
     bool is_principled = to->model == MATERIAL_PRINCIPLED;
     bool is_through = is_principled || to->model == MATERIAL_DIELECTRIC;
     bool is_microfacet = to->model == MATERIAL_MICROFACET;
-    flag(gui, "material.alpha", "Alpha", "What opacity means: nothing, a mask, or a probability.",
-         to);
+    flag(gui, "material.alpha", "Alpha", "Meaning of opacity: none, a mask, or a probability.", to);
     gui_enabled(gui, !is_black(to->emission));
-    flag(gui, "material.unlit", "Unlit", "Its emission is a colour to show, not light.", to);
+    flag(gui, "material.unlit", "Unlit",
+         "The emission is only displayed as a colour, and lights nothing.", to);
     gui_enabled(gui, is_through);
-    flag(gui, "material.thin", "Thin", "A sheet without an inside.", to);
+    flag(gui, "material.thin", "Thin", "The surface is a thin sheet, without a medium inside.", to);
     gui_enabled(gui, is_principled && to->transmission > 0);
     flag(gui, "material.tint_each", "Tint each",
-         "Every crossing tints by the base colour (glTF), not by its root.", to);
+         "Each interface tints the light by the base colour (as in glTF), not by its square root.",
+         to);
     gui_enabled(gui, is_principled && to->clearcoat > 0);
-    flag(gui, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", to);
+    flag(gui, "material.coat", "Coat",
+         "Burley's clearcoat, or that of glTF with a GGX distribution.", to);
     flag(gui, "material.coat_fresnel", "Coat Fresnel",
          "Schlick's approximation, or the exact equations, both of index 1.5.", to);
     gui_enabled(gui, is_principled);
     flag(gui, "material.specular_fresnel", "Specular Fresnel",
-         "The exact curve moved to the reflectance that is asked for, or the exact and Schlick's "
-         "curve mixed by metallic, times the specular colour.",
+         "The exact curve adapted to the given reflectance, or a mixture of the exact and "
+         "Schlick's curve by metallic, times the specular colour.",
          to);
     flag(gui, "material.layers", "Layers",
-         "Mixed as Burley's model, or as glTF's specification: a Lambert base, the coat on top.",
+         "Mixes lobes as in Burley's model, or as in glTF's specification, with a Lambert base "
+         "below a coat.",
          to);
     gui_enabled(gui, to->model != MATERIAL_LAMBERT && to->model != MATERIAL_MIRROR);
     flag(gui, "material.compensate", "Compensate",
-         "Energy of multiple scattering between microfacets is given back.", to);
+         "Adds the energy of multiple scattering between microfacets.", to);
     flag(gui, "material.separable", "Separable",
          "Separable instead of height-correlated Smith masking.", to);
     gui_enabled(gui, is_microfacet);
-    flag(gui, "material.distribution", "Distribution", "Of microfacets' normals.", to);
+    flag(gui, "material.distribution", "Distribution", "Distribution of the microfacets' normals.",
+         to);
     gui_enabled(gui, is_microfacet &&
                          (to->flags >> MATERIAL_DISTRIBUTION_SHIFT & 3u) == DISTRIBUTION_PHONG);
     phong_exponent(gui, to);
     gui_enabled(gui, is_microfacet);
-    flag(gui, "material.masking", "Masking", "How microfacets hide each other.", to);
+    flag(gui, "material.masking", "Masking", "Masking and shadowing between microfacets.", to);
     flag(gui, "material.diffuse", "Diffuse",
-         "The base under microfacets: light enters and leaves through what the surface does not "
-         "reflect (coupled), or it has 1 - F of the microfacet between (uncoupled; gains energy).",
+         "Diffuse base below the microfacets: it gets the light that the surface does not reflect, "
+         "on the way in and out (coupled), or is weighted by 1 - F of the microfacet (uncoupled; "
+         "this gains energy).",
          to);
     flag(gui, "material.fresnel", "Fresnel", "Schlick's approximation, or the exact equations.",
          to);
@@ -187,10 +192,12 @@ static void inside(struct gui *gui, struct material *to)
     static const struct gui_range priority = {1, 255, .integer = true};
     gui_enabled(gui, material_has_inside(to));
     gui_color(gui, "material.extinction", "Extinction",
-              "Of what is inside of closed surfaces, 1/m: light falls by exp(-extinction x way).",
+              "Extinction of the medium inside of closed surfaces, in 1/m: the transmittance is "
+              "exp(-extinction x distance).",
               &extinction, to->extinction);
     gui_count(gui, "material.medium_priority", "Priority",
-              "Where insides overlap the highest is there.", &priority, &to->medium_priority);
+              "Where media overlap, the one with the highest priority applies.", &priority,
+              &to->medium_priority);
     gui_enabled(gui, true);
 }
 
@@ -201,7 +208,7 @@ static void parameters(struct panel *panel, const struct document *document, uin
     struct gui *gui = panel->gui;
     struct material to = document->scene.materials[index];
     gui->used = NULL;
-    gui_choice(gui, "material.model", "Model", "How its surfaces scatter light.",
+    gui_choice(gui, "material.model", "Model", "The model of how the material scatters light.",
                material_model_names, &to.model);
     for (uint32_t i = 0; i < material_parameter_count; i++)
         if (material_parameters[i].models >> to.model & 1u)
@@ -217,10 +224,10 @@ void panel_materials(struct panel *panel, struct document *document)
 {
     struct gui *gui = panel->gui;
     const struct scene *scene = &document->scene;
-    gui_group_begin(gui, "materials", "Materials", "What surfaces are made of.", false);
+    gui_group_begin(gui, "materials", "Materials", "The materials of the surfaces.", false);
     const struct panel_list list = {
         .id = "materials",
-        .help = "Chooses the material whose parameters are below.",
+        .help = "Selects the material whose parameters are shown below.",
         .count = scene->material_count,
         .height = 6,
         .name = material_name,

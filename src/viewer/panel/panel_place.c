@@ -50,21 +50,24 @@ static void place(struct panel *panel, const struct document *document, uint32_t
     double position[3];
     for (int c = 0; c < 3; c++)
         position[c] = to.about[c] + to.move[c];
-    bool is_moved = panel_position(panel, document, "object.position",
-                                   "Of its middle, metres, in the world.", position);
+    bool is_moved =
+        panel_position(panel, document, "object.position",
+                       "Position of the object's centre in world space, in metres.", position);
     for (int c = 0; c < 3 && is_moved; c++)
         to.move[c] = position[c] - to.about[c];
-    gui_vector(
-        gui, "object.turn", "Turned",
-        "About its middle and the world's x axis, then y, then z, degrees, against the file.",
-        &turn, to.turn_degrees);
+    gui_vector(gui, "object.turn", "Turned",
+               "Rotation about the object's centre and the world's x axis, then y, then z, in "
+               "degrees, relative to the file.",
+               &turn, to.turn_degrees);
     if (gui_vector(gui, "object.scale", "Scaled",
-                   "Along its own axes, against the file; round shapes take one scale.", &scale,
-                   to.scale) &&
+                   "Scale along the object's own axes, relative to the file; round shapes have a "
+                   "single scale.",
+                   &scale, to.scale) &&
         !place_axes_are_free(scene, object))
         even_scale(to.scale, before.scale);
     gui_enabled(panel->gui, !placement_is_none(&before));
-    if (gui_button(panel->gui, "object.put_back", "Put back", "Where the file has it.")) {
+    if (gui_button(panel->gui, "object.put_back", "Put back",
+                   "Returns the object to its placement in the file.")) {
         to = placement_none(before.about);
         gui->used = "object.put_back";
     }
@@ -82,10 +85,9 @@ void panel_place(struct panel *panel, const struct document *document)
     place(panel, document, object);
     gui_same_line(panel->gui);
     gui_enabled(panel->gui, lamp_is(scene, object));
-    if (gui_button(
-            panel->gui, "object.exchange", "Parallel light instead",
-            "Hides this lamp; a directional light comes from there, as bright at the scene's "
-            "middle."))
+    if (gui_button(panel->gui, "object.exchange", "Replace by directional light",
+                   "Hides this lamp and adds a directional light from its direction that is as "
+                   "bright at the scene's centre."))
         lamp_exchange(panel->viewer, object, "object.exchange");
     gui_enabled(panel->gui, true);
 }

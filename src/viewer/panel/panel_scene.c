@@ -91,8 +91,8 @@ static void file_rows(struct panel *panel)
         char id[GUI_ID_MAX];
         snprintf(id, sizeof id, "scene.file.%u", row);
         bool is_this = strcmp(panel->files[row], panel->scene_path) == 0;
-        if (gui_row(gui, id, path_name(panel->files[row]), "Opens this scene of the same folder.",
-                    is_this) &&
+        if (gui_row(gui, id, path_name(panel->files[row]),
+                    "Opens this scene, which is in the same folder.", is_this) &&
             !is_this)
             wanted = panel->files[row];
     }
@@ -104,8 +104,8 @@ static void file_rows(struct panel *panel)
 static void recent_rows(struct panel *panel)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "scene.recent", "Opened before", "Scenes that were open in this session.",
-                    false);
+    gui_group_begin(gui, "scene.recent", "Opened before",
+                    "Scenes that have been opened in this session.", false);
     for (uint32_t i = 1; i < panel->recent_count; i++) {
         char id[GUI_ID_MAX];
         snprintf(id, sizeof id, "scene.recent.%u", i);
@@ -120,11 +120,12 @@ static void file(struct panel *panel, const struct document *document)
     struct gui *gui = panel->gui;
     bool watches = viewer_watches(panel->viewer);
     notice_scene(panel, document);
-    if (gui_text(gui, "scene.path", "Path", "Of a scene or model; Enter opens it.",
+    if (gui_text(gui, "scene.path", "Path", "Path of a scene or model; Enter opens it.",
                  panel->open_path, sizeof panel->open_path))
         viewer_open_scene(panel->viewer, panel->open_path, false);
     gui_enabled(gui, document->has_scene);
-    if (gui_button(gui, "scene.reload", "Reload", "Reads the scene's file again; the view stays."))
+    if (gui_button(gui, "scene.reload", "Reload",
+                   "Reads the scene's file again and keeps the view."))
         viewer_open_scene(panel->viewer, panel->scene_path, true);
     gui_same_line(gui);
     if (gui_switch(gui, "scene.watch", "Watch", "Reloads the scene when its file changes.",
@@ -142,13 +143,13 @@ static void sky(struct gui *gui, struct surroundings *to)
     static const struct gui_range turbidity = {SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX};
     static const struct gui_range elevation = {0, 90, .unit = "°"};
     gui_enabled(gui, to->kind == SURROUNDINGS_SKY);
-    gui_number(gui, "surroundings.turbidity", "Turbidity", "How hazy the sky is.", &turbidity,
-               &to->turbidity);
-    gui_number(gui, "surroundings.elevation", "Sun height", "Above the horizon, degrees.",
-               &elevation, &to->elevation_degrees);
-    gui_number(gui, "surroundings.azimuth", "Sun direction", "Turned from +X towards +Z, degrees.",
-               &panel_turn, &to->azimuth_degrees);
-    gui_flag(gui, "surroundings.sun", "Sun", "The sky has a disc that is the sun.", &to->has_sun);
+    gui_number(gui, "surroundings.turbidity", "Turbidity", "Turbidity: the haziness of the sky.",
+               &turbidity, &to->turbidity);
+    gui_number(gui, "surroundings.elevation", "Sun height",
+               "Elevation above the horizon, in degrees.", &elevation, &to->elevation_degrees);
+    gui_number(gui, "surroundings.azimuth", "Sun direction",
+               "Azimuth from +X towards +Z, in degrees.", &panel_turn, &to->azimuth_degrees);
+    gui_flag(gui, "surroundings.sun", "Sun", "Adds the disc of the sun to the sky.", &to->has_sun);
 }
 
 void panel_surroundings(struct panel *panel, const struct document *document)
@@ -156,18 +157,20 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     static const struct gui_range turn = {-SCENE_TURN_MAX, SCENE_TURN_MAX, .unit = "°",
                                           .drag = 180};
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "surroundings", "Surroundings",
-                    "The light that arrives from infinitely far.", false);
+    gui_group_begin(gui, "surroundings", "Surroundings", "The light from infinitely far away.",
+                    false);
     struct surroundings to = document->surroundings;
     gui->used = NULL;
     // An image can be selected only after its path has been entered.
     bool has_image = to.image[0] != '\0';
     uint32_t kind = to.kind;
-    if (gui_choice(gui, "surroundings.kind", "Kind",
-                   "As in the file, black, one colour, a clear sky, or an image.",
-                   surroundings_names, &kind)) {
+    if (gui_choice(
+            gui, "surroundings.kind", "Kind",
+            "The environment: that of the file, black, one colour, a clear sky, or an image.",
+            surroundings_names, &kind)) {
         if (kind == SURROUNDINGS_IMAGE && !has_image)
-            viewer_message(panel->viewer, MESSAGE_WARNING, "Enter the path of an image first.");
+            viewer_message(panel->viewer, MESSAGE_WARNING,
+                           "Enter the path of an image below first.");
         else
             to.kind = kind;
         gui->used = to.kind == kind ? gui->used : NULL;
@@ -175,18 +178,19 @@ void panel_surroundings(struct panel *panel, const struct document *document)
     const struct environment *around = &document->scene.environment;
     bool is_lit = to.kind != SURROUNDINGS_NONE && around->present;
     gui_enabled(gui, is_lit);
-    gui_number(gui, "surroundings.strength", "Strength", "Factor on all of it.", &panel_radiance,
-               &to.strength);
+    gui_number(gui, "surroundings.strength", "Strength",
+               "Factor for the radiance of the environment.", &panel_radiance, &to.strength);
     gui_enabled(gui, is_lit && around->width > 0); // rotating a constant environment has no effect
     gui_number(gui, "surroundings.rotation", "Rotation",
-               "About +Y, degrees, in addition to the file's.", &turn, &to.rotation_degrees);
+               "Rotation about +Y in degrees, added to that of the file.", &turn,
+               &to.rotation_degrees);
     gui_enabled(gui, to.kind == SURROUNDINGS_CONSTANT);
     gui_color(gui, "surroundings.color", "Radiance",
               "Constant radiance from all directions, W/(sr m^2).", &panel_radiance, to.radiance);
     sky(gui, &to);
     gui_enabled(gui, true);
     if (gui_text(gui, "surroundings.image", "Image",
-                 "Path of a picture in latitude and longitude (.hdr, .exr, …); Enter shows it.",
+                 "Path of an image in latitude and longitude (.hdr, .exr, …); Enter uses it.",
                  to.image, sizeof to.image)) {
         // Unused bytes are 0, because states are compared byte by byte.
         size_t length = strlen(to.image);
@@ -235,7 +239,7 @@ static void object_switch(void *context, uint32_t row)
     char id[GUI_ID_MAX];
     bool visible = is_visible(&rows->document->scene, row);
     snprintf(id, sizeof id, "object.%u.visible", row);
-    if (gui_switch(panel->gui, id, "", "Whether the object is in the scene.", &visible))
+    if (gui_switch(panel->gui, id, "", "Off: the object is removed from the scene.", &visible))
         edit_visible(panel->viewer, row, visible, id);
     gui_same_line(panel->gui);
 }
@@ -244,11 +248,11 @@ static void objects(struct panel *panel, struct document *document)
 {
     struct gui *gui = panel->gui;
     const struct scene *scene = &document->scene;
-    gui_group_begin(gui, "objects", "Objects", "What is in the scene, and what of it is visible.",
-                    false);
+    gui_group_begin(gui, "objects", "Objects",
+                    "The objects of the scene, and which of them are visible.", false);
     const struct panel_list list = {
         .id = "object",
-        .help = "Chooses the object; a click into the picture does, too.",
+        .help = "Selects the object, as does a click on it in the picture.",
         .count = scene->instance_count + scene->shape_count,
         .height = 8,
         .name = object_name,
@@ -271,17 +275,16 @@ static void animation(struct panel *panel, struct document *document)
     struct scene_pose to = pose->wanted;
     double length = document->scene.animation_seconds;
     const struct gui_range seconds = {0, length > 0 ? length : 1e6, .unit = "s"};
-    gui_group_begin(gui, "animation", "Animation", "The times of an animated glTF file.", false);
+    gui_group_begin(gui, "animation", "Animation", "The animation of a glTF file.", false);
     gui_enabled(gui, pose_has_animation(panel->viewer));
-    gui_switch(gui, "animation.plays", "Play", "Time goes on, and begins anew at the end.",
-               &pose->plays);
-    if (gui_number(gui, "animation.time", "Time", "Time of the displayed pose, seconds, like --at.",
-                   &seconds, &to.seconds)) {
+    gui_switch(gui, "animation.plays", "Play", "Plays the animation repeatedly.", &pose->plays);
+    if (gui_number(gui, "animation.time", "Time",
+                   "Time of the displayed pose in seconds, as for --at.", &seconds, &to.seconds)) {
         to.is_posed = 1;
         edit_pose(panel->viewer, &to, "animation.time");
     }
-    gui_number(gui, "animation.speed", "Speed", "Seconds of the animation a second.", &speed,
-               &pose->speed);
+    gui_number(gui, "animation.speed", "Speed", "Speed: seconds of the animation per second.",
+               &speed, &pose->speed);
     gui_enabled(gui, true);
     gui_group_end(gui);
 }
@@ -299,13 +302,13 @@ static void picked(struct panel *panel, struct document *document)
     const struct picked *picked = &document->picked;
     bool has_object = picked->is_some && picked->object < object_count(&document->scene);
     bool has_material = picked->is_some && picked->material < document->scene.material_count;
-    gui_group_begin(gui, "picked", "Picked", "What was clicked in the picture.", true);
+    gui_group_begin(gui, "picked", "Picked", "The surface that was clicked in the picture.", true);
     if (gui_is_drawn(gui)) {
-        char name[PANEL_NAME_MAX] = "none: surroundings";
+        char name[PANEL_NAME_MAX] = "none: environment";
         if (has_object)
             object_name(&(struct object_rows){panel, document}, picked->object, name);
         if (!picked->is_some)
-            gui_line(gui, "Click into the picture.");
+            gui_line(gui, "Click on a surface in the picture.");
         else
             gui_pair(gui, "Object", "%s", name);
         if (has_material)
@@ -334,7 +337,7 @@ static void picked(struct panel *panel, struct document *document)
 void panel_scene(struct panel *panel, struct document *document)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "scene", "Scene", "What is rendered.", false);
+    gui_group_begin(gui, "scene", "Scene", "The scene that is rendered.", false);
     file(panel, document);
     if (document->has_scene) {
         picked(panel, document);

@@ -175,7 +175,8 @@ static void left_out(struct panel *panel, const struct stage *stage)
 {
     struct gui *gui = panel->gui;
     gui_group_begin(gui, "statistics.left_out", "Left out",
-                    "What this scene and these settings do not need, and kernels do not have.",
+                    "The features, lobes and kernels that this scene and these settings do not "
+                    "need and that were left out.",
                     false);
     const struct view *view = &stage->sides[stage->edited_side];
     if (gui_is_drawn(gui) && view->is_ready) {
@@ -192,10 +193,11 @@ static void left_out(struct panel *panel, const struct stage *stage)
 static void memory(struct panel *panel, const struct document *document, const struct stage *stage)
 {
     struct gui *gui = panel->gui;
-    gui_group_begin(gui, "statistics.memory", "Memory", "What the device and the program hold.",
+    gui_group_begin(gui, "statistics.memory", "Memory",
+                    "The memory that the renderer uses on the device and that the program uses.",
                     false);
     if (gui_is_drawn(gui)) {
-        gui_fact(gui, "Device", "%sB (most: %sB)",
+        gui_fact(gui, "Device", "%sB (peak: %sB)",
                  short_number(panel, (double)stage->gpu.allocated_bytes),
                  short_number(panel, (double)stage->gpu.peak_bytes));
         gui_fact(gui, "Program", "%sB at most", short_number(panel, (double)memory_peak()));
@@ -218,7 +220,8 @@ void panel_statistics(struct panel *panel, const struct document *document,
 {
     struct gui *gui = panel->gui;
     const struct frame_stats *stats = &stage->stats;
-    gui_group_begin(gui, "statistics", "Statistics", "Speed and error of the picture.", true);
+    gui_group_begin(gui, "statistics", "Statistics", "The speed and the error of the picture.",
+                    true);
     if (gui_is_drawn(gui) && document->has_scene) {
         gui_fact(gui, "Frames", "%.1f /s, %.1f ms", stats->fps, stats->frame_ms);
         for (uint32_t side = 0; side < stage->side_count; side++)
@@ -230,13 +233,13 @@ void panel_statistics(struct panel *panel, const struct document *document,
         error_curves(panel, stage);
     }
     panel_error_by(panel, stage);
-    gui_group_begin(gui, "statistics.frame", "Frame", "Where the time of the last frame went.",
+    gui_group_begin(gui, "statistics.frame", "Frame", "How the time of the last frame was spent.",
                     true);
     if (gui_is_drawn(gui))
         frame_bars(panel, stage);
     gui_group_end(gui);
     gui_group_begin(gui, "statistics.kernels", "Kernels",
-                    "Time of each kernel in a frame, on the device.", true);
+                    "Time of each kernel per frame on the device.", true);
     if (gui_is_drawn(gui))
         kernel_bars(panel, stage);
     gui_group_end(gui);

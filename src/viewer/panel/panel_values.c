@@ -48,7 +48,7 @@ bool panel_direction(struct panel *panel, const char *id, const char *help, cons
     }
     panel->gui->used = used;
     viewer_message(panel->viewer, MESSAGE_WARNING, "%s: (%g, %g, %g) is zero%s: expected a %s", id,
-                   typed[0], typed[1], typed[2], up ? " or along what is up" : "",
+                   typed[0], typed[1], typed[2], up ? " or parallel to the up vector" : "",
                    up ? "line of sight" : "direction");
     return false;
 }

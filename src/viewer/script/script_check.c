@@ -40,8 +40,8 @@ static enum step wait_samples(const struct viewer *viewer, uint64_t wanted, stru
     uint32_t limit = viewer->stage.shown.spp_limit;
     if (limit > 0 && wanted > limit) {
         err_set(err, ERR_INPUT,
-                "there will be no %" PRIu64 " samples: the picture rests at its limit of %u",
-                wanted, limit);
+                "there will be no %" PRIu64 " samples: rendering stops at the limit of %u", wanted,
+                limit);
         return STEP_FAILED;
     }
     return !viewer->view.is_moving && !rebuild_is_pending(viewer) && !pose_is_pending(viewer) &&
@@ -94,7 +94,7 @@ enum step step_hash(struct script *script, struct viewer *viewer,
 {
     (void)script;
     if (command->side >= viewer->stage.side_count || !viewer->stage.sides[command->side].is_ready) {
-        err_set(err, ERR_INPUT, "there is no picture on side %c", "ab"[command->side]);
+        err_set(err, ERR_INPUT, "side %c has no picture", "ab"[command->side]);
         return STEP_FAILED;
     }
     struct arena arena = {0};
@@ -179,7 +179,7 @@ enum step step_expect(struct script *script, struct viewer *viewer,
     if (!state)
         err_memory(err, "the state", 0);
     else if (!value)
-        err_set(err, ERR_INPUT, "the state has no %s", command->texts[0]);
+        err_set(err, ERR_INPUT, "the viewer's state has no key %s", command->texts[0]);
     else if (compare(command->comparison, value_text(value, text, sizeof text), command->texts[1]))
         ok = true;
     else
@@ -231,7 +231,8 @@ enum step step_check(struct script *script, struct viewer *viewer,
     const char *id = command->texts[0];
     uint64_t picture;
     if (viewer->stage.shown.spp_limit == 0) {
-        err_set(err, ERR_INPUT, "check compares pictures at rest: set a limit of samples before");
+        err_set(err, ERR_INPUT,
+                "check compares finished pictures: set a limit of samples before it");
         return STEP_FAILED;
     }
     if (script->now.phase == 0) {
@@ -258,7 +259,8 @@ enum step step_check(struct script *script, struct viewer *viewer,
     forget_own(after, id);
     bool ok = state_hash_picture(viewer, &picture, err);
     if (ok && !has_changed(script, command, after, picture))
-        ok = err_set(err, ERR_INPUT, "%s: nothing but its own value has changed with \"%s\"", id,
+        ok = err_set(err, ERR_INPUT,
+                     "%s: setting it to \"%s\" has changed nothing but its own value", id,
                      command->texts[1]);
     json_decref(after);
     return ok ? STEP_DONE : STEP_FAILED;

@@ -216,7 +216,7 @@ static enum step aim(struct script *script, struct viewer *viewer, const char *i
     if (script->now.frame++ < REVEAL_FRAMES || (!is_there && script->now.frame < REVEAL_TRIALS))
         return STEP_AGAIN;
     if (!is_there) {
-        err_set(err, ERR_INPUT, item ? "%s cannot be seen" : "there is no control %s", id);
+        err_set(err, ERR_INPUT, item ? "%s is not visible" : "there is no control %s", id);
         return STEP_FAILED;
     }
     if (!item->is_enabled) {

@@ -220,7 +220,7 @@ const char *comparison_name(enum comparison comparison)
 static bool parse_expect(struct words *words, struct command_line *out, struct err *err)
 {
     int comparison;
-    if (!take_text(words, "what of the state is meant", &out->texts[0], err))
+    if (!take_text(words, "the key of a value in the state", &out->texts[0], err))
         return false;
     if (!take_one_of(words, comparisons, &comparison))
         return err_set(err, ERR_INPUT, "expected one of == != < <= > >= ~ !~ after \"%s\"",
@@ -285,8 +285,8 @@ static bool parse_line(struct words *words, struct command_line *out, struct err
         if (!verbs[i].parse(words, out, err))
             return err_set(err, ERR_INPUT, "%s; expected: %s", err->msg, verbs[i].usage);
         return words->next == words->count ||
-               err_set(err, ERR_INPUT, "\"%s\" is too much; expected: %s", words->list[words->next],
-                       verbs[i].usage);
+               err_set(err, ERR_INPUT, "\"%s\" is unexpected; expected: %s",
+                       words->list[words->next], verbs[i].usage);
     }
     return err_set(err, ERR_INPUT, "there is no command %s%s%s%s", name,
                    suggestion.nearest ? "; did you mean " : "",

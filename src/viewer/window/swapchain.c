@@ -111,7 +111,8 @@ static bool surface_create(struct gpu *gpu, struct swapchain *swapchain, struct 
             swapchain->calls.support(gpu->physical, gpu->queue_family, swapchain->surface, &shows),
             err))
         return false;
-    return shows || err_set(err, ERR_GPU, "%s cannot show pictures in this window", gpu->info.name);
+    return shows ||
+           err_set(err, ERR_GPU, "%s cannot present images in this window", gpu->info.name);
 }
 
 static bool semaphores_create(struct gpu *gpu, struct swapchain *swapchain, struct err *err)
@@ -132,7 +133,7 @@ static bool images_create(struct gpu *gpu, struct swapchain *swapchain, struct e
                   swapchain->calls.images(gpu->device, swapchain->handle, &count, NULL), err))
         return false;
     if (count > SWAPCHAIN_IMAGES_MAX)
-        return err_set(err, ERR_GPU, "%s shows %u images in turn, expected at most %d",
+        return err_set(err, ERR_GPU, "%s needs %u swapchain images, expected at most %d",
                        gpu->info.name, count, SWAPCHAIN_IMAGES_MAX);
     swapchain->image_count = count;
     VkFormat twin = swapchain_twin(swapchain->format);
@@ -179,10 +180,10 @@ static bool offer_check(const struct gpu *gpu, const struct offer *offer, VkForm
 {
     if (format == VK_FORMAT_UNDEFINED)
         return err_set(err, ERR_GPU,
-                       "%s offers %u formats for this window, expected one of 8 bits a channel",
+                       "%s offers %u formats for this window, expected one with 8 bits per channel",
                        gpu->info.name, offer->format_count);
     if (!(offer->capabilities.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT))
-        return err_set(err, ERR_GPU, "%s cannot copy pictures into this window", gpu->info.name);
+        return err_set(err, ERR_GPU, "%s cannot copy images into this window", gpu->info.name);
     return true;
 }
 
@@ -440,7 +441,7 @@ bool swapchain_show(struct gpu *gpu, struct swapchain *swapchain, struct window 
     if (!window->handle || window->is_minimised || !screen->is_drawn)
         return true;
     if (gpu->lost)
-        return gpu_fail(gpu, "showing a picture", VK_ERROR_DEVICE_LOST, err);
+        return gpu_fail(gpu, "presenting an image", VK_ERROR_DEVICE_LOST, err);
     // If the swapchain is out of date, it is recreated and used at once, so that a window that is
     // being resized shows an image in every frame.
     bool shown = false;

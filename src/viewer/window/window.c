@@ -180,7 +180,7 @@ static const char *glfw_error(void)
 {
     const char *text = NULL;
     glfwGetError(&text);
-    return text ? text : "GLFW does not say why";
+    return text ? text : "GLFW gives no reason";
 }
 
 static void callbacks_set(struct window *window)
@@ -205,10 +205,10 @@ static void callbacks_set(struct window *window)
 static bool handle_open(const struct window_params *params, struct window *window, struct err *err)
 {
     if (!glfwInit())
-        return err_set(err, ERR_USAGE,
-                       "no display: %s; `lampyris render` needs none, nor does lampyris-view "
-                       "--headless",
-                       glfw_error());
+        return err_set(
+            err, ERR_USAGE,
+            "there is no display: %s; `lampyris render` and lampyris-view --headless need none",
+            glfw_error());
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
     window->handle =
         glfwCreateWindow((int)params->width, (int)params->height, params->title, NULL, NULL);
@@ -237,7 +237,8 @@ bool window_open(const struct window_params *params, struct window *out, struct 
     out->events = out->queues[1].list;
     if (params->width == 0 || params->height == 0 || params->width > INT16_MAX ||
         params->height > INT16_MAX) // X11's limit
-        return err_set(err, ERR_USAGE, "a window of %u x %u pixels: expected sides of 1 to %d",
+        return err_set(err, ERR_USAGE,
+                       "a window of %u x %u pixels: expected sides from 1 to %d pixels",
                        params->width, params->height, INT16_MAX);
     return params->headless || handle_open(params, out, err);
 }
