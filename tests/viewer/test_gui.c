@@ -79,7 +79,7 @@ TEST(what_cannot_be_is_refused)
     CHECK_REFUSED(bench, "kinds.count", "-1", "is outside [0, 4294967294] and is not \"all\"");
     CHECK_REFUSED(bench, "kinds.float", "red", "is not a number");
     CHECK_REFUSED(bench, "kinds.switch", "yes", "neither \"on\" nor \"off\"");
-    CHECK_REFUSED(bench, "kinds.choice", "delta", "there are alpha, beta, gamma");
+    CHECK_REFUSED(bench, "kinds.choice", "delta", "the choices are alpha, beta, gamma");
     CHECK_REFUSED(bench, "kinds.color", "0.5,0.5", "three numbers");
     CHECK_REFUSED(bench, "kinds.color", "0.5,0.5,0.5,0.5", "three numbers");
     CHECK_REFUSED(bench, "kinds.color", "0.5,2,0.5", "2 is outside [0, 1]");

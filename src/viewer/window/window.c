@@ -205,10 +205,9 @@ static void callbacks_set(struct window *window)
 static bool handle_open(const struct window_params *params, struct window *window, struct err *err)
 {
     if (!glfwInit())
-        return err_set(
-            err, ERR_USAGE,
-            "there is no display: %s; `lampyris render` and lampyris-view --headless need none",
-            glfw_error());
+        return err_set(err, ERR_USAGE,
+                       "no display: %s; `lampyris render` and lampyris-view --headless need none",
+                       glfw_error());
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
     window->handle =
         glfwCreateWindow((int)params->width, (int)params->height, params->title, NULL, NULL);
