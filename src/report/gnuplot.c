@@ -23,7 +23,8 @@ static bool read_all(FILE *file, struct arena *arena, char **out, struct err *er
 {
     uint64_t size;
     if (!file_stream_size(file, &size))
-        return err_set(err, ERR_SYSTEM, "what gnuplot printed: %s", strerror(errno));
+        return err_set(err, ERR_SYSTEM, "the output of gnuplot cannot be read: %s",
+                       strerror(errno));
     *out = size > 0 ? ARENA_NEW(arena, char, (size_t)size + 1) : NULL;
     if (size > 0 && !*out)
         return err_memory(err, "a plot", size);
@@ -39,7 +40,8 @@ bool gnuplot_run(const char *script, struct arena *arena, char **out, struct err
         rewind(in);
         ok = run(in, printed, err) && read_all(printed, arena, out, err);
     } else
-        err_set(err, ERR_SYSTEM, "a temporary file for gnuplot: %s", strerror(errno));
+        err_set(err, ERR_SYSTEM, "a temporary file for gnuplot cannot be written: %s",
+                strerror(errno));
     if (in)
         fclose(in);
     if (printed)

@@ -208,7 +208,9 @@ bool html_plot(struct html_page *page, const char *name, const char *script, str
     if (page->has_no_plots || !gnuplot_run(script, page->arena, &svg, &failure)) {
         if (!page->has_no_plots) {
             log_warn("no plots: %s", failure.msg);
-            fputs("<p class=\"note\">No plots: gnuplot is not there, or failed.</p>\n", page->out);
+            fputs("<p class=\"note\">There are no plots, because gnuplot is not installed or "
+                  "failed.</p>\n",
+                  page->out);
         }
         page->has_no_plots = true;
         return true;

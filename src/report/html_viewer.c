@@ -120,8 +120,8 @@ bool html_viewer_begin(struct html_page *page, const struct html_viewer_params *
             out->number);
     fputs("<noscript><p class=\"note\">The pictures need JavaScript.</p></noscript>\n", page->out);
     if (reduction > 1)
-        log_warn("the report shows pictures of %u x %u pixels in place of %u x %u: each pixel is "
-                 "the mean of %u x %u; errors are those of the whole pictures",
+        log_warn("the report shows pictures of %u x %u pixels instead of %u x %u: each pixel is "
+                 "the mean of %u x %u pixels; errors are computed from the original pictures",
                  out->width, out->height, params->width, params->height, reduction, reduction);
     return true;
 }
