@@ -84,14 +84,14 @@ TEST(pictures_that_differ_are_named)
     make_up(&m);
     m.variants[1].image_hash = 6;
     CHECK(bench_conclude(&m.b, &err) && m.b.differs, "not seen");
-    CHECK(strstr(m.b.difference.msg, "\"wave=2k\" made another picture (0000000000000006) than "
-                                     "\"wave=1k\" (0000000000000005)"),
+    CHECK(strstr(m.b.difference.msg, "the picture of \"wave=2k\" (hash 0000000000000006) differs "
+                                     "from that of \"wave=1k\" (hash 0000000000000005)"),
           "%s", m.b.difference.msg);
     make_up(&m);
     m.variants[2].differs = true;
     CHECK(bench_conclude(&m.b, &err) && m.b.differs, "not seen");
-    CHECK(strstr(m.b.difference.msg, "wave=1k spp=2: repetitions made different pictures"), "%s",
-          m.b.difference.msg);
+    CHECK(strstr(m.b.difference.msg, "wave=1k spp=2: the repetitions have different pictures"),
+          "%s", m.b.difference.msg);
 }
 
 // Times of an earlier run: `factor` times those of now.

@@ -230,12 +230,12 @@ class Baseline(unittest.TestCase):
 
         refused(self.scaled(before, 1, spp=2), 'spp was 2, and is 1')
         refused(self.scaled(before, 1, width=17, spp=1), 'width was 17, and is 16')
-        refused(self.scaled(before, 1, width=16, scene='other.json'), 'none of these scenes')
+        refused(self.scaled(before, 1, width=16, scene='other.json'), 'no result for any of these scenes')
         before['machine']['device'] = 'Abacus 3000'
-        refused(self.scaled(before, 1, scene=CORNELL), 'was measured on "Abacus 3000"')
+        refused(self.scaled(before, 1, scene=CORNELL), 'was measured on the device "Abacus 3000"')
         path = os.path.join(self.folder.name, 'before.json')
-        for text, message in (('{', 'before.json: line 1, column'), ('[]', 'is no result of lampyris bench'),
-                              ('{"machine": {}, "variants": 3}', 'is no result')):
+        for text, message in (('{', 'before.json: line 1, column'), ('[]', 'is not the JSON output of lampyris bench'),
+                              ('{"machine": {}, "variants": 3}', 'is not the JSON output')):
             with open(path, 'w', encoding='utf-8') as file:
                 file.write(text)
             refused(path, message)
@@ -245,7 +245,7 @@ class Baseline(unittest.TestCase):
         arguments = (CORNELL, *SMALL, '--spp', '1', '--repeats', '2')
         path = self.scaled(bench(*arguments), 1, image_hash='0123456789abcdef')
         result = run('bench', *arguments, '--baseline', path, '--log-level', 'warning')
-        self.assertIn('was another picture (0123456789abcdef, now', result.stderr)
+        self.assertIn('was different (hash 0123456789abcdef, now', result.stderr)
 
 
 class Endings(unittest.TestCase):

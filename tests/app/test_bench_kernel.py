@@ -69,7 +69,7 @@ class BenchKernel(unittest.TestCase):
         result, said = bench('--kernel', 'intersect_closest', '--depth', '1,9', '--repeats', '2')
         empty = rows_of(result)['intersect_closest diffuse 9']
         self.assertEqual((empty['items'], empty['ms']['value']), (None, None))
-        self.assertIn('nothing comes to intersect_closest at depth 9', said)
+        self.assertIn('the kernel intersect_closest gets no items at depth 9', said)
 
     def test_variants(self):
         result, _ = bench('--kernel', 'intersect_closest', '--sweep', 'node=quantised,float',
@@ -84,7 +84,7 @@ class BenchKernel(unittest.TestCase):
                 (['--kernel', 'intersect_closet'], 'did you mean "intersect_closest"?'),
                 (['--kernel', 'shade'], 'expected one of generate_rays, intersect_closest'),
                 (['--kernel', 'shade_classical'], 'is not used to render'),
-                (['--kernel', 'shade_surface', '--rays', 'shadow'], 'traces none'),
+                (['--kernel', 'shade_surface', '--rays', 'shadow'], 'traces no rays'),
                 (['--kernel', 'resolve', '--depth', '1'], 'runs once for all bounces'),
                 (['--kernel', 'intersect_closest', '--rays', 'diffuse', '--depth', '0'],
                  'expected a --depth of 1 or more')]:

@@ -51,7 +51,7 @@ static bool check_work(const struct bench *b, const struct bench_variant *v, con
         if ((uint64_t)was != same[i].now)
             return err_set(err, ERR_INPUT,
                            "%s: %s, \"%s\": %s was %" JSON_INTEGER_FORMAT ", and is %" PRIu64
-                           ": expected the same",
+                           ", expected the same number",
                            b->options->bench.baseline, v->scene_data.path, bench_label(v),
                            same[i].key, was, same[i].now);
     }
@@ -64,7 +64,8 @@ static void look_at_picture(const struct bench *b, const struct bench_variant *v
     char hash[20];
     snprintf(hash, sizeof hash, "%016" PRIx64, v->image_hash);
     if (v->image_hash && strcmp(text_of(before, "image_hash"), hash) != 0)
-        log_warn("%s: %s, \"%s\" was another picture (%s, now %s): times are compared all the same",
+        log_warn("%s: the picture of %s, \"%s\" was different (hash %s, now %s); times are "
+                 "compared nevertheless",
                  b->options->bench.baseline, v->scene_data.path, bench_label(v),
                  text_of(before, "image_hash"), hash);
 }
@@ -124,17 +125,19 @@ static bool check_machine(const struct bench *b, struct err *err)
     const struct gpu_device_info *info = &b->gpu.info;
     const char *path = b->options->bench.baseline;
     if (strcmp(text_of(machine, "device"), info->name) != 0)
-        return err_set(err, ERR_INPUT, "%s was measured on \"%s\", and this is \"%s\"", path,
+        return err_set(err, ERR_INPUT,
+                       "%s was measured on the device \"%s\", expected this device, \"%s\"", path,
                        text_of(machine, "device"), info->name);
     if (strcmp(text_of(machine, "driver"), info->driver) != 0)
-        log_warn("%s: the driver was \"%s\", and is \"%s\"", path, text_of(machine, "driver"),
+        log_warn("%s: the driver was \"%s\" and is now \"%s\"", path, text_of(machine, "driver"),
                  info->driver);
     if (strcmp(text_of(machine, "processor"), machine_describe().processor) != 0)
-        log_warn("%s: the processor was \"%s\"", path, text_of(machine, "processor"));
+        log_warn("%s: it was measured on another processor, \"%s\"", path,
+                 text_of(machine, "processor"));
     const json_t *load = json_object_get(b->baseline, "load");
     if (info->is_cpu && json_is_number(load) &&
         fabs(json_number_value(load) - b->load) > 0.5 * cpu_count())
-        log_warn("%s: the machine's load was %.1f, and is %.1f: that alone changes times", path,
+        log_warn("%s: the machine's load was %.1f and is now %.1f, which affects times", path,
                  json_number_value(load), b->load);
     return true;
 }
@@ -146,14 +149,15 @@ static bool check_variants(const struct bench *b, struct err *err)
         const struct bench_variant *v = &b->variants[i];
         const json_t *before = find_variant(b, v);
         if (!before)
-            log_warn("%s has no %s, \"%s\"", b->options->bench.baseline, v->scene_data.path,
-                     bench_label(v));
+            log_warn("%s has no result for %s, \"%s\"", b->options->bench.baseline,
+                     v->scene_data.path, bench_label(v));
         else if (!check_work(b, v, before, err))
             return false;
         found += before != NULL;
     }
-    return found > 0 || err_set(err, ERR_INPUT, "%s has none of these scenes and variants",
-                                b->options->bench.baseline);
+    return found > 0 ||
+           err_set(err, ERR_INPUT, "%s has no result for any of these scenes and variants",
+                   b->options->bench.baseline);
 }
 
 bool bench_load_baseline(struct bench *b, struct err *err)
@@ -168,7 +172,9 @@ bool bench_load_baseline(struct bench *b, struct err *err)
     if (!json_is_array(json_object_get(b->baseline, "variants")) ||
         !json_is_object(json_object_get(b->baseline, "machine")))
         return err_set(err, ERR_INPUT,
-                       "%s is no result of lampyris bench: expected machine and variants", path);
+                       "%s is not the JSON output of lampyris bench: expected the keys \"machine\" "
+                       "and \"variants\"",
+                       path);
     return check_machine(b, err) && check_variants(b, err);
 }
 

@@ -60,8 +60,8 @@ static bool write_bars(const struct chart *c, FILE *out)
         return false;
     fputs(head, out);
     fputs("set style data histograms\nset style histogram rowstacked\nset style fill solid 0.85 "
-          "noborder\nset boxwidth 0.7\nset ylabel 'ms a frame'\nset yrange [0:*]\nset key outside "
-          "right top invert reverse Left\n",
+          "noborder\nset boxwidth 0.7\nset ylabel 'ms per frame'\nset yrange [0:*]\nset key "
+          "outside right top invert reverse Left\n",
           out);
     if (c->count > 3)
         fputs("set xtics rotate by -35\n", out);
@@ -174,7 +174,7 @@ static bool write_sweep(const struct chart *c, FILE *out)
     fputs(head, out);
     fprintf(out, "set xrange [%.9g:%.9g]\n", least / 1.2, most * 1.2);
     fprintf(out,
-            "set logscale x 2\nset ylabel 'ms a frame'\nset yrange [0:*]\nset key off\nset "
+            "set logscale x 2\nset ylabel 'ms per frame'\nset yrange [0:*]\nset key off\nset "
             "xlabel '%.*s'\nset xtics (",
             (int)key, c->first->variant.label);
     for (uint32_t i = 0; i < c->count; i++) {
@@ -250,7 +250,7 @@ static bool write_depths(const struct chart *c, FILE *out)
             deepest = c->first->rows[r].depth;
     fputs(head, out);
     fprintf(out,
-            "set ylabel 'million items a second'\nset xlabel 'depth'\nset yrange [0:*]\nset "
+            "set ylabel 'million items per second'\nset xlabel 'depth'\nset yrange [0:*]\nset "
             "xtics 1\nset xrange [-.2:%u.2]\nset key outside bottom center horizontal\n",
             deepest);
     if (deepest == 0 || write_lines(c, true, out) == 0)

@@ -97,15 +97,15 @@ static bool same_pictures(const struct bench *b, struct err *err)
     for (uint32_t i = 0; i < b->variant_count; i++) {
         const struct bench_variant *v = &b->variants[i];
         if (v->differs)
-            return err_set(err, ERR_BUG, "%s, %s: repetitions made different pictures",
+            return err_set(err, ERR_BUG, "%s, %s: the repetitions have different pictures",
                            v->scene_data.path, bench_label(v));
         for (uint32_t k = 0; k < i; k++) {
             const struct bench_variant *other = &b->variants[k];
             if (variants_share_picture(&other->variant, &v->variant) &&
                 v->image_hash != other->image_hash)
                 return err_set(err, ERR_BUG,
-                               "%s: \"%s\" made another picture (%016" PRIx64 ") than \"%s\" "
-                               "(%016" PRIx64 ")",
+                               "%s: the picture of \"%s\" (hash %016" PRIx64
+                               ") differs from that of \"%s\" (hash %016" PRIx64 ")",
                                v->scene_data.path, bench_label(v), v->image_hash,
                                bench_label(other), other->image_hash);
         }

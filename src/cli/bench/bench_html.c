@@ -94,9 +94,8 @@ static void put_rows(struct page *page, const struct bench_variant *v)
     fputs("<h3>", out);
     html_text(&page->html, bench_label(v));
     fputs("</h3>\n<div class=\"wide\"><table><tr><th></th><th>ms</th><th>% of the "
-          "frame</th><th>launches</th><th>items"
-          "</th><th>M/s</th><th>bytes an item</th><th>nodes</th><th>primitives</th><th>GB/s</th>"
-          "<th>speed</th></tr>\n",
+          "frame</th><th>launches</th><th>items</th><th>M/s</th><th>bytes per "
+          "item</th><th>nodes</th><th>primitives</th><th>GB/s</th><th>speed</th></tr>\n",
           out);
     for (uint32_t i = 0; i < v->row_count; i++)
         put_row(page, v, &v->rows[i]);
@@ -160,14 +159,14 @@ static bool put_scene(struct page *page, const struct bench_variant *first, stru
         count++;
     fputs("<h2>", out);
     html_text(&page->html, first->scene_data.path);
-    fprintf(out, ", %u &times; %u, %" PRIu64 " samples a pixel</h2>\n<div class=\"plots\">",
+    fprintf(out, ", %u &times; %u, %" PRIu64 " samples per pixel</h2>\n<div class=\"plots\">",
             s->width, s->height, (uint64_t)s->spp);
     if (!bench_put_charts(&page->html, b, first, count, err))
         return false;
-    fputs("</div>\n<div class=\"wide\"><table><tr><th>variant</th><th>ms a "
-          "frame</th><th>frames/s</th><th>Msamples/s"
-          "</th><th>Mrays/s</th><th>speed to the first</th><th></th><th>load s</th><th>BVH</th>"
-          "<th>upload</th><th>compile</th><th>SAH cost</th><th>MiB</th><th>picture</th></tr>\n",
+    fputs("</div>\n<div class=\"wide\"><table><tr><th>variant</th><th>ms per "
+          "frame</th><th>frames/s</th><th>Msamples/s</th><th>Mrays/s</th><th>speed relative to the "
+          "first</th><th></th><th>load s</th><th>BVH</th><th>upload</th><th>compile</th><th>SAH "
+          "cost</th><th>MiB</th><th>picture</th></tr>\n",
           out);
     for (uint32_t i = 0; i < count; i++)
         put_variant(page, first + i);
@@ -199,31 +198,32 @@ static void put_changes(struct page *page)
         html_interval(&page->html, c->ratio, "%.3f");
         fprintf(out, "<td>%s</td></tr>\n", bench_change_word(c));
     }
-    fprintf(
-        out,
-        "</table></div>\n<p>The intervals hold for all rows at once: in at most %.0f runs of 100 "
-        "anything is called slower or faster that is not, on a machine as busy as it was. "
-        "What changes by less than %.0f %% is not told.</p>\n",
-        100.0 * BENCH_FALSE_ALARMS, 100.0 * (BENCH_FLOOR - 1));
+    fprintf(out,
+            "</table></div>\n<p>The intervals hold for all rows simultaneously: if the machine is "
+            "as busy as it was, at most %.0f of 100 runs report a change that is not real. Changes "
+            "of less than %.0f %% are not reported.</p>\n",
+            100.0 * BENCH_FALSE_ALARMS, 100.0 * (BENCH_FLOOR - 1));
 }
 
 static void put_explanation(struct page *page)
 {
     fprintf(page->html.out,
-            "<p>%u repetitions of each variant, in turns. Times are medians, with the order "
-            "statistics between which the median lies in 95 %% of cases or more. Kernels are timed "
-            "by the device%s; with what the host does between them they add up to the frame. "
-            "Speeds are to the first variant, by the ratios of repetitions of one turn; below 1 is "
-            "slower. Bytes an item are what its records take at least; GB/s counts nodes and "
-            "primitives, too.</p>\n",
+            "<p>There were %u repetitions of each variant, in turns. Times are medians, with the "
+            "order statistics that enclose the median with a probability of at least 95 %%. "
+            "Kernels are timed by the device%s; together with the host's work in between they add "
+            "up to the time of the frame. Speeds are relative to the first variant, from the "
+            "ratios of repetitions in the same turn; below 1 is slower. Bytes per item are the "
+            "least number of bytes of its records; GB/s also counts nodes and primitives.</p>\n",
             page->b->repeats_done,
-            page->b->gpu.has_timestamps ? "" : " (this one cannot: they are not known)");
+            page->b->gpu.has_timestamps
+                ? ""
+                : " (this device has no timestamps, so their times are not known)");
 }
 
 bool bench_write_html(struct bench *b, const char *folder, struct err *err)
 {
     struct page page = {.b = b};
-    if (!html_begin(&page.html, &b->arena, folder, "Where the time goes", err))
+    if (!html_begin(&page.html, &b->arena, folder, "How the time is spent", err))
         return false;
     bool ok = true;
     put_explanation(&page);

@@ -45,10 +45,11 @@ static bool find_kernel(const char *name, enum kernel_id *out, struct err *err)
         end += (size_t)snprintf(list + end, sizeof list - end, "%s%s", id ? ", " : "",
                                 kernel_names[id]);
     return suggestion.nearest
-               ? err_set(err, ERR_USAGE, "--kernel %s: there is none; did you mean \"%s\"?", name,
+               ? err_set(err, ERR_USAGE,
+                         "--kernel %s: there is no such kernel; did you mean \"%s\"?", name,
                          suggestion.nearest)
-               : err_set(err, ERR_USAGE, "--kernel %s: there is none; expected one of %s", name,
-                         list);
+               : err_set(err, ERR_USAGE, "--kernel %s: there is no such kernel; expected one of %s",
+                         name, list);
 }
 
 static bool is_traced(enum kernel_id kernel)
@@ -100,11 +101,12 @@ static bool add_depths(const struct bench_options *options, enum kernel_id kerne
     const uint32_t *depths = options->depths ? options->depths : &none;
     if (options->rays)
         return err_set(err, ERR_USAGE,
-                       "--rays: %s traces none; expected --kernel intersect_closest or "
-                       "intersect_shadow",
+                       "--rays: the kernel %s traces no rays; expected --kernel intersect_closest "
+                       "or intersect_shadow",
                        kernel_names[kernel]);
     if (options->depths && has_no_depth(kernel))
-        return err_set(err, ERR_USAGE, "--depth: %s runs once for all bounces",
+        return err_set(err, ERR_USAGE,
+                       "--depth: the kernel %s runs once for all bounces, so it has no depth",
                        kernel_names[kernel]);
     for (uint32_t i = 0; i < (options->depths ? options->depth_count : 1); i++)
         add(out, &(struct target){.kernel = kernel, .depth = depths[i]});
@@ -196,7 +198,7 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
     row->launches = recorded->launches;
     if (recorded->items == 0) {
         if (is_first)
-            log_warn("%s: nothing comes to %s at depth %u", v->scene_data.path,
+            log_warn("%s: the kernel %s gets no items at depth %u", v->scene_data.path,
                      kernel_names[params.kernel], params.depth);
         return true;
     }

@@ -126,7 +126,7 @@ static void print_changes(const struct bench *b)
         slower += c->verdict == CURVE_WORSE;
     }
     if (slower > 0 && slower == b->change_count)
-        printf("  all of it is slower: the machine may be busier than it was\n");
+        printf("  all rows are slower: the machine may be busier than it was\n");
 }
 
 static void print_pictures(const struct bench *b)
