@@ -111,7 +111,7 @@ class Converge(unittest.TestCase):
         for key in ('slope', 'efficiency', 'efficiency_ratio'):
             self.assertIsNone(bounded[key]['value'])
         self.assertEqual(known['points'][-1]['unknown'], 0)
-        self.assertTrue(any('12 of 24 pictures tell a bound' in note for note in result['notes']))
+        self.assertTrue(any('for 12 of 24 pictures the half-buffers give only a bound' in note for note in result['notes']))
         text = run('converge', SCENE, '--size', '32x32', '--spp', '32', '--reference', 'none',
                    '--replicates', '2', '--halves', 'contiguous').stdout
         self.assertRegex(text, r'as given +at most 0\.\d+ +not known')
@@ -167,7 +167,7 @@ class Converge(unittest.TestCase):
                 self.assertEqual(made.returncode, 0, made.stderr)
                 told = run('converge', SCENE, '--size', '12x12', '--spp-from', '4', '--spp', '8',
                            '--replicates', '2', '--json', '--reference-from', other)
-                self.assertEqual('its own noise is unknown' in told.stderr, noise is None)
+                self.assertEqual("the reference's own noise is not known" in told.stderr, noise is None)
                 own = json.loads(told.stdout)['references'][0]['own_local_relmse']
                 self.assertTrue(own == noise if noise is None else
                                 math.isclose(own, noise, rel_tol=1e-6), (own, noise))
@@ -178,7 +178,7 @@ class Converge(unittest.TestCase):
     def test_the_cost_of_a_reference_is_said_before(self):
         result = run('converge', SCENE, '--size', '8x8', '--spp-from', '2', '--spp', '4', '--replicates', '2')
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertRegex(result.stderr, r'the reference takes 400 samples a pixel, 100 times those of '
+        self.assertRegex(result.stderr, r'the reference takes 400 samples per pixel, 100 times those of '
                                         r'the longest curve; expected time about [\d.e-]+ s\. ')
         quiet = run('converge', SCENE, '--size', '8x8', '--spp-from', '2', '--spp', '4', '--replicates', '2', '-q')
         self.assertEqual((quiet.returncode, quiet.stderr), (0, ''))

@@ -22,7 +22,7 @@ static bool run(struct converge *c, struct err *err)
         !converge_reference(c, err) || !measure(c, err))
         return false;
     if (c->replicates_done == 0)
-        return err_set(err, ERR_STOPPED, "stopped before the first replicate was done");
+        return err_set(err, ERR_STOPPED, "stopped before the first replicate was complete");
     return converge_conclude(c, err) &&
            (!options->study.report || converge_write(c, options->study.report, err));
 }

@@ -73,26 +73,25 @@ uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZ
                  c->replicate_count);
     if (c->replicates_done < REPLICATES_ENOUGH)
         snprintf(notes[count++], CONVERGE_NOTE_SIZE,
-                 "fewer than %d replicates: intervals are wide, and rely on errors that are spread "
-                 "evenly",
+                 "there are fewer than %d replicates: intervals are wide, and assume that rare "
+                 "large errors do not dominate",
                  REPLICATES_ENOUGH);
     if (bounded > 0)
-        snprintf(
-            notes[count++], CONVERGE_NOTE_SIZE,
-            "the half-buffers of %u of %u pictures tell a bound of the error alone: what these "
-            "errors are part of is not known",
-            bounded, pictures);
+        snprintf(notes[count++], CONVERGE_NOTE_SIZE,
+                 "for %u of %u pictures the half-buffers give only a bound of the error; results "
+                 "that depend on these errors are not known",
+                 bounded, pictures);
     if (!all_known)
         snprintf(notes[count++], CONVERGE_NOTE_SIZE,
-                 "the reference's own noise is not known: it counts as error and as bias");
+                 "the reference's own noise is not known, so it counts as error and as bias");
     if (curves > 2)
         snprintf(notes[count++], CONVERGE_NOTE_SIZE,
-                 "each of the %u pairs has an interval of its own: of 40 equal pairs one is called "
-                 "faster, and one slower",
+                 "each of the %u pairs has an interval of its own: of 40 pairs that are equally "
+                 "fast, one is reported as faster and one as slower on average",
                  curves * (curves - 1) / 2);
     if (!all_small && c->references[0].name)
         snprintf(notes[count++], CONVERGE_NOTE_SIZE,
-                 "SSIM and FLIP are of the first replicate: pictures are large");
+                 "SSIM and FLIP are those of the first replicate only, because pictures are large");
     return count;
 }
 

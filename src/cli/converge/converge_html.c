@@ -90,8 +90,8 @@ static bool put_pictures(struct page *page, uint32_t scene, uint32_t first, uint
         .tone = page->html.tone,
     };
     struct html_viewer viewer;
-    fputs("<h3>Pictures of the first replicate</h3>\n<p>Numbers below the insets are of all "
-          "replicates.</p>\n",
+    fputs("<h3>Pictures of the first replicate</h3>\n<p>The numbers below the insets are those of "
+          "all replicates.</p>\n",
           page->html.out);
     bool ok = html_viewer_begin(&page->html, &params, &viewer, err);
     for (uint32_t i = 0; i < count && ok; i++)
@@ -263,11 +263,11 @@ static void put_sources(struct page *page, uint32_t first, uint32_t count)
         const struct error_sources *sources = &curve->pooled;
         if (!sources->kinds)
             continue;
-        fputs("<h3>Where the error comes from: ", out);
+        fputs("<h3>Sources of the error: ", out);
         html_text(&page->html, converge_label(curve));
         fputs("</h3>\n", out);
         if (sources->reason)
-            fprintf(out, "<p class=\"note\">It is not known: %s.</p>\n", sources->reason);
+            fprintf(out, "<p class=\"note\">Not known: %s.</p>\n", sources->reason);
         for (int kind = 0; kind < ERROR_KIND_COUNT && !sources->reason; kind++)
             if (sources->kinds & error_kind_aov((enum error_kind)kind))
                 put_kind(page, &sources->by[kind], (enum error_kind)kind);
@@ -279,8 +279,8 @@ static void put_matrix(struct page *page, uint32_t first, uint32_t count)
     FILE *out = page->html.out;
     if (count < 3 || count > MATRIX_CURVES)
         return;
-    fputs("<h3>Efficiency of a row's curve as a multiple of a column's</h3>\n"
-          "<div class=\"wide\"><table><tr><th></th>",
+    fputs("<h3>Efficiency of each row's curve divided by that of each column's</h3>\n<div "
+          "class=\"wide\"><table><tr><th></th>",
           out);
     for (uint32_t i = 0; i < count; i++) {
         fputs("<th>", out);
@@ -306,20 +306,22 @@ static void put_reference_words(struct page *page, const struct converge_referen
 {
     FILE *out = page->html.out;
     if (!reference->name)
-        fputs("No reference: errors are those that the half-buffers tell, blind to bias.", out);
+        fputs("There is no reference: errors are estimated from the half-buffers, which do not "
+              "show bias.",
+              out);
     else if (reference->spp)
         fprintf(out,
-                "The reference has %" PRIu64 " samples a pixel, and a local relMSE of its own of "
-                "%.2g, which is subtracted.",
+                "The reference has %" PRIu64
+                " samples per pixel; its own noise, a local relMSE of %.2g, is subtracted.",
                 reference->spp, reference->picture.local_relmse);
     else {
         fputs("The reference is ", out);
         html_text(&page->html, reference->name);
         if (reference->picture.noise_known)
-            fprintf(out, ", with a local relMSE of its own of %.2g, which is subtracted.",
+            fprintf(out, "; its own noise, a local relMSE of %.2g, is subtracted.",
                     reference->picture.local_relmse);
         else
-            fputs(", whose own noise is not known.", out);
+            fputs("; its own noise is not known.", out);
     }
 }
 
@@ -350,7 +352,7 @@ static bool put_scene(struct page *page, uint32_t scene, struct err *err)
     page->html.tone = settings->tone_curve;
     fputs("</p>\n<div class=\"plots\">", out);
     if (!is_any_error_known(c, first, count))
-        fputs("<p class=\"note\">No error is known: there is nothing to plot.</p>", out);
+        fputs("<p class=\"note\">No error is known, so there is nothing to plot.</p>", out);
     if (!put_plot(page, scene, false, err) || !put_plot(page, scene, true, err))
         return false;
     fputs("</div>\n", out);

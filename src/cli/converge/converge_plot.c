@@ -118,7 +118,7 @@ static void put_frame(FILE *out, const struct converge *c, const struct extent *
     double left = extent->x_min / 1.25, right = extent->x_max * 1.25;
     double bottom = extent->y_min / 1.5, top = extent->y_max * 1.5;
     fprintf(out, "set xlabel '%s'\nset xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n",
-            over_time ? "seconds of rendering" : "samples a pixel", left, right, bottom, top);
+            over_time ? "seconds of rendering" : "samples per pixel", left, right, bottom, top);
     put_tics(out, 'x', left, right);
     put_tics(out, 'y', bottom, top);
     if (c->spp && !over_time) {

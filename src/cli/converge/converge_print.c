@@ -15,7 +15,8 @@ static void print_head(const struct converge *c, const struct converge_curve *cu
     print_words(curve->scene_data.path);
     printf("  %u x %u, %u replicates", settings->width, settings->height, c->replicates_done);
     if (!reference->name)
-        printf(", no reference: errors of the half-buffers, blind to bias\n");
+        printf(
+            ", no reference: errors are estimated from the half-buffers, which do not show bias\n");
     else if (reference->spp)
         printf(", reference of %" PRIu64 " spp\n", reference->spp);
     else {
@@ -62,7 +63,7 @@ static void print_metrics(const struct converge *c, const struct converge_curve 
 {
     const struct converge_point *last = &curve->points[c->point_count - 1];
     if (c->seconds)
-        printf("      %.4g samples a pixel;", last->spp.value);
+        printf("      %.4g samples per pixel;", last->spp.value);
     else
         printf("     ");
     for (int m = CONVERGE_RELMSE; m < CONVERGE_METRICS; m++)

@@ -53,8 +53,8 @@ static bool announce(struct converge *c, uint32_t scene, struct job *job, struct
     enum log_level level = c->options->log_level;
     if (!c->options->quiet && level == LOG_WARN)
         log_set_level(LOG_INFO);
-    log_info("%s: the reference takes %llu samples a pixel, %d times those of the longest curve; "
-             "expected time %s. --reference-from FILE takes one that is there",
+    log_info("%s: the reference takes %llu samples per pixel, %d times those of the longest curve; "
+             "expected time %s. --reference-from FILE uses an existing reference",
              c->options->arguments[scene], (unsigned long long)reference->spp, REFERENCE_FACTOR,
              time ? time : "not known");
     log_set_level(level);
@@ -70,8 +70,8 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
     double samples = REFERENCE_FACTOR * longest_samples(c, scene);
     if (samples > SETTINGS_SPP_MAX)
         return err_set(err, ERR_USAGE,
-                       "--reference auto takes %d times the samples of a curve, here %.3g a pixel; "
-                       "expected at most %u, or --reference-from FILE",
+                       "--reference auto takes %d times the samples of the longest curve, here "
+                       "%.3g per pixel; expected at most %u, or --reference-from FILE",
                        REFERENCE_FACTOR, samples, (unsigned)SETTINGS_SPP_MAX);
     out->spp = (uint64_t)samples;
     bool ok = converge_open(c, &curve, err) && announce(c, scene, &curve.job, err);
@@ -108,8 +108,8 @@ static bool read(struct converge *c, uint32_t scene, struct err *err)
             return false;
     }
     if (!out->picture.noise_known)
-        log_warn("%s: its own noise is unknown, and is part of the errors: %s", out->name,
-                 out->picture.reason);
+        log_warn("%s: the reference's own noise is not known and is part of the errors: %s",
+                 out->name, out->picture.reason);
     return true;
 }
 
