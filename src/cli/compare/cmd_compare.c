@@ -78,7 +78,7 @@ static bool read_reference(struct comparison *c, struct err *err)
     } else if (variance && is_number(variance, &value)) {
         if (!(value >= 0 && isfinite(value)))
             return err_set(err, ERR_USAGE,
-                           "--reference-variance: %s is no variance; expected a number >= 0",
+                           "--reference-variance: %s is not a variance; expected a number >= 0",
                            variance);
         reference_set_even_variance(&c->reference, value);
     } else if (variance && !read_variance(c, variance, err)) {
@@ -115,7 +115,7 @@ static void correct(const struct comparison *c, struct compared *picture)
 
 static bool stopped(struct err *err)
 {
-    return err_set(err, ERR_STOPPED, "stopped: not all is compared");
+    return err_set(err, ERR_STOPPED, "stopped before all pictures were compared");
 }
 
 static bool measure(const struct comparison *c, const struct picture_pair *pair,
@@ -271,7 +271,7 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
     // The metrics omit pixels that are not finite, so an image with such pixels only must fail
     // separately.
     bool fails = options->compare.limit_count > 0;
-    log_message(fails ? LOG_ERROR : LOG_WARN, "%s: %.0f pixels are not finite and were left out",
+    log_message(fails ? LOG_ERROR : LOG_WARN, "%s: %.0f pixels are not finite and were omitted",
                 picture->path, nonfinite);
     return passed && !fails;
 }

@@ -114,11 +114,11 @@ static void put_words(struct comparison *c)
 {
     FILE *out = c->page.out;
     fprintf(out,
-            "<p>%sIntervals of 95 %% are Student's t over tiles of the picture: how far the noise "
-            "of another seed may move the error of the whole. They know nothing of a bias. FLIP, "
-            "SSIM and PSNR are of what a display shows at an exposure of %g stops; HDR-FLIP is the "
-            "greatest FLIP over %u exposures from %.2f to %.2f stops. Pixels that are not finite "
-            "are left out, and green in maps of errors.</p>\n",
+            "<p>%sThe 95 %% intervals are Student's t over tiles of the picture: they show how "
+            "much the noise of another seed may change the error of the whole picture, and do not "
+            "include bias. FLIP, SSIM and PSNR are computed from display values at an exposure of "
+            "%g stops; HDR-FLIP is the greatest FLIP over %u exposures from %.2f to %.2f stops. "
+            "Pixels that are not finite are omitted, and are green in error maps.</p>\n",
             c->count > 1 ? "The best of each column has a star. " : "",
             (double)c->options->scene.settings.exposure, c->exposures.count, c->exposures.start,
             c->exposures.stop);

@@ -16,7 +16,7 @@ const char *compare_map_words(enum error_map map)
         [ERROR_MAP_RELATIVE] = "|x - r| / (|r| + 0.01)",
         [ERROR_MAP_SQUARED] = "(x - r)^2 / (r^2 + 0.01)",
         [ERROR_MAP_SMAPE] = "2 |x - r| / (|x| + |r| + 1e-6)",
-        [ERROR_MAP_FLIP] = "FLIP of what is shown",
+        [ERROR_MAP_FLIP] = "FLIP of display values",
         [ERROR_MAP_HDR_FLIP] = "the greatest FLIP over the exposures",
     };
     return words[map];
