@@ -93,10 +93,11 @@ static void print_bounds(const struct flat_scene *flat)
         low[c] = (double)flat->bounds_min[c] / flat->scale;
         high[c] = (double)flat->bounds_max[c] / flat->scale;
     }
-    printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", low[0], low[1], low[2],
+    printf("bounds    (%g %g %g) to (%g %g %g), relative to (%g %g %g)\n", low[0], low[1], low[2],
            high[0], high[1], high[2], flat->origin[0], flat->origin[1], flat->origin[2]);
     if (flat->scale != 1.0)
-        printf("unit      %g m: single precision holds the scene in that\n", 1.0 / flat->scale);
+        printf("unit      %g m, in which single precision represents the scene\n",
+               1.0 / flat->scale);
 }
 
 static void print_text(const struct info *info)
@@ -107,7 +108,7 @@ static void print_text(const struct info *info)
     print_line("", scene->path);
     printf("geometry  %u triangles (%u meshes, %u instances), %u analytic shapes%s\n",
            flat->triangle_count, scene->mesh_count, scene->instance_count, flat->shape_count,
-           scene->has_ground ? ", the last of them the ground that was added" : "");
+           scene->has_ground ? ", the last of which is the ground that was added" : "");
     if (flat->dropped_degenerate || flat->skipped_instances)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
@@ -120,7 +121,7 @@ static void print_text(const struct info *info)
             printf(", %u %s", info->emitters.shapes[kind], geometry_name(1u << kind));
     putchar('\n');
     if (emitters_total(&info->emitters) > 0 && s->nee)
-        printf("nee       shadow rays go to %s\n",
+        printf("nee       shadow rays are sent to %s\n",
                light_choice_print(s->light_choice, emitters_total(&info->emitters),
                                   info->renderer.lamps.count)
                    .text);
@@ -146,7 +147,7 @@ static void print_text(const struct info *info)
     else
         printf("built in %.3f s\n", b->build_seconds);
     printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
-    printf("memory    %.1f MiB planned, wave of %u paths%s; at most %.1f MiB a buffer\n",
+    printf("memory    %.1f MiB planned, wave of %u paths%s; at most %.1f MiB per buffer\n",
            (double)info->renderer.plan.total_bytes / 1048576.0, info->renderer.plan.wave_slots,
            memory_plan_in_flight(&info->renderer.plan),
            (double)info->gpu.max_storage_range / 1048576.0);
