@@ -146,7 +146,7 @@ class Fix(Checks):
         result = subprocess.run([LAMPYRIS, 'check', scene, '--size', '16x16', '-q', '--fix', out],
                                 text=True, stdout=subprocess.PIPE, timeout=600)
         self.assertEqual(result.returncode, 0)
-        self.assertIn(f'Nothing had to be changed.\nwrote     {out}\n', result.stdout)
+        self.assertIn(f'No change was necessary.\nwrote     {out}\n', result.stdout)
 
 
 if __name__ == '__main__':

@@ -102,7 +102,7 @@ class Check(unittest.TestCase):
         outcomes = [[case['outcome'] for case in json.loads(result.stdout)['cases']]
                     for result in (lost, once)]
         self.assertEqual(outcomes, [['not run'] * 3, ['pass'] * 3])
-        for result, why in ((lost, 'device lost'), (once, 'was lost, and opened again')):
+        for result, why in ((lost, 'device lost'), (once, 'was lost and has been opened again')):
             self.assertIn(why, json.loads(result.stdout)['cases'][0]['why'])
 
     def test_a_lost_device_has_no_other_bits(self):

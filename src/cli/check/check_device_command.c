@@ -82,7 +82,8 @@ static bool run_case(struct device_check *d, const struct check *check, struct c
             return false;
         struct check_result *result = &row->result;
         if (was_lost && !*result->why)
-            snprintf(result->why, sizeof result->why, "the device was lost, and opened again");
+            snprintf(result->why, sizeof result->why,
+                     "the device was lost and has been opened again");
         // The number of repetitions, over all cases together, is limited like that of a render
         // (--reopen).
         if (!result->is_lost || d->reopened == d->options->render.reopens)

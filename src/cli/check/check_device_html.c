@@ -72,8 +72,7 @@ bool device_check_report(struct device_check *d, struct err *err)
 {
     struct html_page page;
     const char *path = d->options->study.report;
-    if (!html_begin(&page, &d->arena, path_folder(&d->arena, path), "Whether the device is right",
-                    err))
+    if (!html_begin(&page, &d->arena, path_folder(&d->arena, path), "Check of the device", err))
         return false;
     page.path = path;
     fprintf(page.out, "<p>%zu cases pass, %zu fail, of %zu.</p>\n",

@@ -49,8 +49,8 @@ static void print_reproducible(const struct device_check *d)
         broken += r->is_lost || (r->outcome == CHECK_FAILED && !*r->seen);
         hash = *hash ? hash : r->expected;
     }
-    printf("lampyris %s on %s (%s): %zu of %zu renders with other waves, splits of the samples, "
-           "features and limits have the same bits, hash %s%s",
+    printf("lampyris %s on %s (%s): %zu of %zu renders with different waves, splits of the "
+           "samples, features and limits have the same bits, hash %s%s",
            LAMPYRIS_VERSION, d->gpu.info.name, d->gpu.info.driver, same, same + others,
            *hash ? hash : "not known", others > 0 ? "; the others do not" : "");
     if (broken > 0)

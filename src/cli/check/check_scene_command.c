@@ -64,7 +64,7 @@ void scene_check_print_outlook(const struct scene_outlook *outlook, FILE *out)
 {
     double memory = (double)outlook->device_bytes / 1048576.0;
     if (isnan(outlook->samples))
-        fprintf(out, "what local relMSE %g takes is not known (%s); %.1f MiB on the device\n",
+        fprintf(out, "the cost of local relMSE %g is not known (%s); %.1f MiB on the device\n",
                 outlook->error, outlook->reason, memory);
     else
         fprintf(out,
@@ -91,10 +91,11 @@ static void print_changes(const struct scene_check *check)
         print_line(": ", finding->change);
     }
     if (count == 0)
-        puts("Nothing had to be changed.");
+        puts("No change was necessary.");
     print_line("wrote     ", check->options->check.fix);
     if (check->is_outside)
-        puts("note      it names files outside of its folder, and so needs --allow-outside-paths");
+        puts("note      it names files outside of its folder, so loading it needs "
+             "--allow-outside-paths");
 }
 
 static void print_text(const struct scene_check *check)

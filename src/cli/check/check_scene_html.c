@@ -73,8 +73,8 @@ static bool put_picture(struct html_page *page, const struct image *picture, str
     fputs("<figure>", page->out);
     bool ok = html_picture(page, "picture", picture, "style=\"width:384px\" alt=\"\"", err);
     fprintf(page->out,
-            "<figcaption>The picture of %u x %u pixels that was looked at. Below, what a finding "
-            "touches is red.</figcaption></figure>\n",
+            "<figcaption>The picture of %u x %u pixels that was checked. Below, pixels that a "
+            "finding affects are red.</figcaption></figure>\n",
             picture->width, picture->height);
     return ok;
 }
@@ -85,12 +85,12 @@ bool scene_check_report(struct scene_check *check, struct err *err)
     const struct scene_findings *findings = &check->findings;
     const char *path = check->options->study.report;
     if (!html_begin(&page, &check->arena, path_folder(&check->arena, path),
-                    "What makes pictures of the scene wrong, noisy or slow", err))
+                    "Causes of wrong, noisy or slow pictures of the scene", err))
         return false;
     page.path = path;
     fputs("<p>", page.out);
     html_text(&page, check->scene.path);
-    fprintf(page.out, findings->count == 0 ? ": nothing.</p>\n<p>" : ": %u finding%s.</p>\n<p>",
+    fprintf(page.out, findings->count == 0 ? ": no findings.</p>\n<p>" : ": %u finding%s.</p>\n<p>",
             findings->count, findings->count == 1 ? "" : "s");
     scene_check_print_outlook(&findings->outlook, page.out);
     fputs("</p>\n", page.out);
