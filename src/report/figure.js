@@ -1,14 +1,16 @@
-// Figures of a report: SVG elements of the page, and what writes them to files, as SVG and as PDF.
-// The PDF writer draws the shapes that gnuplot's and our own figures consist of: paths, lines,
-// rectangles, circles, polygons, text in one font and pictures. It needs no library.
+// The figures of a report. They are SVG elements of the page; this file also writes them to SVG and
+// PDF files. The PDF writer supports the shapes that the figures of gnuplot and of this program
+// have: paths, lines, rectangles, circles, polygons, text in one font, and images. It needs no
+// library.
 'use strict';
 
 const figures = (() => {
   const SVG = 'http://www.w3.org/2000/svg';
-  // Okabe and Ito (2008), without yellow: colours that the colour-blind tell apart.
+  // The colours of Okabe and Ito (2008) without yellow, which people with colour blindness can
+  // distinguish.
   const COLORS = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#e69f00', '#000000'];
 
-  // An SVG element with its attributes, appended to `parent`.
+  // Makes an SVG element with attributes and appends it to `parent`.
   function draw(parent, name, attributes, text) {
     const element = document.createElementNS(SVG, name);
     for (const key of Object.keys(attributes || {})) element.setAttribute(key, attributes[key]);
@@ -17,7 +19,7 @@ const figures = (() => {
     return element;
   }
 
-  // An empty figure in a font that the PDF has, too.
+  // Makes an empty figure in a font that PDF readers have as well.
   function create(width, height) {
     const svg = draw(null, 'svg', {
       xmlns: SVG, width, height, viewBox: `0 0 ${width} ${height}`,
@@ -36,8 +38,8 @@ const figures = (() => {
 
   // --- PDF ---------------------------------------------------------------------------------------
 
-  // Widths of Helvetica's and Helvetica-Bold's characters 32 to 126, in thousandths of the size:
-  // Adobe's font metrics of the standard fonts, which every PDF reader has.
+  // Widths of the characters 32 to 126 of Helvetica and Helvetica-Bold, in thousandths of the font
+  // size, from Adobe's metrics of the standard fonts that every PDF reader has.
   const WIDTHS = [
     '278 278 355 556 556 889 667 191 333 333 389 584 278 333 278 278 556 556 556 556 556 556 556 556 556 556 278 278 ' +
     '584 584 584 556 1015 667 667 722 722 667 611 778 722 278 500 667 556 833 722 778 667 778 722 667 611 722 667 944 ' +
@@ -48,7 +50,7 @@ const figures = (() => {
     '667 667 611 333 278 333 584 556 333 556 611 556 611 556 333 611 611 278 278 556 278 889 611 611 611 611 389 556 ' +
     '333 611 556 778 556 556 500 389 280 389 584',
   ].map(list => list.split(' ').map(Number));
-  // Characters beyond Latin-1 that WinAnsiEncoding has, or that are like one of its.
+  // Characters beyond Latin-1 that WinAnsiEncoding has, or that similar characters in it replace.
   const WIN_ANSI = {
     '\u2212': 0x2d, '\u2026': 0x85, '\u2019': 0x92, '\u2018': 0x91, '\u201c': 0x93, '\u201d': 0x94, '\u2013': 0x96,
     '\u2014': 0x97, '\u2009': 0x20,
@@ -69,7 +71,7 @@ const figures = (() => {
   const number = value => String(Math.round(value * 1000) / 1000);
   const matrix = m => [m.a, m.b, m.c, m.d, m.e, m.f].map(v => String(Math.round(v * 1e6) / 1e6)).join(' ');
 
-  // [r, g, b] in [0, 1]; null where nothing is painted.
+  // Returns [r, g, b] in [0, 1], or null if nothing is painted.
   function color(text) {
     const found = /^rgba?\(([^)]*)\)/.exec(text);
     if (!found) return null;
@@ -77,7 +79,7 @@ const figures = (() => {
     return alpha === 0 ? null : [r / 255, g / 255, b / 255];
   }
 
-  // The operators of a path's commands. Curves and arcs other than cubic Beziers do not occur.
+  // Returns the PDF operators of a path. The only curves and arcs that occur are cubic Beziers.
   function pathOperators(d) {
     const tokens = d.match(/[a-zA-Z]|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?/g) || [];
     let out = '', command = '', x = 0, y = 0, startX = 0, startY = 0, at = 0;
@@ -90,7 +92,7 @@ const figures = (() => {
         case 'M':
           x = startX = originX + next(); y = startY = originY + next();
           out += `${number(x)} ${number(y)} m\n`;
-          command = relative ? 'l' : 'L'; // further pairs are lines
+          command = relative ? 'l' : 'L'; // further pairs of coordinates are lines
           continue;
         case 'L': x = originX + next(); y = originY + next(); break;
         case 'H': x = originX + next(); break;
@@ -109,7 +111,8 @@ const figures = (() => {
     return out;
   }
 
-  // A circle of four Bezier curves, whose control points lie 4/3 (sqrt(2) - 1) radii along.
+  // Returns a circle of four Bezier curves, whose control points are at a distance of 4/3 (sqrt(2)
+  // - 1) radii from their ends.
   function circleOperators(x, y, r) {
     const k = r * 4 / 3 * (Math.SQRT2 - 1);
     const curve = (...p) => `${p.map(number).join(' ')} c\n`;
@@ -135,14 +138,15 @@ const figures = (() => {
   }
 
   async function deflate(bytes) {
-    if (typeof CompressionStream === 'undefined') return null; // streams are longer then
+    // Without compression the streams are longer.
+    if (typeof CompressionStream === 'undefined') return null;
     const stream = new Blob([bytes]).stream().pipeThrough(new CompressionStream('deflate'));
     return new Uint8Array(await new Response(stream).arrayBuffer());
   }
 
   const latin1 = text => Uint8Array.from(text, c => c.charCodeAt(0));
 
-  // Numbered objects, their table and the trailer (ISO 32000-1, 7.5).
+  // Assembles the numbered objects, the cross-reference table and the trailer (ISO 32000-1, 7.5).
   class PdfFile {
     constructor() {
       this.objects = [];
@@ -190,21 +194,22 @@ const figures = (() => {
     }
   }
 
-  // Walks an SVG element that the page shows, and collects the page's operators and pictures.
+  // Traverses an SVG element that is visible in the page, and collects PDF operators and images.
   class PdfPage {
     constructor(svg) {
       this.svg = svg;
       this.inverse = svg.getScreenCTM().inverse();
       this.content = '';
-      this.pictures = []; // image elements; their names are Im0, Im1, ...
+      this.pictures = []; // image elements, which get the names Im0, Im1, …
     }
 
-    // From the element's coordinates to those of the figure.
+    // Returns the transform from the element's coordinates to those of the figure.
     place(element) {
       return this.inverse.multiply(element.getScreenCTM());
     }
 
-    // Sets colours and line, and returns the operator that paints: '' for nothing.
+    // Sets colours and line style. Returns the operator that paints; '' if nothing is to be
+    // painted.
     paint(element, own) {
       const style = getComputedStyle(element);
       const pick = name => {
@@ -233,7 +238,8 @@ const figures = (() => {
       this.content += painted ? `${operators}${painted}Q\n` : 'Q\n';
     }
 
-    // The browser knows where the text begins and ends; its width is that of the PDF's font.
+    // The browser provides the position and the length of the text; the PDF's font determines its
+    // width.
     text(element) {
       const words = element.textContent;
       if (!words.trim() || !element.getNumberOfChars()) return;
@@ -279,7 +285,7 @@ const figures = (() => {
     }
   }
 
-  // The pixels of an image element, without alpha.
+  // Returns the pixels of an image element, without alpha.
   async function pixelsOf(element) {
     const image = new Image();
     image.src = element.getAttribute('href') || element.getAttribute('xlink:href');
@@ -297,7 +303,7 @@ const figures = (() => {
     return { width: canvas.width, height: canvas.height, rgb };
   }
 
-  const POINTS = .75; // a CSS pixel is 1/96 inch, a point 1/72
+  const POINTS = .75; // a CSS pixel is 1/96 inch, a point is 1/72 inch
 
   async function toPdf(svg) {
     const box = svg.viewBox.baseVal;
@@ -342,7 +348,7 @@ const figures = (() => {
     return element;
   }
 
-  // Buttons that save a figure as it is then; find() returns its SVG element.
+  // Makes buttons that save a figure in its state at that time. find() returns its SVG element.
   function exportBar(name, find) {
     const bar = document.createElement('div');
     bar.className = 'figure-bar';
@@ -352,7 +358,7 @@ const figures = (() => {
     return bar;
   }
 
-  // Plots that stand in the page already.
+  // Adds such buttons to the plots that are already in the page.
   function begin() {
     for (const plot of document.querySelectorAll('figure.plot'))
       plot.append(exportBar(plot.dataset.name, () => plot.querySelector('svg')));

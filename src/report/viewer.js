@@ -1,12 +1,13 @@
-// The viewer of a report: pictures of one size, panned and zoomed together and flipped by keys, with
-// exposure, errors in false colours, and the values under the cursor. What it shows is described by
-// html_viewer.c, which also writes the pictures: as PNG files of one byte plane each, so that the
-// page has floats or halves of the full range. Figures made of them are in viewer_figures.js.
+// The viewer of a report. It shows images of the same size that are panned and zoomed together and
+// switched by keys, with exposure, errors in false colours, and the values under the cursor.
+// html_viewer.c writes the description of the viewer and the images, each as several PNG files of
+// one byte plane, so that the page has floats or halves of the full range. viewer_figures.js makes
+// figures of the images.
 'use strict';
 
 // --- numbers -------------------------------------------------------------------------------------
 
-// The value of every half (IEEE 754 binary16).
+// The values of all halves (IEEE 754 binary16).
 const HALVES = (() => {
   const out = new Float32Array(65536);
   for (let bits = 0; bits < 65536; bits++) {
@@ -18,13 +19,14 @@ const HALVES = (() => {
 })();
 const HALF_MAX = 65504;
 
-// From linear light to what a display shows: curves of src/image/tone.c, which are of one channel.
+// Tone curves, from linear radiance to display values: those curves of src/image/tone.c that treat
+// each channel separately.
 const TONES = {
   none: x => x,
   aces: x => x * (2.51 * x + .03) / (x * (2.43 * x + .59) + .14), // Narkowicz 2015
 };
 
-// IEC 61966-2-1, to 8 bits.
+// The sRGB encoding (IEC 61966-2-1) to 8 bits.
 function srgbCode(linear) {
   const x = Math.min(Math.max(linear, 0), 1);
   return Math.floor(255 * (x <= .0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - .055) + .5);
@@ -34,16 +36,16 @@ function formatValue(value, digits) {
   if (Number.isNaN(value)) return 'NaN';
   if (!Number.isFinite(value)) return value > 0 ? '\u221e' : '\u2212\u221e';
   if (digits < 9) return Math.abs(value) === HALF_MAX ? `beyond ${value}` : String(Number(value.toPrecision(digits)));
-  // As few digits as tell this float from all others.
+  // Uses the least number of digits that distinguishes this float from all others.
   for (let count = 6; ; count++) {
     const short = Number(value.toPrecision(count));
     if (count === 9 || Math.fround(short) === Math.fround(value)) return String(short);
   }
 }
 
-// --- pictures ------------------------------------------------------------------------------------
+// --- images --------------------------------------------------------------------------------------
 
-// 32-bit FNV-1a of the codes without alpha, as html_viewer.c has it.
+// Computes the 32-bit FNV-1a hash of the codes without alpha, as html_viewer.c does.
 function hashCodes(rgba) {
   let hash = 0x811c9dc5;
   for (let i = 0; i < rgba.length; i += 4) {
@@ -54,8 +56,8 @@ function hashCodes(rgba) {
   return hash >>> 0;
 }
 
-// The bytes of html_base91(): two characters are 13 bits. Those that fill up the last two may make a
-// byte of zero at the end, which PNG readers do not look at.
+// Decodes the output of html_base91(), in which two characters represent 13 bits. Padding may add a
+// zero byte at the end, which PNG readers ignore.
 function decodeBase91(text) {
   const bytes = new Uint8Array(Math.floor(text.length / 2 * 13 / 8));
   const digit = i => {
@@ -70,7 +72,7 @@ function decodeBase91(text) {
   return bytes;
 }
 
-// The pixels of a PNG that stands in the page in base 91; it is taken out of the page.
+// Decodes a PNG that the page contains in base 91 to pixels, and removes it from the page.
 async function decodePlane(id, sum) {
   const element = document.getElementById(id);
   const image = new Image();
@@ -91,8 +93,8 @@ async function decodePlane(id, sum) {
 class Picture {
   constructor(viewer, entry, index) {
     Object.assign(this, { viewer, entry, index, label: entry.label, isReference: entry.reference });
-    this.canvases = {}; // what was painted, by kind: { key, canvas }
-    this.errors = {};   // maps' numbers, by name
+    this.canvases = {}; // painted canvases by kind: { key, canvas }
+    this.errors = {}; // values of error maps, by name
   }
 
   async load() {
@@ -122,13 +124,13 @@ class Picture {
     return this.floats ? this.floats[component] : HALVES[this.halves[component]];
   }
 
-  // What of the page's table of codes belongs to a component: halves themselves, and of floats the
-  // upper 17 bits, whose steps are a fifth of a code at most.
+  // Returns the index of a component in the table of codes: the half itself, or the upper 17 bits
+  // of a float, whose steps change the code by at most a fifth.
   code(component) {
     return this.words ? this.words[component] >>> 15 : this.halves[component];
   }
 
-  // The numbers of all pixels in a map of errors; NaN where a picture is not finite.
+  // Returns the values of an error map for all pixels; NaN if an image is not finite there.
   errorsOf(map) {
     if (this.errors[map]) return this.errors[map];
     const { spec, reference } = this.viewer, count = spec.width * spec.height;
@@ -163,7 +165,7 @@ class Picture {
     const colors = Uint8Array.from([].concat(...palette));
     for (let pixel = 0, i = 0; pixel < errors.length; pixel++, i += 4) {
       const level = errorLevel(map, errors[pixel]);
-      const color = 3 * Math.floor(level * last + .5), isKnown = color >= 0; // not of NaN
+      const color = 3 * Math.floor(level * last + .5), isKnown = color >= 0; // false for NaN
       data[i] = isKnown ? colors[color] : 0;
       data[i + 1] = isKnown ? colors[color + 1] : 255;
       data[i + 2] = isKnown ? colors[color + 2] : 0;
@@ -171,7 +173,7 @@ class Picture {
     }
   }
 
-  // A canvas of the picture, or of its errors where a map is named.
+  // Returns a canvas with the image or, if a map is named, with its errors.
   painted(mode) {
     const { spec, exposure, tone } = this.viewer;
     const map = this.isReference ? null : spec.maps.find(m => m.name === mode);
@@ -190,7 +192,7 @@ class Picture {
   }
 }
 
-// A number's place on the map's scale of colours, in [0, 1]; NaN of NaN.
+// Returns the position of a value on the map's colour scale, in [0, 1]; NaN for NaN.
 function errorLevel(map, value) {
   const level = map.log ? Math.log(value / map.low) / Math.log(map.high / map.low)
     : (value - map.low) / (map.high - map.low);
@@ -202,7 +204,7 @@ function errorLevel(map, value) {
 const SCALE_MIN = 1 / 16, SCALE_MAX = 128;
 const CROPS_MAX = 6;
 
-// An element with properties and children.
+// Makes an element with properties and children.
 function make(name, properties, ...children) {
   const element = document.createElement(name);
   for (const [key, value] of Object.entries(properties || {})) {
@@ -223,12 +225,12 @@ class Viewer {
     this.hasFlip = this.spec.pictures.some(entry => 'flip' in entry.sums);
     this.current = 0;
     this.mode = 'light';
-    this.exposure = Number(this.spec.exposure.toPrecision(4)); // a float's, in few digits
+    this.exposure = Number(this.spec.exposure.toPrecision(4)); // a float, rounded to few digits
     this.tone = this.spec.tone;
     this.isSplit = false;
     this.isCropping = false;
     this.isAltered = false;
-    this.cursor = null; // the pixel that values are told of
+    this.cursor = null; // the pixel whose values are shown
     this.crops = [];    // { x, y, width, height } in pixels
     this.isFitted = true;
     this.pointers = new Map();
@@ -244,7 +246,7 @@ class Viewer {
     this.root.dataset.ready = 'true';
   }
 
-  // Codes of all halves, or of all upper parts of floats, at this exposure.
+  // Computes the codes of all halves, or of all upper parts of floats, for the current exposure.
   displayCodes() {
     const key = `${this.exposure} ${this.tone}`;
     if (this.codesKey === key) return this.codes;
@@ -253,9 +255,9 @@ class Viewer {
     const word = new Uint32Array(1), float = new Float32Array(word.buffer);
     const codes = new Uint8Array(count);
     for (let i = 0; i < count; i++) {
-      word[0] = (i << 15 | 1 << 14) >>> 0; // the middle of what has these upper bits
+      word[0] = (i << 15 | 1 << 14) >>> 0; // the centre of all floats with these upper bits
       const value = isHalf ? HALVES[i] : float[0];
-      const light = value > 0 ? Math.min(value * gain, 1e30) : 0; // NaN is black
+      const light = value > 0 ? Math.min(value * gain, 1e30) : 0; // NaN becomes black
       codes[i] = srgbCode(curve(light));
     }
     this.codesKey = key;
@@ -282,7 +284,7 @@ class Viewer {
       this.notes.append(make('p', { className: 'note' }, `Pictures of ${spec.sourceWidth} \u00d7 ${spec.sourceHeight} pixels ` +
         `are reduced here: each pixel is the mean of ${spec.reduction} \u00d7 ${spec.reduction}. Errors in tables are those of the whole pictures.`));
     if (spec.digits === 3)
-      this.notes.append(make('p', { className: 'viewer-help' }, 'The pictures are large: the page has three digits of each value.'));
+      this.notes.append(make('p', { className: 'viewer-help' }, 'The pictures are large, so the page has only three digits of each value.'));
     if (this.isAltered)
       this.notes.append(make('p', { className: 'note' }, 'This browser alters what is read from canvases (a protection against ' +
         'fingerprinting): pixels and values here are not those of the files.'));
@@ -306,7 +308,7 @@ class Viewer {
       'aria-label': 'exposure in stops' });
     this.toneBox = make('select', { onchange: () => this.setTone(this.toneBox.value) }, option('none', 'sRGB'), option('aces', 'ACES'));
     this.zoomText = make('output');
-    this.splitButton = figures.button('Split', 'The reference to the right of a divider (S)', () => this.setSplit(!this.isSplit));
+    this.splitButton = figures.button('Split', 'Show the reference to the right of a divider (S)', () => this.setSplit(!this.isSplit));
     this.splitButton.disabled = !this.reference;
     this.cropButton = figures.button('Crop', 'Drag a rectangle; it is the same in all pictures (C, or drag with Shift)', () => this.setCropping(!this.isCropping));
     return make('div', { className: 'viewer-tools' },
@@ -314,8 +316,8 @@ class Viewer {
       make('span', {}, 'Exposure', this.exposureBar, this.exposureBox, 'stops'),
       make('label', {}, 'Tone', this.toneBox),
       make('span', { className: 'group' }, figures.button('\u2212', 'Smaller (\u2212)', () => this.zoom(.5)),
-        figures.button('+', 'Larger (+)', () => this.zoom(2)), figures.button('1:1', 'One pixel a pixel (0)', () => this.setScale(1)),
-        figures.button('Fit', 'All of the picture (F)', () => this.fit()), this.zoomText),
+        figures.button('+', 'Larger (+)', () => this.zoom(2)), figures.button('1:1', 'One screen pixel for each pixel (0)', () => this.setScale(1)),
+        figures.button('Fit', 'Show the whole picture (F)', () => this.fit()), this.zoomText),
       make('span', { className: 'group' }, this.splitButton, this.cropButton));
   }
 
@@ -344,13 +346,14 @@ class Viewer {
     for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, event => this.pointerUp(event));
     canvas.addEventListener('dblclick', () => this.fit());
     canvas.addEventListener('wheel', event => {
-      if (document.activeElement !== canvas && !event.ctrlKey) return; // the page scrolls
+      if (document.activeElement !== canvas && !event.ctrlKey) return; // then the page scrolls
       event.preventDefault();
       this.zoom(2 ** (-event.deltaY / (event.ctrlKey ? 100 : 300)), this.placeOf(event));
     }, { passive: false });
   }
 
-  // --- what is shown -----------------------------------------------------------------------------
+  // --- drawing
+  // -------------------------------------------------------------------------------------
 
   show(index) {
     if (!this.pictures[index]) return;
@@ -383,7 +386,7 @@ class Viewer {
     this.update();
   }
 
-  // Controls and the picture.
+  // Updates the controls and the image.
   update() {
     const picture = this.pictures[this.current], map = this.spec.maps.find(m => m.name === this.mode);
     this.tabs.forEach((tab, i) => tab.setAttribute('aria-pressed', i === this.current));
@@ -454,7 +457,8 @@ class Viewer {
     else this.draw();
   }
 
-  // That of the whole picture; of small ones a whole number, so that their pixels stay even.
+  // Returns the scale at which the whole image fits. For small images it is a whole number, so that
+  // all pixels have the same size.
   fittingScale(width, height) {
     const scale = Math.min(width / this.spec.width, height / this.spec.height);
     return scale > 1 ? Math.floor(scale) : scale;
@@ -470,7 +474,7 @@ class Viewer {
   setScale(scale, anchor) {
     const fixed = anchor || this.centre, old = this.scale;
     this.scale = Math.min(Math.max(scale, SCALE_MIN), SCALE_MAX);
-    // The point under the cursor stays where it is.
+    // The point under the cursor stays in its place.
     this.moveTo(fixed.x + (this.centre.x - fixed.x) * old / this.scale, fixed.y + (this.centre.y - fixed.y) * old / this.scale);
   }
 
@@ -484,12 +488,12 @@ class Viewer {
     this.draw();
   }
 
-  // The picture's upper left corner on the canvas, in CSS pixels.
+  // Returns the position of the image's upper left corner on the canvas, in CSS pixels.
   corner() {
     return { x: this.cssWidth / 2 - this.centre.x * this.scale, y: this.cssHeight / 2 - this.centre.y * this.scale };
   }
 
-  // Where in the picture an event is, in pixels.
+  // Returns the position of an event in the image, in pixels.
   placeOf(event) {
     const box = this.canvas.getBoundingClientRect(), corner = this.corner();
     return { x: (event.clientX - box.left - corner.x) / this.scale, y: (event.clientY - box.top - corner.y) / this.scale };
@@ -529,7 +533,7 @@ class Viewer {
     if (this.cursor && scale >= 6) this.drawRectangle(context, Object.assign({ width: 1, height: 1 }, this.cursor), '#ffffff', 1);
   }
 
-  // White below, so that it is seen on everything.
+  // Draws white lines below, so that the rectangle is visible on every image.
   drawRectangle(context, r, color, width) {
     const s = this.scale;
     for (const [style, line] of [['rgba(255,255,255,.85)', width + 1.5], [color, width]]) {
@@ -589,11 +593,11 @@ class Viewer {
     this.setCursor(Math.min(Math.max(at.x + dx, 0), this.spec.width - 1), Math.min(Math.max(at.y + dy, 0), this.spec.height - 1));
   }
 
-  // Returns whether the key meant something.
+  // Handles a key. Returns whether the key has a function.
   key(event) {
     const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (arrow) {
-      if (document.activeElement !== this.canvas) return false; // the page scrolls
+      if (document.activeElement !== this.canvas) return false; // then the page scrolls
       const step = 48 / this.scale;
       if (event.shiftKey) this.moveTo(this.centre.x + arrow[0] * step, this.centre.y + arrow[1] * step);
       else this.moveCursor(...arrow);
@@ -618,7 +622,7 @@ class Viewer {
 
   // --- crops -------------------------------------------------------------------------------------
 
-  // Whole pixels inside of the picture.
+  // Rounds a rectangle to whole pixels inside of the image.
   rectangle(a, b) {
     const limit = (value, most) => Math.min(Math.max(Math.round(value), 0), most);
     const x = [a.x, b.x].map(v => limit(v, this.spec.width)), y = [a.y, b.y].map(v => limit(v, this.spec.height));
@@ -632,13 +636,15 @@ class Viewer {
     this.updateAll();
   }
 
-  // An eighth of the width, around the pixel or the middle of what is seen.
+  // Returns a square with an eighth of the image's width, around the pixel or around the centre of
+  // the visible part.
   cropHere() {
     const size = Math.max(Math.round(this.spec.width / 8), 2), at = this.cursor || this.centre;
     this.addCrop(this.rectangle({ x: at.x - size / 2, y: at.y - size / 2 }, { x: at.x + size / 2, y: at.y + size / 2 }));
   }
 
-  // At first: where the pictures' relative errors are greatest, in two places apart.
+  // Chooses the initial crops: two separate places at which the relative errors of the images are
+  // greatest.
   chooseCrops() {
     const { width, height } = this.spec, size = Math.max(Math.round(Math.min(width, height) / 5), 2);
     const columns = Math.floor(width / size), rows = Math.floor(height / size);
@@ -675,7 +681,7 @@ class Viewer {
     const head = ['', 'x', 'y', 'width', 'height', ''].map(text => make('th', {}, text));
     this.cropList.replaceChildren(make('tr', {}, ...head), ...rows);
     if (!rows.length)
-      this.cropList.replaceChildren(make('tr', {}, make('th', {}, 'None: press Crop and drag over the picture.')));
+      this.cropList.replaceChildren(make('tr', {}, make('th', {}, 'There are none: press Crop and drag over the picture.')));
   }
 }
 

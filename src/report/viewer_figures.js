@@ -1,20 +1,21 @@
-// Figures that a viewer makes of its pictures: insets as papers have them, and plots of the errors.
-// They follow the viewer's crops, its exposure and the map that it shows.
+// Figures of a viewer's images: insets as in publications, and plots of errors. They use the
+// viewer's crops, its exposure and the map that it shows.
 'use strict';
 
-// "1.23e-4" with a minus sign that is as wide as it should be.
+// Formats a number such as "1.23e-4" with a minus sign of the proper width.
 function formatError(value) {
   if (!Number.isFinite(value)) return value > 0 ? '\u221e' : '\u2013';
   const text = value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5) ? value.toExponential(2) : value.toPrecision(3);
   return text.replace('e+', 'e').replace(/-/g, '\u2212');
 }
 
-// Ticks of an axis: powers of ten where there are two or more, else 1, 2 and 5 of each decade.
+// Returns the ticks of an axis: powers of ten if there are at least two, otherwise 1, 2 and 5 of
+// each decade.
 function logTicks(low, high) {
   const ticks = [], decades = Math.log10(high / low);
   for (let k = Math.floor(Math.log10(low)); k <= Math.ceil(Math.log10(high)); k++)
     for (const digit of decades >= 2 ? [1] : [1, 2, 5]) ticks.push(digit * 10 ** k);
-  const step = decades > 8 ? 2 : 1; // labels that do not touch
+  const step = decades > 8 ? 2 : 1; // with this step, labels do not touch
   return ticks.filter((v, i) => v >= low * .999 && v <= high * 1.001 && i % step === 0);
 }
 
@@ -27,7 +28,7 @@ function evenTicks(low, high) {
 }
 
 class Axis {
-  // From [low, high] to [from, to], evenly or logarithmically.
+  // Maps [low, high] to [from, to], linearly or logarithmically.
   constructor(low, high, isLog, from, to) {
     Object.assign(this, { low, high, isLog, from, to });
   }
@@ -39,7 +40,8 @@ class Axis {
 
   ticks() {
     const ticks = this.isLog ? logTicks(this.low, this.high) : [];
-    return ticks.length > 1 ? ticks : evenTicks(this.low, this.high); // short ranges are almost even
+    // Over a short range a logarithmic axis is almost linear.
+    return ticks.length > 1 ? ticks : evenTicks(this.low, this.high);
   }
 
   label(value) {
@@ -71,7 +73,7 @@ class ViewerFigures {
     return paper;
   }
 
-  // Soon: while a slider moves, one figure at the end is enough.
+  // Updates the figure after a short delay, because a single figure is enough while a slider moves.
   changed() {
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.build(), 120);
@@ -86,19 +88,20 @@ class ViewerFigures {
     viewer.root.dataset.figures = String(Number(viewer.root.dataset.figures || 0) + 1);
   }
 
-  // Picture by picture, so that keys are answered in between.
+  // Processes the images one by one, so that keys are handled in between.
   async buildDistribution() {
     const { viewer } = this, mode = viewer.mode;
     const map = viewer.spec.maps.find(m => m.name === mode) || viewer.spec.maps[0];
     for (const picture of viewer.pictures) {
       if (!picture.isReference) this.shares(picture, map);
       await new Promise(done => setTimeout(done));
-      if (viewer.mode !== mode) return; // which begins anew
+      if (viewer.mode !== mode) return; // another update has been started
     }
     this.distribution.replaceChildren(this.drawDistribution(map));
   }
 
-  // A name that fits into so many pixels; its end tells more than its middle.
+  // Shortens a name to a width in pixels. Its end is kept, because it usually differs more than its
+  // middle.
   static shorten(text, width, size, bold) {
     const context = ViewerFigures.context || (ViewerFigures.context = document.createElement('canvas').getContext('2d'));
     context.font = `${bold ? 'bold ' : ''}${size}px Helvetica, Arial, 'Liberation Sans', sans-serif`;
@@ -111,7 +114,8 @@ class ViewerFigures {
 
   // --- insets ------------------------------------------------------------------------------------
 
-  // A crop as a PNG, each pixel a square of several, which no reader smoothes away.
+  // Returns a crop as a PNG in which each pixel is a square of several pixels, so that no reader
+  // blurs it.
   cropUrl(picture, crop, width, mode) {
     const times = Math.max(1, Math.ceil(2 * width / crop.width));
     const canvas = make('canvas', { width: crop.width * times, height: crop.height * times });
@@ -121,7 +125,7 @@ class ViewerFigures {
     return canvas.toDataURL('image/png');
   }
 
-  // The best of a figure's values, which is printed bold: the least of positive errors.
+  // Returns the best of a figure's values, which is printed in bold: the least positive error.
   best(name) {
     const values = this.viewer.spec.pictures.map(p => p.figures.find(f => f.name === name)).filter(f => f && f.value !== null);
     return values.length > 1 ? Math.min(...values.map(f => f.value)) : NaN;
@@ -173,7 +177,7 @@ class ViewerFigures {
 
   // --- plots -------------------------------------------------------------------------------------
 
-  // Axes with ticks and words below and, where it has one, to the left.
+  // Draws axes with ticks, and with labels below and, if the axis has one, at the left.
   drawFrame(svg, x, y, words) {
     for (const value of x.ticks()) {
       const at = x.at(value);
@@ -189,7 +193,7 @@ class ViewerFigures {
     figures.draw(svg, 'text', { x: (x.from + x.to) / 2, y: y.from + 34, 'text-anchor': 'middle' }, words);
   }
 
-  // One error of each picture with its interval of 95 %.
+  // Draws the errors of all images in one metric, with 95 % intervals.
   drawIntervals() {
     const { viewer } = this, name = this.metricBox.value, ROW = 26, LEFT = 130, WIDTH = 560, TOP = 10;
     const rows = viewer.pictures.map((picture, i) => ({ picture, i, figure: picture.entry.figures.find(f => f.name === name) }))
@@ -204,7 +208,7 @@ class ViewerFigures {
       const y = TOP + (row + .5) * ROW, color = figures.COLORS[i % figures.COLORS.length];
       figures.draw(svg, 'text', { x: LEFT - 10, y: y + 4, 'text-anchor': 'end' }, ViewerFigures.shorten(picture.label, LEFT - 14, 12));
       if (figure.low !== null && figure.high !== null) {
-        // An interval that begins below what the axis shows is drawn from the axis.
+        // An interval that begins below the range of the axis is drawn from its end.
         const from = isLog && !(figure.low > 0) ? x.from : x.at(figure.low), to = x.at(figure.high);
         figures.draw(svg, 'path', { d: `M${from},${y}H${to}M${from},${y - 5}V${y + 5}M${to},${y - 5}V${y + 5}`, fill: 'none', stroke: color, 'stroke-width': 1.6 });
       }
@@ -214,7 +218,7 @@ class ViewerFigures {
     return svg;
   }
 
-  // The share of pixels whose error is above a value, in steps of the map's scale.
+  // Draws the share of pixels whose error exceeds a value, in steps of the map's scale.
   shares(picture, map) {
     picture.shares = picture.shares || {};
     if (picture.shares[map.name]) return picture.shares[map.name];
@@ -228,7 +232,7 @@ class ViewerFigures {
     }
     let above = known;
     picture.shares[map.name] = Array.from({ length: BINS + 1 }, (_, bin) => {
-      const share = above / known; // of those at this step's beginning or beyond
+      const share = above / known; // share of the pixels at the start of this step or above
       above -= counts[bin];
       const level = bin / BINS;
       return { value: map.log ? map.low * (map.high / map.low) ** level : map.low + level * (map.high - map.low), share };
