@@ -1,4 +1,4 @@
-// See imgui_bridge.h. The one file of C++: nothing is decided here.
+// See imgui_bridge.h. This is the only C++ file, and it makes no decisions.
 #include "viewer/gui/imgui_bridge.h"
 
 #include <GLFW/glfw3.h>
@@ -41,7 +41,7 @@ static im_rect out(ImVec2 min, ImVec2 max)
     return {min.x, min.y, max.x, max.y};
 }
 
-// --- life ----------------------------------------------------------------------------------------
+// --- creation and end ----------------------------------------------------------------------------
 
 static void set_colors()
 {
@@ -141,8 +141,8 @@ im *im_create(float scale)
     io.IniFilename = NULL;
     io.LogFilename = NULL;
     io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
-    io.ConfigInputTextCursorBlink = false; // pictures of it are the same at any time
-    io.MouseDragThreshold = 3.0f * scale;  // less is a click
+    io.ConfigInputTextCursorBlink = false; // images of the panel do not depend on the time
+    io.MouseDragThreshold = 3.0f * scale; // a shorter movement is a click
     set_keys(io);
     set_style(scale);
     return im;
@@ -184,7 +184,7 @@ void im_put(im *im, const event *event)
         io.MousePos = ImVec2((float)event->x, (float)event->y);
     } else if (event->kind == EVENT_BUTTON) {
         io.MouseDown[event->code] = event->down;
-    } else if (event->kind == EVENT_SCROLL) { // moves what the mouse is over, if anything
+    } else if (event->kind == EVENT_SCROLL) { // scrolls the window under the mouse, if there is one
         io.MouseWheelH += (float)event->x;
         io.MouseWheel += (float)event->y;
     } else if (event->kind == EVENT_KEY) {
@@ -194,7 +194,7 @@ void im_put(im *im, const event *event)
     } else if (event->kind == EVENT_FOCUS && !event->down) {
         memset(io.KeysDown, 0, sizeof io.KeysDown);
     }
-    // Modifiers are held if the event or the earlier keys say so.
+    // Modifiers are held if this event or earlier key events say so.
     bool has_them = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && event->down;
     uint32_t with = has_them ? event->modifiers : 0;
     io.KeyCtrl =
@@ -291,7 +291,7 @@ struct im_rect im_panel_begin_floating(const char *title, im_rect at_first)
     const ImVec2 size(at_first.right - at_first.left, at_first.bottom - at_first.top);
     SetNextWindowPos(ImVec2(at_first.left, at_first.top), ImGuiCond_FirstUseEver);
     SetNextWindowSize(size, ImGuiCond_FirstUseEver);
-    // Narrower or lower ones have no room for a control and its help.
+    // A smaller window has no room for a control and its help.
     SetNextWindowSizeConstraints(ImVec2(0.6f * size.x, 0.3f * size.y), GetIO().DisplaySize);
     Begin(title, NULL,
           ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |

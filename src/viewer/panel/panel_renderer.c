@@ -23,7 +23,7 @@ static void accumulation(struct panel *panel, const struct stage *stage, struct 
     uint32_t fresh = to->fresh_frames;
     if (gui_choice(
             gui, "renderer.accumulation", "Frames",
-            "Accumulates the samples of all frames; off: each frame is a picture of its own.",
+            "Accumulates the samples of all frames, or makes each frame a picture of its own.",
             words, &fresh))
         to->fresh_frames = fresh;
     gui_count(gui, "renderer.samples_a_frame", "Per frame",
