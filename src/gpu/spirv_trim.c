@@ -150,7 +150,7 @@ static void read_global(struct module *m, const uint32_t *at)
     }
 }
 
-// --- what is reached -----------------------------------------------------------------------------
+// --- reachable code ------------------------------------------------------------------------------
 
 static bool reach(struct module *m, uint32_t label)
 {

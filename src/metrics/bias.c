@@ -15,7 +15,7 @@ static double relative_weight(const struct bias_params *p, size_t i)
     return 1 / (reference * reference + METRICS_RELMSE_EPSILON);
 }
 
-// --- what unseen samples could explain -----------------------------------------------------------
+// --- differences due to unseen samples -----------------------------------------------------------
 
 // The factor by which a difference must exceed the brightest sample to count as bias. If no image
 // contains samples of some kind, fewer than ln(1 / 0.025) = 3.7 of them were expected in all images

@@ -21,7 +21,7 @@
 #define SPEED_FACTOR 1.25 // change of the flying speed per notch of the wheel
 #define EXPOSURE_STEP 0.5 // stops
 
-// --- what keys do --------------------------------------------------------------------------------
+// --- functions of keys ---------------------------------------------------------------------------
 
 static void do_undo(struct viewer *viewer)
 {

@@ -19,7 +19,7 @@
 #define SPIRV_MAGIC 0x07230203u // first word of a module (SPIR-V specification, section 2.3)
 #define SPIRV_HEADER_BYTES 20u  // the five words before the first instruction (section 2.3)
 
-// --- what can be known before --------------------------------------------------------------------
+// --- checks before compilation -------------------------------------------------------------------
 
 const char *shader_why_not(const char *folder)
 {
@@ -32,7 +32,7 @@ const char *shader_why_not(const char *folder)
     return NULL;
 }
 
-// --- what a kernel is made from ------------------------------------------------------------------
+// --- source files of a kernel --------------------------------------------------------------------
 
 // Hashes the paths and contents of all files. Returns false if one cannot be read.
 static bool hash_files(const char *files, struct arena *arena, uint64_t *hash)

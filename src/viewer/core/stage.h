@@ -40,7 +40,8 @@ struct frame_stats {
 // Times of all frames of one kind, for the report at the end.
 struct frame_times {
     float *ms;
-    // Number of times; when the capacity is reached, later ones are omitted.
+    // The number of times, and the number for which there is memory. Only about the first hour of
+    // frames is kept.
     uint32_t count, capacity;
 };
 
