@@ -58,7 +58,7 @@ static bool code_prepare(const struct gpu *gpu, const struct gpu_kernel_params *
     size_t bytes = spirv_trim(params->spirv, params->spirv_bytes, params->constants,
                               params->constant_count, trimmed);
     if (bytes == SPIRV_TRIM_NO_MEMORY)
-        return err_set(err, ERR_SYSTEM, "out of memory: trimming %zu bytes of code",
+        return err_set(err, ERR_SYSTEM, "out of memory: %zu bytes of code cannot be trimmed",
                        params->spirv_bytes);
     if (bytes) {
         info->codeSize = bytes;
