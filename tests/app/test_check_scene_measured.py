@@ -131,7 +131,7 @@ class Settings(Checks):
         fixed = os.path.join(self.folder.name, 'fixed.json')
         found = self.check(self.scene(4, nee_depth=2), '--fix', fixed)
         self.assert_found(found, {'depth': 'wrong', 'biased-setting': 'wrong'})
-        self.assertGreater(float(found['depth']['figure'].split('bring ')[1].split(' %')[0]), 20)
+        self.assertGreater(float(found['depth']['figure'].split('add ')[1].split(' %')[0]), 20)
         self.assertEqual(found['depth']['change'], 'max_bounces is 64')
         self.assert_found(self.check_file(fixed), {})
         self.assert_found(self.check(self.scene(100)), {})

@@ -24,7 +24,7 @@ class Slow(Checks):
         found = {finding['name']: finding for finding in json.loads(result.stdout)['findings']}
         self.assert_found(found, {'few-pixels': 'remark'})
         seconds = re.match(r'one sample of 4096 pixels takes (\S+) s', found['few-pixels']['figure'])[1]
-        width, height = re.search(r'picture of (\d+) x (\d+) pixels only',
+        width, height = re.search(r'renders only (\d+) x (\d+) pixels',
                                   found['few-pixels']['consequence']).groups()
         self.assertGreater(float(seconds), 0.2)
         # Its 200 samples of each pixel; seconds have two digits, and pixels are in squares.
