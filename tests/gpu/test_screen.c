@@ -449,7 +449,7 @@ TEST(bad_calls_are_refused)
                       "draw 0");
     }
     check_refused(gpu_screen_resize(gpu, screen, 0, 5, &err), &err, ERR_GPU, "0 x 5");
-    check_refused(gpu_screen_resize(gpu, screen, 5, 1u << 30, &err), &err, ERR_GPU, "of 1 to");
+    check_refused(gpu_screen_resize(gpu, screen, 5, 1u << 30, &err), &err, ERR_GPU, "from 1 to");
     CHECK(screen->width == WIDTH && screen->height == HEIGHT);
     CHECK(gpu_screen_resize(gpu, screen, WIDTH, HEIGHT + 1, &err), "%s", err.msg);
     check_refused(gpu_screen_draw(gpu, screen, &stage.pixels, NULL, &err), &err, ERR_BUG,
