@@ -133,7 +133,7 @@ static bool images_create(struct gpu *gpu, struct swapchain *swapchain, struct e
                   swapchain->calls.images(gpu->device, swapchain->handle, &count, NULL), err))
         return false;
     if (count > SWAPCHAIN_IMAGES_MAX)
-        return err_set(err, ERR_GPU, "%s needs %u swapchain images, expected at most %d",
+        return err_set(err, ERR_GPU, "%s needs %u images for this window, expected at most %d",
                        gpu->info.name, count, SWAPCHAIN_IMAGES_MAX);
     swapchain->image_count = count;
     VkFormat twin = swapchain_twin(swapchain->format);
