@@ -179,7 +179,7 @@ static bool add_cut(struct survey *survey, const struct cut *cut, const uint8_t 
                                                   "0.1 %% is missing.",
                                                  enough)
                                   : "Enclose less of the scene in surfaces that reflect all light: "
-                                   "no number of bounces is enough.",
+                                    "no number of bounces is enough.",
             .share = survey_share(survey, touched),
             .pixels = touched,
             .change = is_known ? arena_printf(arena, "max_bounces is %u", enough) : NULL,
