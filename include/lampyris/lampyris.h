@@ -286,6 +286,7 @@ struct lampyris_state {
 LAMPYRIS_API enum lampyris_status lampyris_render_state(struct lampyris_render *render,
                                                         struct lampyris_state *out);
 
+// Texts are valid until the next step.
 struct lampyris_layer {
     size_t size;
     const char *name;       // "radiance", "albedo", "depth", "half_a" ...
