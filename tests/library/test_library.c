@@ -141,6 +141,37 @@ TEST(what_is_not_known_is_said)
     lampyris_context_release(context);
 }
 
+// A simulated device that is lost at its first dispatch: each workgroup takes longer than the
+// watchdog allows.
+TEST(a_device_that_is_lost_is_an_error_and_opened_again)
+{
+    struct lampyris_context *context;
+    struct lampyris_scene *scene;
+    struct lampyris_render *render;
+    struct lampyris_state state = {.size = sizeof state};
+    REQUIRE(lampyris_context_create(NULL, &context) == LAMPYRIS_OK);
+    OK(context, lampyris_scene_load(context, path_of("scenes/cornell.json"), NULL, &scene));
+    setenv("LAMPYRIS_LIMITS", "group-ns=100000,watchdog-ms=1", 1);
+    OK(context, lampyris_render_begin(scene, SMALL, NULL, &render));
+    unsetenv("LAMPYRIS_LIMITS");
+    CHECK(lampyris_render_step(render, NULL, NULL) == LAMPYRIS_DEVICE);
+    CHECK(strstr(error_of(context).message, "device lost"), "%s", error_of(context).message);
+    CHECK(lampyris_render_step(render, NULL, NULL) == LAMPYRIS_DEVICE);
+    CHECK(strstr(error_of(context).message, "expected that another one is begun"), "%s",
+          error_of(context).message);
+    CHECK(lampyris_render_state(render, &state) == LAMPYRIS_DEVICE);
+    CHECK(lampyris_render_checkpoint(render, "never.ck") == LAMPYRIS_DEVICE);
+    lampyris_render_release(render);
+    uint64_t again = render_hash(context, scene);
+    lampyris_context_release(context);
+    lampyris_scene_release(scene);
+    context = open_context();
+    OK(context, lampyris_scene_load(context, path_of("scenes/cornell.json"), NULL, &scene));
+    CHECK(again != 0 && again == render_hash(context, scene));
+    lampyris_scene_release(scene);
+    lampyris_context_release(context);
+}
+
 // --- callbacks -----------------------------------------------------------------------------------
 
 struct watcher {
@@ -531,6 +562,7 @@ TEST(ten_thousand_renders_long)
 TEST_MAIN(TEST_CASE(pictures_have_the_bits_of_the_program),
           TEST_CASE(steps_renders_and_checkpoints_change_no_bit),
           TEST_CASE(goals_of_error_and_time_end_a_step), TEST_CASE(what_is_not_known_is_said),
+          TEST_CASE(a_device_that_is_lost_is_an_error_and_opened_again),
           TEST_CASE(callbacks_hear_of_it_and_stop_it),
           TEST_CASE(a_log_has_the_messages_of_its_context),
           TEST_CASE(callbacks_may_use_another_context),
