@@ -5,6 +5,7 @@
 #include "test.h"
 
 #include <lampyris/lampyris.h>
+#include <unistd.h>
 
 #define SMALL "{\"width\": 32, \"height\": 24, \"spp\": 8}"
 
@@ -72,14 +73,16 @@ static inline struct lampyris_state state_of(struct lampyris_render *render)
     return state;
 }
 
-// The hash that the program says. 0: it failed.
+// The hash that the program says. 0: it failed. Tests that run side by side have files of their
+// own.
 static inline uint64_t hash_of_program(const char *arguments)
 {
-    char command[2048], line[512];
+    char command[2048], line[512], output[64];
     unsigned long long hash = 0;
     const char *program = getenv("LAMPYRIS_PROGRAM");
-    snprintf(command, sizeof command, "%s render %s --json -o library_program.exr",
-             program ? program : "lampyris", arguments);
+    snprintf(output, sizeof output, "library_program_%ld.exr", (long)getpid());
+    snprintf(command, sizeof command, "%s render %s --json -o %s", program ? program : "lampyris",
+             arguments, output);
     FILE *out = popen(command, "r");
     while (out && fgets(line, sizeof line, out)) {
         const char *found = strstr(line, "\"image_hash\": \"");
@@ -88,7 +91,7 @@ static inline uint64_t hash_of_program(const char *arguments)
     }
     if (!out || pclose(out) != 0)
         hash = 0;
-    remove("library_program.exr");
+    remove(output);
     return hash;
 }
 
