@@ -18,10 +18,13 @@ static bool read_number(const char *variable, uint64_t *out, struct err *err)
 {
     const char *text = getenv(variable);
     char *end;
-    *out = text && *text >= '0' && *text <= '9' ? strtoull(text, &end, 10) : UINT64_MAX;
+    if (!text)
+        return err_set(err, ERR_USAGE, "%s is not set; expected a number, or --shard I/N",
+                       variable);
+    *out = *text >= '0' && *text <= '9' ? strtoull(text, &end, 10) : UINT64_MAX;
     return (*out <= UINT32_MAX && *end == '\0') ||
            err_set(err, ERR_USAGE, "%s is \"%s\"; expected a number, or --shard I/N", variable,
-                   text ? text : "");
+                   text);
 }
 
 // Processes of one step, by who started it. mpirun within a job of Slurm starts its own daemons by

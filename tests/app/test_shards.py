@@ -332,10 +332,11 @@ class Auto(Shards):
         slurm = {'SLURM_PROCID': '2', 'SLURM_NTASKS': '4'}
         for shard, variables, message in (
                 ('auto', self.array(5, 3, 1, 7), 'does not say which part is whose'),
-                ('auto', {'SLURM_ARRAY_TASK_ID': '1'}, 'SLURM_ARRAY_TASK_COUNT is ""'),
+                ('auto', {'SLURM_ARRAY_TASK_ID': '1'}, 'SLURM_ARRAY_TASK_COUNT is not set'),
                 ('auto', {'JOB_COMPLETION_INDEX': '1'}, 'expected --shard auto/N'),
                 ('auto/2', {'JOB_COMPLETION_INDEX': '2'}, 'process 2, from 0, of 2'),
                 ('auto/5', slurm, 'there are 4 processes; expected 5'),
+                ('auto', {'PMI_RANK': '', 'PMI_SIZE': '3'}, 'PMI_RANK is ""'),
                 ('auto', {'PMI_RANK': '-1', 'PMI_SIZE': '3'}, 'PMI_RANK is "-1"'),
                 ('auto', {'PMI_RANK': '3', 'PMI_SIZE': '3'}, 'process 3, from 0, of 3')):
             self.refuse(message, *self.command('--shard', shard), **variables)
