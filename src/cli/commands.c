@@ -49,9 +49,30 @@ const struct command commands[COMMAND_TOTAL] = {
             .examples = "lampyris render scenes/cornell.json --spp 1024 --shard 2/4\n"
                         "lampyris merge cornell.*.part -o cornell.exr\n"
                         "lampyris merge cornell.*.part --partial -o cornell.png\n"
-                        "lampyris merge cornell.*.part --checkpoint some.part",
+                        "lampyris merge cornell.*.part --checkpoint some.part\n"
+                        "lampyris merge cornell.*.part --status",
             .min_arguments = 1,
             .max_arguments = OPTIONS_PARTS_MAX,
+        },
+    [COMMAND_SUBMIT] =
+        {
+            .name = "submit",
+            .summary = "let Slurm render a picture in parts",
+            .arguments = "SCENE",
+            .description =
+                "Writes two batch files, SCENE.shards.sh and SCENE.merge.sh, in the working "
+                "directory and submits them to Slurm by sbatch: an array of --parts shards, and a "
+                "merge that begins when all of them have ended. The options are those of render: "
+                "-o is the merge's, all others are the shards'. A shard that is preempted, whose "
+                "node is lost, or whose time is over goes on from its part when Slurm starts it "
+                "again. What a shard would refuse is refused before it is submitted. "
+                "lampyris merge --status says how far the parts are. See docs/scaling.md.",
+            .examples = "lampyris submit scenes/cornell.json --spp 64k --parts 64 -o a.exr\n"
+                        "lampyris submit scenes/cornell.json --parts 8 --slurm '--partition=gpu'\n"
+                        "lampyris submit scenes/cornell.json --parts 8 --dry-run\n"
+                        "lampyris merge --status cornell.*.part",
+            .min_arguments = 1,
+            .max_arguments = 1,
         },
     [COMMAND_CONVERGE] =
         {

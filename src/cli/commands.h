@@ -8,6 +8,7 @@
 enum command_id {
     COMMAND_RENDER,
     COMMAND_MERGE,
+    COMMAND_SUBMIT,
     COMMAND_CONVERGE,
     COMMAND_BENCH,
     COMMAND_COMPARE,
@@ -37,6 +38,7 @@ const struct command *command_find(const char *name, struct err *err);
 // its result to stdout, and a failure through command_fail.
 int cmd_render(const struct options *options);
 int cmd_merge(const struct options *options);
+int cmd_submit(const struct options *options);
 int cmd_converge(const struct options *options);
 int cmd_bench(const struct options *options);
 int cmd_compare(const struct options *options);

@@ -8,7 +8,8 @@
 // A process that signal N ended has 128 + N, as in shells (130 for SIGINT, 143 for SIGTERM ...).
 enum exit_code {
     EXIT_CODE_OK = 0,
-    EXIT_CODE_CHECK_FAILED = 1, // compare: a limit was exceeded; check: a case failed
+    EXIT_CODE_CHECK_FAILED = 1, // compare: a limit was exceeded; check: a case failed;
+                                // merge --status: samples are missing
     EXIT_CODE_INPUT = 2,        // command line or an input file
     EXIT_CODE_DEVICE = 3,       // device, driver, memory
     EXIT_CODE_OUTPUT = 4,       // an output file

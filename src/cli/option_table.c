@@ -11,6 +11,7 @@
 #define FOR_BENCH (1u << COMMAND_BENCH)
 #define FOR_VIEW (1u << COMMAND_VIEW)
 #define FOR_MERGE (1u << COMMAND_MERGE)
+#define FOR_SUBMIT (1u << COMMAND_SUBMIT)
 #define FOR_CHECK (1u << COMMAND_CHECK)
 #define FOR_SCENE                                                                                  \
     (FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW | FOR_CHECK | 1u << COMMAND_INFO)
@@ -32,10 +33,10 @@ _Static_assert(offsetof(struct bvh_method, intersection_cost) ==
 const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_OUTPUT] = {
         .name = "output", .short_name = 'o', .argument = "FILE", .type = VALUE_OUTPUT,
-        .group = "Picture", .commands = FOR_RENDER | FOR_MERGE,
+        .group = "Picture", .commands = FOR_RENDER | FOR_MERGE | FOR_SUBMIT,
         .fallback = "the scene's name with .exr, in the working directory, and with .png where "
                     "standard output is a terminal; none of a shard and of merge with --checkpoint",
-        .common = FOR_RENDER | FOR_MERGE,
+        .common = FOR_RENDER | FOR_MERGE | FOR_SUBMIT,
         .brief = "Write FILE, .exr, .png, .jpg, .hdr or .pfm; several may be given.",
         .help = "Write the picture to FILE. Its extension chooses the format: .exr, .hdr and .pfm "
                 "are linear, .png and .jpg are tone-mapped. May be given several times.",
@@ -268,31 +269,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         FIELD(render.resume),
     },
 
-    [OPTION_SHARD] = {
-        .name = "shard", .argument = "I/N|FIRST:END|auto", .type = VALUE_TEXT, .group = "Shards",
-        .commands = FOR_RENDER, .fallback = "all samples",
-        .help = "Render part I, from 1, of N parts of the --spp samples of every pixel, or those "
-                "from number FIRST up to, but without, END, and keep them in the file of --checkpoint "
-                "for merge. auto takes I and N from Slurm, mpirun or Kubernetes; auto/N says N, which "
-                "Kubernetes does not. FILE of --checkpoint may have %i and %n, which stand for I and N "
-                "(or FIRST and END); where it is not given, the part is SCENE.I-of-N.part in the working "
-                "directory. No picture is written unless -o is given. See docs/scaling.md.",
-        FIELD(render.shard_text),
-    },
-    [OPTION_PARTIAL] = {
-        .name = "partial", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
-        .common = FOR_MERGE, .brief = "Write a picture although samples are missing.",
-        .help = "Write the picture of the samples that there are, although some are missing. Without "
-                "it that is refused, with the commands that render them.",
-        FIELD(merge.partial),
-    },
-    [OPTION_MIXED] = {
-        .name = "mixed", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
-        .common = FOR_MERGE, .brief = "Parts may be of several devices and drivers.",
-        .help = "Take parts of several devices and drivers. The picture is then not the one of any of "
-                "them, bit for bit. Says whether the devices' pictures differ by more than their noise.",
-        FIELD(merge.mixed),
-    },
+#include "cli/option_rows_shards.h"
 
     [OPTION_REPLICATES] = {
         .name = "replicates", .argument = "N", .type = VALUE_COUNT, .min = 2, .max = 4096,
@@ -775,9 +752,37 @@ const char *option_argument(const struct option_def *def, char out[OPTION_ARGUME
     return out;
 }
 
+// Returns whether submit has an option of render: it passes on what all shards have in common.
+static bool is_of_all_shards(const struct option_def *def)
+{
+    switch ((enum option_id)(def - option_table)) {
+    case OPTION_TIME:
+    case OPTION_ERROR:
+    case OPTION_ADAPTIVE:
+    case OPTION_FRAMES:
+    case OPTION_SPP_PER_FRAME:
+    case OPTION_EVERY:
+    case OPTION_ACCUMULATE:
+    case OPTION_CHECKPOINT:
+    case OPTION_CHECKPOINT_EVERY:
+    case OPTION_RESUME:
+    case OPTION_SHARD:
+    case OPTION_REFERENCE:
+    case OPTION_EXPLAIN:
+    case OPTION_TRACE:
+    case OPTION_TEV:
+    case OPTION_PIXEL:
+    case OPTION_SAMPLE:
+        return false;
+    default:
+        return def->commands & FOR_RENDER;
+    }
+}
+
 bool option_belongs(const struct option_def *def, const struct command *command)
 {
-    return def->commands >> (command - commands) & 1;
+    return def->commands >> (command - commands) & 1 ||
+           (command == &commands[COMMAND_SUBMIT] && is_of_all_shards(def));
 }
 
 const char *option_brief(const struct option_def *def, const struct command *command)

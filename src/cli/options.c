@@ -93,10 +93,11 @@ static bool apply(struct parser *parser, const struct option_def *def, const cha
     const char *value = attached;
     if (def->type != VALUE_FLAG && !value) {
         // "--output --half" is a missing name, not a file called "--half". A file of such a name
-        // can be written --output=--half.
+        // can be written --output=--half. The value of --slurm is options by its nature.
+        const bool takes_dashes = def == &option_table[OPTION_SLURM];
         value = parser->next < parser->count ? parser->arguments[parser->next] : NULL;
         char argument[OPTION_ARGUMENT_MAX];
-        if (!value || strncmp(value, "--", 2) == 0)
+        if (!value || (!takes_dashes && strncmp(value, "--", 2) == 0))
             return err_set(err, ERR_USAGE, "--%s needs a value: --%s %s", def->name, def->name,
                            option_argument(def, argument));
         parser->next++;
@@ -181,6 +182,8 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_RESUME, OPTION_CHECKPOINT, true},
         {OPTION_SHARD, OPTION_PIXEL, false},
         {OPTION_SHARD, OPTION_TRACE, false},
+        {OPTION_STATUS, OPTION_OUTPUT, false},
+        {OPTION_STATUS, OPTION_CHECKPOINT, false},
         {OPTION_RAYS, OPTION_KERNEL, true},
         {OPTION_DEPTH, OPTION_KERNEL, true},
         {OPTION_TIMES, OPTION_SPP_FROM, false},
@@ -316,7 +319,8 @@ enum { PASSING_COUNT = sizeof passing / sizeof passing[0] };
 static const enum option_id of_shards[] = {
     OPTION_OUTPUT,  OPTION_SHARD, OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
     OPTION_RESUME,  OPTION_TRACE, OPTION_REFERENCE,  OPTION_TEV,
-    OPTION_EXPLAIN, OPTION_JSON,  OPTION_QUIET,      OPTION_LOG_LEVEL};
+    OPTION_EXPLAIN, OPTION_JSON,  OPTION_QUIET,      OPTION_LOG_LEVEL,
+    OPTION_PARTS,   OPTION_SLURM, OPTION_DRY_RUN};
 
 // A list of options.
 struct option_list {

@@ -63,6 +63,10 @@ enum option_id {
     OPTION_SHARD,
     OPTION_PARTIAL,
     OPTION_MIXED,
+    OPTION_STATUS,
+    OPTION_PARTS,
+    OPTION_SLURM,
+    OPTION_DRY_RUN,
     OPTION_REPLICATES,
     OPTION_REFERENCE,
     OPTION_REFERENCE_FROM,
@@ -281,6 +285,13 @@ struct compare_options {
 struct merge_options {
     bool partial; // write the picture of the samples that there are
     bool mixed;   // parts may be of several devices
+    bool status;  // say what the parts have, and add nothing
+};
+
+struct submit_options {
+    uint32_t parts;    // 0: not given
+    const char *slurm; // options of sbatch; NULL: none
+    bool dry_run;      // write the batch files alone
 };
 
 struct view_options {
@@ -320,6 +331,7 @@ struct options {
     struct check_options check;
     struct compare_options compare;
     struct merge_options merge;
+    struct submit_options submit;
     struct view_options view;
 
     struct arena arena; // owns the lists and the command line; other strings are argv's

@@ -14,10 +14,9 @@
 #include <string.h>
 
 static int (*const run_command[COMMAND_TOTAL])(const struct options *options) = {
-    [COMMAND_RENDER] = cmd_render,     [COMMAND_MERGE] = cmd_merge,
-    [COMMAND_CONVERGE] = cmd_converge, [COMMAND_BENCH] = cmd_bench,
-    [COMMAND_COMPARE] = cmd_compare,   [COMMAND_CHECK] = cmd_check,
-    [COMMAND_INFO] = cmd_info,         [COMMAND_VIEW] = cmd_view,
+    [COMMAND_RENDER] = cmd_render,     [COMMAND_MERGE] = cmd_merge, [COMMAND_SUBMIT] = cmd_submit,
+    [COMMAND_CONVERGE] = cmd_converge, [COMMAND_BENCH] = cmd_bench, [COMMAND_COMPARE] = cmd_compare,
+    [COMMAND_CHECK] = cmd_check,       [COMMAND_INFO] = cmd_info,   [COMMAND_VIEW] = cmd_view,
     [COMMAND_DEVICES] = cmd_devices,   [COMMAND_HELP] = cmd_help,
 };
 

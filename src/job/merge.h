@@ -13,7 +13,8 @@
 struct merge_params {
     const char *const *paths;
     uint32_t count;
-    bool mixed; // parts of several devices and drivers are taken, too
+    bool mixed;        // parts of several devices and drivers are taken, too
+    bool only_look_at; // parts that were stopped amid a pass are taken, too: no film can be added
 };
 
 struct merge_part {

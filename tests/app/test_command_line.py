@@ -34,7 +34,7 @@ def wait_for_rendering(lines):
     raise AssertionError('it ended without rendering')
 
 
-COMMANDS = ('render', 'merge', 'converge', 'bench', 'compare', 'check', 'info', 'view', 'devices',
+COMMANDS = ('render', 'merge', 'submit', 'converge', 'bench', 'compare', 'check', 'info', 'view', 'devices',
             'help')
 FOR_TESTS = {'fail-allocation', 'lose-device', 'lose-devices'}
 
@@ -107,7 +107,7 @@ class Help(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which('groff'), 'groff is not installed')
     def test_manual_pages_are_clean_roff(self):
-        for command in ([], ['render'], ['merge'], ['compare'], ['info'], ['devices'], ['help']):
+        for command in ([], ['render'], ['merge'], ['submit'], ['compare'], ['info'], ['devices'], ['help']):
             page = run('help', '--man', *command).stdout
             result = subprocess.run(['groff', '-man', '-Tutf8', '-ww', '-P-c'], input=page,
                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

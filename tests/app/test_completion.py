@@ -15,7 +15,7 @@ import unittest
 from program import checked, run
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
-COMMANDS = ('render', 'merge', 'converge', 'bench', 'compare', 'check', 'info', 'view', 'devices',
+COMMANDS = ('render', 'merge', 'submit', 'converge', 'bench', 'compare', 'check', 'info', 'view', 'devices',
             'help')
 
 

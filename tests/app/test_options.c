@@ -181,8 +181,9 @@ TEST(usage_errors_say_what_was_expected)
     check_error("--spp 3 render s", "--spp belongs after the command");
     check_error("render s --max mse=1",
                 "\"render\" has no option --max: it belongs to \"compare\"");
-    check_error("compare a b --spp 3",
-                "it belongs to \"render\", \"converge\", \"bench\", \"check\", \"info\"");
+    check_error(
+        "compare a b --spp 3",
+        "it belongs to \"render\", \"submit\", \"converge\", \"bench\", \"check\", \"info\"");
     check_error("render s --spp", "--spp needs a value: --spp N");
     check_error("render s --output --half", "--output needs a value: --output FILE");
     check_error("render s --half=yes", "--half takes no value, but got \"yes\"");

@@ -6,6 +6,7 @@
 #include "base/file_system.h"
 #include "base/log.h"
 #include "job/merge.h"
+#include "report/json_out.h"
 #include "report/text_out.h"
 #include <inttypes.h>
 #include <math.h>
@@ -37,8 +38,8 @@ static uint64_t longest_part(const struct merge *merge)
     return longest + longest % 2;
 }
 
-// Prints to standard error, because standard output is for results.
-static void print_commands(const struct merge *merge, const struct sample_ranges *missing)
+static void print_commands(FILE *out, const struct merge *merge,
+                           const struct sample_ranges *missing)
 {
     const uint64_t piece = longest_part(merge);
     uint32_t printed = 0;
@@ -47,10 +48,10 @@ static void print_commands(const struct merge *merge, const struct sample_ranges
             // A single sample at the end would be no shard of its own.
             end = at + piece + 1 < missing->list[i].end ? at + piece : missing->list[i].end;
             if (printed++ < COMMANDS_MAX)
-                fprintf(stderr, "%s --shard %" PRIu64 ":%" PRIu64 "\n", merge->command, at, end);
+                fprintf(out, "%s --shard %" PRIu64 ":%" PRIu64 "\n", merge->command, at, end);
         }
     if (printed > COMMANDS_MAX)
-        fprintf(stderr, "and %u more of this kind\n", printed - COMMANDS_MAX);
+        fprintf(out, "and %u more of this kind\n", printed - COMMANDS_MAX);
 }
 
 // Says what is missing. A picture of some of the samples is refused unless it is asked for.
@@ -74,7 +75,7 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
         return true;
     }
     progress_end(options->progress);
-    print_commands(merge, &missing);
+    print_commands(stderr, merge, &missing); // standard output is for results
     return err_set(err, ERR_INPUT,
                    "%" PRIu64 " of %" PRIu64
                    " samples a pixel are missing (%s): the commands above "
@@ -205,6 +206,96 @@ static int write_picture(struct merge *merge, const struct options *options, str
     return code >= 0 ? code : command_fail(err);
 }
 
+// --- the status ----------------------------------------------------------------------------------
+
+// The samples that no part has, and those that no part is to have.
+struct lacking {
+    struct sample_ranges samples, unclaimed;
+};
+
+static bool find_lacking(struct merge *merge, struct lacking *out, struct err *err)
+{
+    struct sample_ranges wanted = {0}, joined;
+    for (uint32_t i = 0; i < merge->count; i++) {
+        if (!samples_join(&wanted, &merge->parts[i].wanted, &merge->arena, &joined, err))
+            return false;
+        wanted = joined;
+    }
+    return samples_missing(&merge->samples, merge->planned, &merge->arena, &out->samples, err) &&
+           samples_missing(&wanted, merge->planned, &merge->arena, &out->unclaimed, err);
+}
+
+static void print_status(struct merge *merge, const struct lacking *lacking)
+{
+    for (uint32_t i = 0; i < merge->count; i++) {
+        const struct merge_part *part = &merge->parts[i];
+        const uint64_t has = count_samples(&part->samples), wanted = count_samples(&part->wanted);
+        const char *samples = samples_text(&part->wanted, &merge->arena);
+        printf("part      ");
+        print_words(part->path);
+        printf(": samples %s, %s, %.0f %%\n", samples ? samples : "",
+               has == wanted ? "finished" : "unfinished", 100.0 * (double)has / (double)wanted);
+    }
+    const uint64_t missing = count_samples(&lacking->samples);
+    const char *text = samples_text(&lacking->samples, &merge->arena);
+    if (missing == 0) {
+        printf("complete  all %" PRIu64 " samples a pixel\n", merge->planned);
+        return;
+    }
+    printf("missing   %" PRIu64 " of %" PRIu64 " samples a pixel (%s)\n", missing, merge->planned,
+           text ? text : "");
+    if (lacking->unclaimed.count > 0)
+        printf("no part is to have some of them; these commands render those:\n");
+    print_commands(stdout, merge, &lacking->unclaimed);
+}
+
+static json_t *part_json(struct merge *merge, const struct merge_part *part)
+{
+    const char *wanted = samples_text(&part->wanted, &merge->arena);
+    const char *has = samples_text(&part->samples, &merge->arena);
+    return json_pack("{s:o, s:s, s:s, s:b}", "part", json_words(part->path), "wanted",
+                     wanted ? wanted : "", "has", has ? has : "", "finished",
+                     count_samples(&part->samples) == count_samples(&part->wanted));
+}
+
+static int print_status_json(struct merge *merge, const struct lacking *lacking)
+{
+    const char *missing = samples_text(&lacking->samples, &merge->arena);
+    const char *unclaimed = samples_text(&lacking->unclaimed, &merge->arena);
+    json_t *parts = json_array();
+    for (uint32_t i = 0; i < merge->count; i++)
+        json_array_append_new(parts, part_json(merge, &merge->parts[i]));
+    return command_print(json_pack("{s:o, s:I, s:s, s:s}", "parts", parts, "planned",
+                                   (json_int_t)merge->planned, "missing", missing ? missing : "",
+                                   "unclaimed", unclaimed ? unclaimed : ""));
+}
+
+static int show_status(const struct options *options)
+{
+    const struct merge_params params = {
+        .paths = options->arguments,
+        .count = options->argument_count,
+        .mixed = true,
+        .only_look_at = true,
+    };
+    struct merge merge = {0};
+    struct lacking lacking = {0};
+    struct err err = {0};
+    int code = EXIT_CODE_OK;
+    if (!merge_open(&params, &merge, &err) || !find_lacking(&merge, &lacking, &err)) {
+        code = command_fail(&err);
+    } else {
+        if (options->json)
+            code = print_status_json(&merge, &lacking);
+        else if (!options->quiet)
+            print_status(&merge, &lacking);
+        if (code == EXIT_CODE_OK && lacking.samples.count > 0)
+            code = EXIT_CODE_CHECK_FAILED;
+    }
+    merge_finish(&merge);
+    return code;
+}
+
 // --- the command ---------------------------------------------------------------------------------
 
 static bool merge_parts(struct merge *merge, const struct options *options, bool writes_picture,
@@ -248,6 +339,8 @@ int cmd_merge(const struct options *options)
     struct merge merge = {0};
     struct err err = {0};
     int code = EXIT_CODE_OK;
+    if (options->merge.status)
+        return show_status(options);
     if (!merge_parts(&merge, options, writes_picture, &err)) {
         code = command_fail(&err);
     } else {

@@ -1,0 +1,157 @@
+#include "cli/submit/batch_files.h"
+
+#include "base/file.h"
+#include "base/file_system.h"
+#include "base/process.h"
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+// The second line of both files; a file without it is somebody else's.
+#define MARK "# Written by lampyris submit."
+
+// What a file of Slurm's begins with. Of options that are given twice, Slurm takes the latter: so
+// those of --slurm come last.
+#define HEAD                                                                                       \
+    "#!/bin/sh\n" MARK "\n"                                                                        \
+    "#SBATCH --job-name=%s\n"                                                                      \
+    "#SBATCH --output=%s\n"                                                                        \
+    "#SBATCH --open-mode=append\n"
+
+// Slurm sends SIGUSR1 to the shell alone, and SIGTERM, where a task is preempted or cancelled, to
+// all processes of the task. A second SIGTERM would end the render at once, without its part. The
+// first wait ends when a signal comes.
+#define SHARDS                                                                                     \
+    "#SBATCH --array=1-%u\n"                                                                       \
+    "#SBATCH --requeue\n"                                                                          \
+    "#SBATCH --signal=B:USR1@60\n"                                                                 \
+    "%s%s%s"                                                                                       \
+    "# A minute before the time limit, the shard writes its part, and its task is queued again,\n" \
+    "# to go on from it.\n"                                                                        \
+    "trap 'is_over=1; kill -USR1 \"$shard\"' USR1\n"                                               \
+    "trap : TERM\n"                                                                                \
+    "%s%s --shard \"$SLURM_ARRAY_TASK_ID/%u\" --resume --quiet &\n"                                \
+    "shard=$!\n"                                                                                   \
+    "code=0\n"                                                                                     \
+    "while kill -0 \"$shard\" 2>/dev/null; do\n"                                                   \
+    "    wait \"$shard\"\n"                                                                        \
+    "    code=$?\n"                                                                                \
+    "done\n"                                                                                       \
+    "if [ -n \"$is_over\" ] && [ \"$code\" -ne 0 ]; then\n"                                        \
+    "    exec scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"\n"                   \
+    "fi\n"                                                                                         \
+    "exit \"$code\"\n"
+
+#define MERGE                                                                                      \
+    "%s%s%s"                                                                                       \
+    "exec %s merge %s%s\n"
+
+static const char *quote(struct arena *arena, const char *word)
+{
+    char *out = word ? ARENA_NEW(arena, char, 4 * strlen(word) + 4) : NULL;
+    if (out)
+        options_quote(word, out);
+    return out;
+}
+
+// Returns the scene's name without its extension, which shard_settle() also names parts by.
+static const char *stem_of(struct arena *arena, const struct options *options)
+{
+    const char *name = path_name(options->arguments[0]), *extension = path_extension(name);
+    size_t length = strlen(name) - strlen(extension) - (*extension ? 1 : 0);
+    return arena_printf(arena, "%.*s", (int)length, name);
+}
+
+// A word that Slurm takes as a name: its own patterns have '%' and '\', and lines end at '#'.
+static const char *plain_name(struct arena *arena, const char *stem)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
+    char *name = stem ? arena_strdup(arena, stem) : NULL;
+    for (char *c = name; c && *c; c++)
+        if (!strchr(plain, *c))
+            *c = '_';
+    return name;
+}
+
+// Returns this program as a shell takes it: nodes may have another one in their PATH.
+static const char *own_program(struct arena *arena)
+{
+    char own[PATH_MAX];
+    return quote(arena, process_own_path(own, sizeof own) ? own : "lampyris");
+}
+
+// Returns the options of the shards' render: of "lampyris submit OPTIONS", " render OPTIONS".
+static const char *render_words(struct arena *arena, const struct options *options)
+{
+    const char *line = options->render.shared_line, *command = strstr(line, " submit");
+    return arena_printf(arena, "%.*s render%s", (int)(command - line - (int)strlen("lampyris")),
+                        line + strlen("lampyris"), command + strlen(" submit"));
+}
+
+static const char *output_words(struct arena *arena, const struct options *options)
+{
+    const char *words = "";
+    for (uint32_t i = 0; words && i < options->render.output_count; i++) {
+        const char *name = quote(arena, options->render.outputs[i]);
+        words = name ? arena_printf(arena, "%s -o %s", words, name) : NULL;
+    }
+    return words;
+}
+
+static bool write_one(const char *path, const char *text, struct err *err)
+{
+    struct arena scratch = {0};
+    struct file_bytes bytes;
+    bool ok = true;
+    if (file_exists(path)) {
+        ok = file_read_own(&scratch, path, 0, &bytes, err);
+        if (ok && !(bytes.size > sizeof "#!/bin/sh\n" MARK &&
+                    memcmp(bytes.data, "#!/bin/sh\n" MARK, sizeof "#!/bin/sh\n" MARK - 1) == 0))
+            ok = err_set(err, ERR_INPUT,
+                         "%s: exists already and was not written by lampyris submit; expected it "
+                         "under another name",
+                         path);
+    }
+    arena_finish(&scratch);
+    return ok && file_write_atomic(path, text, strlen(text), err);
+}
+
+bool batch_files_write(const struct options *options, struct batch_files *out, struct err *err)
+{
+    *out = (struct batch_files){0};
+    struct arena *arena = &out->arena;
+    const char *slurm = options->submit.slurm ? options->submit.slurm : "";
+    if (strpbrk(slurm, "\r\n"))
+        return err_set(err, ERR_USAGE,
+                       "--slurm: has a line break; expected options of sbatch in "
+                       "one line");
+    const uint32_t count = options->submit.parts;
+    const char *stem = stem_of(arena, options), *name = plain_name(arena, stem);
+    const char *quoted = quote(arena, stem), *program = own_program(arena);
+    const char *render = render_words(arena, options), *outputs = output_words(arena, options);
+    const char *before = *slurm ? "#SBATCH " : "", *after = *slurm ? "\n" : "";
+    if (!stem || !name || !quoted || !program || !render || !outputs)
+        return err_memory(err, "batch files", 4096);
+    out->parts = arena_printf(arena, "%s.*-of-%u.part", quoted, count);
+    out->shards = arena_printf(arena, "%s.shards.sh", stem);
+    out->merge = arena_printf(arena, "%s.merge.sh", stem);
+    const char *log_of_shards = arena_printf(arena, "%s.%%a-of-%u.log", name, count);
+    const char *log_of_merge = arena_printf(arena, "%s.merge.log", name);
+    const char *shards = log_of_shards
+                             ? arena_printf(arena, HEAD SHARDS, name, log_of_shards, count, before,
+                                            slurm, after, program, render, count)
+                             : NULL;
+    const char *merge = log_of_merge && out->parts
+                            ? arena_printf(arena, HEAD MERGE, name, log_of_merge, before, slurm,
+                                           after, program, out->parts, outputs)
+                            : NULL;
+    if (!out->shards || !out->merge || !shards || !merge)
+        return err_memory(err, "batch files", 4096);
+    return write_one(out->shards, shards, err) && write_one(out->merge, merge, err);
+}
+
+void batch_files_finish(struct batch_files *files)
+{
+    if (files)
+        arena_finish(&files->arena);
+}

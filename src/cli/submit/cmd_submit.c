@@ -1,0 +1,158 @@
+// lampyris submit: lets Slurm render a scene in shards, and merge them when they have ended.
+#include "cli/commands.h"
+
+#include "base/file_system.h"
+#include "base/process.h"
+#include "cli/scene_options.h"
+#include "cli/submit/batch_files.h"
+#include "report/json_out.h"
+#include "report/text_out.h"
+#include <stdio.h>
+#include <string.h>
+
+// A job's number, and its cluster where there are several: "12;north".
+#define JOB_BYTES 128
+
+struct submission {
+    struct batch_files files;
+    char shards[JOB_BYTES], merge[JOB_BYTES]; // jobs; empty where nothing was submitted
+};
+
+// --- checks --------------------------------------------------------------------------------------
+
+// What a shard would refuse is refused here, before it waits in a queue. That needs no device.
+static bool check_render(const struct options *options, struct err *err)
+{
+    struct scene scene = {0};
+    struct gpu gpu = {0};
+    struct job job = {0};
+    uint32_t camera;
+    if (!options_load_scene(&options->scene, options->progress, &scene, &camera, err))
+        return false;
+    const struct job_params params = {
+        .renderer = options_renderer_params(&options->device, &gpu, &scene, camera),
+        .scene = &scene,
+        .goal.samples = options_given(options, OPTION_SPP) ? options->scene.settings.spp : 0,
+        .shard = {.index = 1, .count = options->submit.parts},
+    };
+    bool ok = job_init(&params, &job, err);
+    job_finish(&job);
+    scene_finish(&scene);
+    return ok;
+}
+
+// --- sbatch --------------------------------------------------------------------------------------
+
+static bool read_job(FILE *out, char job[JOB_BYTES], struct err *err)
+{
+    rewind(out);
+    const char *line = fgets(job, JOB_BYTES, out);
+    size_t length = line ? strcspn(line, "\n") : 0;
+    job[length] = '\0';
+    return (length > 0 && job[0] >= '0' && job[0] <= '9') ||
+           err_set(err, ERR_SYSTEM,
+                   "sbatch answered \"%s\"; expected the number of a job; \"squeue --me\" says "
+                   "whether it was submitted",
+                   job);
+}
+
+// Submits a batch file, and reads the number of its job. What sbatch says else goes to standard
+// error.
+static bool submit(const char *const *arguments, char job[JOB_BYTES], struct err *err)
+{
+    FILE *out = file_stream_temporary();
+    struct process process;
+    bool is_well = false;
+    size_t last = 0;
+    while (arguments[last + 1])
+        last++;
+    if (!out)
+        return err_set(err, ERR_SYSTEM, "no temporary file can be made for the answer of sbatch");
+    bool ok =
+        process_start(&process, &(struct process_params){.arguments = arguments, .out = out}, err);
+    if (ok) {
+        process_wait(&process, &is_well);
+        ok = is_well ? read_job(out, job, err)
+                     : err_set(err, ERR_SYSTEM, "sbatch refused %s for the reason above",
+                               arguments[last]);
+    }
+    fclose(out);
+    return ok;
+}
+
+// The merge begins when the last shard has ended in whatever way: it says what is missing.
+static bool submit_both(struct submission *s, struct err *err)
+{
+    char dependency[JOB_BYTES + 32];
+    const char *shards[] = {"sbatch", "--parsable", s->files.shards, NULL};
+    const char *merge[] = {"sbatch", "--parsable", dependency, s->files.merge, NULL};
+    if (!program_is_installed("sbatch"))
+        return err_set(err, ERR_SYSTEM,
+                       "sbatch is not in PATH, and %s was written but not submitted; expected a "
+                       "machine from which Slurm takes jobs, or --dry-run",
+                       s->files.shards);
+    if (!submit(shards, s->shards, err))
+        return false;
+    snprintf(dependency, sizeof dependency, "--dependency=afterany:%.*s",
+             (int)strcspn(s->shards, ";"), s->shards);
+    return submit(merge, s->merge, err) ||
+           err_prepend(err, "the shards are job %s, and the merge was not submitted", s->shards);
+}
+
+// --- what is told --------------------------------------------------------------------------------
+
+static void print_summary(const struct submission *s, const struct options *options)
+{
+    if (!*s->shards) {
+        printf("wrote     ");
+        print_words(s->files.shards);
+        fputs(", ", stdout);
+        print_words(s->files.merge);
+        printf("\nsubmit    sbatch --dependency=afterany:$(sbatch --parsable ");
+        print_words(s->files.shards);
+        fputs(") ", stdout);
+        print_words(s->files.merge);
+        printf("\n");
+    } else {
+        printf("shards    job %s, %u of them: ", s->shards, options->submit.parts);
+        print_words(s->files.parts);
+        printf("\nmerge     job %s, when they have ended\n", s->merge);
+        printf("queue     squeue --job %.*s,%.*s\n", (int)strcspn(s->shards, ";"), s->shards,
+               (int)strcspn(s->merge, ";"), s->merge);
+    }
+    printf("status    lampyris merge --status ");
+    print_words(s->files.parts);
+    printf("\n");
+}
+
+static json_t *job_json(const char *job, const char *script)
+{
+    return json_pack("{s:o, s:o}", "job", *job ? json_words(job) : json_null(), "script",
+                     json_words(script));
+}
+
+static int print(const struct submission *s, const struct options *options)
+{
+    if (options->json)
+        return command_print(
+            json_pack("{s:o, s:o, s:i, s:o}", "shards", job_json(s->shards, s->files.shards),
+                      "merge", job_json(s->merge, s->files.merge), "count",
+                      (int)options->submit.parts, "parts", json_words(s->files.parts)));
+    if (!options->quiet)
+        print_summary(s, options);
+    return EXIT_CODE_OK;
+}
+
+int cmd_submit(const struct options *options)
+{
+    struct submission submission = {0};
+    struct err err = {0};
+    bool ok = options->submit.parts > 0 ||
+              err_set(&err, ERR_USAGE, "submit needs --parts N, the number of shards");
+    ok = ok && check_render(options, &err) && batch_files_write(options, &submission.files, &err) &&
+         (options->submit.dry_run || submit_both(&submission, &err));
+    progress_end(options->progress);
+    int code = ok ? print(&submission, options) : command_fail(&err);
+    batch_files_finish(&submission.files);
+    return code;
+}

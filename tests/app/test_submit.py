@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Renders under Slurm by lampyris submit, where Slurm can be started, and compares with one process.
+
+Usage: test_submit.py LAMPYRIS SCENE_FOLDER [unittest arguments]
+"""
+import json
+import os
+import re
+import shlex
+import stat
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import slurm
+from program import need_device
+from test_shards import LAMPYRIS, PLACES, Shards
+
+
+class Files(Shards):
+    """What submit writes and says, without Slurm."""
+
+    def submit(self, *arguments, code=0, **variables):
+        result = self.run_one('submit', *self.command(*arguments)[1:], **variables)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result
+
+    def fake_sbatch(self, text):
+        os.mkdir(self.path('bin'))
+        self.write('bin/sbatch', f'#!/bin/sh\n{text}\n'.encode())
+        os.chmod(self.path('bin/sbatch'), stat.S_IRWXU)
+        return {'PATH': self.path('bin') + ':' + os.environ['PATH']}
+
+    def test_dry_run(self):
+        result = self.submit('--spp', '40', '--parts', '12', '--dry-run', '-o', 'a b.exr', '--aov', 'depth', '-q',
+                             '--slurm', '--partition=gpu --time=5')
+        self.assertEqual(result.stdout + result.stderr, '')
+        self.assertEqual(set(os.listdir(self.folder.name)), {'cornell.shards.sh', 'cornell.merge.sh'})
+        shards, merge = self.read('cornell.shards.sh').decode(), self.read('cornell.merge.sh').decode()
+        for line in ('#SBATCH --array=1-12', '#SBATCH --requeue', '#SBATCH --partition=gpu --time=5'):
+            self.assertIn(line + '\n', shards)
+        self.assertIn('#SBATCH --partition=gpu --time=5\n', merge)
+        self.assertIn("merge cornell.*-of-12.part -o 'a b.exr'\n", merge)
+        self.assertIn('--size 20x18 --spp 40 --aov depth --shard "$SLURM_ARRAY_TASK_ID/12" --resume', shards)
+        told = self.submit('--spp', '40', '--parts', '12', '--dry-run').stdout
+        self.assertIn('sbatch --dependency=afterany:$(sbatch --parsable cornell.shards.sh) cornell.merge.sh', told)
+        self.assertNotIn('partition', self.read('cornell.shards.sh').decode())
+
+    def test_the_files_render_the_picture(self):
+        """A shell runs them as Slurm does, one task after the other."""
+        whole = self.picture(self.command('--spp', '40'), 'whole.exr')
+        self.submit('--spp', '40', '--parts', '3', '--dry-run', '-o', 'merged.exr')
+        for task in (3, 1, 2):
+            result = subprocess.run(['sh', 'cornell.shards.sh'], cwd=self.folder.name, stderr=subprocess.PIPE,
+                                    env={**os.environ, 'SLURM_ARRAY_TASK_ID': str(task)}, timeout=120, text=True)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        result = subprocess.run(['sh', 'cornell.merge.sh'], cwd=self.folder.name, timeout=120)
+        self.assertEqual(result.returncode, 0)
+        merged = self.picture(['merge', *(f'cornell.{i}-of-3.part' for i in (1, 2, 3))], 'again.exr')
+        self.assertEqual(merged, whole)
+        self.assertEqual(self.layers('merged.exr'), self.layers('whole.exr'))
+
+    def test_what_sbatch_answers(self):
+        path = self.fake_sbatch('echo "$@" >> calls; echo "$((40 + $(wc -l < calls)));north"')
+        result = self.submit('--spp', '40', '--parts', '2', **path)
+        self.assertIn('shards    job 41;north, 2 of them: cornell.*-of-2.part\n', result.stdout)
+        self.assertIn('queue     squeue --job 41,42\n', result.stdout)
+        self.assertEqual(self.read('calls').decode().splitlines(), [
+            '--parsable cornell.shards.sh', '--parsable --dependency=afterany:41 cornell.merge.sh'])
+        report = json.loads(self.submit('--spp', '40', '--parts', '2', '--json', **path).stdout)
+        self.assertEqual((report['shards']['job'], report['merge']['job'], report['count']), ('43;north', '44;north', 2))
+
+    def test_failures_of_sbatch(self):
+        path = self.fake_sbatch('echo "sbatch: error: invalid partition" >&2; exit 1')
+        self.assertIn('invalid partition\nlampyris: error: sbatch refused cornell.shards.sh',
+                      self.submit('--spp', '40', '--parts', '2', code=3, **path).stderr)
+        self.write('bin/sbatch', b'#!/bin/sh\necho hello\n')
+        self.assertIn('sbatch answered "hello"', self.submit('--spp', '40', '--parts', '2', code=3, **path).stderr)
+        os.unlink(self.path('bin/sbatch'))
+        self.assertIn('sbatch is not in PATH, and cornell.shards.sh was written',
+                      self.submit('--spp', '40', '--parts', '2', code=3, PATH=self.path('bin')).stderr)
+
+    def test_what_a_shard_would_refuse_is_refused(self):
+        for arguments, message in (
+                ([], 'submit needs --parts N'), (['--parts', '0'], '"0" is outside'),
+                (['--parts', '3', '--spp', '4'], 'expected at most 2 shards'),
+                (['--parts', '2', '--error', '1'], 'has no option --error'),
+                (['--parts', '2', '--halves', 'contiguous'], '--shard cannot be combined with --halves'),
+                (['--parts', '2', '--resume'], 'has no option --resume'),
+                (['--parts', '2', '--slurm', 'a\nb'], '--slurm: has a line break')):
+            self.assertIn(message, self.submit('--dry-run', *arguments, code=2).stderr)
+        self.assertEqual(os.listdir(self.folder.name), [])
+        self.write('cornell.shards.sh', b'#!/bin/sh\necho mine\n')
+        self.assertIn('was not written by lampyris submit', self.submit('--parts', '2', '--dry-run', code=2).stderr)
+        self.assertEqual(self.read('cornell.shards.sh'), b'#!/bin/sh\necho mine\n')
+
+    def test_status(self):
+        parts = self.render_shards(4, '--spp', '32')
+        result = self.succeed('merge', '--status', *parts)
+        self.assertIn('part      2.part: samples 8:16, finished, 100 %\n', result.stdout)
+        self.assertIn('complete  all 32 samples a pixel\n', result.stdout)
+        result = self.run_one('merge', '--status', parts[0], parts[3])
+        self.assertEqual((result.returncode, result.stderr), (1, ''))
+        self.assertIn('missing   16 of 32 samples a pixel (8:24)\n', result.stdout)
+        for command in re.findall('^lampyris (render .*)$', result.stdout, re.MULTILINE):
+            self.succeed(*shlex.split(command), '-q')
+        made = [name for name in os.listdir(self.folder.name) if name.startswith('cornell.')]
+        report = json.loads(self.succeed('merge', '--status', '--json', parts[0], parts[3], *made).stdout)
+        self.assertEqual((report['missing'], report['unclaimed'], len(report['parts'])), ('none', 'none', 4))
+        self.assertEqual(self.run_one('merge', '--status', parts[0], '-o', 'z.exr').returncode, 2)
+
+    def test_status_of_an_unfinished_part(self):
+        process = subprocess.Popen([LAMPYRIS, *self.command('--spp', '1M', '--shard', '1/2', '--checkpoint', 'a',
+                                                            '--checkpoint-every', '0', '-q')], cwd=self.folder.name)
+        while not os.path.exists(self.path('a')):
+            self.assertIsNone(process.poll())
+        process.terminate()
+        process.wait()
+        result = self.run_one('merge', '--status', 'a')
+        self.assertEqual((result.returncode, result.stderr), (1, ''))
+        self.assertRegex(result.stdout, 'part      a: samples 0:524288, unfinished, \\d+ %')
+        self.assertIn('no part is to have some of them', result.stdout)
+        self.assertIn('--shard 524288:1048576\n', result.stdout)
+
+
+WHY_NOT = slurm.why_not()
+
+
+@unittest.skipIf(WHY_NOT, WHY_NOT)
+class Slurm(Shards):
+    @classmethod
+    def setUpClass(cls):
+        cls.place = tempfile.TemporaryDirectory()
+        cls.cluster = slurm.Cluster(cls.place.name)
+        try:
+            cls.cluster.start()
+        except BaseException:
+            cls.tearDownClass()
+            raise
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.cluster.stop()
+        cls.place.cleanup()
+
+    def submit(self, parts, *arguments):
+        env = {name: value for name, value in self.cluster.env.items() if not PLACES.match(name)}
+        env['SLURM_CONF'] = self.cluster.env['SLURM_CONF']
+        result = subprocess.run([LAMPYRIS, 'submit', *self.command(*arguments)[1:], '--parts', str(parts), '--json',
+                                 '-o', 'merged.exr'], cwd=self.folder.name, env=env, stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True, timeout=60)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        report = json.loads(result.stdout)
+        return report['shards']['job'], report['merge']['job']
+
+    def logs(self):
+        return ''.join(f'--- {name}\n' + self.read(name).decode() for name in os.listdir(self.folder.name)
+                       if name.endswith('.log'))
+
+    def check(self, jobs, parts, whole):
+        self.assertEqual(self.cluster.wait_for_end(jobs[1]), ['COMPLETED'], self.logs())
+        self.assertEqual(self.cluster.states(jobs[0]), ['COMPLETED'] * parts, self.logs())
+        self.assertEqual(self.layers('merged.exr'), self.layers('whole.exr'))
+        names = [f'cornell.{i}-of-{parts}.part' for i in range(1, parts + 1)]
+        self.assertEqual(self.picture(['merge', *names], 'again.exr'), whole)
+
+    def test_an_array_of_5(self):
+        whole = self.picture(self.command('--spp', '57', '--aov', 'all'), 'whole.exr')
+        self.check(self.submit(5, '--spp', '57', '--aov', 'all'), 5, whole)
+
+    def wait_until_both_render(self, job):
+        self.cluster.wait(lambda: self.cluster.states(job) == ['RUNNING'] * 2, 'running tasks')
+        # A lock stands beside a part while it is rendered.
+        self.cluster.wait(lambda: sum(name.endswith('.lock') for name in os.listdir(self.folder.name)) == 2,
+                          'rendering shards')
+
+    def test_preempted_shards_go_on(self):
+        arguments = ('--spp', '60k')
+        whole = self.picture(self.command(*arguments), 'whole.exr')
+        jobs = self.submit(2, *arguments)
+        self.wait_until_both_render(jobs[0])
+        other = self.cluster.output('sbatch', '--parsable', '--partition=high', '--cpus-per-task=2', '--output=/dev/null',
+                                    '--wrap', 'true').strip()
+        self.assertEqual(self.cluster.wait_for_end(other), ['COMPLETED'])
+        self.check(jobs, 2, whole)
+        self.assertIn('DUE TO PREEMPTION', self.logs())
+        # A task that begins anew says so; both did once.
+        self.assertEqual(self.logs().count('rendering begins anew'), 2)
+
+    def test_tasks_go_on_after_their_time(self):
+        """Slurm's least time is a minute, and it looks for tasks to be signalled every half minute."""
+        arguments = ('--spp', '120k')
+        whole = self.picture(self.command(*arguments), 'whole.exr')
+        jobs = self.submit(2, *arguments, '--slurm', '--time=1 --signal=B:USR1@55')
+        self.check(jobs, 2, whole)
+        self.assertIn('DUE TO JOB REQUEUE', self.logs())
+        self.assertEqual(self.logs().count('rendering begins anew'), 2)
+
+
+if __name__ == '__main__':
+    need_device(LAMPYRIS)
+    unittest.main()
