@@ -463,10 +463,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
 
     [OPTION_DEVICE] = {
-        .name = "device", .argument = "INDEX|NAME", .type = VALUE_TEXT, .group = "Device",
+        .name = "device", .argument = "INDEX,...|NAME", .type = VALUE_TEXT, .group = "Device",
         .commands = FOR_SCENE | FOR_DEVICES | FOR_MERGE, .fallback = "the fastest kind",
         .common = FOR_SCENE | FOR_DEVICES, .brief = "Vulkan device, by its number or name.",
-        .help = "Device to use, by its number in \"lampyris devices\" or a part of its name.",
+        .help = "Device to use, by its number in \"lampyris devices\" or a part of its name. render takes "
+                "several numbers, as in 0,1: these devices share the samples of the picture, which "
+                "has the bits of one where they are of one kind with one driver. See docs/scaling.md.",
         FIELD(device.gpu.device),
     },
     [OPTION_WAVE] = {
@@ -707,7 +709,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_JSON] = {
         .name = "json", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
         .common = FOR_BENCH | FOR_COMPARE | FOR_DEVICES | 1u << COMMAND_INFO, .brief = "Print the result as JSON.",
-        .help = "Print the result as one JSON object on standard output.", FIELD(json),
+        .help = "Print the result as one JSON object.", FIELD(json),
     },
     [OPTION_QUIET] = {
         .name = "quiet", .short_name = 'q', .type = VALUE_FLAG, .group = "General",

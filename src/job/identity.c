@@ -63,6 +63,21 @@ static void add_camera(struct text *text, const struct job *job)
         c->focus_distance, c->lens_blades, c->lens_rotation);
 }
 
+// Adds all devices of a crew whose bits are not those of one of them.
+static void add_device(struct text *text, const struct job *job)
+{
+    const struct crew *crew = job->params.crew;
+    const char *names = "several";
+    for (uint32_t i = 0; crew && !crew_is_uniform(crew) && names && i <= crew->count; i++)
+        names = arena_printf(text->arena, "%s, %s (%s)", names, crew->members[i].device,
+                             crew->members[i].driver);
+    if (!names)
+        text->so_far = NULL;
+    const bool is_one = !crew || crew_is_uniform(crew);
+    add(text, "device=%s", is_one ? job->gpu->info.name : names ? names : "");
+    add(text, "driver=%s", job->gpu->info.driver);
+}
+
 static void add_environment(struct text *text, const struct environment *e)
 {
     add(text,
@@ -90,8 +105,7 @@ static const char *make_identity(struct job *job)
     struct text text = {.arena = &job->arena, .so_far = ""};
     add(&text, "version=%s", LAMPYRIS_VERSION);
     add(&text, "kernels=%016" PRIx64, kernels_hash());
-    add(&text, "device=%s", job->gpu->info.name);
-    add(&text, "driver=%s", job->gpu->info.driver);
+    add_device(&text, job);
     add(&text, "scene of hash=%016" PRIx64, job->scene->hash);
     add_camera(&text, job);
     add_environment(&text, &job->scene->environment);

@@ -86,7 +86,7 @@ static bool settle_goal(struct job *job, struct err *err)
         job->scene->settings.spp = (uint64_t)goal->samples_per_frame * frames_in_one;
     else if (goal->samples > 0)
         job->scene->settings.spp = goal->samples;
-    return job_settle_shard(job, err);
+    return job_settle_shard(job, err) && job_check_crew(job, err);
 }
 
 static bool goals_same(const struct job_goal *a, const struct job_goal *b)
@@ -133,7 +133,7 @@ static void report(void *context, const char *phase, double fraction)
 static bool should_stop(void *context)
 {
     const struct job *job = context;
-    return progress_should_stop(job->params.progress);
+    return !job->deal.is_in_block && progress_should_stop(job->params.progress);
 }
 
 // --- life ----------------------------------------------------------------------------------------
@@ -196,7 +196,8 @@ bool job_create(struct job *job, struct err *err)
     if (!create_renderer(job, &params, err))
         return false;
     note_start(job);
-    return job_begin_shard(job, err) && job_checkpoint_restore(job, err);
+    return job_begin_shard(job, err) && job_checkpoint_restore(job, err) &&
+           job_begin_crew(job, err);
 }
 
 bool job_start(const struct job_params *params, struct job *job, struct err *err)

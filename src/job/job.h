@@ -13,6 +13,7 @@
 #ifndef LAMPYRIS_JOB_JOB_H
 #define LAMPYRIS_JOB_JOB_H
 
+#include "job/crew.h"
 #include "job/error_sources.h"
 #include "job/film_error.h"
 #include "job/reference.h"
@@ -88,7 +89,9 @@ struct job_params {
     struct job_checkpoint_params checkpoint;
     struct job_shard shard;
     struct job_merged *merged; // the film is this one, and nothing is left to be rendered; or NULL
-    const char *command;       // the command line, which checkpoints keep; NULL: none
+    struct crew
+        *crew; // others that render, too, for --error, --time or a number of samples; or NULL
+    const char *command;               // the command line, which checkpoints keep; NULL: none
     const struct reference *reference; // must have the image's size and outlive the job; NULL: none
     bool keeps_trace;                  // rows at doubling numbers of samples
     // How often a device that is lost during job_run() is reopened: only the job may use it then.
@@ -174,6 +177,19 @@ struct job_rescue {
     uint32_t reopened; // how often the device was reopened
 };
 
+// Samples that a crew renders until the film is wanted.
+struct crew_deal {
+    uint64_t first, next, end; // samples from `next` up to `end` are nobody's yet
+    uint64_t start_ns;
+    double seconds;                  // after which nothing more is dealt; 0: no limit
+    double all;                      // samples of the step
+    uint64_t done;                   // and those of its finished blocks
+    uint64_t (*blocks)[CREW_BLOCKS]; // samples of the blocks that each worker has, oldest first
+    bool is_closed;                  // nothing more is dealt
+    bool took_part;                  // a worker has finished a block
+    bool is_in_block;                // of its own: a stop waits until it is finished
+};
+
 // May be read by all; only the functions below change it.
 struct job {
     struct job_params params;
@@ -194,6 +210,11 @@ struct job {
     uint64_t samples_first; // the first one, but 0 of a shard alone
     uint32_t round_samples; // with `adaptive`: samples of a round of the plan, on average
     struct tile_plan plan;  // the tiles' plan; empty until the pilot has ended
+
+    // With a crew, or as a worker of one.
+    struct crew_deal deal;
+    bool has_samples;    // the renderer's film has some
+    uint64_t first_held; // the first of them
 
     // Records.
     struct job_seconds seconds;

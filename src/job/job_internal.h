@@ -74,6 +74,22 @@ bool job_check_merged(struct job *job, struct err *err);
 // Puts the renderer before the shard's first sample, or the merged film into it.
 bool job_begin_shard(struct job *job, struct err *err);
 
+// Checks that parts of the samples may be rendered by others; `whose` they are begins the message.
+bool job_check_divisible(const struct job *job, const char *whose, struct err *err);
+
+// --- crew_film.c ---
+// Adds what was counted and measured of one film to that of another.
+void job_add_stats(const struct render_stats *part, struct render_stats *to);
+
+// --- crew.c ---
+bool job_check_crew(const struct job *job, struct err *err);
+// When the film is as it was left: prepares to give blocks.
+bool job_begin_crew(struct job *job, struct err *err);
+// As job_advance(), by all members.
+bool job_advance_crew(struct job *job, const struct job_step *step, struct err *err);
+// Between waves of the own block: keeps the workers busy.
+bool job_attend_crew(struct job *job, struct err *err);
+
 // --- rescue.c ---
 // Copies the film when that costs less than a hundredth of the time of rendering.
 bool job_rescue_copy_when_due(struct job *job, struct err *err);

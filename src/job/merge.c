@@ -213,32 +213,6 @@ bool merge_open(const struct merge_params *params, struct merge *out, struct err
 
 // --- films ---------------------------------------------------------------------------------------
 
-static void add_stats(const struct render_stats *part, struct render_stats *to)
-{
-    to->render_seconds += part->render_seconds;
-    to->closest_rays += part->closest_rays;
-    to->shadow_rays += part->shadow_rays;
-    for (uint32_t i = 0; i < CLASS_COUNT; i++)
-        to->surface_hits[i] += part->surface_hits[i];
-    to->media_lost += part->media_lost;
-    to->waves += part->waves;
-    to->voided_waves += part->voided_waves;
-    to->suspended += part->suspended;
-    const struct nonfinite_stats *from = &part->nonfinite;
-    struct nonfinite_stats *sum = &to->nonfinite;
-    for (int site = 0; site < SITE_COUNT; site++)
-        sum->count[site] += from->count[site];
-    bool is_lower =
-        from->pixel < sum->pixel || (from->pixel == sum->pixel && from->sample < sum->sample);
-    if (from->recorded && (!sum->recorded || is_lower)) {
-        sum->recorded = true;
-        sum->pixel = from->pixel;
-        sum->sample = from->sample;
-        sum->site = from->site;
-        sum->bounce = from->bounce;
-    }
-}
-
 // The file is read once: each block is added when its hash has been checked.
 static bool add_film(const struct merge *merge, const struct merge_part *part, char *block,
                      struct film_copy *to, struct err *err)
@@ -269,7 +243,7 @@ static bool add_film(const struct merge *merge, const struct merge_part *part, c
     if (film.next_sample > to->next_sample)
         to->next_sample = film.next_sample;
     if (ok)
-        add_stats(&film.stats, &to->stats);
+        job_add_stats(&film.stats, &to->stats);
     checkpoint_close(&c);
     arena_finish(&scratch);
     return ok;
@@ -372,7 +346,7 @@ static bool add_devices(struct merge *merge, const struct progress *progress, ch
             sum->emptied_at = film.emptied_at < sum->emptied_at ? film.emptied_at : sum->emptied_at;
             sum->next_sample =
                 film.next_sample > sum->next_sample ? film.next_sample : sum->next_sample;
-            add_stats(&film.stats, &sum->stats);
+            job_add_stats(&film.stats, &sum->stats);
         } else if (ok && err) {
             *err = failure;
         } else {

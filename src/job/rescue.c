@@ -130,7 +130,9 @@ bool job_recover(struct job *job, struct err *err)
 // If the host's memory ran out, the device still works: the current film may be read.
 static void read_again(struct job *job)
 {
-    if (job->is_rendering && !job_is_pilot(job) && renderer_has_all_pixels(&job->renderer))
+    // With a crew, the device has a part of the film.
+    if (job->is_rendering && !job->params.crew && !job_is_pilot(job) &&
+        renderer_has_all_pixels(&job->renderer))
         job_read_now(job, NULL);
 }
 

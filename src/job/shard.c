@@ -12,36 +12,44 @@ bool job_is_shard(const struct job *job)
     return job->params.shard.count > 0 || job->params.shard.samples.end > 0;
 }
 
-// A shard cannot know what the others see, and only sums that have no order can be merged.
-static bool check_goal(const struct job *job, struct err *err)
+// Only sums that have no order can be those of several.
+bool job_check_divisible(const struct job *job, const char *whose, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
     const struct settings *settings = &job->scene->settings;
     const char *what = NULL, *why = NULL;
-    if (goal->error > 0.0) {
-        what = "--error";
-        why =
-            "the error is that of all shards together, which no shard knows: expected --spp alone; "
-            "merge reports the error";
-    } else if (goal->seconds > 0.0) {
-        what = "--time";
-        why = "which samples it has must not depend on the clock: expected --spp alone";
-    } else if (goal->adaptive) {
+    if (goal->adaptive) {
         what = "--adaptive on";
-        why = "its tiles have different numbers of samples, and shards have the same samples of "
+        why = "its tiles have different numbers of samples, and parts have the same samples of "
               "all pixels: expected --adaptive off";
     } else if (goal->frames) {
         what = "--frames";
-        why = "its samples are those of one picture: expected --spp";
+        why = "samples of parts are those of one picture: expected --spp";
     } else if (settings->accumulation != ACCUMULATION_BINNED) {
         what = "--accumulation sum or running";
         why = "these sums depend on the order of samples: expected --accumulation binned";
     } else if (settings->halves == HALVES_CONTIGUOUS) {
         what = "--halves contiguous";
-        why = "every shard needs as many samples of one half as of the other: expected --halves "
+        why = "every part needs as many samples of one half as of the other: expected --halves "
               "independent";
     }
-    return !what || err_set(err, ERR_USAGE, "--shard cannot be combined with %s: %s", what, why);
+    return !what || err_set(err, ERR_USAGE, "%s cannot be combined with %s: %s", whose, what, why);
+}
+
+// A shard cannot know what the others see.
+static bool check_goal(const struct job *job, struct err *err)
+{
+    const struct job_goal *goal = &job->params.goal;
+    if (goal->error > 0.0)
+        return err_set(err, ERR_USAGE,
+                       "--shard cannot be combined with --error: the error is that of all shards "
+                       "together, which no shard knows: expected --spp alone; merge reports the "
+                       "error");
+    if (goal->seconds > 0.0)
+        return err_set(err, ERR_USAGE,
+                       "--shard cannot be combined with --time: which samples it has must not "
+                       "depend on the clock: expected --spp alone");
+    return job_check_divisible(job, "--shard", err);
 }
 
 bool job_settle_shard(struct job *job, struct err *err)

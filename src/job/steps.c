@@ -38,6 +38,9 @@ static bool after_wave(void *context, struct err *err)
 {
     struct job *job = context;
     const struct job_listener *listener = &job->params.listener;
+    // The film has samples without those before them, which are those of others.
+    if (job->params.crew && job->is_rendering)
+        return job_attend_crew(job, err);
     return (!job->is_rendering ||
             (job_checkpoint_when_due(job, err) && job_rescue_copy_when_due(job, err))) &&
            (!listener->after_wave || listener->after_wave(listener->context, err));
@@ -105,6 +108,8 @@ static bool advance_by_clock(struct job *job, const struct job_step *step, struc
 
 bool job_advance(struct job *job, const struct job_step *step, struct err *err)
 {
+    if (job->params.crew && job->is_rendering)
+        return job_advance_crew(job, step, err);
     if (step->seconds > 0.0)
         return advance_by_clock(job, step, err);
     uint64_t done = job->renderer.next_sample;

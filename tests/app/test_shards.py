@@ -254,10 +254,10 @@ class Refused(Shards):
         for arguments, message in (
                 (['--error', '0.1'], 'the error is that of all shards together'),
                 (['--time', '1'], 'must not depend on the clock'),
-                (['--adaptive', 'on', '--spp', '64'], 'shards have the same samples of all pixels'),
+                (['--adaptive', 'on', '--spp', '64'], 'parts have the same samples of all pixels'),
                 (['--frames', '3'], 'those of one picture'),
                 (['--accumulation', 'sum'], 'depend on the order of samples'),
-                (['--halves', 'contiguous'], 'every shard needs as many samples of one half'),
+                (['--halves', 'contiguous'], 'every part needs as many samples of one half'),
                 (['--pixel', '1,1'], 'exclude each other'), (['--trace', 'a.csv'], 'exclude each other'),
                 (['--spp', '4', '--shard', '1/3'], 'expected at most 2 shards'),
                 (['--spp', '8', '--shard', '4:10'], 'expected even numbers up to the 8'),

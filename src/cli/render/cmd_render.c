@@ -5,6 +5,7 @@
 #include "cli/render/render_run.h"
 #include "cli/scene_options.h"
 #include <math.h>
+#include <string.h>
 
 // --- what the job reports ------------------------------------------------------------------------
 
@@ -31,6 +32,11 @@ static bool after_row(void *context, struct err *err)
 static bool follows_path(const struct options *options)
 {
     return options_given(options, OPTION_PIXEL);
+}
+
+static bool has_several_devices(const struct options *options)
+{
+    return render_devices_count(options->device.gpu.device) > 1 && !follows_path(options);
 }
 
 static struct job_goal goal_of(const struct options *options)
@@ -74,6 +80,11 @@ static bool init_job(struct render_run *run, struct err *err)
         params.merged = options->render.merged;
         params.command = options->render.shared_line;
     }
+    if (has_several_devices(options)) {
+        params.reopens = 0; // a film that others have a part of does not begin anew
+        if (!render_devices_create(options->device.gpu.device, &params, &run->devices, err))
+            return false;
+    }
     return job_init(&params, &run->job, err);
 }
 
@@ -94,6 +105,27 @@ static bool load(struct render_run *run, struct err *err)
     return true;
 }
 
+// Opens the device, and of several the others, too, whose threads then prepare them.
+static bool open_devices(struct render_run *run, struct err *err)
+{
+    const char *text = run->options->device.gpu.device;
+    struct gpu_params params = run->options->device.gpu;
+    if (render_devices_count(text) > 1)
+        params.device = render_devices_name(text, 0, &run->arena);
+    if (text && !params.device)
+        return err_memory(err, "the name of a device", strlen(text));
+    if (!gpu_open(&params, &run->gpu, err))
+        return false;
+    if (!run->job.params.crew)
+        return true;
+    if (!render_devices_start(&run->devices, &params, text, &run->job.params, err))
+        return false;
+    if (!crew_is_uniform(run->job.params.crew))
+        log_warn("the devices, or their drivers, are different: the picture is not bit for bit the "
+                 "one that any of them would make alone");
+    return true;
+}
+
 static bool set_up(struct render_run *run, struct err *err)
 {
     const struct options *options = run->options;
@@ -106,7 +138,7 @@ static bool set_up(struct render_run *run, struct err *err)
     for (uint32_t i = 0; i < run->scene.note_count; i++)
         log_info("%s", run->scene.notes[i]);
 
-    if (!gpu_open(&options->device.gpu, &run->gpu, err) || !job_open(&run->job, err) ||
+    if (!open_devices(run, err) || !job_open(&run->job, err) ||
         (writes && !render_read_trace(run, err)) || !job_create(&run->job, err))
         return false;
     const struct flat_scene *flat = &run->job.renderer.flat;
@@ -193,6 +225,7 @@ int cmd_render(const struct options *options)
                      run.gpu.validation_messages);
     render_tev_end(&run);
     job_finish(&run.job);
+    render_devices_finish(&run.devices);
     gpu_close(&run.gpu);
     scene_finish(&run.scene);
     render_release_outputs(&run);

@@ -183,6 +183,22 @@ static void add_ending(json_t *object, const struct render_run *run)
                                                 : json_null());
 }
 
+static json_t *crew_json(const struct render_run *run)
+{
+    const struct crew *crew = run->job.params.crew;
+    const struct job_seconds *s = &run->job.seconds;
+    json_t *array = json_array();
+    for (uint32_t i = 0; crew && i <= crew->count; i++) {
+        const struct crew_member *m = &crew->members[i];
+        json_array_append_new(
+            array, json_pack("{s:o, s:o, s:I, s:f, s:o}", "device", json_words(m->device), "driver",
+                             json_words(m->driver), "spp", (json_int_t)m->samples, "seconds",
+                             m->busy_seconds, "busy",
+                             json_number(m->busy_seconds / (s->render - s->render_before))));
+    }
+    return array;
+}
+
 bool render_print_json(const struct render_run *run, struct err *err)
 {
     const struct render_stats *stats = &run->job.renderer.stats;
@@ -233,6 +249,7 @@ bool render_print_json(const struct render_run *run, struct err *err)
     json_object_set_new(
         object, "shared",
         sharing_json(&run->job.renderer.flat, run->job.renderer.specialization.features));
+    json_object_set_new(object, "members", crew_json(run));
     json_object_set_new(object, "bias", biases_json(run));
     json_object_set_new(object, "reference", reference_json(run));
     json_object_set_new(object, "forecast", forecast_json(run));

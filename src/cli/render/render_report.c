@@ -216,6 +216,22 @@ void report_print_steps(const struct render_run *run)
     print_steps(&run->job.seconds, STEP_COUNT);
 }
 
+// Prints a line for each of several devices or ranks.
+static void print_crew(const struct render_run *run)
+{
+    const struct crew *crew = run->job.params.crew;
+    const struct job_seconds *s = &run->job.seconds;
+    const double pixels = (double)run->job.film.width * run->job.film.height;
+    for (uint32_t i = 0; crew && i <= crew->count; i++) {
+        const struct crew_member *m = &crew->members[i];
+        printf("%s%s%-3u", crew->word, strlen(crew->word) < 6 ? "   " : " ", i);
+        print_words(m->device);
+        printf(": %" PRIu64 " samples a pixel, %.3f Msamples/s, busy %.0f %%\n", m->samples,
+               m->busy_seconds > 0.0 ? pixels * (double)m->samples * 1e-6 / m->busy_seconds : 0.0,
+               100.0 * m->busy_seconds / (s->render - s->render_before));
+    }
+}
+
 static void print_times(const struct render_run *run)
 {
     const struct job_seconds *s = &run->job.seconds;
@@ -230,6 +246,7 @@ static void print_times(const struct render_run *run)
            render_stats_rays(stats) * 1e-6 / s->render, (double)stats->closest_rays * 1e-6,
            (double)stats->shadow_rays * 1e-6);
     print_largest_kernels(stats);
+    print_crew(run);
 }
 
 const char *const report_class_names[CLASS_COUNT] = {

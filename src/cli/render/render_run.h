@@ -5,6 +5,7 @@
 
 #include "base/file_lock.h"
 #include "cli/options.h"
+#include "cli/render/render_devices.h"
 #include "image/image.h"
 #include "job/job.h"
 
@@ -23,6 +24,7 @@ struct render_run {
     struct scene scene;
     struct gpu gpu;
     struct job job;
+    struct render_devices devices; // with several devices: all but the first
     uint32_t camera;
     const char **outputs;
     struct file_lock *locks; // one for each output, then for the checkpoint and the trace

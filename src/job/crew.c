@@ -1,0 +1,303 @@
+// Blocks of samples for several devices: who renders which, and how their films become one.
+#include "job/crew.h"
+
+#include "base/clock.h"
+#include "job/job_internal.h"
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+// The longest block, but for a single pass: so long a stop, a checkpoint or a test of the error
+// waits for the last one, and so many seconds at most are the devices out of step at the end.
+#define BLOCK_SECONDS 1.0
+
+// --- workers -------------------------------------------------------------------------------------
+
+bool crew_render(struct job *job, const struct sample_range *block, double *seconds,
+                 struct err *err)
+{
+    const struct job_step step = {.to = 1.0};
+    const uint64_t start = clock_ns();
+    if (!job->has_samples || block->first < job->first_held)
+        job->first_held = block->first;
+    job->has_samples = true;
+    job->renderer.next_sample = block->first;
+    bool ok = job_render_to(job, &step, block->end, 0.0, 1.0, err);
+    *seconds = clock_seconds_since(start);
+    return ok;
+}
+
+bool crew_take(struct job *job, struct arena *arena, struct crew_film *out, struct err *err)
+{
+    struct renderer *r = &job->renderer;
+    *out = (struct crew_film){.has_samples = job->has_samples};
+    if (!film_copy_take(r, !job->has_samples, arena, &out->copy, err))
+        return false;
+    out->copy.emptied_at = job->first_held;
+    r->stats = (struct render_stats){0};
+    r->next_sample = 0;
+    job->has_samples = false;
+    return !out->has_samples || renderer_clear(r, err);
+}
+
+// --- dealing -------------------------------------------------------------------------------------
+
+bool job_begin_crew(struct job *job, struct err *err)
+{
+    const struct crew *crew = job->params.crew;
+    if (!crew)
+        return true;
+    job->deal.blocks = arena_alloc(&job->arena, crew->count, sizeof *job->deal.blocks);
+    job->has_samples = job->renderer.next_sample > job->samples_first;
+    job->first_held = job->samples_first;
+    return job->deal.blocks || err_memory(err, "a crew", crew->count * sizeof *job->deal.blocks);
+}
+
+bool job_check_crew(const struct job *job, struct err *err)
+{
+    return !job->params.crew || job_check_divisible(job, "several devices or ranks", err);
+}
+
+// Returns the samples of a member's next block. Blocks become shorter towards the end (guided
+// self-scheduling, Polychronopoulos and Kuck 1987): each is half of an equal share of what is left,
+// but no longer than BLOCK_SECONDS, and no shorter than what fills a wave, unless then others would
+// have nothing.
+static uint64_t block_samples(const struct job *job, const struct crew_member *member)
+{
+    const struct crew_deal *deal = &job->deal;
+    const uint64_t left = deal->end - deal->next, count = job->params.crew->count + UINT64_C(1);
+    const uint64_t at_once = renderer_samples_at_once(&job->renderer), share = left / count;
+    const uint64_t least = at_once < share ? at_once : share;
+    uint64_t samples = member->busy_seconds > 0.0 ? share / 2 : least;
+    double fits = member->busy_seconds > 0.0
+                      ? BLOCK_SECONDS * (double)member->samples / member->busy_seconds
+                      : INFINITY;
+    // Towards the end of the time, too.
+    if (deal->seconds > 0.0) {
+        const double time_left = fmax(deal->seconds - clock_seconds_since(deal->start_ns), 0.0);
+        fits *= fmin(time_left / (CREW_BLOCKS * BLOCK_SECONDS), 1.0);
+    }
+    if ((double)samples > fits)
+        samples = (uint64_t)fits;
+    samples = (samples > least ? samples : least) & ~UINT64_C(1);
+    samples = samples < 2 ? 2 : samples;
+    // A single sample at the end would be no block of its own.
+    return samples + 1 >= left ? left : samples;
+}
+
+static struct sample_range take_block(struct job *job, struct crew_member *member)
+{
+    struct crew_deal *deal = &job->deal;
+    const uint64_t samples = block_samples(job, member);
+    const struct sample_range block = {deal->next, deal->next + samples};
+    deal->next = block.end;
+    return block;
+}
+
+static bool is_late(const struct job *job)
+{
+    const struct job_checkpoint_params *checkpoint = &job->params.checkpoint;
+    const double limit = job->deal.seconds, elapsed = clock_seconds_since(job->deal.start_ns);
+    return (limit > 0.0 && elapsed >= limit) ||
+           (checkpoint->path && clock_seconds_since(job->checkpoint_ns) >= checkpoint->seconds);
+}
+
+// Nothing more is dealt once the job is to stop, the time is over or a checkpoint is due. The
+// first block of a deal is dealt in any case.
+static bool may_deal(struct job *job)
+{
+    struct crew_deal *deal = &job->deal;
+    if (deal->next > deal->first && !deal->is_closed)
+        deal->is_closed = job_is_stopped(job) || is_late(job);
+    return !deal->is_closed && deal->next < deal->end;
+}
+
+// Gives blocks to workers that have fewer than `most`.
+static bool give_blocks(struct job *job, uint32_t most, struct err *err)
+{
+    struct crew *crew = job->params.crew;
+    for (uint32_t i = 0; i < crew->count; i++) {
+        struct crew_member *member = &crew->members[i + 1];
+        if (member->blocks >= most || !may_deal(job))
+            continue;
+        const struct sample_range block = take_block(job, member);
+        job->deal.blocks[i][member->blocks++] = block.end - block.first;
+        if (!crew->give(crew->context, i, &block, err))
+            return false;
+    }
+    return true;
+}
+
+static void note_block(struct job *job, struct crew_member *member, uint64_t samples,
+                       double seconds)
+{
+    member->samples += samples;
+    member->busy_seconds += seconds;
+    job->deal.done += samples;
+}
+
+// Notes the blocks that workers have finished.
+static bool collect(struct job *job, bool waits, struct err *err)
+{
+    struct crew *crew = job->params.crew;
+    bool is_there;
+    do {
+        struct crew_done done;
+        if (!crew->poll(crew->context, waits, &done, &is_there, err))
+            return false;
+        if (!is_there)
+            break;
+        struct crew_member *member = &crew->members[done.worker + 1];
+        uint64_t *blocks = job->deal.blocks[done.worker];
+        assert(member->blocks > 0);
+        job->deal.took_part = true;
+        note_block(job, member, blocks[0], done.seconds);
+        for (uint32_t i = 1; i < member->blocks; i++)
+            blocks[i - 1] = blocks[i];
+        member->blocks--;
+        waits = false;
+    } while (is_there);
+    return true;
+}
+
+bool job_attend_crew(struct job *job, struct err *err)
+{
+    return collect(job, false, err) && give_blocks(job, CREW_BLOCKS, err);
+}
+
+static bool has_blocks_out(const struct job *job)
+{
+    uint32_t blocks = 0;
+    for (uint32_t i = 0; i < job->params.crew->count; i++)
+        blocks += job->params.crew->members[i + 1].blocks;
+    return blocks > 0;
+}
+
+// The part of the step's progress that is done.
+static double progress_of(const struct job *job, const struct job_step *step)
+{
+    const struct crew_deal *deal = &job->deal;
+    return step->from + (step->to - step->from) * fmin((double)deal->done / deal->all, 1.0);
+}
+
+// A stop waits until the block is finished: a film with half a pass of a block in it cannot go on
+// from its first samples that are missing.
+static bool render_own_block(struct job *job, const struct job_step *step, struct err *err)
+{
+    struct crew_member *own = &job->params.crew->members[0];
+    struct renderer *r = &job->renderer;
+    const struct sample_range block = take_block(job, own);
+    const double from = progress_of(job, step);
+    const uint64_t start = clock_ns();
+    if (!job->has_samples || block.first < job->first_held)
+        job->first_held = block.first;
+    job->has_samples = true;
+    r->next_sample = block.first;
+    job->deal.is_in_block = true;
+    bool ok = job_render_to(job, step, block.end, from, from + 1e-9, err);
+    job->deal.is_in_block = false;
+    note_block(job, own, block.end - block.first, clock_seconds_since(start));
+    return ok;
+}
+
+static bool deal_all(struct job *job, const struct job_step *step, struct err *err)
+{
+    while (true) {
+        // Before the own block, so that nobody waits for it.
+        if (!collect(job, false, err) || !give_blocks(job, 1, err))
+            return false;
+        if (may_deal(job)) {
+            if (!render_own_block(job, step, err))
+                return false;
+        } else if (has_blocks_out(job)) {
+            progress_report(&job->progress, "Rendering", progress_of(job, step));
+            if (!collect(job, true, err))
+                return false;
+        } else {
+            return true;
+        }
+    }
+}
+
+// Makes the film that of all samples so far.
+static bool gather(struct job *job, struct err *err)
+{
+    const struct crew *crew = job->params.crew;
+    struct renderer *r = &job->renderer;
+    const uint64_t bytes = film_copy_bytes(r), next = job->deal.next;
+    struct arena arena = {0};
+    struct crew_film film = {.has_samples = job->has_samples};
+    r->next_sample = next;
+    bool ok = true;
+    if (job->deal.took_part) {
+        ok = film_copy_take(r, false, &arena, &film.copy, err);
+        film.copy.emptied_at = job->first_held;
+        ok = ok && crew->gather(crew->context, r->specialization.aovs, bytes, &film, err);
+        film.copy.emptied_at = job->samples_first;
+        film.copy.next_sample = next;
+        ok = ok && film_copy_put(&film.copy, r, err);
+    }
+    job->has_samples = true;
+    job->first_held = job->samples_first;
+    arena_finish(&arena);
+    return ok;
+}
+
+// Samples that cannot be dealt are rendered here: the rest of a pass, an odd one, and too few for
+// everybody.
+static bool advance_alone(struct job *job, const struct job_step *step, struct err *err)
+{
+    struct renderer *r = &job->renderer;
+    const uint64_t first = r->next_sample, start = clock_ns();
+    const uint64_t pass = r->pass.length > 0 ? UINT64_C(1) << r->pass.shift : first % 2;
+    const uint64_t end = pass > 0 ? first + pass : step->samples;
+    const double from = progress_of(job, step);
+    job->deal.is_closed = job->deal.is_in_block = true;
+    bool ok = job_render_to(job, step, end, from, from + 1e-9, err);
+    job->deal.is_in_block = false;
+    job->has_samples = true;
+    job->first_held = job->samples_first;
+    note_block(job, &job->params.crew->members[0], end - first, clock_seconds_since(start));
+    return ok;
+}
+
+// Until the step is done, or a checkpoint is due.
+static bool advance_once(struct job *job, const struct job_step *step, struct err *err)
+{
+    struct renderer *r = &job->renderer;
+    struct crew_deal *deal = &job->deal;
+    const uint64_t first = r->next_sample;
+    deal->first = deal->next = first;
+    deal->end = step->samples;
+    deal->is_closed = deal->took_part = false;
+    if (r->pass.length > 0 || first % 2 == 1 || deal->end - first < 4)
+        return advance_alone(job, step, err);
+    const uint64_t start = clock_ns();
+    const double before = r->stats.render_seconds;
+    bool ok = deal_all(job, step, err) && gather(job, err);
+    r->stats.render_seconds = before + clock_seconds_since(start);
+    return ok;
+}
+
+bool job_advance_crew(struct job *job, const struct job_step *step, struct err *err)
+{
+    struct renderer *r = &job->renderer;
+    const struct job_listener *listener = &job->params.listener;
+    const uint64_t first = r->next_sample;
+    const double left = step->seconds - job_elapsed(job);
+    job->deal.start_ns = clock_ns();
+    job->deal.seconds = step->seconds > 0.0 ? fmax(left, 1e-9) : 0.0;
+    job->deal.done = 0;
+    job->deal.all = (double)(step->samples - first);
+    while (r->next_sample < step->samples && !job_is_stopped(job)) {
+        if (step->seconds > 0.0 && r->next_sample > job->samples_first &&
+            job_elapsed(job) >= step->seconds) {
+            job->ended_by = ENDED_BY_TIME;
+            break;
+        }
+        if (!advance_once(job, step, err) || !job_checkpoint_when_due(job, err) ||
+            (listener->after_wave && !listener->after_wave(listener->context, err)))
+            return false;
+    }
+    return true;
+}
