@@ -47,6 +47,7 @@ ROOMS = {
     'cli': ['output', 'report'],
     'cli/render': ['cli'],
     'cli/merge': ['cli/render'],
+    'cli/mpi': ['cli/render'],
     'cli/submit': ['cli'],
     'cli/info': ['cli'],
     'cli/bench': ['cli'],
@@ -54,7 +55,7 @@ ROOMS = {
     'cli/compare': ['cli'],
     'cli/check': ['cli', 'check/scene'],
     'cli/view': ['cli'],
-    'program': ['cli/render', 'cli/merge', 'cli/submit', 'cli/info', 'cli/bench', 'cli/converge', 'cli/compare',
+    'program': ['cli/render', 'cli/merge', 'cli/mpi', 'cli/submit', 'cli/info', 'cli/bench', 'cli/converge', 'cli/compare',
                 'cli/check', 'cli/view'],
     'viewer/window': ['gpu'],
     'viewer/gui': ['viewer/window', 'image'],
@@ -64,7 +65,7 @@ ROOMS = {
     'viewer': ['viewer/panel', 'viewer/script', 'program'],
 }
 # Files that stand above the room of their folder: what begins, and knows all commands.
-ABOVE = {'cli/main.c': 'program', 'cli/program.c': 'program', 'cli/program.h': 'program'}
+ABOVE = {'cli/main.c': 'program', 'cli/main_mpi.c': 'program', 'cli/program.c': 'program', 'cli/program.h': 'program'}
 GENERATED = r'\w+\.spv\.h|albedo_data\.h|kernel_source\.h|embedded_scenes\.h|embedded_page\.h'
 CIRCLE_MAX = 3  # files that call one another in a circle
 CIRCLES_OF = 'viewer/core'  # which alone may have larger ones

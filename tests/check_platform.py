@@ -18,7 +18,7 @@ ISO_HEADERS = {f'{name}.h' for name in (
     'uchar wchar wctype').split()}
 # These have functions that end otherwise on other systems: the room's files have them instead.
 ISO_HEADERS -= {'signal.h', 'locale.h', 'time.h'}
-LIBRARY_HEADERS = {'lampyris/lampyris.h', 'jansson.h', 'GLFW/glfw3.h', 'volk.h', 'openexr.h', 'meshoptimizer.h', 'png.h',
+LIBRARY_HEADERS = {'lampyris/lampyris.h', 'jansson.h', 'mpi.h', 'GLFW/glfw3.h', 'volk.h', 'openexr.h', 'meshoptimizer.h', 'png.h',
                    'jpeglib.h', 'jerror.h', 'imgui.h', 'cglm/struct/vec3.h',
                    'cstring', 'cstddef',  # of C++, for Dear ImGui
                    'sanitizer/asan_interface.h'}
@@ -44,7 +44,7 @@ ISO_FUNCTIONS = {name + suffix for name in MATHS for suffix in ('', 'f')} | set(
     strdup'''.split())  # of C23, and on every system
 # Names that compilers and C libraries substitute for these.
 HIDDEN = re.compile(r'__\w+|bcmp|_GLOBAL_OFFSET_TABLE_|_setjmp|sincosf?|_Z\w+|_Unwind_\w+')
-LIBRARY_FUNCTIONS = re.compile(r'(json|png|exr|jpeg|meshopt|glfw|vk|volk|ImGui)\w*')
+LIBRARY_FUNCTIONS = re.compile(r'(json|png|exr|jpeg|meshopt|glfw|vk|volk|ImGui|MPI_|ompi_)\w*')
 LOADER = {'gpu/volk.c': {'dlopen', 'dlsym', 'dlclose'}}  # volk's own code, compiled by this file
 
 

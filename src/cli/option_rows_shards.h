@@ -1,4 +1,4 @@
-// Rows of option_table that say which part of a picture a process has, and what becomes of the parts.
+// Rows of option_table: which part of a picture a process has, and what becomes of the parts.
 // clang-format off
     [OPTION_SHARD] = {
         .name = "shard", .argument = "I/N|FIRST:END|auto", .type = VALUE_TEXT, .group = "Shards",
@@ -53,4 +53,3 @@
         .help = "Write the batch files, and print the command that submits them.",
         FIELD(submit.dry_run),
     },
-// clang-format on

@@ -23,6 +23,7 @@ LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 BUILD = os.path.dirname(os.path.dirname(os.path.dirname(LAMPYRIS)))
 VIEWER = os.path.join(BUILD, 'src/viewer/lampyris-view')
+RANKS = os.path.join(BUILD, 'src/cli/lampyris-mpi')
 
 
 def read(path):
@@ -225,8 +226,9 @@ def introspect(what):
 
 
 def is_optional(name):
-    """Tests that are there with the viewer, with Embree or in clang's builds alone."""
+    """Tests that are there with the viewer, with MPI, with Embree or in clang's builds alone."""
     return name == 'bvh_embree' or name.startswith('fuzz ') or \
+        name.startswith('app ranks') and not os.path.exists(RANKS) or \
         name.startswith('viewer') and not os.path.exists(VIEWER)
 
 

@@ -39,7 +39,7 @@ static bool has_several_devices(const struct options *options)
     return render_devices_count(options->device.gpu.device) > 1 && !follows_path(options);
 }
 
-static struct job_goal goal_of(const struct options *options)
+struct job_goal render_goal(const struct options *options)
 {
     struct job_goal goal = {
         .samples = options_given(options, OPTION_SPP) ? options->scene.settings.spp : 0,
@@ -65,7 +65,7 @@ static bool init_job(struct render_run *run, struct err *err)
     struct job_params params = {
         .renderer = options_renderer_params(&options->device, &run->gpu, &run->scene, run->camera),
         .scene = &run->scene,
-        .goal = goal_of(options),
+        .goal = render_goal(options),
         .reference = options->reference ? &run->reference : NULL,
         .listener = {after_wave, after_frame, after_row, run},
         .progress = render_progress(run),
@@ -80,8 +80,11 @@ static bool init_job(struct render_run *run, struct err *err)
         params.merged = options->render.merged;
         params.command = options->render.shared_line;
     }
-    if (has_several_devices(options)) {
+    if (run->ranks) {
         params.reopens = 0; // a film that others have a part of does not begin anew
+        params.crew = &run->ranks->crew;
+    } else if (has_several_devices(options)) {
+        params.reopens = 0;
         if (!render_devices_create(options->device.gpu.device, &params, &run->devices, err))
             return false;
     }
@@ -110,20 +113,24 @@ static bool open_devices(struct render_run *run, struct err *err)
 {
     const char *text = run->options->device.gpu.device;
     struct gpu_params params = run->options->device.gpu;
+    if (run->ranks)
+        return render_ranks_open_device(run->options, run->ranks, &run->scene, &run->gpu, err);
     if (render_devices_count(text) > 1)
         params.device = render_devices_name(text, 0, &run->arena);
     if (text && !params.device)
         return err_memory(err, "the name of a device", strlen(text));
     if (!gpu_open(&params, &run->gpu, err))
         return false;
-    if (!run->job.params.crew)
-        return true;
-    if (!render_devices_start(&run->devices, &params, text, &run->job.params, err))
-        return false;
-    if (!crew_is_uniform(run->job.params.crew))
-        log_warn("the devices, or their drivers, are different: the picture is not bit for bit the "
-                 "one that any of them would make alone");
-    return true;
+    return !run->job.params.crew ||
+           render_devices_start(&run->devices, &params, text, &run->job.params, err);
+}
+
+static void warn_of_different_devices(const struct crew *crew)
+{
+    if (crew && !crew_is_uniform(crew))
+        log_warn(
+            "the devices, or their drivers, are different: the picture is not bit for bit the "
+            "one that any of them would make alone");
 }
 
 static bool set_up(struct render_run *run, struct err *err)
@@ -138,8 +145,11 @@ static bool set_up(struct render_run *run, struct err *err)
     for (uint32_t i = 0; i < run->scene.note_count; i++)
         log_info("%s", run->scene.notes[i]);
 
-    if (!open_devices(run, err) || !job_open(&run->job, err) ||
-        (writes && !render_read_trace(run, err)) || !job_create(&run->job, err))
+    if (!open_devices(run, err))
+        return false;
+    warn_of_different_devices(run->job.params.crew);
+    if (!job_open(&run->job, err) || (writes && !render_read_trace(run, err)) ||
+        !job_create(&run->job, err))
         return false;
     const struct flat_scene *flat = &run->job.renderer.flat;
     if (flat->triangle_count == 0 && flat->shape_count == 0)
@@ -215,9 +225,10 @@ static bool render(struct render_run *run, struct err *err)
     return ok;
 }
 
-int cmd_render(const struct options *options)
+// ranks: NULL where this process renders alone.
+static int render_once(const struct options *options, struct render_ranks *ranks)
 {
-    struct render_run run = {.options = options, .start_ns = clock_ns()};
+    struct render_run run = {.options = options, .start_ns = clock_ns(), .ranks = ranks};
     struct err err = {0};
     bool ok = render(&run, &err);
     if (ok && run.gpu.validation_messages > 0)
@@ -233,4 +244,18 @@ int cmd_render(const struct options *options)
     if (!ok)
         return command_fail(&err);
     return EXIT_CODE_OK; // main returns another code if a signal stopped it
+}
+
+int cmd_render(const struct options *options)
+{
+    // A part, and a path that is followed, are rendered by each process for itself.
+    if (render_ranks_expected() > 1 && !options_given(options, OPTION_SHARD) &&
+        !options->render.merged && !follows_path(options))
+        return render_ranks_become(options);
+    return render_once(options, NULL);
+}
+
+int render_with_ranks(const struct options *options, struct render_ranks *ranks)
+{
+    return ranks->rank == 0 ? render_once(options, ranks) : render_ranks_work(options, ranks);
 }

@@ -6,6 +6,7 @@
 #include "base/file_lock.h"
 #include "cli/options.h"
 #include "cli/render/render_devices.h"
+#include "cli/render/render_ranks.h"
 #include "image/image.h"
 #include "job/job.h"
 
@@ -24,6 +25,7 @@ struct render_run {
     struct scene scene;
     struct gpu gpu;
     struct job job;
+    struct render_ranks *ranks;    // NULL: this process renders alone
     struct render_devices devices; // with several devices: all but the first
     uint32_t camera;
     const char **outputs;
@@ -40,6 +42,18 @@ struct render_run {
     bool is_written; // the final images were written, or failed to be
     float exposure;  // stops of the last PNG images
 };
+
+// --- cmd_render.c ---
+struct job_goal render_goal(const struct options *options);
+
+// --- render_ranks.c ---
+// Opens a device of this machine for this rank, and tells the others.
+bool render_ranks_open_device(const struct options *options, struct render_ranks *ranks,
+                              const struct scene *scene, struct gpu *gpu, struct err *err);
+// Renders blocks for rank 0 until it ends; returns the exit code.
+int render_ranks_work(const struct options *options, struct render_ranks *ranks);
+// Becomes lampyris-mpi; returns the exit code if there is none.
+int render_ranks_become(const struct options *options);
 
 // --- render_stop.c ---
 // The options' progress, which however stops only when every pixel has a sample, or when that takes

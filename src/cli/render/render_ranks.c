@@ -1,0 +1,165 @@
+#include "cli/render/render_ranks.h"
+
+#include "base/hash.h"
+#include "base/log.h"
+#include "base/process.h"
+#include "cli/commands.h"
+#include "cli/render/render_run.h"
+#include "cli/sibling.h"
+#include "render/kernels.h"
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PROGRAM "lampyris-mpi"
+
+// --- how many there are --------------------------------------------------------------------------
+
+static uint32_t number_of(const char *variable)
+{
+    const char *text = getenv(variable);
+    return text ? (uint32_t)strtoul(text, NULL, 10) : 0;
+}
+
+// srun sets the number of tasks for batch scripts, too, which have no rank of PMIx.
+uint32_t render_ranks_expected(void)
+{
+    uint32_t count = number_of("OMPI_COMM_WORLD_SIZE");
+    if (count == 0)
+        count = number_of("PMI_SIZE");
+    if (count == 0 && getenv("PMIX_RANK"))
+        count = number_of("SLURM_NTASKS");
+    return count > 1 ? count : 1;
+}
+
+int render_ranks_become(const struct options *options)
+{
+    char program[PATH_MAX];
+    struct err err;
+    sibling_find(PROGRAM, PROGRAM, program, sizeof program);
+    process_become(program, options->argv);
+    err_set(&err, ERR_SYSTEM,
+            "this is one of %u processes, which share a picture by " PROGRAM ", and %s cannot be "
+            "run: %s; it is built where an MPI is installed (Debian: libopenmpi-dev); expected it, "
+            "or --shard auto",
+            render_ranks_expected(), program, strerror(errno));
+    return command_fail(&err);
+}
+
+// --- devices -------------------------------------------------------------------------------------
+
+// Ranks of one machine take its GPUs in turn, or the devices of --device where that has several.
+static bool choose_device(const struct options *options, const struct render_ranks *ranks,
+                          struct arena *arena, struct gpu_params *out, struct err *err)
+{
+    const char *text = options->device.gpu.device;
+    struct gpu_device_info devices[GPU_MAX_DEVICES];
+    uint32_t count, gpus[GPU_MAX_DEVICES], gpu_count = 0;
+    *out = options->device.gpu;
+    if (render_devices_count(text) > 1)
+        out->device =
+            render_devices_name(text, ranks->local_rank % render_devices_count(text), arena);
+    if (text)
+        return out->device || err_memory(err, "the name of a device", strlen(text));
+    if (!gpu_list_devices(devices, &count, err))
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (!devices[i].is_cpu && !devices[i].unusable[0])
+            gpus[gpu_count++] = devices[i].index;
+    if (gpu_count < 2)
+        return true;
+    out->device = arena_printf(arena, "%u", gpus[ranks->local_rank % gpu_count]);
+    return out->device || err_memory(err, "the name of a device", 16);
+}
+
+bool render_ranks_open_device(const struct options *options, struct render_ranks *ranks,
+                              const struct scene *scene, struct gpu *gpu, struct err *err)
+{
+    struct arena arena = {0};
+    struct gpu_params params;
+    struct rank_card card = {0};
+    bool ok = choose_device(options, ranks, &arena, &params, err) && gpu_open(&params, gpu, err);
+    if (ok) {
+        const uint64_t kernels = kernels_hash();
+        card.hash = hash_bytes(HASH_INIT, options->command_line, strlen(options->command_line));
+        card.hash = hash_bytes(card.hash, &scene->hash, sizeof scene->hash);
+        card.hash = hash_bytes(card.hash, &kernels, sizeof kernels);
+        snprintf(card.device, sizeof card.device, "%s", gpu->info.name);
+        snprintf(card.driver, sizeof card.driver, "%s", gpu->info.driver);
+        ok = ranks->meet(ranks->context, &card, err);
+    }
+    arena_finish(&arena);
+    return ok;
+}
+
+// --- workers -------------------------------------------------------------------------------------
+
+static bool give_film(struct job *job, struct render_ranks *ranks, struct err *err)
+{
+    const uint64_t bytes = film_copy_bytes(&job->renderer);
+    struct arena arena = {0};
+    struct crew_film film;
+    bool ok =
+        crew_take(job, &arena, &film, err) &&
+        ranks->hand_over(ranks->context, job->renderer.specialization.aovs, bytes, &film, err);
+    arena_finish(&arena);
+    return ok;
+}
+
+static bool follow_orders(struct job *job, struct render_ranks *ranks, struct err *err)
+{
+    struct rank_order order;
+    double seconds;
+    while (ranks->next(ranks->context, &order, err)) {
+        bool ok = true;
+        if (order.kind == RANK_ENDS)
+            return true;
+        if (order.kind == RANK_GIVES_FILM)
+            ok = give_film(job, ranks, err);
+        else
+            ok = crew_render(job, &order.block, &seconds, err) &&
+                 ranks->report(ranks->context, seconds, err);
+        if (!ok)
+            return false;
+    }
+    return false;
+}
+
+static bool work(struct render_run *run, struct err *err)
+{
+    const struct options *options = run->options;
+    if (!options_load_scene(&options->scene, NULL, &run->scene, &run->camera, err))
+        return false;
+    struct job_params params = {
+        .renderer = options_renderer_params(&options->device, &run->gpu, &run->scene, run->camera),
+        .scene = &run->scene,
+        .goal = render_goal(options),
+    };
+    params.renderer.aovs = options->render.aovs | options->error_by;
+    return job_init(&params, &run->job, err) &&
+           render_ranks_open_device(options, run->ranks, &run->scene, &run->gpu, err) &&
+           job_open(&run->job, err) && job_create(&run->job, err) &&
+           follow_orders(&run->job, run->ranks, err);
+}
+
+// Rank 0 warns of what all ranks would warn of.
+int render_ranks_work(const struct options *options, struct render_ranks *ranks)
+{
+    struct render_run run = {.options = options, .ranks = ranks};
+    struct err err = {0};
+    log_set_level(LOG_ERROR);
+    bool ok = work(&run, &err);
+    if (ok && run.gpu.validation_messages > 0)
+        ok = err_set(&err, ERR_BUG, "the validation layers reported %u messages",
+                     run.gpu.validation_messages);
+    job_finish(&run.job);
+    gpu_close(&run.gpu);
+    scene_finish(&run.scene);
+    arena_finish(&run.arena);
+    if (ok)
+        return EXIT_CODE_OK;
+    err_prepend(&err, "rank %u", ranks->rank);
+    return command_fail(&err);
+}

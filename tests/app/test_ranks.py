@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Renders by ranks that mpirun starts, and compares with the picture of one process, bit by bit.
+
+Usage: test_ranks.py LAMPYRIS SCENE_FOLDER [--kills N] [unittest arguments]
+"""
+import json
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+from program import need_device
+from test_shards import KILLS, LAMPYRIS, PLACES, SWIFTSHADER, Shards
+
+RANKS = ['mpirun', '--oversubscribe', '--bind-to', 'none']
+if os.path.exists('/proc/self') and os.getuid() == 0:
+    RANKS.append('--allow-run-as-root')
+
+
+def ranks_of(process):
+    """Processes that mpirun started, whichever program they have become."""
+    with open(f'/proc/{process.pid}/task/{process.pid}/children', encoding='ascii') as file:
+        return [int(pid) for pid in file.read().split()]
+
+
+class Ranks(Shards):
+    def mpi(self, count, *command):
+        return [*RANKS, '-n', str(count), LAMPYRIS, *command]
+
+    def run_ranks(self, count, *command, **variables):
+        env = {name: value for name, value in os.environ.items() if not PLACES.match(name)}
+        return subprocess.run(self.mpi(count, *command), cwd=self.folder.name, env={**env, **variables},
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=300)
+
+    def told(self, result, name):
+        self.assertEqual(result.returncode, 0, result.stderr)
+        report = json.loads(result.stdout)
+        looks = [{key: value for key, value in look.items() if key != 'seconds'} for look in report['looks']]
+        return report['image_hash'], self.layers(name), report['rays'], report['spp'], looks, report['ended_by']
+
+    def of_ranks(self, count, *arguments, **options):
+        return self.told(self.run_ranks(count, *self.command(*arguments, **options), '-o', 'ranks.exr', '--json', '-q'),
+                         'ranks.exr')
+
+    def of_one(self, *arguments, **options):
+        return self.told(self.run_one(*self.command(*arguments, **options), '-o', 'one.exr', '--json', '-q'), 'one.exr')
+
+    def check(self, *arguments, counts=(3,), **options):
+        one = self.of_one(*arguments, **options)
+        for count in counts:
+            self.assertEqual(self.of_ranks(count, *arguments, **options), one)
+
+
+class Bits(Ranks):
+    def test_samples(self):
+        self.check('--spp', '57', '--aov', 'all', '--error-by', 'part,bounce,emitter', counts=(2, 3, 5))
+        self.check('--spp', '1', counts=(3,))
+
+    def test_error(self):
+        self.check('--error', '2e-3', '--aov', 'depth,ids', size='40x36')
+
+    def test_a_larger_picture_and_another_sampler(self):
+        self.check('--spp', '24', '--sampler', 'blue-noise', size='200x150', scene='glass')
+
+    def test_a_checkpoint_of_ranks_goes_on_alone_and_back(self):
+        whole = self.of_one('--spp', '300')
+        self.of_ranks(3, '--spp', '90', '--checkpoint', 'ck')
+        self.of_one('--spp', '200', '--checkpoint', 'ck', '--resume')
+        picture = self.of_ranks(2, '--spp', '300', '--checkpoint', 'ck', '--resume')
+        self.assertEqual(picture, whole)
+
+    def test_one_summary(self):
+        result = self.run_ranks(3, *self.command('--spp', '400', '-o', 'a.exr'))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout.count('\nwrote '), 1)
+        lines = re.findall(r'^rank   (\d)  .*: (\d+) samples a pixel, .* Msamples/s, busy \d+ %$', result.stdout, re.M)
+        self.assertEqual([line[0] for line in lines], ['0', '1', '2'])
+        self.assertEqual(sum(int(line[1]) for line in lines), 400)
+
+    def test_shards_are_rendered_by_each_process_alone(self):
+        result = self.run_ranks(3, *self.command('--spp', '40', '--shard', 'auto', '-q'))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(Shards.picture(self, ['merge', *(f'cornell.{i}-of-3.part' for i in (1, 2, 3))], 'merged.exr'),
+                         Shards.picture(self, self.command('--spp', '40'), 'whole.exr'))
+
+
+class Ends(Ranks):
+    def test_what_cannot_be_shared_is_refused(self):
+        for arguments, message in ((['--adaptive', 'on', '--spp', '64'], 'cannot be combined with --adaptive on'),
+                                   (['--frames', '3'], 'cannot be combined with --frames'),
+                                   (['--device', '77'], "no device is called '77'")):
+            result = self.run_ranks(2, *self.command(*arguments, '-o', 'z.exr'))
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(message, result.stderr)
+
+    def test_ranks_with_different_commands(self):
+        command = self.command('-o', 'z.exr', '--spp', '40')
+        one = ['-n', '1', LAMPYRIS, *command]
+        result = subprocess.run([*RANKS, *one, ':', *one, '--seed', '2'], cwd=self.folder.name, text=True, timeout=120,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn('rank 1 has another command line', result.stderr)
+
+    def test_without_the_program_for_ranks(self):
+        shutil.copy(LAMPYRIS, self.path('lampyris'))
+        result = self.run_one(*self.command('-o', 'z.exr'), OMPI_COMM_WORLD_SIZE='3')
+        self.assertIn('the mpirun of the MPI that lampyris-mpi was built with', result.stderr)
+        alone = subprocess.run([self.path('lampyris'), *self.command('-o', 'z.exr')], cwd=self.folder.name, text=True,
+                               env={**os.environ, 'OMPI_COMM_WORLD_SIZE': '3', 'PATH': '/usr/bin'},
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(alone.returncode, 3)
+        self.assertIn('this is one of 3 processes', alone.stderr)
+
+    def start(self, *arguments, **options):
+        command = self.command(*arguments, '-q', '-o', 'killed.exr', **options)
+        process = subprocess.Popen(self.mpi(3, *command), cwd=self.folder.name, text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        return process
+
+    def test_a_signal_stops_all(self):
+        """mpirun passes SIGUSR1 on. The picture is one of fewer samples."""
+        process = self.start('--spp', '1M', '--checkpoint', 'ck', '--checkpoint-every', '0.2')
+        while not os.path.exists(self.path('ck')):
+            self.assertIsNone(process.poll())
+            time.sleep(0.05)
+        process.send_signal(signal.SIGUSR1)
+        _, stderr = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 138, stderr)
+        self.assertIn('killed.exr', os.listdir(self.folder.name))
+
+    def test_killed_ranks(self):
+        """Any rank is killed at a random time, until the render ends; then it has lost nothing."""
+        arguments = ('--spp', '6000', '--aov', 'all')
+        one = self.of_one(*arguments)
+        generator, kills = random.Random(3), 0
+        while kills < KILLS:
+            process = self.start(*arguments, '--checkpoint', 'ck', '--checkpoint-every', '0', '--resume')
+            end = time.monotonic() + generator.uniform(0.3, 4.0)
+            while process.poll() is None and time.monotonic() < end:
+                time.sleep(0.02)
+            if process.poll() is None and (ranks := ranks_of(process)):
+                os.kill(generator.choice(ranks), signal.SIGKILL)
+                kills += 1
+            _, stderr = process.communicate(timeout=120)
+            if process.returncode == 0:
+                os.unlink(self.path('ck'))
+        picture = self.of_ranks(3, *arguments, '--checkpoint', 'ck', '--resume')
+        self.assertEqual(picture[:2] + picture[3:], one[:2] + one[3:])
+
+    def test_a_lost_rank_is_answered_with_the_command(self):
+        process = self.start('--spp', '1M', '--checkpoint', 'ck', '--checkpoint-every', '0.2', size='100x80')
+        while not os.path.exists(self.path('ck')):
+            self.assertIsNone(process.poll())
+            time.sleep(0.05)
+        os.kill(ranks_of(process)[2], signal.SIGKILL)
+        _, stderr = process.communicate(timeout=120)
+        self.assertNotEqual(process.returncode, 0)
+        self.assertRegex(stderr, 'goes on from the last checkpoint, with mpirun or without: lampyris render .* --resume')
+
+
+@unittest.skipUnless(os.path.exists(SWIFTSHADER), 'there is no second driver')
+class Mixed(Ranks):
+    def test_two_drivers(self):
+        own = os.environ.get('VK_DRIVER_FILES', '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json')
+        if SWIFTSHADER in own:
+            self.skipTest('runs on the second driver already')
+        both = f'{own}:{SWIFTSHADER}'
+        result = self.run_ranks(2, *self.command('--spp', '2000', '-q', '--json', '-o', 'a.exr', '--device', '0,1'),
+                                VK_DRIVER_FILES=both, VK_ICD_FILENAMES=both)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('not bit for bit the one that any of them would make alone', result.stderr)
+        self.assertEqual(len({member['driver'] for member in json.loads(result.stdout)['members']}), 2)
+
+
+if __name__ == '__main__':
+    need_device(LAMPYRIS)
+    if not shutil.which('mpirun'):
+        print('mpirun is not installed (Debian: openmpi-bin)', file=sys.stderr)
+        sys.exit(77)
+    unittest.main()
