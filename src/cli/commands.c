@@ -167,8 +167,11 @@ const struct command commands[COMMAND_TOTAL] = {
             .arguments = "SCENE",
             .description =
                 "Loads a scene and prints what is in it, which features a render of it would use, "
-                "and how much device memory each buffer would take, without rendering.",
+                "and how much device memory each buffer would take, without rendering. With "
+                "--device "
+                "all, also which of the devices it would fit on.",
             .examples = "lampyris info scenes/cornell.json\n"
+                        "lampyris info scenes/cornell.json --device all\n"
                         "lampyris info scenes/models/vase.glb --size 3840x2160 --json",
             .min_arguments = 1,
             .max_arguments = 1,

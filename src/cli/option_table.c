@@ -463,12 +463,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
 
     [OPTION_DEVICE] = {
-        .name = "device", .argument = "INDEX,...|NAME", .type = VALUE_TEXT, .group = "Device",
+        .name = "device", .argument = "INDEX,...|NAME|all", .type = VALUE_TEXT, .group = "Device",
         .commands = FOR_SCENE | FOR_DEVICES | FOR_MERGE, .fallback = "the fastest kind",
         .common = FOR_SCENE | FOR_DEVICES, .brief = "Vulkan device, by its number or name.",
         .help = "Device to use, by its number in \"lampyris devices\" or a part of its name. render takes "
                 "several numbers, as in 0,1: these devices share the samples of the picture, which "
-                "has the bits of one where they are of one kind with one driver. See docs/scaling.md.",
+                "has the bits of one where they are of one kind with one driver. See docs/scaling.md. info takes "
+                "all, and says which devices the scene fits on.",
         FIELD(device.gpu.device),
     },
     [OPTION_WAVE] = {

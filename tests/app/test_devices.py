@@ -136,6 +136,38 @@ class Ends(Crews):
             self.assertNotIn('z.exr', os.listdir(self.folder.name))
 
 
+class Fits(Crews):
+    """info --device all"""
+
+    def info(self, *arguments, code=0, **variables):
+        result = self.run_one('info', *self.command(*arguments)[1:], '--device', 'all', **variables)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result
+
+    def test_what_fits_is_rendered_and_what_does_not_is_refused(self):
+        picture = ('--size', '1280x720')
+        self.assertRegex(self.info(*picture).stdout, r'\ndevices    0: .*: fits, [\d.]+ MiB of .* that are left, wave of \d+')
+        devices = json.loads(self.info(*picture, '--json').stdout)['devices']
+        self.assertEqual([(device['fits'], device['reason']) for device in devices], [(True, None)] * len(devices))
+        limits = {'LAMPYRIS_LIMITS': 'memory-budget=20000000'}
+        told = self.info(*picture, code=3, **limits).stdout
+        self.assertRegex(told, 'devices    0: .*: does not fit: the plan needs .* of device memory')
+        result = self.run_one(*self.command(*picture, '--spp', '1', '-o', 'z.exr'), **limits)
+        self.assertEqual(result.returncode, 3)
+        self.assertIn('the plan needs', result.stderr)
+        self.assertEqual(os.listdir(self.folder.name), [])
+
+    @unittest.skipUnless(os.path.exists(SWIFTSHADER), 'there is no second driver')
+    def test_two_drivers(self):
+        own = os.environ.get('VK_DRIVER_FILES', '/usr/share/vulkan/icd.d/lvp_icd.x86_64.json')
+        if SWIFTSHADER in own:
+            self.skipTest('runs on the second driver already')
+        both = {'VK_DRIVER_FILES': f'{own}:{SWIFTSHADER}', 'VK_ICD_FILENAMES': f'{own}:{SWIFTSHADER}'}
+        devices = json.loads(self.info('--json', **both).stdout)['devices']
+        self.assertEqual([device['index'] for device in devices], [0, 1])
+        self.assertTrue(all(device['fits'] and device['bytes'] > 0 for device in devices))
+
+
 @unittest.skipUnless(os.path.exists(SWIFTSHADER), 'there is no second driver')
 class Mixed(Crews):
     def test_two_drivers(self):

@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 
 #include "base/memory.h"
+#include "cli/info/device_fits.h"
 #include "cli/scene_options.h"
 #include "cli/sharing.h"
 #include "flatten/geometry.h"
@@ -13,6 +14,7 @@
 #include "shared/types.h"
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 struct info {
     const struct options *options;
@@ -20,6 +22,8 @@ struct info {
     struct gpu gpu;
     struct renderer renderer; // prepared only: it has no device memory
     struct emitter_counts emitters;
+    struct geometry geometry; // with --device all
+    struct device_fits fits;  // of all devices; none otherwise
     uint32_t camera;
 };
 
@@ -156,6 +160,7 @@ static void print_text(const struct info *info)
         if (buffer->name)
             print_buffer(buffer);
     }
+    device_fits_print(&info->fits);
     printf("features ");
     for (int bit = 0; bit < 32; bit++) {
         const char *name = feature_name(1u << bit);
@@ -204,7 +209,7 @@ static int print_json(const struct info *info)
                             json_integer(count_materials(scene, model)));
     for (uint32_t i = 0; i < scene->note_count; i++)
         json_array_append_new(notes, json_words(scene->notes[i]));
-    return command_print(json_pack(
+    json_t *object = json_pack(
         "{s:o, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
         "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:i, s:i}",
@@ -221,17 +226,50 @@ static int print_json(const struct info *info)
         b->cached_seconds, "features", "kept", features, "left_out", left_out, "memory",
         "device_bytes", (json_int_t)info->renderer.plan.total_bytes, "buffers", buffers, "wave",
         info->renderer.plan.wave_slots, "waves_in_flight", info->renderer.plan.waves, "workgroup",
-        info->renderer.specialization.workgroup, "shaded_as_diffuse", count_reduced(scene)));
+        info->renderer.specialization.workgroup, "shaded_as_diffuse", count_reduced(scene));
+    if (info->fits.count > 0)
+        json_object_set_new(object, "devices", device_fits_json(&info->fits));
+    return command_print(object);
+}
+
+static bool is_of_all_devices(const struct options *options)
+{
+    const char *device = options->device.gpu.device;
+    return device && strcmp(device, "all") == 0;
+}
+
+// Looks at all devices with one hierarchy. The device that would be chosen is described in detail
+// unless the scene does not fit there.
+static bool look_at_devices(struct info *info, struct renderer_params *params, struct err *err)
+{
+    const struct geometry_params geometry = {
+        .scene = &info->scene,
+        .bvh = params->bvh,
+        .instancing = params->instancing,
+        .bvh_cache = params->bvh_cache,
+        .progress = params->progress,
+        .camera = &info->scene.cameras[info->camera],
+    };
+    if (!geometry_create(&geometry, &info->geometry, err))
+        return false;
+    params->geometry = &info->geometry;
+    return device_fits_find(info->options, &info->scene, &info->geometry, info->camera, &info->fits,
+                            err);
 }
 
 static bool gather(const struct options *options, struct info *info, struct err *err)
 {
+    struct gpu_params of_gpu = options->device.gpu;
+    if (is_of_all_devices(options))
+        of_gpu.device = NULL;
     if (!options_load_scene(&options->scene, options->progress, &info->scene, &info->camera, err) ||
-        !gpu_open(&options->device.gpu, &info->gpu, err))
+        !gpu_open(&of_gpu, &info->gpu, err))
         return false;
     struct renderer_params params =
         options_renderer_params(&options->device, &info->gpu, &info->scene, info->camera);
     params.progress = options->progress;
+    if (is_of_all_devices(options) && !look_at_devices(info, &params, err))
+        return false;
     if (!renderer_prepare(&params, &info->renderer, err))
         return false;
     info->emitters = emitters_count(&info->scene, &info->renderer.flat);
@@ -245,13 +283,16 @@ int cmd_info(const struct options *options)
     int code = EXIT_CODE_OK;
     bool ok = gather(options, &info, &err);
     progress_end(options->progress);
-    if (!ok)
+    if (!ok) {
+        if (info.fits.count > 0 && !options->json)
+            device_fits_print(&info.fits);
         code = command_fail(&err);
-    else if (options->json)
+    } else if (options->json)
         code = print_json(&info);
     else
         print_text(&info);
     renderer_finish(&info.renderer);
+    geometry_finish(&info.geometry);
     gpu_close(&info.gpu);
     scene_finish(&info.scene);
     return code;

@@ -128,9 +128,8 @@ static bool open_devices(struct render_run *run, struct err *err)
 static void warn_of_different_devices(const struct crew *crew)
 {
     if (crew && !crew_is_uniform(crew))
-        log_warn(
-            "the devices, or their drivers, are different: the picture is not bit for bit the "
-            "one that any of them would make alone");
+        log_warn("the devices, or their drivers, are different: the picture is not bit for bit the "
+                 "one that any of them would make alone");
 }
 
 static bool set_up(struct render_run *run, struct err *err)
