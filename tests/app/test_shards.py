@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renders pictures in shards, merges them, and compares with the picture of one process, bit by bit.
 
-Usage: test_shards.py LAMPYRIS SCENE_FOLDER [--kills N] [unittest arguments]
+Usage: test_shards.py LAMPYRIS SCENE_FOLDER [--kills N] [--make-parts PROGRAM] [unittest arguments]
 """
 import hashlib
 import json
@@ -23,6 +23,11 @@ KILLS = 10
 if '--kills' in sys.argv:
     at = sys.argv.index('--kills')
     KILLS = int(sys.argv[at + 1])
+    del sys.argv[at:at + 2]
+MAKE_PARTS = None
+if '--make-parts' in sys.argv:
+    at = sys.argv.index('--make-parts')
+    MAKE_PARTS = os.path.abspath(sys.argv[at + 1])
     del sys.argv[at:at + 2]
 SWIFTSHADER = '/usr/lib/chromium/vk_swiftshader_icd.json'
 # What tells a process which one it is.
@@ -180,6 +185,45 @@ class Missing(Shards):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn('samples 0:8 of 12 a pixel', result.stdout)
         self.refuse('exists already', 'merge', *parts, '--checkpoint', 'sum')
+
+
+@unittest.skipUnless(MAKE_PARTS, 'no program that makes parts was given')
+class Many(Shards):
+    """A thousand parts, of which one was rendered: all have the film of its samples."""
+
+    def test_a_thousand_parts(self):
+        count = 1000
+        arguments = ('--spp', str(2 * count), '--aov', 'depth')
+        self.render(*arguments, '--shard', '0:2', '--checkpoint', 'one')
+        subprocess.run([MAKE_PARTS, 'one', str(count), '0', str(count - 1), '.'], cwd=self.folder.name, check=True)
+        parts = [f'{i}.part' for i in range(count)]
+        self.assertEqual(self.read(parts[0]), self.read('one'))
+        random.Random(6).shuffle(parts)
+        whole = self.picture(['merge', *parts], 'whole.exr')
+        self.assertEqual(whole[3], 2 * count)
+        sums = []
+        for at in range(0, count, 100):
+            sums.append(f'sum{at}')
+            self.succeed('merge', *parts[at:at + 100], '--checkpoint', sums[-1], '-q')
+        self.assertEqual(self.picture(['merge', *sums], 'staged.exr')[:2], whole[:2])
+        # The mean of equal films is theirs, but for the rounding of the device.
+        self.succeed('merge', 'one', '--partial', '-o', 'one.exr', '-q')
+        self.succeed('compare', 'whole.exr', 'one.exr', '--max', 'relmse=1e-12', '-q')
+
+    def test_memory_does_not_grow_with_the_parts(self):
+        self.render('--spp', '2000', '--shard', '0:2', '--checkpoint', 'one', size='400x300')
+        subprocess.run([MAKE_PARTS, 'one', '1000', '0', '39', '.'], cwd=self.folder.name, check=True)
+        peaks = []
+        for count in (2, 40):
+            merge = subprocess.Popen([LAMPYRIS, 'merge', *(f'{i}.part' for i in range(count)), '--checkpoint',
+                                      f'sum{count}', '-q'], cwd=self.folder.name)
+            _, status, usage = os.wait4(merge.pid, 0)
+            merge.returncode = os.waitstatus_to_exitcode(status)
+            self.assertEqual(merge.returncode, 0)
+            peaks.append(usage.ru_maxrss << 10)
+        film = os.path.getsize(self.path('one'))
+        self.assertLess(peaks[1] - peaks[0], film // 4)
+        self.assertLess(peaks[1], 2 * film + (32 << 20))
 
 
 class Damage(Shards):
