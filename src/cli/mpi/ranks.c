@@ -71,10 +71,11 @@ static void add_messages(void *in, void *inout, int *count, MPI_Datatype *type)
     }
 }
 
-static void wait_for(MPI_Request *request)
+// Sleeps until a request is done, so that MPI_Wait() returns at once.
+static void sleep_until_done(MPI_Request request)
 {
     int is_done = 0;
-    while (MPI_Test(request, &is_done, MPI_STATUS_IGNORE), !is_done)
+    while (MPI_Request_get_status(request, &is_done, MPI_STATUS_IGNORE), !is_done)
         clock_sleep(PAUSE_SECONDS);
 }
 
@@ -99,7 +100,8 @@ static bool reduce(struct ranks_context *c, uint32_t aovs, uint64_t bytes,
     const bool is_root = c->ranks->rank == 0;
     MPI_Ireduce(is_root ? MPI_IN_PLACE : message, is_root ? message : NULL, 1, whole, op, 0,
                 c->comm, &request);
-    wait_for(&request);
+    sleep_until_done(request);
+    MPI_Wait(&request, MPI_STATUS_IGNORE);
     if (sum) {
         const struct crew_film all = unpack(message);
         memcpy(sum->copy.records, all.copy.records, bytes);
@@ -178,7 +180,8 @@ static bool next(void *context, struct rank_order *out, struct err *err)
     struct ranks_context *c = context;
     MPI_Request request;
     MPI_Irecv(out, sizeof *out, MPI_BYTE, 0, TAG_ORDER, c->comm, &request);
-    wait_for(&request);
+    sleep_until_done(request);
+    MPI_Wait(&request, MPI_STATUS_IGNORE);
     return true;
 }
 
