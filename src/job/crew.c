@@ -91,6 +91,7 @@ static struct sample_range take_block(struct job *job, struct crew_member *membe
     const uint64_t samples = block_samples(job, member);
     const struct sample_range block = {deal->next, deal->next + samples};
     deal->next = block.end;
+    deal->given++;
     return block;
 }
 
@@ -103,12 +104,13 @@ static bool is_late(const struct job *job)
 }
 
 // Nothing more is dealt once the job is to stop, the time is over or a checkpoint is due. The
-// first block of a deal is dealt in any case.
+// first block of a deal is dealt in any case, and but for a stop, one for each member.
 static bool may_deal(struct job *job)
 {
     struct crew_deal *deal = &job->deal;
-    if (deal->next > deal->first && !deal->is_closed)
-        deal->is_closed = job_is_stopped(job) || is_late(job);
+    if (deal->given > 0 && !deal->is_closed)
+        deal->is_closed =
+            job_is_stopped(job) || (deal->given > job->params.crew->count && is_late(job));
     return !deal->is_closed && deal->next < deal->end;
 }
 
@@ -180,6 +182,14 @@ static double progress_of(const struct job *job, const struct job_step *step)
     return step->from + (step->to - step->from) * fmin((double)deal->done / deal->all, 1.0);
 }
 
+// The progress when this block is done, too, if the others do nothing meanwhile.
+static double progress_after(const struct job *job, const struct job_step *step,
+                             const struct sample_range *block)
+{
+    const double part = (double)(block->end - block->first) / job->deal.all;
+    return fmin(progress_of(job, step) + (step->to - step->from) * part, step->to);
+}
+
 // A stop waits until the block is finished: a film with half a pass of a block in it cannot go on
 // from its first samples that are missing.
 static bool render_own_block(struct job *job, const struct job_step *step, struct err *err)
@@ -187,14 +197,14 @@ static bool render_own_block(struct job *job, const struct job_step *step, struc
     struct crew_member *own = &job->params.crew->members[0];
     struct renderer *r = &job->renderer;
     const struct sample_range block = take_block(job, own);
-    const double from = progress_of(job, step);
+    const double from = progress_of(job, step), to = progress_after(job, step, &block);
     const uint64_t start = clock_ns();
     if (!job->has_samples || block.first < job->first_held)
         job->first_held = block.first;
     job->has_samples = true;
     r->next_sample = block.first;
     job->deal.is_in_block = true;
-    bool ok = job_render_to(job, step, block.end, from, from + 1e-9, err);
+    bool ok = job_render_to(job, step, block.end, from, to, err);
     job->deal.is_in_block = false;
     note_block(job, own, block.end - block.first, clock_seconds_since(start));
     return ok;
@@ -251,9 +261,10 @@ static bool advance_alone(struct job *job, const struct job_step *step, struct e
     const uint64_t first = r->next_sample, start = clock_ns();
     const uint64_t pass = r->pass.length > 0 ? UINT64_C(1) << r->pass.shift : first % 2;
     const uint64_t end = pass > 0 ? first + pass : step->samples;
-    const double from = progress_of(job, step);
+    const struct sample_range block = {first, end};
     job->deal.is_closed = job->deal.is_in_block = true;
-    bool ok = job_render_to(job, step, end, from, from + 1e-9, err);
+    bool ok = job_render_to(job, step, end, progress_of(job, step),
+                            progress_after(job, step, &block), err);
     job->deal.is_in_block = false;
     job->has_samples = true;
     job->first_held = job->samples_first;
@@ -267,7 +278,8 @@ static bool advance_once(struct job *job, const struct job_step *step, struct er
     struct renderer *r = &job->renderer;
     struct crew_deal *deal = &job->deal;
     const uint64_t first = r->next_sample;
-    deal->first = deal->next = first;
+    deal->next = first;
+    deal->given = 0;
     deal->end = step->samples;
     deal->is_closed = deal->took_part = false;
     if (r->pass.length > 0 || first % 2 == 1 || deal->end - first < 4)

@@ -179,12 +179,13 @@ struct job_rescue {
 
 // Samples that a crew renders until the film is wanted.
 struct crew_deal {
-    uint64_t first, next, end; // samples from `next` up to `end` are nobody's yet
+    uint64_t next, end; // samples from `next` up to `end` are nobody's yet
     uint64_t start_ns;
     double seconds;                  // after which nothing more is dealt; 0: no limit
     double all;                      // samples of the step
     uint64_t done;                   // and those of its finished blocks
     uint64_t (*blocks)[CREW_BLOCKS]; // samples of the blocks that each worker has, oldest first
+    uint32_t given;                  // blocks
     bool is_closed;                  // nothing more is dealt
     bool took_part;                  // a worker has finished a block
     bool is_in_block;                // of its own: a stop waits until it is finished
