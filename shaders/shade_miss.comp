@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/bidir.glsl"
 #include "lib/environment.glsl"
 #include "lib/media.glsl"
 #include "lib/nee.glsl"
@@ -11,26 +12,42 @@
 #include "lib/sun.glsl"
 
 // The weight of what a scattered ray has found, given the density with which it would have been
-// connected to.
-float weight_found(float bsdf_pdf, float light_pdf)
+// connected to, where light paths find it, too.
+float weight_of_light_paths(uint slot, vec3 direction, float bsdf_pdf, float light_pdf)
 {
+    bool connects = sent_shadow_rays(bsdf_pdf) && light_pdf > 0.0;
+    float ratio = push.bounce > 0u && light_pdf > 0.0 ? load_ratio(slot) : 0.0;
+    if (ratio > 0.0) {
+        vec3 origin = uintBitsToFloat(load_path(slot, PATH_ORIGIN).xyz);
+        ratio *= light_pdf * reach_of_far(origin, direction);
+    }
+    return weight_of_three(connects ? light_pdf / bsdf_pdf : 0.0, ratio);
+}
+
+// The weight of what a scattered ray has found, given the density with which it would have been
+// connected to.
+float weight_found(uint slot, vec3 direction, float bsdf_pdf, float light_pdf)
+{
+    if (IS_BIDIR)
+        return weight_of_light_paths(slot, direction, bsdf_pdf, light_pdf);
     if (!sent_shadow_rays(bsdf_pdf) || !(light_pdf > 0.0))
         return 1.0;
     return HAS(FEATURE_BSDF_HITS_EMITTERS) ? mis_weight(bsdf_pdf, light_pdf) : 0.0;
 }
 
-vec3 found_environment(vec3 direction, float bsdf_pdf)
+vec3 found_environment(uint slot, vec3 direction, float bsdf_pdf)
 {
     if (!HAS(FEATURE_ENVIRONMENT_IMAGE))
         return frame.environment;
     vec4 found = load_environment_at(direction);
     vec3 radiance = frame.environment * found.rgb;
     if (HAS_EMITTER(EMITTER_ENVIRONMENT))
-        radiance *= weight_found(bsdf_pdf, pick_of_far(frame.environment_pick) * found.a);
+        radiance *= weight_found(slot, direction, bsdf_pdf,
+                                 pick_of_far(frame.environment_pick) * found.a);
     return radiance;
 }
 
-vec3 found_suns(vec3 direction, float bsdf_pdf)
+vec3 found_suns(uint slot, vec3 direction, float bsdf_pdf)
 {
     uvec2 suns = suns_range();
     vec3 radiance = vec3(0.0);
@@ -38,7 +55,8 @@ vec3 found_suns(vec3 direction, float bsdf_pdf)
         vec4 towards = load_materials_float(suns.x + i * SUN_WORDS);
         vec4 sun = load_materials_float(suns.x + i * SUN_WORDS + 1u);
         if (sees_sun(towards.xyz, towards.w, direction))
-            radiance += sun.rgb * weight_found(bsdf_pdf, pick_of_far(sun.a) * pdf_sun(towards.w));
+            radiance += sun.rgb * weight_found(slot, direction, bsdf_pdf,
+                                               pick_of_far(sun.a) * pdf_sun(towards.w));
     }
     return radiance;
 }
@@ -56,10 +74,10 @@ void main()
         return;
     uint slot = queue_slot(push.queue, item);
     vec4 ray = uintBitsToFloat(load_path(slot, PATH_DIRECTION));
-    vec3 environment = found_environment(ray.xyz, ray.w);
+    vec3 environment = found_environment(slot, ray.xyz, ray.w);
     vec3 radiance = environment;
     if (HAS_EMITTER(EMITTER_SUNS))
-        radiance += found_suns(ray.xyz, ray.w);
+        radiance += found_suns(slot, ray.xyz, ray.w);
     uvec4 words = load_path(slot, PATH_THROUGHPUT);
     vec3 throughput = uintBitsToFloat(words.rgb);
     // Out of an open mesh, or with the camera inside of something endless.

@@ -60,6 +60,10 @@ void main()
         if (HAS(FEATURE_MEDIA))
             passes = !find_media(v, stack, t, u_extra.y);
 
+        if (IS_BIDIR) {
+            v.view = -ray.xyz;
+            v.ratio = push.bounce == 0u ? first_ratio(ray.xyz, t) : load_ratio(slot);
+        }
         if (HAS(FEATURE_EMISSION))
             add_emission(v, origin, ray.xyz, hit.x, ray.w);
 

@@ -2,12 +2,27 @@
 #ifndef CONNECT_GLSL
 #define CONNECT_GLSL
 
+#include "lib/adjoint.glsl"
 #include "lib/directions.glsl"
+#include "lib/emit.glsl"
 #include "lib/light.glsl"
 #include "lib/ray_offset.glsl"
 #include "lib/sampler.glsl"
 #include "lib/split.glsl"
 #include "lib/vertex.glsl"
+
+// The density with which light paths would have found what a shadow ray in the unit direction `wi`
+// finds, over that of the shadow ray (lib/bidir.glsl).
+float light_path_ratio(vertex v, vec3 wi, light_sample l)
+{
+    float ratio = v.ratio;
+    if (ratio > 0.0 && push.bounce > 0u) {
+        float pdf;
+        eval_reversed(v, wi, pdf);
+        ratio = pdf > 0.0 ? ratio * pdf : 0.0;
+    }
+    return ratio > 0.0 ? ratio * emission_over_pdf(v, wi, l) : 0.0;
+}
 
 // The BSDF of material m times the cosine, and the weight of a shadow ray there against the rays
 // that m scatters.
@@ -21,6 +36,9 @@ vec3 eval_connection(vertex v, material m, vec3 local, light_sample l, out float
     weight = 1.0;
     if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
         weight = mis_weight(l.pdf, pdf);
+    if (IS_BIDIR)
+        weight = weight_of_three(l.delta ? 0.0 : pdf / l.pdf,
+                                 light_path_ratio(v, normalize(l.to_light), l));
     return f;
 }
 

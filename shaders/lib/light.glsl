@@ -62,21 +62,28 @@ float density_by_solid_angle(vec3 origin, uint primitive, float pick_density)
     return solid_angle > 0.0 ? pick_density * area / solid_angle : 0.0;
 }
 
-// Density per solid angle with which sample_light() would have chosen the unit `direction` from
-// `origin`, given the surface that it hits at `distance`.
-float pdf_light(vec3 origin, vec3 direction, float distance, surface s, uint primitive,
-                float pick_density)
+// Density per solid angle with which sample_light() would have chosen a point of an emitter from
+// `origin`, given its distance, the cosine there and, for a sphere, its radius and centre.
+float pdf_light_at(vec3 origin, float distance, float cos_light, float radius, vec3 center,
+                   uint primitive, float pick_density)
 {
-    if (HAS_EMITTER(EMITTER_SPHERES) && s.radius > 0.0) {
-        float sin2_max = sphere_sin2(origin, s.center, s.radius);
+    if (HAS_EMITTER(EMITTER_SPHERES) && radius > 0.0) {
+        float sin2_max = sphere_sin2(origin, center, radius);
         if (sin2_max < 1.0)
-            return pdf_sphere_cone(s.radius, sin2_max, pick_density);
+            return pdf_sphere_cone(radius, sin2_max, pick_density);
     }
     float by_solid_angle = density_by_solid_angle(origin, primitive, pick_density);
     if (by_solid_angle > 0.0)
         return by_solid_angle;
-    return pdf_area_to_solid_angle(pick_density, distance,
-                                   abs(dot(direction, s.normal_geometric)));
+    return pdf_area_to_solid_angle(pick_density, distance, cos_light);
+}
+
+// The same for the unit `direction`, given the surface that it hits at `distance`.
+float pdf_light(vec3 origin, vec3 direction, float distance, surface s, uint primitive,
+                float pick_density)
+{
+    return pdf_light_at(origin, distance, abs(dot(direction, s.normal_geometric)), s.radius,
+                        s.center, primitive, pick_density);
 }
 
 void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)

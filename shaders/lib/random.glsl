@@ -12,6 +12,7 @@ const uint DIMENSIONS_A_BOUNCE = 3u;
 const uint DIMENSION_LIGHT = 0u; // which emitter; point on it x, y; roulette
 const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; a second choice
 const uint DIMENSION_EXTRA = 2u; // within the emitter's bin; dispersion; way to go on; one to spare
+const uint DIMENSION_LIGHT_PATH = 1u << 29;  // see light_path_dimension()
 const uint DIMENSION_PIXEL = 1u << 30;       // place in a stratum x, y; see pixel_sampling.glsl
 const uint DIMENSION_PIXEL_ORDER = DIMENSION_PIXEL + 1u;
 const uint DIMENSION_ALL_LIGHTS = 1u << 31; // see light_dimension()
@@ -19,6 +20,14 @@ const uint DIMENSION_ALL_LIGHTS = 1u << 31; // see light_dimension()
 uint bounce_dimension(uint bounce, uint use)
 {
     return DIMENSION_FIRST_BOUNCE + bounce * DIMENSIONS_A_BOUNCE + use;
+}
+
+// Light paths have dimensions apart from those of camera paths: which emitter, point on it x, y, more
+// of the first; direction x, y, its side, one to spare; then of each bounce, with the point on the
+// lens x, y and the place in the pixel filter for DIMENSION_LIGHT's first three.
+uint light_path_dimension(uint bounce, uint use)
+{
+    return DIMENSION_LIGHT_PATH + 1u + bounce_dimension(bounce, use);
 }
 
 // The dimension of lamp number `light` (point on an emitter x, y; which of the lamp's, twice) when

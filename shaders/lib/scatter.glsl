@@ -2,6 +2,8 @@
 #ifndef SCATTER_GLSL
 #define SCATTER_GLSL
 
+#include "lib/adjoint.glsl"
+#include "lib/bidir.glsl"
 #include "lib/directions.glsl"
 #include "lib/ray_offset.glsl"
 #include "lib/roulette.glsl"
@@ -36,6 +38,20 @@ ray_onwards scatter(inout vertex v, vec3 direction, bool passes, uint stack, vec
     return r;
 }
 
+// Q of lib/bidir.glsl for the next vertex. `pdf` is 0 for Dirac deltas, and where the path passes.
+float ratio_onwards(vertex v, vec3 direction, float pdf, bool passes)
+{
+    if (push.bounce == 0u)
+        return pdf > 0.0 ? v.ratio / pdf : 0.0;
+    if (!(v.ratio > 0.0))
+        return 0.0;
+    if (!(pdf > 0.0))
+        return passes || is_reversible(v, direction) ? v.ratio : 0.0;
+    float reversed;
+    eval_reversed(v, direction, reversed);
+    return reversed > 0.0 ? v.ratio * (reversed / pdf) : 0.0;
+}
+
 // Takes the path on in the slot v.slot; false where it ends. `stack`: of media, as it comes here;
 // u_roulette: whether it survives.
 bool go_on(vertex v, vec3 direction, bool passes, uint stack, vec4 u, float u_part,
@@ -58,6 +74,8 @@ bool go_on(vertex v, vec3 direction, bool passes, uint stack, vec4 u, float u_pa
         store_path(v.slot, PATH_DIRECTION, floatBitsToUint(vec4(next.direction, next.pdf)));
         store_path(v.slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(v.throughput), next.media));
         store_path_start_instance(v.slot, v.instance);
+        if (IS_BIDIR)
+            store_ratio(v.slot, ratio_onwards(v, next.direction, next.pdf, passes));
     }
     return goes_on;
 }

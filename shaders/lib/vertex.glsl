@@ -18,6 +18,9 @@ struct vertex {
     vec3 throughput;
     media_interface media; // with FEATURE_MEDIA
     float eta;             // see lib/bsdf_types.glsl
+    // With INTEGRATOR_BIDIR only:
+    vec3 view;   // wo in the world
+    float ratio; // Q of lib/bidir.glsl
 };
 
 // The medium on the side that `direction` points to.

@@ -9,6 +9,7 @@
 #define INTEGRATOR_AO 2u     // how much of the sky each surface sees within a distance
 #define INTEGRATOR_WHITTED                                                                         \
     3u // Whitted 1979: perfect reflection and refraction, hard shadows, Phong
+#define INTEGRATOR_BIDIR 4u // as INTEGRATOR_PATH, found by light paths too
 
 // Sources of random numbers.
 #define SAMPLER_SOBOL 0u      // Owen-scrambled Sobol (Burley 2020)

@@ -261,8 +261,12 @@ struct gpu_path {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_path, 64);
 // Words of four from one path's record to the next. With instances it has one more: the instance
-// that was hit and that on which the ray starts, or NO_INSTANCE; 0, 0.
-#define PATH_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 5u : 4u)
+// that was hit and that on which the ray starts, or NO_INSTANCE; 0, 0. With INTEGRATOR_BIDIR the last
+// one has what weights are made of: of a camera path Q of lib/bidir.glsl; of a light path two ratios
+// of densities, the scale of its throughput, and the half of the film that it adds to.
+#define PATH_WORDS_OF(geometry, integrator)                                                        \
+    ((((geometry)&GEOMETRY_INSTANCES) != 0u ? 5u : 4u) +                                           \
+     ((integrator) == INTEGRATOR_BIDIR ? 1u : 0u))
 #define PATH_ORIGIN 0
 #define PATH_DIRECTION 1
 #define PATH_THROUGHPUT 2
@@ -277,7 +281,7 @@ struct gpu_shadow_ray {
     uint ignore_to;
     float radiance[3];
     float light_pdf; // solid-angle density of the sampled direction, or the selection probability
-                     // of a delta light; for replay
+                     // of a delta light; for replay. Of a light path: the pixel, as bits
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 // Words of a shadow ray that the scene has. With instances there is one more: the instance on which
@@ -285,7 +289,8 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 #define SHADOW_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 4u : 3u)
 #define SHADOW_INSTANCE 3
 #ifdef GL_core_profile
-#define PATH_WORDS PATH_WORDS_OF(GEOMETRY)
+#define PATH_WORDS PATH_WORDS_OF(GEOMETRY, INTEGRATOR)
+#define PATH_WEIGHTS (PATH_WORDS - 1u)
 #define SHADOW_WORDS SHADOW_WORDS_OF(GEOMETRY)
 #endif
 
@@ -463,7 +468,9 @@ struct gpu_frame {
     uint align_cells;
     VEC3(cells_a_length); // and how many cells there are in a unit of length
     uint align_cells_1;
+    VEC3(scene_center); // INTEGRATOR_BIDIR: of the sphere that infinitely far light is aimed at
+    float scene_radius;
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_frame, 256);
+SHARED_STATIC_ASSERT_SIZE(gpu_frame, 272);
 
 #endif

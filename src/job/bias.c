@@ -12,7 +12,8 @@ struct biases {
 
 static bool follows_paths(const struct settings *settings)
 {
-    return settings->integrator == INTEGRATOR_PATH || settings->integrator == INTEGRATOR_DIRECT;
+    return settings->integrator == INTEGRATOR_PATH || settings->integrator == INTEGRATOR_DIRECT ||
+           settings->integrator == INTEGRATOR_BIDIR;
 }
 
 static uint32_t depth_asked_for(const struct settings *settings)

@@ -50,6 +50,17 @@ static void set_cells(struct gpu_frame *frame, const struct flat_scene *flat)
     }
 }
 
+// Sets the sphere that infinitely far light is aimed at. Beyond the bounds there are infinite planes
+// only.
+static void set_bounding_sphere(struct gpu_frame *frame, const struct flat_scene *flat)
+{
+    bool is_empty = flat->bounds_min[0] > flat->bounds_max[0];
+    for (int c = 0; c < 3 && !is_empty; c++)
+        frame->scene_center[c] =
+            (float)(0.5 * ((double)flat->bounds_min[c] + (double)flat->bounds_max[c]));
+    frame->scene_radius = (float)bounding_radius(flat);
+}
+
 static void set_environment(struct gpu_frame *frame, const struct environment *environment)
 {
     frame->environment_size = environment->width | environment->height << 16;
@@ -150,6 +161,8 @@ void frame_fill(struct renderer *r)
     };
     set_environment(&r->frame, &r->scene->environment);
     set_cells(&r->frame, &r->flat);
+    if (r->specialization.integrator == INTEGRATOR_BIDIR)
+        set_bounding_sphere(&r->frame, &r->flat);
     if (settings->integrator == INTEGRATOR_AO)
         set_ambient_occlusion(r);
     if (settings->integrator == INTEGRATOR_WHITTED)

@@ -21,6 +21,10 @@
     X(shade_ao)                                                                                    \
     X(shade_whitted)                                                                               \
     X(intersect_shadow)                                                                            \
+    X(generate_light_rays)                                                                         \
+    X(shade_light)                                                                                 \
+    X(intersect_camera)                                                                            \
+    X(add_splats)                                                                                  \
     X(sort_count)                                                                                  \
     X(sort_scan)                                                                                   \
     X(sort_scatter)                                                                                \

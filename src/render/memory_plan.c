@@ -59,7 +59,7 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
 {
     switch (binding) {
     case BINDING_PATHS:
-        return 16u * PATH_WORDS_OF(s->geometry);
+        return 16u * PATH_WORDS_OF(s->geometry, s->integrator);
     case BINDING_SHADOW_RAYS:
         return ((s->features & FEATURE_NEE ? (uint64_t)s->light_rays : 0) + s->pending_rays) * 16 *
                SHADOW_WORDS_OF(s->geometry);

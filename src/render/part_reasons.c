@@ -160,6 +160,13 @@ static const char *kernel_reason(const struct renderer *r, uint32_t kernel)
         return "the scene has neither a surface nor an environment";
     case KERNEL_intersect_shadow:
         return "no shadow rays are sent";
+    case KERNEL_generate_light_rays:
+    case KERNEL_shade_light:
+    case KERNEL_intersect_camera:
+    case KERNEL_add_splats:
+        return r->scene->settings.integrator == INTEGRATOR_BIDIR
+                   ? "no shadow rays are sent, so that light paths have nothing to add"
+                   : "--integrator is not bidir";
     case KERNEL_shade_ao:
         return "--integrator is not ao, or the scene is empty";
     case KERNEL_shade_whitted:

@@ -10,6 +10,7 @@
 #include "render/far_camera.h"
 #include "render/film.h"
 #include "render/frame.h"
+#include "render/light_paths.h"
 #include "render/sampling_plan.h"
 #include "render/tables/light_choice.h"
 #include "render/upload.h"
@@ -253,6 +254,17 @@ static bool get_geometry(const struct renderer_params *params, struct renderer *
     return true;
 }
 
+static bool check_light_paths(const struct renderer_params *params, const struct renderer *r,
+                              struct err *err)
+{
+    return light_paths_check(&(struct light_paths_params){.scene = r->scene,
+                                                          .flat = &r->flat,
+                                                          .camera = &r->camera,
+                                                          .aovs = params->aovs,
+                                                          .tiles = params->tiles},
+                             err);
+}
+
 static void choose_features(const struct renderer_params *params, struct renderer *r)
 {
     r->large_spheres_anyway = has_large_spheres_anyway(&r->flat);
@@ -275,6 +287,7 @@ static bool find_lamps(struct renderer *r, struct err *err)
 {
     const struct settings *settings = &r->scene->settings;
     return settings->integrator == INTEGRATOR_WHITTED ||
+           settings->integrator == INTEGRATOR_BIDIR ||
            !light_choice_asks_lamps(settings->light_choice) ||
            emitter_lamps_find(r->scene, &r->flat, &r->arena, &r->lamps, err);
 }
@@ -311,7 +324,7 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
         .progress = params->progress,
     };
     if (!check_workgroup(r->gpu, params->workgroup, err) || !check_split(settings, err) ||
-        !get_geometry(params, r, err))
+        !get_geometry(params, r, err) || !check_light_paths(params, r, err))
         goto fail;
 
     uint64_t start = clock_ns();
@@ -495,11 +508,19 @@ static bool render_next(struct renderer *r, const struct render_call *call, stru
     return wave_render(r, wave, has_next ? &next : NULL, call->observer, voided, err);
 }
 
+// The light paths of each pixel's sample are for all pixels: a film where some of them are missing
+// would be too dark.
+static bool must_end_pass(const struct renderer *r)
+{
+    return r->specialization.integrator == INTEGRATOR_BIDIR && r->pass.position > 0;
+}
+
 static bool run_pass(struct renderer *r, struct work *work, struct err *err)
 {
     const struct render_call *call = work->call;
     uint64_t start = clock_ns();
-    while (r->pass.position < r->pass.length && (!*call->stopped || r->ahead.is_begun)) {
+    while (r->pass.position < r->pass.length &&
+           (!*call->stopped || r->ahead.is_begun || must_end_pass(r))) {
         struct wave wave;
         bool voided = false;
         double rays = render_stats_rays(&r->stats);

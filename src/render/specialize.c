@@ -206,7 +206,10 @@ static void choose_lights(const struct specialize_params *p, const struct emitte
 {
     const struct settings *settings = &p->scene->settings;
     uint64_t emitters = emitters_total(counts);
-    struct light_choice choice = light_choice_of(settings->light_choice, emitters, p->lamps);
+    // Light paths begin where shadow rays would end: emitters have one probability everywhere.
+    bool is_bidir = settings->integrator == INTEGRATOR_BIDIR;
+    uint32_t wanted = is_bidir ? LIGHT_CHOICE_POWER : settings->light_choice;
+    struct light_choice choice = light_choice_of(wanted, emitters, p->lamps);
     s->light_choice = choice.way;
     s->light_rays = choice.rays;
     s->light_vertices = choice.vertices;
@@ -416,7 +419,7 @@ static bool sorts_rays(const struct specialization *s, const struct gpu *gpu,
                        const struct settings *settings)
 {
     bool is_wanted = !gpu->info.is_cpu || gpu->params.limits.sort_rays;
-    bool is_long = s->integrator == INTEGRATOR_PATH || s->integrator == INTEGRATOR_WHITTED;
+    bool is_long = s->integrator != INTEGRATOR_DIRECT && s->integrator != INTEGRATOR_AO;
     return is_wanted && is_long && settings->max_bounces >= SORT_FIRST_BOUNCE && has_surfaces(s);
 }
 
@@ -491,6 +494,10 @@ struct specialization specialize(const struct specialize_params *p)
     }
     if (settings->integrator == INTEGRATOR_AO)
         specialize_ao(&s);
+    // Light paths are connected to the camera where camera paths are connected to emitters: without
+    // these connections there are none, and camera paths find everything.
+    if (settings->integrator == INTEGRATOR_BIDIR && !(s.features & FEATURE_NEE))
+        s.integrator = INTEGRATOR_PATH;
     if (settings->integrator == INTEGRATOR_WHITTED)
         specialize_whitted(&s, settings);
     if (settings_spread_over_pixel(settings)) {
@@ -506,7 +513,8 @@ struct specialization specialize(const struct specialize_params *p)
     s.features |= device_features(gpu, bvh, scene, &s);
     s.queues = queues_needed(s.features, s.class_lobes);
     s.sort_rays = sorts_rays(&s, gpu, settings);
-    if (s.sdf & SDF_FRACTALS)
+    // What a light path has brought to the film cannot be taken back: no wave may become void.
+    if ((s.sdf & SDF_FRACTALS) || s.integrator == INTEGRATOR_BIDIR)
         specialization_suspend(&s);
     return s;
 }
@@ -526,7 +534,8 @@ struct specialization specialization_with(const struct specialization *s, uint32
 
 static bool uses_bsdfs(const struct specialization *s)
 {
-    return s->integrator == INTEGRATOR_PATH || s->integrator == INTEGRATOR_DIRECT;
+    return s->integrator == INTEGRATOR_PATH || s->integrator == INTEGRATOR_DIRECT ||
+           s->integrator == INTEGRATOR_BIDIR;
 }
 
 bool specialization_needs_kernel(const struct specialization *s, enum kernel_id id)
@@ -552,6 +561,11 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
         return has_surfaces(s) || (s->features & FEATURE_ENVIRONMENT);
     case KERNEL_intersect_shadow:
         return s->features & FEATURE_NEE;
+    case KERNEL_generate_light_rays:
+    case KERNEL_shade_light:
+    case KERNEL_intersect_camera:
+    case KERNEL_add_splats:
+        return s->integrator == INTEGRATOR_BIDIR;
     case KERNEL_sort_count:
     case KERNEL_sort_scan:
     case KERNEL_sort_scatter:

@@ -12,6 +12,12 @@
 
 // --- recording -----------------------------------------------------------------------------------
 
+static bool is_of_shadow_rays(enum kernel_id kernel)
+{
+    return kernel == KERNEL_intersect_shadow || kernel == KERNEL_intersect_camera ||
+           kernel == KERNEL_add_splats;
+}
+
 // Marks are in the order of the timestamps. items: 0 for a kernel that does little work.
 static void mark(struct renderer *r, enum kernel_id kernel, uint32_t items)
 {
@@ -21,7 +27,7 @@ static void mark(struct renderer *r, enum kernel_id kernel, uint32_t items)
         index = r->mark_count;
     if (kernel == KERNEL_accumulate)
         bounce = 0;
-    else if (kernel == KERNEL_intersect_shadow && bounce > 0)
+    else if (is_of_shadow_rays(kernel) && bounce > 0)
         bounce--;
     if (bounce >= STATS_BOUNCES)
         bounce = STATS_BOUNCES - 1;
@@ -71,6 +77,7 @@ struct loop {
     bool is_paced;
     bool is_timed;       // every part needs its own timestamp
     uint32_t part_items; // items of a queue or a list in one dispatch
+    bool is_light;       // the paths are light paths
     uint32_t bounce;     // the next bounce
     uint32_t last;       // the last bounce that paths may have
 };
@@ -183,7 +190,8 @@ static void add_times(struct renderer *r, const double *ns)
 static uint32_t items_found(const struct renderer *r, const struct mark *m)
 {
     uint32_t queue = r->push.queue;
-    if (m->kernel == KERNEL_generate_rays || m->kernel == KERNEL_accumulate)
+    if (m->kernel == KERNEL_generate_rays || m->kernel == KERNEL_generate_light_rays ||
+        m->kernel == KERNEL_accumulate)
         return m->items;
     bool is_hits = queue >= QUEUE_SURFACE && queue <= QUEUE_MISS;
     uint32_t count = is_hits ? r->counters->queue[queue].count
@@ -314,6 +322,46 @@ static bool trace_shadow_rays(struct loop *l, struct err *err)
     return true;
 }
 
+static void push_wave(struct renderer *r, const struct wave *wave)
+{
+    r->push.first_pixel = (uint32_t)wave->first_pixel;
+    r->push.pixel_count = wave->pixel_count;
+    r->push.sample_shift = wave->sample_shift;
+    r->push.first_sample = (uint32_t)wave->first_sample;
+    r->push.film_first_pixel = (uint32_t)(wave->film_chunk * r->plan.film_chunk_pixels);
+    r->wave_items = wave->pixel_count << wave->sample_shift << r->specialization.split_lobes;
+}
+
+// Adds what light paths have brought to the camera to each range of the film: first all splats claim
+// their digits (lib/splat.glsl).
+static bool add_splats(struct loop *l, struct err *err)
+{
+    struct renderer *r = l->r;
+    const struct wave *own = l->wave;
+    struct wave range = *own;
+    bool ok = true;
+    l->wave = &range; // what a new submission binds
+    for (range.film_chunk = 0; ok && range.film_chunk < r->plan.film_chunks; range.film_chunk++) {
+        gpu_bind(r->gpu, &r->commands, &r->bindings[range.film_chunk]);
+        r->push.film_first_pixel = (uint32_t)(range.film_chunk * r->plan.film_chunk_pixels);
+        for (r->push.light_ray = 0; ok && r->push.light_ray < 2; r->push.light_ray++) {
+            barrier(r);
+            ok = record_queue(l, KERNEL_add_splats, QUEUE_SHADOW, err);
+        }
+    }
+    l->wave = own;
+    push_wave(r, own);
+    if (ok)
+        gpu_bind(r->gpu, &r->commands, &r->bindings[own->film_chunk]);
+    return ok;
+}
+
+// Connects the last vertices of light paths to the camera.
+static bool trace_camera_rays(struct loop *l, struct err *err)
+{
+    return trace_queue(l, KERNEL_intersect_camera, QUEUE_SHADOW, err) && add_splats(l, err);
+}
+
 // Records a kernel over a queue if the scene needs the kernel.
 static bool consume(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
@@ -326,14 +374,27 @@ static bool consume(struct loop *l, enum kernel_id kernel, uint32_t queue, struc
 
 static bool shade_misses(struct loop *l, struct err *err)
 {
-    if (!(l->r->specialization.queues >> QUEUE_MISS & 1u))
+    if (l->is_light || !(l->r->specialization.queues >> QUEUE_MISS & 1u))
         return true;
     return consume(l, KERNEL_shade_miss, QUEUE_MISS, err) &&
            consume(l, KERNEL_shade_whitted, QUEUE_MISS, err);
 }
 
+// All classes of surfaces have one kernel for light paths.
+static bool shade_light(struct loop *l, struct err *err)
+{
+    uint32_t queues = l->r->specialization.queues;
+    for (uint32_t c = 0; c < CLASS_COUNT; c++)
+        if ((queues >> (QUEUE_SURFACE + c) & 1u) &&
+            !consume(l, KERNEL_shade_light, QUEUE_SURFACE + c, err))
+            return false;
+    return true;
+}
+
 static bool shade_surfaces(struct loop *l, struct err *err)
 {
+    if (l->is_light)
+        return shade_light(l, err);
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         if (!consume(l, (enum kernel_id)(KERNEL_shade_diffuse + c), QUEUE_SURFACE + c, err))
             return false;
@@ -396,7 +457,9 @@ static bool sort_scatter(struct loop *l, struct err *err)
 // contributions are added in the order of bounces.
 static bool trace(struct loop *l, struct err *err)
 {
-    return (l->bounce == 0 || trace_shadow_rays(l, err)) &&
+    bool (*trace_shadows)(struct loop *l, struct err *err) =
+        l->is_light ? trace_camera_rays : trace_shadow_rays;
+    return (l->bounce == 0 || trace_shadows(l, err)) &&
            trace_queue(l, KERNEL_intersect_closest, queue_to_trace(l), err);
 }
 
@@ -416,16 +479,6 @@ static bool (*const stages[])(struct loop *l, struct err *err) = {
     prepare_rays, sort_count, sort_scan, sort_scatter, trace, prepare_hits, shade_hits};
 
 // --- bounces of waves ----------------------------------------------------------------------------
-
-static void push_wave(struct renderer *r, const struct wave *wave)
-{
-    r->push.first_pixel = (uint32_t)wave->first_pixel;
-    r->push.pixel_count = wave->pixel_count;
-    r->push.sample_shift = wave->sample_shift;
-    r->push.first_sample = (uint32_t)wave->first_sample;
-    r->push.film_first_pixel = (uint32_t)(wave->film_chunk * r->plan.film_chunk_pixels);
-    r->wave_items = wave->pixel_count << wave->sample_shift << r->specialization.split_lobes;
-}
 
 void wave_exchange(struct renderer *r)
 {
@@ -459,15 +512,16 @@ static void turn_to(struct loop *l)
 static bool generate_rays(struct loop *l, struct err *err)
 {
     struct renderer *r = l->r;
+    enum kernel_id kernel = l->is_light ? KERNEL_generate_light_rays : KERNEL_generate_rays;
     r->push.bounce = 0;
-    if (!before(l, KERNEL_generate_rays, 0, err))
+    if (!before(l, kernel, 0, err))
         return false;
     choose_part(l);
-    if (!record_items(l, KERNEL_generate_rays, l->wave->pixel_count << l->wave->sample_shift, 1,
+    if (!record_items(l, kernel, l->wave->pixel_count << l->wave->sample_shift, 1,
                       err))
         return false;
     barrier(r);
-    return after(l, KERNEL_generate_rays, 0, err);
+    return after(l, kernel, 0, err);
 }
 
 // Begins the next wave once half of this one's bounces are over: its remaining bounces have few
@@ -533,6 +587,17 @@ static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
     }
     r->bounces = l->bounce;
     return true;
+}
+
+// Follows the light paths of the wave, as many as its samples, before its camera paths: their splats
+// go to the halves of the film by the samples that it has so far.
+static bool trace_light_paths(const struct loop *camera, struct err *err)
+{
+    struct loop l = *camera;
+    l.is_light = true;
+    l.observer = NULL;
+    return l.r->specialization.integrator != INTEGRATOR_BIDIR ||
+           (trace_paths(&l, NULL, err) && run(l.r, err));
 }
 
 static struct loop make_loop(struct renderer *r, const struct wave *wave,
@@ -614,7 +679,7 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave 
         ahead.wave = &r->ahead.wave;
         ahead.bounce = 0;
     }
-    if (!trace_paths(&loop, next ? &ahead : NULL, err))
+    if (!trace_light_paths(&loop, err) || !trace_paths(&loop, next ? &ahead : NULL, err))
         return false;
     if (!record_items(&loop, KERNEL_accumulate, wave->pixel_count, 1u << wave->sample_shift, err) ||
         !run(r, err))
@@ -646,6 +711,7 @@ static bool record_step(struct loop *l, const struct wave_step *step, struct err
     const struct wave *wave = l->wave;
     switch (step->kernel) {
     case KERNEL_generate_rays:
+    case KERNEL_generate_light_rays:
         return record_items(l, step->kernel, wave->pixel_count << wave->sample_shift, 1, err);
     case KERNEL_accumulate:
         return record_items(l, step->kernel, wave->pixel_count, 1u << wave->sample_shift, err);

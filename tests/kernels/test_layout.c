@@ -279,7 +279,7 @@ TEST(embedded_kernels)
 // Kernels address these by words of 16 bytes.
 TEST(words_a_record)
 {
-    CHECK(sizeof(struct gpu_path) == 16 * PATH_WORDS_OF(0u), "%zu", sizeof(struct gpu_path));
+    CHECK(sizeof(struct gpu_path) == 16 * PATH_WORDS_OF(0u, INTEGRATOR_PATH), "%zu", sizeof(struct gpu_path));
     CHECK(offsetof(struct gpu_path, origin) == 16 * PATH_ORIGIN, "origin");
     CHECK(offsetof(struct gpu_path, direction) == 16 * PATH_DIRECTION, "direction");
     CHECK(offsetof(struct gpu_path, throughput) == 16 * PATH_THROUGHPUT, "throughput");

@@ -100,7 +100,7 @@ static bool find_key(const struct setup *s, const struct gpu_path *path, uint32_
 static bool check_order(struct setup *s, const uint32_t *sorted, struct err *err)
 {
     struct renderer *r = &s->r;
-    uint64_t words = 4 * PATH_WORDS_OF(r->specialization.geometry), slots = r->plan.wave_slots;
+    uint64_t words = 4 * PATH_WORDS_OF(r->specialization.geometry, r->specialization.integrator), slots = r->plan.wave_slots;
     uint32_t *paths = ARENA_NEW(&s->arena, uint32_t, slots * words);
     if (!paths)
         return err_memory(err, "paths", slots * words * 4);

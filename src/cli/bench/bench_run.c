@@ -124,6 +124,11 @@ double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
     const double queue = 4.0, word = 16.0;
     const uint32_t slot_words = AOV_SLOT_WORDS(r->specialization.aovs);
     switch (kernel) {
+    case KERNEL_generate_light_rays: // writes everything except the hit, and weights
+        return 4.0 * word + queue;
+    case KERNEL_intersect_camera:
+    case KERNEL_add_splats:
+        return queue + (double)sizeof(struct gpu_shadow_ray);
     case KERNEL_generate_rays: // the whole record except for the hit
         return 3.0 * word + word * slot_words + queue;
     case KERNEL_intersect_closest: // reads origin and direction

@@ -56,8 +56,9 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     struct {
         struct gpu_path path;
         uint32_t instances[4];
+        uint32_t weights[4]; // follow at once if there are no instances
     } record;
-    uint64_t bytes = 16 * PATH_WORDS_OF(r->specialization.geometry);
+    uint64_t bytes = 16 * PATH_WORDS_OF(r->specialization.geometry, r->specialization.integrator);
     if (!gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, &record, bytes, err))
         return false;
     const struct gpu_path path = record.path;
@@ -89,7 +90,7 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     v->queue = is_hit ? "surface" : in_queue(f, QUEUE_MISS) ? "miss" : "none";
     if (is_hit) {
         v->primitive = flat_primitive(r, path.primitive, &v->is_shape);
-        v->instance = bytes > sizeof path ? record.instances[0] : NO_INSTANCE;
+        v->instance = r->specialization.geometry & GEOMETRY_INSTANCES ? record.instances[0] : NO_INSTANCE;
         v->material = material_of(r, v);
     }
     return true;

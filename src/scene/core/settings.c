@@ -8,6 +8,7 @@ const char *const integrator_names[] = {
     [INTEGRATOR_DIRECT] = "direct",
     [INTEGRATOR_AO] = "ao",
     [INTEGRATOR_WHITTED] = "whitted",
+    [INTEGRATOR_BIDIR] = "bidir",
     NULL,
 };
 

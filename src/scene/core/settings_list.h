@@ -57,7 +57,8 @@ SETTING(MAX_BOUNCES, uint32_t, max_bounces, "max_bounces", "max-bounces", "Sampl
 SETTING(INTEGRATOR, uint32_t, integrator, "integrator", "integrator", "Method",
     "What is computed: light over any number of bounces (path), over one (direct), how open each "
     "surface is (ao), or Whitted's recursion of 1979: perfect reflection and refraction, hard "
-    "shadows and Phong shading, for comparison.",
+    "shadows and Phong shading, for comparison. bidir computes the same picture as path, and finds "
+    "light that glass and metal focus by paths from the lamps, too.",
     (CHOICE(integrator_names)), .fallback = INTEGRATOR_PATH, .label = "Integrator", .gap = true)
 SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
     "Maximum distance of occluders, in metres, for the integrator ao.",

@@ -1,0 +1,31 @@
+// One thread adds what one light path brings to a pixel of the bound range of the film. Reads the
+// queue of shadow rays, in two dispatches: push.light_ray is 0 to claim digits, 1 to add.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "lib/queue.glsl"
+
+layout(std430, set = 0, binding = BINDING_FILM) buffer film_block {
+    uvec4 film_words[];
+};
+
+#include "lib/splat.glsl"
+
+void main()
+{
+    uint item = item_index();
+    if (item >= item_count())
+        return;
+    uint slot = queue_slot(push.queue, item);
+    uvec4 words = load_shadow_ray(slot, 0u, 2u);
+    uint number = load_path(slot, PATH_WEIGHTS).w;
+    uint pixel = words.w - push.film_first_pixel; // beyond all if it is of a former range
+    uint pixels = uint(film_words.length()) / AOV_FILM_WORDS(AOVS);
+    if (words.rgb == uvec3(0u) || pixel >= pixels)
+        return;
+    uint at = pixel * AOV_FILM_WORDS(AOVS);
+    if (push.light_ray == 0u)
+        splat_claim(at, number, uintBitsToFloat(words.rgb));
+    else
+        splat(at, number, uintBitsToFloat(words.rgb));
+}

@@ -1,0 +1,87 @@
+// Weights between the three ways in which INTEGRATOR_BIDIR finds a path: camera paths that hit an
+// emitter, shadow rays from camera paths to an emitter, and light paths that are connected to the
+// camera. Reads the uniform block.
+//
+// A path x_0 ... x_k begins on an emitter and ends at the camera. With B_j the density per solid
+// angle with which a camera path goes on from x_j to x_(j-1), F_j the one with which a light path
+// goes on from x_j to x_(j+1), p the one with which shadow rays from x_1 choose x_0, and E what
+// emission_density() gives, light paths find it more densely than shadow rays by
+//
+//   E Q / p,   Q = I d^2 (F_1 ... F_(k-2)) / (B_2 ... B_(k-1)),
+//
+// and more densely than camera paths that hit x_0 by E Q / B_1: cosines cancel, and of the distances
+// only the one to the camera, d, remains. I is the solid angle that the image covers, in terms of
+// the direction's own pixel (image_extent()), since an image has as many light paths as pixels. So
+// Q grows by F_j / B_j from vertex to vertex, and no vertices are kept (after Georgiev 2012,
+// "Implementing Vertex Connection and Merging", section 4).
+//
+// At a perfectly specular vertex F_j / B_j counts as 1: both are the same Dirac delta but for the
+// ratio of two cosines, and weights need only sum to 1. If the vertex next to the camera is
+// specular, light paths are not connected there, and Q is 0.
+#ifndef BIDIR_GLSL
+#define BIDIR_GLSL
+
+#include "lib/buffers.glsl"
+
+#define IS_BIDIR (INTEGRATOR == INTEGRATOR_BIDIR)
+
+// What the chosen heuristic makes of a ratio of densities; see mis_weight().
+float heuristic(float ratio)
+{
+    if (MIS == MIS_POWER_ANY)
+        return pow(ratio, frame.mis_exponent);
+    return MIS == MIS_BALANCE ? ratio : ratio * ratio;
+}
+
+// The weight of one way, by the densities of the two others over its own.
+float weight_of_three(float other, float another)
+{
+    return 1.0 / (1.0 + heuristic(other) + heuristic(another));
+}
+
+// The number of pixels times what one of them covers about a unit direction from the camera: a
+// solid angle or, orthographic, an area. The camera's vectors are orthogonal.
+float image_extent(vec3 direction)
+{
+    if (CAMERA == CAMERA_PANORAMIC) {
+        float height = dot(direction, frame.camera_up);
+        return 2.0 * PI * PI * sqrt(max(0.0, 1.0 - height * height));
+    }
+    float area = 4.0 * length(frame.camera_right) * length(frame.camera_up);
+    float along = dot(direction, frame.camera_forward);
+    return CAMERA == CAMERA_ORTHOGRAPHIC ? area : area * along * along * along;
+}
+
+// Q of a camera path at its first vertex, at this distance from the camera; as light paths see it,
+// the density with which it sees their last vertex is the inverse.
+float first_ratio(vec3 direction, float distance)
+{
+    float extent = image_extent(direction);
+    return CAMERA == CAMERA_ORTHOGRAPHIC ? extent : extent * distance * distance;
+}
+
+// E Q for what is infinitely far and chosen with this density per solid angle, as seen from a
+// point: light paths begin on a disc as wide as the scene's bounding sphere, before it, and reach
+// no point beside it or behind the disc.
+float reach_of_far(vec3 point, vec3 towards)
+{
+    vec3 from_center = point - frame.scene_center;
+    float along = dot(from_center, towards);
+    vec3 beside = from_center - along * towards;
+    float square = frame.scene_radius * frame.scene_radius;
+    bool reached = along < frame.scene_radius && dot(beside, beside) < square;
+    return reached ? 1.0 / (PI * square) : 0.0;
+}
+
+// Q at a vertex, as its predecessor left it.
+float load_ratio(uint slot)
+{
+    return uintBitsToFloat(load_path(slot, PATH_WEIGHTS).x);
+}
+
+void store_ratio(uint slot, float ratio)
+{
+    store_path(slot, PATH_WEIGHTS, uvec4(floatBitsToUint(ratio), 0u, 0u, 0u));
+}
+
+#endif

@@ -1,0 +1,150 @@
+// Where the camera sees a point from: the ray back to it, and the pixel that gets what arrives.
+// Reads the uniform block.
+#ifndef CONNECT_CAMERA_GLSL
+#define CONNECT_CAMERA_GLSL
+
+#include "lib/angle.glsl"
+#include "lib/bidir.glsl"
+#include "lib/camera.glsl"
+
+struct camera_sight {
+    vec3 target;    // where the camera's ray to the point begins
+    vec3 direction; // unit, of that ray
+    float distance; // from the camera
+    vec2 at;        // in the picture, as in make_camera_ray()
+    bool valid;
+};
+
+// Inverse of make_camera_ray() with a lens or a pinhole. `from`: the point, from where the line of
+// sight begins.
+camera_sight see_in_perspective(vec3 from, vec2 u_lens)
+{
+    camera_sight c;
+    float start = HAS(FEATURE_FAR_CAMERA) ? frame.camera_start : 0.0;
+    float beyond = dot(from, frame.camera_forward);
+    float along = beyond + start;
+    vec3 offset = vec3(0.0);
+    if (HAS(FEATURE_LENS)) {
+        vec2 on_lens =
+            frame.lens_radius * sample_aperture(u_lens, frame.lens_blades, frame.lens_rotation);
+        offset = on_lens.x * normalize(frame.camera_right) + on_lens.y * normalize(frame.camera_up);
+    }
+    vec3 across = from - beyond * frame.camera_forward - offset;
+    vec3 direction = frame.camera_forward + across / along;
+    vec3 through_pinhole = direction;
+    if (HAS(FEATURE_LENS))
+        through_pinhole += offset / frame.focus_distance;
+    c.at = vec2(dot(through_pinhole, frame.camera_right) /
+                    dot(frame.camera_right, frame.camera_right),
+                -dot(through_pinhole, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
+    vec3 at_start = HAS(FEATURE_FAR_CAMERA) ? frame.lens_at_start * offset : offset;
+    c.target = start_of_ray(c.at) + at_start;
+    c.distance = along * length(direction);
+    c.direction = normalize(direction);
+    c.valid = beyond > 0.0;
+    return c;
+}
+
+camera_sight see_in_parallel(vec3 from)
+{
+    camera_sight c;
+    float along = dot(from, frame.camera_forward);
+    c.at = vec2(dot(from, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
+                -dot(from, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
+    c.target = frame.camera_position + from - along * frame.camera_forward;
+    c.direction = frame.camera_forward;
+    c.distance = along + (HAS(FEATURE_FAR_CAMERA) ? frame.camera_start : 0.0);
+    c.valid = along > 0.0;
+    return c;
+}
+
+// Inverse of panorama_direction().
+camera_sight see_all_around(vec3 from)
+{
+    camera_sight c;
+    c.distance = length(from);
+    c.direction = from / c.distance;
+    vec2 level = vec2(dot(from, frame.camera_forward), dot(from, frame.camera_right));
+    c.at = vec2(2.0 * atan_turns(level.y, level.x),
+                -4.0 * atan_turns(dot(from, frame.camera_up), length(level)));
+    c.target = frame.camera_position;
+    c.valid = c.distance > 0.0;
+    return c;
+}
+
+// u_lens: chooses the point of the lens.
+camera_sight see_from_camera(vec3 point, vec2 u_lens)
+{
+    vec3 from = point - frame.camera_position;
+    if (CAMERA == CAMERA_PANORAMIC)
+        return see_all_around(from);
+    if (CAMERA == CAMERA_ORTHOGRAPHIC)
+        return see_in_parallel(from);
+    return see_in_perspective(from, u_lens);
+}
+
+// The pixel filter's density at an offset from the pixel's centre, 1 a pixel's area; what
+// filter_position() draws from.
+float filter_density(vec2 offset)
+{
+    float scale = 1.0 / (frame.filter_radius * frame.filter_radius);
+    vec2 x = abs(offset) / frame.filter_radius;
+    if (any(greaterThanEqual(x, vec2(1.0))))
+        return 0.0;
+    if (FILTER == FILTER_TENT)
+        return scale * (1.0 - x.x) * (1.0 - x.y);
+    if (FILTER == FILTER_GAUSSIAN) {
+        float square = dot(x, x);
+        return square < 1.0 ? scale * 4.5 * INV_PI / 0.98889100346175773 * exp(-4.5 * square) : 0.0;
+    }
+    if (FILTER == FILTER_BLACKMAN_HARRIS) {
+        const vec4 a = vec4(0.35875, 0.48829, 0.14128, 0.01168) / 0.35875;
+        vec2 c = vec2(cos_sin_turns(0.5 * x.x).x, cos_sin_turns(0.5 * x.y).x);
+        vec2 w = 1.0 + a.y * c + a.z * (2.0 * c * c - 1.0) + a.w * c * (4.0 * c * c - 3.0);
+        return scale * 0.25 * w.x * w.y;
+    }
+    return scale * 0.25;
+}
+
+// Chooses one of the pixels whose filter covers a point of the picture, in proportion to the
+// filter's density there. Returns the sum of the densities, which scales what that pixel gets; 0:
+// there is none.
+float choose_pixel(vec2 at, float u, out uint pixel)
+{
+    vec2 size = vec2(frame.width, frame.height);
+    vec2 place = 0.5 * (at + 1.0) * size;
+    float radius = frame.filter_radius;
+    pixel = 0u;
+    // Written so that what is not a number is refused.
+    if (!(all(greaterThanEqual(place, vec2(-radius))) &&
+          all(lessThanEqual(place, size + radius))))
+        return 0.0;
+    ivec2 last = ivec2(frame.width, frame.height) - 1;
+    if (FILTER == FILTER_BOX && radius == 0.5) {
+        ivec2 only = ivec2(floor(place));
+        bool inside = all(greaterThanEqual(only, ivec2(0))) && all(lessThanEqual(only, last));
+        pixel = inside ? uint(only.y) * frame.width + uint(only.x) : 0u;
+        return inside ? 1.0 : 0.0;
+    }
+    ivec2 first = max(ivec2(ceil(place - 0.5 - radius)), ivec2(0));
+    last = min(ivec2(floor(place - 0.5 + radius)), last);
+    float sum = 0.0;
+    for (int y = first.y; y <= last.y; y++)
+        for (int x = first.x; x <= last.x; x++)
+            sum += filter_density(place - 0.5 - vec2(x, y));
+    float left = u * sum;
+    bool found = false;
+    for (int y = first.y; y <= last.y; y++) {
+        for (int x = first.x; x <= last.x; x++) {
+            float density = filter_density(place - 0.5 - vec2(x, y));
+            // The last one that has any density is left for rounding.
+            if (density > 0.0 && !found)
+                pixel = uint(y) * frame.width + uint(x);
+            found = found || left < density;
+            left -= density;
+        }
+    }
+    return sum;
+}
+
+#endif

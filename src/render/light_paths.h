@@ -1,0 +1,19 @@
+// What light paths (INTEGRATOR_BIDIR) cannot do.
+#ifndef LAMPYRIS_RENDER_LIGHT_PATHS_H
+#define LAMPYRIS_RENDER_LIGHT_PATHS_H
+
+#include "flatten/flatten.h"
+
+struct light_paths_params {
+    const struct scene *scene;
+    const struct flat_scene *flat;
+    const struct camera *camera;
+    uint32_t aovs; // AOV_*
+    bool tiles;    // sample counts by tile
+};
+
+// Refuses settings and scenes for which light paths would not bring the light that camera paths
+// miss; true for other integrators.
+bool light_paths_check(const struct light_paths_params *params, struct err *err);
+
+#endif
