@@ -34,8 +34,9 @@ bool connect_camera(vertex v, ratios r, float scale, vec3 u)
     float extent = first_ratio(c.direction, c.distance);
     if (all(equal(f, vec3(0.0))) || !(extent > 0.0))
         return false;
-    float weight = weight_of_three(r.by_shadow_ray * (push.bounce > 0u ? pdf : 1.0) / extent,
-                                   r.by_hit * pdf / extent);
+    float weight =
+        weight_of_light_path(r.by_shadow_ray * (push.bounce > 0u ? pdf : 1.0) / extent,
+                             r.by_hit * pdf / extent);
     vec3 brings = v.throughput * f * (scale * measure_ratio(v, onwards) * share * weight / extent);
     if (HAS(FEATURE_MEDIA))
         brings *= transmittance(load_medium(medium_towards(v, onwards)), c.distance);

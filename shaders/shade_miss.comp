@@ -21,7 +21,7 @@ float weight_of_light_paths(uint slot, vec3 direction, float bsdf_pdf, float lig
         vec3 origin = uintBitsToFloat(load_path(slot, PATH_ORIGIN).xyz);
         ratio *= light_pdf * reach_of_far(origin, direction);
     }
-    return weight_of_three(connects ? light_pdf / bsdf_pdf : 0.0, ratio);
+    return weight_of_camera_path(connects ? light_pdf / bsdf_pdf : 0.0, ratio);
 }
 
 // The weight of what a scattered ray has found, given the density with which it would have been

@@ -33,10 +33,24 @@ float heuristic(float ratio)
     return MIS == MIS_BALANCE ? ratio : ratio * ratio;
 }
 
-// The weight of one way, by the densities of the two others over its own.
-float weight_of_three(float other, float another)
+// The weight of what a camera path brings, by the densities of the other way of camera paths and of
+// light paths over its own.
+float weight_of_camera_path(float other, float of_light_paths)
 {
-    return 1.0 / (1.0 + heuristic(other) + heuristic(another));
+#ifdef LIGHT_PATHS_ALONE // tests only: do light paths bring all that they can?
+    if (of_light_paths > 0.0)
+        return 0.0;
+#endif
+    return 1.0 / (1.0 + heuristic(other) + heuristic(of_light_paths));
+}
+
+// The weight of what a light path brings, by the densities of both ways of camera paths.
+float weight_of_light_path(float by_shadow_ray, float by_hit)
+{
+#ifdef LIGHT_PATHS_ALONE
+    return 1.0;
+#endif
+    return 1.0 / (1.0 + heuristic(by_shadow_ray) + heuristic(by_hit));
 }
 
 // The number of pixels times what one of them covers about a unit direction from the camera: a

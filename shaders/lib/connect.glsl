@@ -37,7 +37,7 @@ vec3 eval_connection(vertex v, material m, vec3 local, light_sample l, out float
     if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
         weight = mis_weight(l.pdf, pdf);
     if (IS_BIDIR)
-        weight = weight_of_three(l.delta ? 0.0 : pdf / l.pdf,
+        weight = weight_of_camera_path(l.delta ? 0.0 : pdf / l.pdf,
                                  light_path_ratio(v, normalize(l.to_light), l));
     return f;
 }

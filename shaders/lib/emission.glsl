@@ -29,7 +29,7 @@ void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float b
         float light_ratio = 0.0;
         if (push.bounce > 0u && v.ratio > 0.0)
             light_ratio = v.ratio * emission_density(v.primitive, v.s.material, v.m);
-        weight = weight_of_three(shadow_ratio, light_ratio);
+        weight = weight_of_camera_path(shadow_ratio, light_ratio);
     }
     vec3 emission = material_emission(v.m);
     if (weight > 0.0 && any(greaterThan(emission, vec3(0.0))))

@@ -50,8 +50,8 @@ static void set_cells(struct gpu_frame *frame, const struct flat_scene *flat)
     }
 }
 
-// Sets the sphere that infinitely far light is aimed at. Beyond the bounds there are infinite planes
-// only.
+// Sets the sphere that infinitely far light is aimed at. Beyond the bounds there are infinite
+// planes only.
 static void set_bounding_sphere(struct gpu_frame *frame, const struct flat_scene *flat)
 {
     bool is_empty = flat->bounds_min[0] > flat->bounds_max[0];

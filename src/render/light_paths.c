@@ -167,11 +167,12 @@ static struct box place_box(const struct box *box, const float to_world[3][4])
 
 static bool refuse_lamp(const char *kind, uint32_t number, struct err *err)
 {
-    return err_set(err, ERR_INPUT,
-                   "--integrator bidir: a lamp meets the bounds of %s %u, which has a medium inside: "
-                   "expected lamps clear of such bounds, because light paths begin in air, or "
-                   "--integrator path",
-                   kind, number);
+    return err_set(
+        err, ERR_INPUT,
+        "--integrator bidir: a lamp meets the bounds of %s %u, which has a medium inside: "
+        "expected lamps clear of such bounds, because light paths begin in air, or "
+        "--integrator path",
+        kind, number);
 }
 
 // Light paths begin in air: refuses emitters that may be in another medium.

@@ -286,8 +286,7 @@ static void choose_features(const struct renderer_params *params, struct rendere
 static bool find_lamps(struct renderer *r, struct err *err)
 {
     const struct settings *settings = &r->scene->settings;
-    return settings->integrator == INTEGRATOR_WHITTED ||
-           settings->integrator == INTEGRATOR_BIDIR ||
+    return settings->integrator == INTEGRATOR_WHITTED || settings->integrator == INTEGRATOR_BIDIR ||
            !light_choice_asks_lamps(settings->light_choice) ||
            emitter_lamps_find(r->scene, &r->flat, &r->arena, &r->lamps, err);
 }

@@ -304,24 +304,6 @@ uint32_t wave_shadow_launches(const struct renderer *r, uint32_t bounce)
     return is_beyond ? 1 : s->light_rays;
 }
 
-// Traces the shadow rays of a slot one after the other, so that contributions are added in the
-// order of lights.
-static bool trace_shadow_rays(struct loop *l, struct err *err)
-{
-    struct renderer *r = l->r;
-    if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow))
-        return true;
-    uint32_t rays = wave_shadow_launches(r, l->bounce);
-    for (uint32_t ray = 0; ray < rays; ray++) {
-        r->push.light_ray = ray;
-        if (ray > 0)
-            barrier(r);
-        if (!trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err))
-            return false;
-    }
-    return true;
-}
-
 static void push_wave(struct renderer *r, const struct wave *wave)
 {
     r->push.first_pixel = (uint32_t)wave->first_pixel;
@@ -332,8 +314,8 @@ static void push_wave(struct renderer *r, const struct wave *wave)
     r->wave_items = wave->pixel_count << wave->sample_shift << r->specialization.split_lobes;
 }
 
-// Adds what light paths have brought to the camera to each range of the film: first all splats claim
-// their digits (lib/splat.glsl).
+// Adds what light paths have brought to the camera to each range of the film: first all splats
+// claim their digits (lib/splat.glsl).
 static bool add_splats(struct loop *l, struct err *err)
 {
     struct renderer *r = l->r;
@@ -360,6 +342,26 @@ static bool add_splats(struct loop *l, struct err *err)
 static bool trace_camera_rays(struct loop *l, struct err *err)
 {
     return trace_queue(l, KERNEL_intersect_camera, QUEUE_SHADOW, err) && add_splats(l, err);
+}
+
+// Traces the shadow rays of a slot one after the other, so that contributions are added in the
+// order of lights.
+static bool trace_shadow_rays(struct loop *l, struct err *err)
+{
+    struct renderer *r = l->r;
+    if (l->is_light)
+        return trace_camera_rays(l, err);
+    if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow))
+        return true;
+    uint32_t rays = wave_shadow_launches(r, l->bounce);
+    for (uint32_t ray = 0; ray < rays; ray++) {
+        r->push.light_ray = ray;
+        if (ray > 0)
+            barrier(r);
+        if (!trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err))
+            return false;
+    }
+    return true;
 }
 
 // Records a kernel over a queue if the scene needs the kernel.
@@ -457,9 +459,7 @@ static bool sort_scatter(struct loop *l, struct err *err)
 // contributions are added in the order of bounces.
 static bool trace(struct loop *l, struct err *err)
 {
-    bool (*trace_shadows)(struct loop *l, struct err *err) =
-        l->is_light ? trace_camera_rays : trace_shadow_rays;
-    return (l->bounce == 0 || trace_shadows(l, err)) &&
+    return (l->bounce == 0 || trace_shadow_rays(l, err)) &&
            trace_queue(l, KERNEL_intersect_closest, queue_to_trace(l), err);
 }
 
@@ -517,8 +517,7 @@ static bool generate_rays(struct loop *l, struct err *err)
     if (!before(l, kernel, 0, err))
         return false;
     choose_part(l);
-    if (!record_items(l, kernel, l->wave->pixel_count << l->wave->sample_shift, 1,
-                      err))
+    if (!record_items(l, kernel, l->wave->pixel_count << l->wave->sample_shift, 1, err))
         return false;
     barrier(r);
     return after(l, kernel, 0, err);
@@ -589,8 +588,8 @@ static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
     return true;
 }
 
-// Follows the light paths of the wave, as many as its samples, before its camera paths: their splats
-// go to the halves of the film by the samples that it has so far.
+// Follows the light paths of the wave, as many as its samples, before its camera paths: their
+// splats go to the halves of the film by the samples that it has so far.
 static bool trace_light_paths(const struct loop *camera, struct err *err)
 {
     struct loop l = *camera;
