@@ -112,6 +112,7 @@ static void add_surroundings(struct scene *scene)
 
 #define METHODS "tests/render/scenes/methods.json"
 #define LIGHTS "tests/render/scenes/lights.json"
+#define FOCUS "tests/render/scenes/focus.json"
 #define SMALL                                                                                      \
     {"film.width", "16"},                                                                          \
     {                                                                                              \
@@ -121,7 +122,7 @@ static void add_surroundings(struct scene *scene)
 TEST(lamps)
 {
     static const struct picture pictures[] = {
-        {"box", "scenes/cornell.json", {SMALL}, NULL, 16, 0.01},
+        {"box", "scenes/cornell.json", {SMALL}, NULL, 16, 0.015},
         {"lights of all kinds", LIGHTS, {SMALL}, NULL, 16, 0.02},
         {"lights and an image", LIGHTS, {SMALL}, add_surroundings, 16, 0.02},
     };
@@ -144,22 +145,53 @@ TEST(surfaces)
     check_pictures(pictures, sizeof pictures / sizeof *pictures, false);
 }
 
+#define CAMERA(...)                                                                                \
+    {                                                                                              \
+        "camera", #__VA_ARGS__                                                                     \
+    }
+
 TEST(cameras)
 {
     static const struct picture pictures[] = {
         {"lens",
          LIGHTS,
-         {SMALL, {"camera.aperture_radius", "0.3"}, {"camera.focus_distance", "5"}},
+         {SMALL, CAMERA({
+              "position" : [ 0, 3, 7 ],
+              "target" : [ 0, 0.8, 0 ],
+              "fov_degrees" : 45,
+              "aperture_radius" : 0.3,
+              "blades" : 5,
+              "focus_distance" : 5
+          })},
          NULL,
          16,
          0.02},
         {"orthographic",
          LIGHTS,
-         {SMALL, {"camera.type", "\"orthographic\""}, {"camera.height", "4"}},
+         {SMALL, CAMERA({
+              "type" : "orthographic",
+              "position" : [ 0, 3, 7 ],
+              "target" : [ 0, 0.8, 0 ],
+              "height" : 4
+          })},
          NULL,
          16,
          0.02},
-        {"panorama", LIGHTS, {SMALL, {"camera.type", "\"panoramic\""}}, NULL, 16, 0.02},
+        {"panorama",
+         LIGHTS,
+         {SMALL,
+          CAMERA({"type" : "panoramic", "position" : [ 0.2, 2, 1.5 ], "target" : [ 0, 0.8, 0 ]})},
+         NULL,
+         16,
+         0.03},
+        {"far",
+         LIGHTS,
+         {SMALL,
+          CAMERA(
+              {"position" : [ 0, 30000, 70000 ], "target" : [ 0, 0.8, 0 ], "fov_degrees" : 0.004})},
+         NULL,
+         16,
+         0.02},
         {"tent", LIGHTS, {SMALL, {"settings.filter", "\"tent\""}}, NULL, 16, 0.02},
         {"gaussian", LIGHTS, {SMALL, {"settings.filter", "\"gaussian\""}}, NULL, 16, 0.02},
         {"blackman-harris",
@@ -172,4 +204,23 @@ TEST(cameras)
     check_pictures(pictures, sizeof pictures / sizeof *pictures, true);
 }
 
-TEST_MAIN(TEST_CASE(lamps), TEST_CASE(surfaces), TEST_CASE(cameras))
+// Rough glass and metal under a lamp that camera paths find, too; media in each other; normals that
+// differ much from the surface's own; a sun; lamps of each shape; cut-outs, textures and
+// dispersion.
+TEST(focus)
+{
+    static const struct picture pictures[] = {
+        {"focus", FOCUS, {SMALL}, NULL, 16, 0.02},
+        {"focus, an image", FOCUS, {SMALL}, add_surroundings, 16, 0.02},
+        {"focus, without scaling",
+         FOCUS,
+         {SMALL, {"settings.radiance_scaling", "false"}},
+         NULL,
+         16,
+         0.02},
+        {"focus, normals by D", FOCUS, {SMALL, {"settings.normals", "\"ndf\""}}, NULL, 16, 0.03},
+    };
+    check_pictures(pictures, sizeof pictures / sizeof *pictures, false);
+}
+
+TEST_MAIN(TEST_CASE(lamps), TEST_CASE(surfaces), TEST_CASE(cameras), TEST_CASE(focus))
