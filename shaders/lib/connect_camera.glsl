@@ -112,37 +112,31 @@ float filter_density(vec2 offset)
 float choose_pixel(vec2 at, float u, out uint pixel)
 {
     vec2 size = vec2(frame.width, frame.height);
-    vec2 place = 0.5 * (at + 1.0) * size;
+    vec2 place = 0.5 * (at + 1.0) * size - 0.5; // pixels' centres are whole numbers
     float radius = frame.filter_radius;
-    pixel = 0u;
-    // Written so that what is not a number is refused.
-    if (!(all(greaterThanEqual(place, vec2(-radius))) &&
-          all(lessThanEqual(place, size + radius))))
-        return 0.0;
-    ivec2 last = ivec2(frame.width, frame.height) - 1;
-    if (FILTER == FILTER_BOX && radius == 0.5) {
-        ivec2 only = ivec2(floor(place));
-        bool inside = all(greaterThanEqual(only, ivec2(0))) && all(lessThanEqual(only, last));
-        pixel = inside ? uint(only.y) * frame.width + uint(only.x) : 0u;
-        return inside ? 1.0 : 0.0;
-    }
-    ivec2 first = max(ivec2(ceil(place - 0.5 - radius)), ivec2(0));
-    last = min(ivec2(floor(place - 0.5 + radius)), last);
+    vec2 low = max(ceil(place - radius), vec2(0.0));
+    vec2 high = min(floor(place + radius), size - 1.0);
+    // Written so that what is not a number covers nothing.
+    bool covers = all(lessThanEqual(low, high));
+    float columns = high.x - low.x + 1.0;
+    float count = covers ? columns * (high.y - low.y + 1.0) : 0.0;
     float sum = 0.0;
-    for (int y = first.y; y <= last.y; y++)
-        for (int x = first.x; x <= last.x; x++)
-            sum += filter_density(place - 0.5 - vec2(x, y));
+    for (float i = 0.0; i < count; i++) {
+        float row = floor((i + 0.5) / columns);
+        sum += filter_density(place - low - vec2(i - row * columns, row));
+    }
     float left = u * sum;
     bool found = false;
-    for (int y = first.y; y <= last.y; y++) {
-        for (int x = first.x; x <= last.x; x++) {
-            float density = filter_density(place - 0.5 - vec2(x, y));
-            // The last one that has any density is left for rounding.
-            if (density > 0.0 && !found)
-                pixel = uint(y) * frame.width + uint(x);
-            found = found || left < density;
-            left -= density;
-        }
+    pixel = 0u;
+    for (float i = 0.0; i < count; i++) {
+        float row = floor((i + 0.5) / columns);
+        vec2 chosen = low + vec2(i - row * columns, row);
+        float density = filter_density(place - chosen);
+        // The last one that has any density is left for rounding.
+        if (density > 0.0 && !found)
+            pixel = uint(chosen.y) * frame.width + uint(chosen.x);
+        found = found || left < density;
+        left -= density;
     }
     return sum;
 }

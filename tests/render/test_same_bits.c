@@ -92,6 +92,30 @@ static void check_further_scenes(bool all)
         check_file(further_scenes[i], "0", all);
 }
 
+// Light paths add to pixels of any wave, of any buffer of the film.
+static void check_light_paths(const char *path, bool all)
+{
+    const struct scene_override small[] = {{"film.width", "48"},
+                                           {"film.height", "32"},
+                                           {"settings.max_bounces", "6"},
+                                           {"settings.integrator", "\"bidir\""},
+                                           {0}};
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_scene(path, small, &scene, &err));
+    check_scene(&gpu, &scene, path, all);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST(light_paths)
+{
+    check_light_paths("scenes/cornell.json", true);
+    check_light_paths("tests/render/scenes/focus.json", false);
+}
+
 // The weights of Schlick's curve are shared by lobes: one that the scene lacks must not change how
 // those of the coat are rounded.
 TEST(clearcoat)
@@ -442,7 +466,7 @@ TEST(validation_is_silent)
 }
 
 TEST_MAIN(TEST_CASE(cornell), TEST_CASE(further_scenes), TEST_CASE(clearcoat),
-          TEST_CASE(split_lobes), TEST_CASE(split_paths_are_not_replayed),
+          TEST_CASE(light_paths), TEST_CASE(split_lobes), TEST_CASE(split_paths_are_not_replayed),
           TEST_CASE(normals_and_environment_image), TEST_CASE(waves_of_a_large_picture),
           TEST_CASE(scales), TEST_CASE(classes), TEST_CASE(workgroups),
           TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized), TEST_CASE(validation_is_silent),
