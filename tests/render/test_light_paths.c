@@ -223,4 +223,75 @@ TEST(focus)
     check_pictures(pictures, sizeof pictures / sizeof *pictures, false);
 }
 
-TEST_MAIN(TEST_CASE(lamps), TEST_CASE(surfaces), TEST_CASE(cameras), TEST_CASE(focus))
+struct refusal {
+    struct scene_override overrides[3];
+    uint32_t aovs;
+    bool tiles;
+    const char *words; // NULL: it is not refused
+};
+
+// What light paths cannot do is said, and what is next to it is not refused.
+TEST(refusals)
+{
+    static const struct refusal refusals[] = {
+        {{{"settings.nee", "false"}}, 0, false, "vertices without shadow rays"},
+        {{{"settings.nee_depth", "2"}}, 0, false, "vertices without shadow rays"},
+        {{{"settings.nee_depth", "3"}}, 0, false, NULL},
+        {{{"settings.mis", "\"none\""}}, 0, false, "--mis none"},
+        {{{"settings.light_choice", "\"tree\""}}, 0, false, "--light-choice"},
+        {{{"settings.light_choice", "\"power\""}}, 0, false, NULL},
+        {{{"settings.directions", "\"cosine\""}}, 0, false, "--directions bsdf"},
+        {{{"settings.clamp", "3"}}, 0, false, "--clamp"},
+        {{{"settings.min_density", "0.1"}}, 0, false, "--min-density"},
+        {{{"settings.split_lobes", "1"}}, 0, false, "--split-lobes"},
+        {{{"settings.film_accumulation", "\"sum\""}}, 0, false, "--accumulation"},
+        {{{"settings.pixel_jitter", "false"}}, 0, false, "fixed points of pixels"},
+        {{{"settings.pixel_sampling", "\"grid\""}}, 0, false, "fixed points of pixels"},
+        {{{"settings.pixel_sampling", "\"stratified\""}}, 0, false, NULL},
+        {{CAMERA({"type" : "panoramic", "position" : [ 0, 2, 1 ], "target" : [ 0, 0, 0 ]}),
+          {"settings.filter", "\"tent\""}},
+         0,
+         false,
+         "panoramic camera"},
+        {{{"settings.seed", "1"}}, 0, true, "--adaptive"},
+        {{{"settings.seed", "1"}}, AOV_DIRECT, false, "--error-by"},
+        {{{"settings.seed", "1"}}, AOV_BY_BOUNCE, false, "--error-by"},
+        {{{"settings.seed", "1"}}, AOV_ALBEDO | AOV_DEPTH, false, NULL},
+        {{{"lights.0.range", "5"}}, 0, false, "has a range of 5 m"},
+        {{{"materials.plastic", "{\"type\": \"dielectric\"}"}}, 0, false, NULL},
+        {{{"materials.floor", "{\"type\": \"dielectric\"}"},
+          {"shapes.0", "{\"type\": \"sphere\", \"material\": \"floor\", \"center\": [2, 1, 0], "
+                       "\"radius\": 1}"}},
+         0,
+         false,
+         "a lamp meets the bounds of shape 0"},
+        {{{"materials.floor", "{\"type\": \"dielectric\"}"},
+          {"shapes.0", "{\"type\": \"plane\", \"material\": \"floor\", \"normal\": [0, 1, 0]}"}},
+         0,
+         false,
+         "an infinite plane"},
+    };
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+        const struct refusal *refusal = &refusals[i];
+        struct scene scene;
+        struct renderer r;
+        struct err err = {0};
+        REQUIRE_OK(load_scene(LIGHTS, refusal->overrides, &scene, &err));
+        scene.settings.integrator = INTEGRATOR_BIDIR;
+        const struct renderer_params params = {
+            .gpu = &gpu, .scene = &scene, .aovs = refusal->aovs, .tiles = refusal->tiles};
+        bool ok = renderer_prepare(&params, &r, &err);
+        CHECK(ok == !refusal->words, "%zu: %s", i, ok ? "not refused" : err.msg);
+        if (!ok && refusal->words)
+            CHECK(err.code == ERR_INPUT && strstr(err.msg, refusal->words), "%zu: %s", i, err.msg);
+        if (ok)
+            renderer_finish(&r);
+        scene_finish(&scene);
+    }
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(lamps), TEST_CASE(surfaces), TEST_CASE(cameras), TEST_CASE(focus),
+          TEST_CASE(refusals))
