@@ -37,8 +37,7 @@
     M(origin)                                                                                      \
     M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(media) M(t) M(u) M(v) M(primitive)
 #define SHADOW_RAY(M) M(origin) M(ignore_from) M(direction) M(ignore_to) M(radiance) M(light_pdf)
-#define FILM_PIXEL(M)                                                                              \
-    M(samples) M(dropped) M(digits_a) M(digits_b) M(sums_a) M(sums_b)
+#define FILM_PIXEL(M) M(samples) M(dropped) M(digits_a) M(digits_b) M(sums_a) M(sums_b)
 #define RESOLVED_PIXEL(M) M(mean_a) M(samples) M(mean_b) M(dropped)
 #define DISPATCH(M) M(x) M(y) M(z) M(items)
 #define QUEUE(M) M(count) M(align_queue)
@@ -86,10 +85,11 @@
     M(ao_distance)                                                                                 \
     M(metre)                                                                                       \
     M(environment_reach)                                                                           \
-    M(ambient) M(pending_rays) M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start)   \
+    M(ambient)                                                                                     \
+    M(pending_rays) M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start)              \
         M(small_triangles) M(pixel_strata) M(mis_exponent) M(min_density) M(split_lobes)           \
-            M(environment_floor) M(align_frame) M(cells_begin) M(align_cells) M(cells_a_length)        \
-                M(align_cells_1)
+            M(environment_floor) M(align_frame) M(cells_begin) M(align_cells) M(cells_a_length)    \
+                M(align_cells_1) M(scene_center) M(scene_radius)
 #define SORT(M) M(count) M(place)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
@@ -279,7 +279,8 @@ TEST(embedded_kernels)
 // Kernels address these by words of 16 bytes.
 TEST(words_a_record)
 {
-    CHECK(sizeof(struct gpu_path) == 16 * PATH_WORDS_OF(0u, INTEGRATOR_PATH), "%zu", sizeof(struct gpu_path));
+    CHECK(sizeof(struct gpu_path) == 16 * PATH_WORDS_OF(0u, INTEGRATOR_PATH), "%zu",
+          sizeof(struct gpu_path));
     CHECK(offsetof(struct gpu_path, origin) == 16 * PATH_ORIGIN, "origin");
     CHECK(offsetof(struct gpu_path, direction) == 16 * PATH_DIRECTION, "direction");
     CHECK(offsetof(struct gpu_path, throughput) == 16 * PATH_THROUGHPUT, "throughput");

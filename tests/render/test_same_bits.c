@@ -113,7 +113,12 @@ static void check_light_paths(const char *path)
 TEST(light_paths)
 {
     check_light_paths("scenes/cornell.json");
+}
+
+TEST(light_paths_long)
+{
     check_light_paths("tests/render/scenes/focus.json");
+    check_light_paths("scenes/all_classes.json");
 }
 
 // The weights of Schlick's curve are shared by lobes: one that the scene lacks must not change how
@@ -471,4 +476,4 @@ TEST_MAIN(TEST_CASE(cornell), TEST_CASE(further_scenes), TEST_CASE(clearcoat),
           TEST_CASE(scales), TEST_CASE(classes), TEST_CASE(workgroups),
           TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized), TEST_CASE(validation_is_silent),
           TEST_CASE(further_scenes_long), TEST_CASE(normals_and_environment_image_long),
-          TEST_CASE(split_lobes_long))
+          TEST_CASE(split_lobes_long), TEST_CASE(light_paths_long))
