@@ -338,19 +338,13 @@ static bool add_splats(struct loop *l, struct err *err)
     return ok;
 }
 
-// Connects the last vertices of light paths to the camera.
-static bool trace_camera_rays(struct loop *l, struct err *err)
-{
-    return trace_queue(l, KERNEL_intersect_camera, QUEUE_SHADOW, err) && add_splats(l, err);
-}
-
 // Traces the shadow rays of a slot one after the other, so that contributions are added in the
 // order of lights.
 static bool trace_shadow_rays(struct loop *l, struct err *err)
 {
     struct renderer *r = l->r;
     if (l->is_light)
-        return trace_camera_rays(l, err);
+        return trace_queue(l, KERNEL_intersect_camera, QUEUE_SHADOW, err) && add_splats(l, err);
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow))
         return true;
     uint32_t rays = wave_shadow_launches(r, l->bounce);
@@ -588,8 +582,7 @@ static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
     return true;
 }
 
-// Follows the light paths of the wave, as many as its samples, before its camera paths: their
-// splats go to the halves of the film by the samples that it has so far.
+// Follows light paths before camera paths: splats go to halves by the samples that the film has.
 static bool trace_light_paths(const struct loop *camera, struct err *err)
 {
     struct loop l = *camera;

@@ -293,5 +293,27 @@ TEST(refusals)
     gpu_close(&gpu);
 }
 
+TEST(validated)
+{
+    static const char *const scenes[] = {LIGHTS, FOCUS};
+    const struct scene_override small[] = {SMALL, {0}};
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        struct scene scene;
+        struct gpu gpu;
+        struct arena arena = {0};
+        struct film_image film;
+        struct err err = {0};
+        OPEN_GPU(&gpu, .validation = true, .limits = {.storage_range = 1u << 15});
+        REQUIRE_OK(load_scene(scenes[i], small, &scene, &err));
+        scene.settings.integrator = INTEGRATOR_BIDIR;
+        const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
+        REQUIRE_OK(render_film(&params, 3, &arena, &film, NULL, &err));
+        CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
+        arena_finish(&arena);
+        scene_finish(&scene);
+        gpu_close(&gpu);
+    }
+}
+
 TEST_MAIN(TEST_CASE(lamps), TEST_CASE(surfaces), TEST_CASE(cameras), TEST_CASE(focus),
-          TEST_CASE(refusals))
+          TEST_CASE(refusals), TEST_CASE(validated))
