@@ -519,7 +519,10 @@ TEST(no_feature_is_forgotten)
     (FEATURE_CLASSES | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |             \
      FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA |               \
      FEATURE_NORMAL_MAPS | FEATURE_TILES)
-#define OTHER_KERNELS (BIT(KERNEL_shade_ao) | BIT(KERNEL_shade_whitted)) // other integrators
+// Of other integrators.
+#define OTHER_KERNELS                                                                              \
+    (BIT(KERNEL_shade_ao) | BIT(KERNEL_shade_whitted) | BIT(KERNEL_generate_light_rays) |          \
+     BIT(KERNEL_shade_light) | BIT(KERNEL_intersect_camera) | BIT(KERNEL_add_splats))
 #define SORT_KERNELS (BIT(KERNEL_sort_count) | BIT(KERNEL_sort_scan) | BIT(KERNEL_sort_scatter))
 #define CLASS_KERNELS (((1u << CLASS_COUNT) - 1u) << KERNEL_shade_diffuse)
 
