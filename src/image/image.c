@@ -283,7 +283,7 @@ static bool decode(const struct image_source *source, struct arena *arena, struc
         break;
     }
     return err_set(err, ERR_INPUT,
-                   "is no picture that can be read; expected EXR, HDR, PFM, PNG or JPEG");
+                   "is not an image that can be read; expected EXR, HDR, PFM, PNG or JPEG");
 }
 
 static bool decode_params(const struct image_read_params *params, struct image_source *source,
