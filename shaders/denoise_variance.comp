@@ -14,7 +14,8 @@ DENOISE_READ(records, DENOISE_RECORDS)
 DENOISE_WRITE(to, DENOISE_TO)
 
 const int SPATIAL_RADIUS = 3;
-// Schied et al. trust moments from so many frames on.
+// With fewer degrees of freedom the variance of the pixels around is used, as Schied et al. 2017 do
+// with fewer than 4 frames (section 4.2).
 const float FREEDOM_ENOUGH = 4.0;
 
 // Returns how similar a neighbour is, by geometry only; 0 beyond the image.

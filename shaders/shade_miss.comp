@@ -80,7 +80,8 @@ void main()
         radiance += found_suns(slot, ray.xyz, ray.w);
     uvec4 words = load_path(slot, PATH_THROUGHPUT);
     vec3 throughput = uintBitsToFloat(words.rgb);
-    // Out of an open mesh, or with the camera inside of something endless.
+    // The path is still in a medium if it left an open mesh, or if the camera is inside an
+    // unbounded shape. If that medium absorbs, no light from infinitely far arrives.
     if (HAS(FEATURE_MEDIA)) {
         vec3 extinction = load_medium(media_current(words.a)).extinction;
         throughput *= vec3(equal(extinction, vec3(0.0)));

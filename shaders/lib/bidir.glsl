@@ -74,9 +74,9 @@ float first_ratio(vec3 direction, float distance)
     return CAMERA == CAMERA_ORTHOGRAPHIC ? extent : extent * distance * distance;
 }
 
-// E Q for what is infinitely far and chosen with this density per solid angle, as seen from a
-// point: light paths begin on a disc as wide as the scene's bounding sphere, before it, and reach
-// no point beside it or behind the disc.
+// E / p of an emitter that is infinitely far in the unit direction `towards`. Light paths from it
+// begin, evenly, on a disc in front of the scene that is as wide as the scene's bounding sphere; so
+// E is p over the disc's area, and 0 at points that no ray from the disc reaches.
 float reach_of_far(vec3 point, vec3 towards)
 {
     vec3 from_center = point - frame.scene_center;

@@ -326,7 +326,8 @@ float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, u
                     (HAS_EMITTER(EMITTER_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
     uint index = primitive & ~PRIMITIVE_SHAPE;
     if (LIGHT_CHOICE == LIGHT_CHOICE_POWER) {
-        // All of one material alike, but for shapes of which it counts what is seen.
+        // All emitters of a material have one density, except convex shapes, of which only the
+        // visible part is sampled.
         if (HAS_EMITTER(EMITTERS_CONVEX) && is_shape)
             return shape_density(load_shape(index), m, 1.0, origin);
         return material_pick_density(m);

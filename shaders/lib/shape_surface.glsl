@@ -17,14 +17,15 @@ vec2 sphere_uv(vec3 n)
     return vec2(0.5 + atan_turns(n.x, n.z), 2.0 * atan_turns(length(n.xz), n.y));
 }
 
-// Towards growing u; any direction at the poles, where that is none.
+// The unit tangent along which u grows; at the poles, where there is none, any direction.
 vec3 sphere_tangent(vec3 n)
 {
     float across = length(n.xz);
     return across > 0.0 ? vec3(n.z, 0.0, -n.x) / across : vec3(1.0, 0.0, 0.0);
 }
 
-// Texture coordinates of a disc: the picture's largest circle, its axes those of basis_around().
+// Texture coordinates of a disc. It shows the image's inscribed circle; u grows along the first
+// axis of basis_around(), v against the second.
 vec2 disc_uv(mat3 basis, vec3 from_center, float radius)
 {
     return 0.5 + 0.5 / radius * vec2(dot(from_center, basis[0]), -dot(from_center, basis[1]));

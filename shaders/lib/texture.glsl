@@ -97,7 +97,7 @@ vec4 sample_texture(uint index, vec2 uv0, vec2 uv1)
     return filter_texture(load_texture(textures_begin() + index * TEXTURE_WORDS), uv0, uv1);
 }
 
-// --- what a texture does -------------------------------------------------------------------------
+// --- scaling parameters by texels ----------------------------------------------------------------
 
 float texel_channel(vec4 texel, uint channel)
 {

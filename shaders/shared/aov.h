@@ -40,11 +40,11 @@
 // the world itself. z is its material, plus 1.
 #define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
 
-// A film record and a slot keep what each class of --error-by brings to the radiance, for each
-// class and half: the parts first, then the bounces, then the emitters, as far as they are asked
-// for.
-#define BY_PART_COUNT 3u   // after no, one and more scattering events
-#define BY_BOUNCE_COUNT 8u // after so many events; the last one stands for all that have more
+// A slot, and a film record for each half-buffer, keep the contribution of each class of --error-by
+// to the radiance. The classes of the kinds that were asked for follow one another: parts, then
+// bounces, then emitters.
+#define BY_PART_COUNT 3u   // after no, one, and more than one scattering event
+#define BY_BOUNCE_COUNT 8u // after 0, 1, 2, ... scattering events; the last class has all the rest
 #define BY_EMITTER_TRIANGLES 0u
 #define BY_EMITTER_SHAPES 1u
 #define BY_EMITTER_LIGHTS 2u // delta lights: point, spot and directional

@@ -75,7 +75,7 @@
 #define DIRECTIONS_COSINE 3u
 #define DIRECTIONS_POWER_COSINE 4u // about the mirrored direction
 
-// Ways to sample the normals of rough microfacets.
+// Ways to sample microfacet normals.
 #define NORMALS_VISIBLE 0u // by the distribution of visible normals (Heitz 2018)
 #define NORMALS_NDF 1u     // by the full distribution D (Walter et al. 2007)
 
