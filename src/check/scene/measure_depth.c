@@ -197,7 +197,7 @@ static bool add_occlusion(struct survey *survey, struct err *err)
             .place = "setting integrator, ao",
             .figure = "no path is traced: no lamp, colour or material is used",
             .consequence = "The image shows ambient occlusion, not the scene's light.",
-            .remedy = "None is needed if that is wanted; otherwise use --integrator path.",
+            .remedy = "None is needed if ambient occlusion is wanted; else use --integrator path.",
             .share = 1.0,
         },
         err);
