@@ -120,20 +120,19 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "measure how far pictures are from a reference",
             .arguments = "IMAGE... REFERENCE",
             .description =
-                "Compares pictures x (.exr, .hdr, .png or .jpg; the latter two decoded to linear "
-                "light; FILE:LAYER is a layer of an EXR file) with a reference r of the same size. "
-                "Over all pixels and channels: mse, the mean of (x - r)^2; rmse, its root; relmse, "
-                "the mean of (x - r)^2 / (r^2 + 0.01); local-relmse, the same with the mean of r "
-                "around each pixel (a Gaussian of 1.5 pixels, as of SSIM) in place of r below, "
-                "which "
-                "is what render tells of its own pictures; smape, the mean of 2 |x - r| / (|x| + "
-                "|r| + "
-                "1e-6); of what a display shows, clamped and sRGB-encoded, psnr in dB, ssim and "
-                "flip; hdr-flip over the reference's range of exposures (both for 67 pixels a "
-                "degree); and max, the greatest difference. Pixels with a non-finite value in "
-                "either picture are counted and left out. mse, relmse and local-relmse have a 95 % "
-                "interval. "
-                "Several pictures make a table, in which the best of each column has a star.",
+                "Compares pictures x (.exr, .hdr, .png or .jpg; PNG and JPEG files are decoded to "
+                "linear light; FILE:LAYER is a layer of an EXR file) with a reference r of the "
+                "same size. Over all pixels and channels: mse is the mean of (x - r)^2; rmse is "
+                "its root; relmse is the mean of (x - r)^2 / (r^2 + 0.01); local-relmse, which "
+                "render estimates for its own pictures, is relmse with the mean of r around each "
+                "pixel (by SSIM's Gaussian of 1.5 pixels) in place of r in the denominator; smape "
+                "is the mean of 2 |x - r| / (|x| + |r| + 1e-6); max is the greatest difference. "
+                "psnr (in dB), ssim and flip compare what a display shows: values clamped and "
+                "sRGB-encoded. hdr-flip compares over the reference's range of exposures; it and "
+                "flip assume 67 pixels a degree. Pixels with a non-finite value in either picture "
+                "are counted and left out of the means. mse, relmse and local-relmse have a 95 % "
+                "interval. Several pictures make a table, in which the best value of each column "
+                "has a star.",
             .examples = "lampyris compare out.exr reference.exr --max relmse=1e-3\n"
                         "lampyris compare a.exr b.exr reference.exr --report page.html\n"
                         "lampyris compare a.exr b.exr reference.exr --reference-variance auto\n"

@@ -6,8 +6,8 @@
 #include "cli/options.h"
 #include <stdio.h>
 
-// A script for lampyris, or (command: COMMAND_VIEW) for lampyris-view, whose command line is that
-// of the command without the word. Options for tests are left out.
+// A completion script for `program`. lampyris-view is a command of its own (`only`): its command
+// line does not begin with the name of a command. Options for tests are left out.
 struct completion {
     FILE *out;
     const struct command *only; // the command that the program is; NULL: the word says which

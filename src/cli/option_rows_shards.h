@@ -21,8 +21,9 @@
     [OPTION_MIXED] = {
         .name = "mixed", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
         .common = FOR_MERGE, .brief = "Parts may be of several devices and drivers.",
-        .help = "Take parts of several devices and drivers. The picture is then not the one of any of "
-                "them, bit for bit. Says whether the devices' pictures differ by more than their noise.",
+        .help = "Accept parts that several devices and drivers rendered. The picture's bits are "
+                "then not those of any one device. merge reports whether the devices' pictures "
+                "differ by more than their noise.",
         FIELD(merge.mixed),
     },
     [OPTION_STATUS] = {

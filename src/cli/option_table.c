@@ -403,8 +403,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_RENDER, .fallback = "none",
         .help = "Send the picture as it grows to the viewer tev, which listens on port 14158; "
                 "HOST is 127.0.0.1 where only \":PORT\" or \"PORT\" is given, [::1]:14158 an "
-                "address of IPv6. The render goes on without where nobody listens. The picture "
-                "keeps its bits.",
+                "address of IPv6. Where nobody listens, the render goes on without tev. The "
+                "picture keeps its bits.",
         FIELD(render.tev),
     },
     [OPTION_ONLY] = {
@@ -437,10 +437,11 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "fix", .argument = "OUT.json", .type = VALUE_TEXT, .group = "Cases",
         .commands = FOR_CHECK, .fallback = "none",
         .common = FOR_CHECK, .brief = "Write the scene with the harmless remedies.",
-        .help = "Write the scene with the harmless remedies applied: those that remove an error, or "
-                "something without effect, and change nothing else of the picture. Says which. "
-                "Options of the command line that change the scene are part of what is written. "
-                "The exit code is 0 where nothing is wrong in that file any more, else 1.",
+        .help = "Write the scene with the harmless remedies applied: those that remove an error, "
+                "or something without effect, and change nothing else in the picture. check lists "
+                "the remedies that it applied. Changes to the scene by options of the command "
+                "line are written, too. The exit code is 0 if nothing is wrong in the written "
+                "file any more, else 1.",
         FIELD(check.fix),
     },
     [OPTION_REPORT] = {
@@ -492,8 +493,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Device", .commands = FOR_SCENE | FOR_COMPARE | FOR_MERGE,
         .fallback = "three quarters of what is available",
         .help = "Host memory that scenes, pictures and hierarchies may take; a scene that needs more is "
-                "refused before it is allocated. Available is what the machine, its control groups "
-                "and ulimit leave. K, M and G may follow the number: 8G is 8 GiB.",
+                "refused before it is allocated. The default is a share of the memory that the "
+                "machine, its control groups and ulimit leave. K, M and G may follow the number: "
+                "8G is 8 GiB.",
         FIELD(memory),
     },
     [OPTION_REOPEN] = {
@@ -605,9 +607,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_SCRIPT] = {
         .name = "script", .argument = "FILE", .type = VALUE_TEXT, .group = "Viewer",
         .commands = FOR_VIEW, .fallback = "none",
-        .common = FOR_VIEW, .brief = "Run keys, mouse and changes from FILE.",
-        .help = "Run keys, mouse, changes and pictures from FILE, a command a line, and end "
-                "with it: see docs/viewer.md. A command that fails ends the viewer with 1.",
+        .common = FOR_VIEW, .brief = "Run the commands in FILE, one a line.",
+        .help = "Run the commands in FILE, one a line, which press keys, move the mouse, change "
+                "values and save pictures (see docs/viewer.md). The viewer ends after the last "
+                "one, or with exit code 1 at the first that fails.",
         FIELD(view.script),
     },
     [OPTION_HEADLESS] = {

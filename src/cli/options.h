@@ -172,10 +172,10 @@ struct option_def {
     const char *help;     // sentences, with units
     const char *group;    // heading in the help
     unsigned commands;    // bit 1 << enum command_id for each command that takes it
-    unsigned common; // the commands among these whose --help has it; a setting: those with a brief
-    const char *brief;             // the line that --help says of it, where it does
-    bool is_for_tests;             // manual pages and tests/README.md alone have it, no help
-    size_t offset, size;           // place and size of the field in struct options
+    unsigned common;      // those of `commands` whose --help lists it; 0 for settings
+    const char *brief;    // its line in --help; settings have their own, in `setting`
+    bool is_for_tests;    // manual pages and tests/README.md alone have it, no help
+    size_t offset, size;  // place and size of the field in struct options
     const struct setting *setting; // says what is not set here; NULL: it is no setting
 };
 

@@ -329,7 +329,7 @@ static void print_kept(struct merge *merge, const struct options *options)
     const char *samples = samples_text(&merge->samples, &merge->arena);
     fputs("kept      ", stdout);
     print_words(options->render.checkpoint);
-    printf(", samples %s of %" PRIu64 " a pixel, of %u parts\n", samples ? samples : "",
+    printf(", samples %s of %" PRIu64 " a pixel, from %u parts\n", samples ? samples : "",
            merge->planned, merge->count);
 }
 

@@ -36,8 +36,8 @@ struct render_ranks {
 // Returns how many processes mpirun or srun started of which this is one; 1 where none did.
 uint32_t render_ranks_expected(void);
 
-// Renders as a rank. Prints the result on rank 0, and failures on any. Returns the exit code; but
-// for EXIT_CODE_OK, the other ranks still wait.
+// Renders as a rank. Prints the result on rank 0, and failures on any. Returns the exit code. If it
+// is not EXIT_CODE_OK, other ranks may still wait for this one, and the caller must abort them.
 int render_with_ranks(const struct options *options, struct render_ranks *ranks);
 
 #endif

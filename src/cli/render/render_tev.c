@@ -72,7 +72,7 @@ static bool pack_picture(const struct film_image *film, uint32_t aovs, struct te
 
 static void give_up(struct render_run *run)
 {
-    log_warn("--tev: out of memory for a copy of the picture; the render goes on without");
+    log_warn("--tev: out of memory for a copy of the picture; the render goes on without tev");
     tev_close(run->tev.viewer);
     run->tev.viewer = NULL;
 }

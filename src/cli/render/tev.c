@@ -105,7 +105,7 @@ static bool fail(struct tev *tev, const char *reason)
 {
     if (is_abandoned(tev)) // nobody waits for it any more, and tev_wait has reported that
         return false;
-    log_warn("--tev: %s port %s: %s; the render goes on without", tev->address.host,
+    log_warn("--tev: %s port %s: %s; the render goes on without tev", tev->address.host,
              tev->address.port, reason);
     return false;
 }
