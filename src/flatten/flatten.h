@@ -109,10 +109,11 @@ struct flat_scene {
     uint32_t placed_count; // length of `instances`
     struct flat_shape *shapes;
     uint32_t shape_count;
-    // The origin of each triangle in the scene: see flat_triangle_source().
+    // The following members say where in the scene each triangle comes from: see
+    // flat_triangle_source().
     uint32_t instance_count; // number of instances in the scene
-    // The number of triangles, dropped ones included, before those of each instance, then before
-    // those of each entry of `meshes`.
+    // For each instance, then for each entry of `meshes`: the number of triangles, dropped ones
+    // included, that precede its own.
     uint32_t *instance_first;
     uint32_t *dropped_before; // for each dropped triangle, the flat triangle that follows it
     bool *material_used;      // for each material of the scene, whether a primitive has it
