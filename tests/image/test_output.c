@@ -180,8 +180,8 @@ TEST(wrong_encodings_are_found_out)
     temporary_leave(folder);
 }
 
-// Kinds of channels whose bits arithmetic would not keep: signalling NaN, integers past 2^24,
-// values that halves round and bring to their limit.
+// Values that must be written exactly although arithmetic would change their bits: signalling NaNs,
+// integers above 2^24, and values that halves round or cannot hold.
 TEST(right_encodings_pass)
 {
     static const uint32_t odd[] = {0x7f800001, 0xffc00000, 0x80000000, 1,          0x7f800000,

@@ -419,7 +419,8 @@ TEST(samples_are_those_of_what_exceeds_the_mean)
     free(items);
 }
 
-// Extreme uniforms: a density that is finite, a unit direction, and radiance where the density is.
+// Extreme uniforms must give a unit direction and a finite density, and radiance exactly where the
+// density is not 0.
 TEST(extreme_uniforms)
 {
     static const float values[] = {0, 0x1p-24f, 0.25f, 0.5f, 1 - 0x1p-24f};

@@ -20,9 +20,10 @@ bool load_mesh_file(const char *name, struct scene *scene, struct err *err);
 
 // --- rays ----------------------------------------------------------------------------------------
 
-// From around and from inside the scene's bounds, in random directions, along axes (with zeros of
-// both signs), in planes of two axes, with tiny components, and at edges (vertices and edges'
-// midpoints of triangles, and just inside or outside of the outlines of shapes): by turns.
+// Makes rays from points around and inside the scene's bounds. By turns they go in random
+// directions, along axes (with zeros of both signs), in planes of two axes, in directions with a
+// tiny component, and towards edges: triangles' vertices and midpoints of edges, and points just
+// inside or outside the outlines of shapes.
 void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
                          struct probe_ray *rays);
 // Segments between random points, among them ones along axes; some end at edges,

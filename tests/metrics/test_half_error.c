@@ -26,7 +26,7 @@ static double spike_noise(uint64_t *random, int samples)
 struct picture {
     uint32_t width, height;
     float (*half_a)[3], (*half_b)[3];
-    bool gray; // one noise for all channels, as light's mostly is, and not one for each
+    bool gray; // all channels have the same noise, as light mostly has, not one of their own
 };
 
 static void picture_finish(struct picture *picture)
@@ -272,9 +272,9 @@ TEST(mse_matches_hand_value)
     picture_finish(&picture);
 }
 
-// The interval must cover the picture's error in 95 % of pictures, and so must the bounds; 3 % are
-// 4.4 deviations of 1,000 draws. It covers more where it holds what the pixels' own values may be,
-// but must not be wider than that takes.
+// The interval must cover the picture's error in 95 % of pictures, and so must the bounds; the test
+// allows 3 % less, which is 4.4 standard deviations of 1,000 draws. Where the interval allows for
+// unknown values of single pixels it covers more, but its mean factor is at most `factor_most`.
 static void check_coverage(const char *name, content_fn content, noise_fn noise, uint32_t width,
                            uint32_t height, int samples, double factor_most)
 {

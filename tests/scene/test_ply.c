@@ -126,7 +126,8 @@ TEST(colours_and_texture_coordinates)
 
 TEST(strips_alternate_their_winding)
 {
-    // Seven triangles stand in three runs; a repeated corner makes none but turns the winding.
+    // The first list has three runs, separated by -1. A triangle with a repeated corner is left
+    // out, but the winding still alternates past it.
     struct scene scene;
     struct mesh mesh =
         load_text(&scene, "ply\nformat ascii 1.0\nelement vertex 6\n" XYZ

@@ -1,8 +1,8 @@
 """The two renderers behind one interface: open() a scene, render() it with samples and a seed, close().
 
-render() returns wall and processor seconds, and both have some in them that no sample needs: Lampyris' processor seconds are
-those of its process, from loading to writing, its wall seconds those of rendering; Cycles' are those of the operator that
-renders and writes.
+render() returns wall and processor seconds. Both include some time that does not depend on the number of samples. Lampyris'
+processor seconds are those of its process, from loading to writing; its wall seconds are those of rendering alone. Both of
+Cycles are those of the operator that renders and writes.
 """
 import hashlib
 import json
