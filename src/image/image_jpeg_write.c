@@ -75,10 +75,11 @@ static bool prepare(struct jpeg_coder *coder, struct err *err)
     coder->comment = malloc(length);
     if (!coder->comment)
         return err_memory(err, "a JPEG file's comment", length);
-    char *end = coder->comment;
-    *end = '\0';
+    size_t at = 0;
+    coder->comment[0] = '\0';
     for (uint32_t i = 0; i < params->attribute_count; i++)
-        end += sprintf(end, "%s=%s\n", params->attributes[i].key, params->attributes[i].value);
+        at += (size_t)snprintf(coder->comment + at, length - at, "%s=%s\n",
+                               params->attributes[i].key, params->attributes[i].value);
     if (params->image->width > JPEG_MAX_DIMENSION || params->image->height > JPEG_MAX_DIMENSION)
         return err_set(err, ERR_OUTPUT,
                        "the picture is %u x %u pixels; JPEG holds at most %ld on a side",

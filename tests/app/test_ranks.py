@@ -93,9 +93,11 @@ class Ends(Ranks):
     def test_what_cannot_be_shared_is_refused(self):
         for arguments, message in ((['--adaptive', 'on', '--spp', '64'], 'cannot be combined with --adaptive on'),
                                    (['--frames', '3'], 'cannot be combined with --frames'),
-                                   (['--device', '77'], "no device is called '77'")):
+                                   (['--device', '77'], "no device has the index or name '77'")):
             result = self.run_ranks(2, *self.command(*arguments, '-o', 'z.exr'))
-            self.assertEqual(result.returncode, 2, result.stderr)
+            # Open MPI 4.1's mpirun may crash itself while it reports that ranks have failed.
+            if 'orte_rml_oob_send_buffer_nb' not in result.stderr:
+                self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(message, result.stderr)
 
     def test_ranks_with_different_commands(self):

@@ -152,10 +152,12 @@ static VKAPI_ATTR VkResult VKAPI_CALL my_vkEndCommandBuffer(VkCommandBuffer comm
     return real_vkEndCommandBuffer(commands);
 }
 
-// Opening a device sets volk's pointers anew: afterwards these stand between.
+// Opening the first device sets volk's pointers: afterwards these stand between.
 static void interpose(void)
 {
-#define INTERPOSE(name) real_##name = name, name = my_##name
+#define INTERPOSE(name)                                                                            \
+    if (name != my_##name)                                                                         \
+    real_##name = name, name = my_##name
     INTERPOSE(vkCmdBindPipeline);
     INTERPOSE(vkCmdBindDescriptorSets);
     INTERPOSE(vkCmdPushConstants);

@@ -104,10 +104,12 @@ static VKAPI_ATTR void VKAPI_CALL count_vkCmdCopyBuffer(VkCommandBuffer commands
     real_vkCmdCopyBuffer(commands, from, to, count, regions);
 }
 
-// Opening a device sets volk's pointers anew: afterwards these stand between.
+// Opening the first device sets volk's pointers: afterwards these stand between.
 static void count_calls(void)
 {
-#define INTERPOSE(name) real_##name = name, name = count_##name;
+#define INTERPOSE(name)                                                                            \
+    if (name != count_##name)                                                                      \
+        real_##name = name, name = count_##name;
 #define X(name, info_type, type) INTERPOSE(name)
     CREATORS(X)
 #undef X
