@@ -50,6 +50,8 @@ static bool check_settings(const struct light_paths_params *p, struct err *err)
         {!settings_spread_over_pixel(s) || s->pixel_sampling == PIXEL_SAMPLING_GRID,
          "samples at fixed points of pixels", "no light path meets a point",
          "--pixel-jitter on and another --pixel-sampling"},
+        {settings_filter_radius(s) < 0.5f, "a filter narrower than a pixel",
+         "light paths would seldom meet what it covers", "--filter-radius 0.5 or more"},
         {is_panorama && settings_filter_radius(s) > 0.5f,
          "a panoramic camera with a filter that is wider than a pixel",
          "light paths do not follow it across the picture's edges", "--filter box"},
@@ -200,12 +202,6 @@ static bool check_media(const struct light_paths_params *p, struct err *err)
         struct box box;
         if (!is_medium(p, shape->material))
             continue;
-        if (shape->kind == SHAPE_PLANE)
-            return err_set(err, ERR_INPUT,
-                           "--integrator bidir: shape %u is an infinite plane with a medium "
-                           "behind it, in which light paths cannot begin: expected a closed "
-                           "surface, or --integrator path",
-                           shape->source);
         flat_shape_box(shape, box.min, box.max);
         if (has_emitter_in(p, &box))
             return refuse_lamp("shape", shape->source, err);
@@ -217,6 +213,14 @@ static bool check_media(const struct light_paths_params *p, struct err *err)
 
 static bool check_emitters(const struct light_paths_params *p, struct err *err)
 {
+    // Paths of light that comes from infinitely far begin near the scene's bounds, which planes
+    // exceed: they would begin behind a plane.
+    for (uint32_t i = 0; i < p->flat->shape_count; i++)
+        if (p->flat->shapes[i].kind == SHAPE_PLANE)
+            return err_set(err, ERR_INPUT,
+                           "--integrator bidir: shape %u is an infinite plane, behind which light "
+                           "paths could begin: expected a quad, or --integrator path",
+                           p->flat->shapes[i].source);
     for (uint32_t i = 0; i < p->scene->light_count; i++) {
         const struct light *light = &p->scene->lights[i];
         if (!light->hidden && light->kind != LIGHT_DIRECTIONAL && isfinite(light->range))
