@@ -243,7 +243,8 @@ LAMPYRIS_API enum lampyris_status lampyris_render_begin(struct lampyris_scene *s
                                                         struct lampyris_render **out);
 LAMPYRIS_API void lampyris_render_release(struct lampyris_render *render);
 
-// What ends a step: whichever comes first. All count from the render's beginning.
+// The goals of a step, which ends at the first that is reached. All count from the beginning of the
+// render.
 struct lampyris_goal {
     size_t size;
     uint64_t samples; // per pixel; 0: as many as `seconds` and `error` take

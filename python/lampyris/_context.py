@@ -18,7 +18,21 @@ def _log(_user, level, message):
     logger.log(LEVELS[level], '%s', _native.decode(message))
 
 
-class Context:
+class _Handle:
+    """A handle of the library, which the end of a with statement closes, or else garbage collection."""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def __del__(self):
+        if getattr(self, '_handle', None):
+            self.close()
+
+
+class Context(_Handle):
     """A device, opened by the first render. Functions of the module use a common one unless they are
     given another. Any thread may use a context; calls wait for one another. Messages go to the logger
     "lampyris"."""
@@ -91,18 +105,8 @@ class Context:
         if handle:
             self._discard(lib.context_release, handle)
 
-    def __enter__(self):
-        return self
 
-    def __exit__(self, *_):
-        self.close()
-
-    def __del__(self):
-        if getattr(self, '_handle', None):
-            self.close()
-
-
-class Owned:
+class Owned(_Handle):
     """An object of the library, which a context owns."""
 
     _release = None
@@ -121,16 +125,6 @@ class Owned:
         handle, self._handle = self._handle, None
         if handle:
             self._context._discard(self._release, handle)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()
-
-    def __del__(self):
-        if getattr(self, '_handle', None):
-            self.close()
 
 
 _common = None

@@ -50,9 +50,9 @@ bool is_reversible(vertex v, vec3 onwards)
     return all(equal(n, v.frame[2])) && sides_agree(other, v.view, v.view * other.frame);
 }
 
-// What a direction scattered within the plane of the shading normal is weighted by, so that light
-// keeps the measure of the real surface (Veach 1997, eq. 5.20), but for the cosine of v.view with
-// the shading normal.
+// Returns the factor by which a light path's BSDF is corrected for the shading normal (Veach 1997,
+// eq. 5.20), without the cosines with the shading normal itself: the ratio of the cosines of the two
+// directions with the geometric normal.
 float measure_ratio(vertex v, vec3 onwards)
 {
     return abs(dot(onwards, v.s.normal_geometric) / dot(v.view, v.s.normal_geometric));

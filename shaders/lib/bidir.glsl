@@ -25,7 +25,8 @@
 
 #define IS_BIDIR (INTEGRATOR == INTEGRATOR_BIDIR)
 
-// What the chosen heuristic makes of a ratio of densities; see mis_weight().
+// Applies the chosen heuristic of multiple importance sampling to a ratio of two densities, as
+// mis_weight() does.
 float heuristic(float ratio)
 {
     if (MIS == MIS_POWER_ANY)
@@ -33,8 +34,8 @@ float heuristic(float ratio)
     return MIS == MIS_BALANCE ? ratio : ratio * ratio;
 }
 
-// The weight of what a camera path brings, by the densities of the other way of camera paths and of
-// light paths over its own.
+// Returns the weight of a contribution of a camera path. The arguments are ratios to its own density:
+// of the other strategy of camera paths (shadow rays or hitting the emitter), and of light paths.
 float weight_of_camera_path(float other, float of_light_paths)
 {
 #ifdef LIGHT_PATHS_ALONE // tests only: do light paths bring all that they can?

@@ -8,7 +8,7 @@
 #define INTEGRATOR_DIRECT 1u // one scattering event
 #define INTEGRATOR_AO 2u     // how much of the sky each surface sees within a distance
 #define INTEGRATOR_WHITTED                                                                         \
-    3u // Whitted 1979: perfect reflection and refraction, hard shadows, Phong
+    3u                      // Whitted 1979: perfect reflection and refraction, hard shadows, Phong
 #define INTEGRATOR_BIDIR 4u // as INTEGRATOR_PATH, found by light paths too
 
 // Sources of random numbers.

@@ -261,9 +261,9 @@ struct gpu_path {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_path, 64);
 // Words of four from one path's record to the next. With instances it has one more: the instance
-// that was hit and that on which the ray starts, or NO_INSTANCE; 0, 0. With INTEGRATOR_BIDIR the last
-// one has what weights are made of: of a camera path Q of lib/bidir.glsl; of a light path two ratios
-// of densities, the scale of its throughput, and the half of the film that it adds to.
+// that was hit and that on which the ray starts, or NO_INSTANCE; 0, 0. With INTEGRATOR_BIDIR the
+// last one has what weights are made of: of a camera path Q of lib/bidir.glsl; of a light path two
+// ratios of densities, the scale of its throughput, and the half of the film that it adds to.
 #define PATH_WORDS_OF(geometry, integrator)                                                        \
     ((((geometry)&GEOMETRY_INSTANCES) != 0u ? 5u : 4u) +                                           \
      ((integrator) == INTEGRATOR_BIDIR ? 1u : 0u))

@@ -10,8 +10,8 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "render a scene to pictures",
             .arguments = "SCENE",
             .description =
-                "Renders a scene file (.json, .gltf, .glb, .obj, .ply or .stl) by path tracing, on any "
-                "Vulkan device with compute shaders. Settings come from the options, else from "
+                "Renders a scene file (.json, .gltf, .glb, .obj, .ply or .stl) by path tracing, on "
+                "any Vulkan device with compute shaders. Settings come from the options, else from "
                 "the scene file, else they are the defaults given below. A model without a camera "
                 "is framed; one without light is lit by a studio and stands on a ground, see "
                 "--studio. The summary says how "

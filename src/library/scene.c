@@ -93,13 +93,9 @@ static bool set_path(struct lampyris_scene *scene, const char *path, struct err 
 
 static bool check_model(const char *path, struct err *err)
 {
-    static const char *const known[] = {"gltf", "glb", "obj", "ply", NULL};
-    for (const char *const *extension = known; *extension; extension++)
-        if (path_has_extension(path, *extension))
-            return file_exists(path) || err_set(err, ERR_INPUT, "%s: there is no such file", path);
-    return err_set(err, ERR_INPUT,
-                   "%s: extension \"%s\" is unknown; expected json, gltf, glb, obj or ply", path,
-                   path_extension(path));
+    if (path_has_extension(path, "gltf") || path_has_extension(path, "glb") || is_mesh_file(path))
+        return file_exists(path) || err_set(err, ERR_INPUT, "%s: there is no such file", path);
+    return scene_unknown_extension(path, err);
 }
 
 enum lampyris_status lampyris_scene_load(struct lampyris_context *context, const char *path,

@@ -105,6 +105,13 @@ static bool check_gltf_only(const struct scene_load_params *params, struct err *
     return true;
 }
 
+bool scene_unknown_extension(const char *path, struct err *err)
+{
+    return err_set(err, ERR_INPUT,
+                   "%s: extension \"%s\" is unknown; expected json, gltf, glb, obj, ply or stl%s",
+                   path, path_extension(path), mesh_file_hint(path));
+}
+
 static bool load_by_extension(struct scene *scene, const struct scene_load_params *params,
                               struct err *err)
 {
@@ -122,9 +129,7 @@ static bool load_by_extension(struct scene *scene, const struct scene_load_param
         return load_gltf(scene, params, err);
     if (is_mesh_file(params->path))
         return load_mesh_alone(scene, params, err);
-    return err_set(err, ERR_INPUT,
-                   "%s: extension \"%s\" is unknown; expected json, gltf, glb, obj, ply or stl%s",
-                   params->path, extension, mesh_file_hint(params->path));
+    return scene_unknown_extension(params->path, err);
 }
 
 static bool override_environment(struct scene *scene, const struct scene_load_params *params,

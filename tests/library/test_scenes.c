@@ -93,8 +93,10 @@ TEST(errors_have_status_file_place_and_what_was_expected)
     CHECK(lampyris_scene_load(context, "none.json", NULL, &scene) == LAMPYRIS_INPUT && !scene);
     CHECK(strcmp(error_of(context).file, "none.json") == 0, "%s", error_of(context).file);
     CHECK(lampyris_scene_load(context, "none.glb", NULL, &scene) == LAMPYRIS_INPUT);
-    CHECK(lampyris_scene_load(context, "none.fbx", NULL, &scene) == LAMPYRIS_INPUT);
-    CHECK(strcmp(error_of(context).expected, "json, gltf, glb, obj or ply") == 0, "%s",
+    CHECK(lampyris_scene_load(context, "none.stl", NULL, &scene) == LAMPYRIS_INPUT);
+    CHECK(strstr(error_of(context).message, "no such file"), "%s", error_of(context).message);
+    CHECK(lampyris_scene_load(context, "none.xyz", NULL, &scene) == LAMPYRIS_INPUT);
+    CHECK(strcmp(error_of(context).expected, "json, gltf, glb, obj, ply or stl") == 0, "%s",
           error_of(context).expected);
     CHECK(lampyris_scene_parse(context, "{", "a", NULL, &scene) == LAMPYRIS_INPUT);
     CHECK(strstr(error_of(context).message, "a/document.json: line 1"), "%s",

@@ -56,12 +56,13 @@ static void check_scene(struct gpu *gpu, struct scene *scene, const char *name, 
     arena_finish(&arena);
 }
 
-static void check_file(const char *path, const char *split_lobes, bool all)
+static void check_file(const char *path, const char *max_bounces, struct scene_override setting,
+                       bool all)
 {
     const struct scene_override small[] = {{"film.width", "48"},
                                            {"film.height", "32"},
-                                           {"settings.max_bounces", "6"},
-                                           {"settings.split_lobes", split_lobes},
+                                           {"settings.max_bounces", max_bounces},
+                                           setting,
                                            {0}};
     struct scene scene;
     struct gpu gpu;
@@ -73,9 +74,15 @@ static void check_file(const char *path, const char *split_lobes, bool all)
     gpu_close(&gpu);
 }
 
+// Camera paths, which split or not.
+static void check_paths(const char *path, const char *split_lobes, bool all)
+{
+    check_file(path, "6", (struct scene_override){"settings.split_lobes", split_lobes}, all);
+}
+
 TEST(cornell)
 {
-    check_file("scenes/cornell.json", "0", true);
+    check_paths("scenes/cornell.json", "0", true);
 }
 
 // all_classes.json has every class of surfaces, media and lights of every kind.
@@ -89,25 +96,13 @@ static const char *const further_scenes[] = {
 static void check_further_scenes(bool all)
 {
     for (size_t i = 0; i < sizeof further_scenes / sizeof further_scenes[0]; i++)
-        check_file(further_scenes[i], "0", all);
+        check_paths(further_scenes[i], "0", all);
 }
 
 // Light paths add to pixels of any wave, of any buffer of the film.
 static void check_light_paths(const char *path)
 {
-    const struct scene_override small[] = {{"film.width", "48"},
-                                           {"film.height", "32"},
-                                           {"settings.max_bounces", "4"},
-                                           {"settings.integrator", "\"bidir\""},
-                                           {0}};
-    struct scene scene;
-    struct gpu gpu;
-    struct err err = {0};
-    OPEN_GPU(&gpu, 0);
-    REQUIRE_OK(load_scene(path, small, &scene, &err));
-    check_scene(&gpu, &scene, path, false);
-    scene_finish(&scene);
-    gpu_close(&gpu);
+    check_file(path, "4", (struct scene_override){"settings.integrator", "\"bidir\""}, false);
 }
 
 TEST(light_paths)
@@ -200,7 +195,7 @@ TEST(split_paths_are_not_replayed)
 
 TEST(split_lobes_long)
 {
-    check_file("scenes/all_classes.json", "3", true);
+    check_paths("scenes/all_classes.json", "3", true);
 }
 
 TEST(further_scenes)

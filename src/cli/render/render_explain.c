@@ -112,8 +112,8 @@ void explain_print(struct render_run *run)
     if (r->specialization.sort_rays)
         printf("sort      rays are sorted by octant and cell from bounce %u on\n",
                SORT_FIRST_BOUNCE);
-    puts("saved     device memory in bytes and SPIR-V instructions that each part would add, if only "
-         "that part were not left out:\n");
+    puts("saved     device memory in bytes and SPIR-V instructions that each part would add, if it "
+         "alone were not left out:\n");
     printf("%-47s  %12s  %12s  %s\n", "left out", "bytes", "instructions", "why");
     parts_visit(r, print_part, run);
 }

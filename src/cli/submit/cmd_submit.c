@@ -20,7 +20,8 @@ struct submission {
 
 // --- checks --------------------------------------------------------------------------------------
 
-// What a shard would refuse is refused here, before it waits in a queue. That needs no device.
+// Settings that a shard would refuse are refused here, before the job waits in a queue. The check
+// needs no device.
 static bool check_render(const struct options *options, struct err *err)
 {
     struct scene scene = {0};

@@ -327,6 +327,8 @@ bool is_mesh_file(const char *path);
 // Returns the end of a message about a file of another format: "; PROGRAM can export it as glTF"
 // where a program is known that can, else "".
 const char *mesh_file_hint(const char *path);
+// Fails with ERR_INPUT: the file is of none of the formats of scenes, which the message lists.
+bool scene_unknown_extension(const char *path, struct err *err);
 // Loads a file of one of these formats, which its extension names.
 bool load_mesh_by_extension(struct scene *scene, const char *path, uint32_t default_material,
                     bool allow_outside_paths, uint32_t *index, struct err *err);

@@ -8,10 +8,8 @@
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"
-#include "base/hash.h"
 #include "base/log.h"
 #include "image/image.h"
-#include "scene/core/text.h"
 
 #include <math.h>
 #include <string.h>
@@ -567,12 +565,8 @@ static void warn_about(const struct obj_parser *parser)
 
 static bool parse(struct obj_parser *parser, struct mesh *mesh, struct err *err)
 {
-    struct file_bytes bytes;
-    const char *path = parser->text.path;
-    if (!file_read(&parser->scratch, path, 0, &bytes, err))
+    if (!mesh_open(parser->scene, &parser->scratch, parser->text.path, &parser->start, err))
         return false;
-    parser->scene->hash = hash_bytes(parser->scene->hash, bytes.data, bytes.size);
-    parser->start = text_open(path, &bytes);
     parser->start.joins_lines = true;
     if (!for_each_statement(parser, &parser->start, 0, 0.3, count_statement, err) ||
         !allocate(parser, err))

@@ -5,10 +5,8 @@
 #include "scene/mesh/ply_header.h"
 
 #include "base/file.h"
-#include "base/hash.h"
 #include "base/log.h"
 #include "image/image.h"
-#include "scene/core/text.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -397,11 +395,8 @@ static void warn_about(const struct ply_parser *parser)
 static bool parse(struct ply_parser *parser, uint32_t default_material, struct mesh *mesh,
                   struct err *err)
 {
-    struct file_bytes bytes;
-    if (!file_read(&parser->scratch, parser->text.path, 0, &bytes, err))
+    if (!mesh_open(parser->scene, &parser->scratch, parser->text.path, &parser->text, err))
         return false;
-    parser->scene->hash = hash_bytes(parser->scene->hash, bytes.data, bytes.size);
-    parser->text = text_open(parser->text.path, &bytes);
     parser->start = parser->text.at;
     if (!ply_read_header(&parser->scratch, &parser->text, &parser->header, err))
         return false;

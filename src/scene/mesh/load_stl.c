@@ -4,9 +4,7 @@
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"
-#include "base/hash.h"
 #include "base/log.h"
-#include "scene/core/text.h"
 
 #include <math.h>
 #include <string.h>
@@ -252,11 +250,8 @@ static bool fail_unknown(const struct stl_parser *parser, struct err *err)
 static bool parse(struct stl_parser *parser, uint32_t default_material, struct mesh *mesh,
                   struct err *err)
 {
-    struct file_bytes bytes;
-    if (!file_read(&parser->scratch, parser->text.path, 0, &bytes, err))
+    if (!mesh_open(parser->scene, &parser->scratch, parser->text.path, &parser->text, err))
         return false;
-    parser->scene->hash = hash_bytes(parser->scene->hash, bytes.data, bytes.size);
-    parser->text = text_open(parser->text.path, &bytes);
     parser->start = parser->text.at;
     const struct text_reader begin = parser->text;
     struct text_reader first = begin;

@@ -1,11 +1,24 @@
 // Functions that the loaders of meshes share.
 #include "scene/mesh/mesh_loader.h"
 
+#include "base/file.h"
+#include "base/hash.h"
 #include "base/maths.h"
 #include "scene/core/bounds.h"
 
 #include <math.h>
 #include <string.h>
+
+bool mesh_open(struct scene *scene, struct arena *scratch, const char *path,
+               struct text_reader *out, struct err *err)
+{
+    struct file_bytes bytes;
+    if (!file_read(scratch, path, 0, &bytes, err))
+        return false;
+    scene->hash = hash_bytes(scene->hash, bytes.data, bytes.size);
+    *out = text_open(path, &bytes);
+    return true;
+}
 
 bool mesh_unit_normal(const float direction[3], float out[3])
 {

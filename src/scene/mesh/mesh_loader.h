@@ -3,6 +3,11 @@
 #define LAMPYRIS_SCENE_MESH_MESH_LOADER_H
 
 #include "scene/core/scene.h"
+#include "scene/core/text.h"
+
+// Reads a file into `scratch` and continues the scene's hash over its bytes.
+bool mesh_open(struct scene *scene, struct arena *scratch, const char *path,
+               struct text_reader *out, struct err *err);
 
 // Computes the unit vector along `direction`. If that is zero or not finite, writes (0,0,0), which
 // means that the normal is missing, and returns false.
