@@ -12,10 +12,10 @@ const uint DIMENSIONS_A_BOUNCE = 3u;
 const uint DIMENSION_LIGHT = 0u; // which emitter; point on it x, y; roulette
 const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; a second choice
 const uint DIMENSION_EXTRA = 2u; // within the emitter's bin; dispersion; way to go on; one to spare
-const uint DIMENSION_LIGHT_PATH = 1u << 29;  // see light_path_dimension()
-const uint DIMENSION_PIXEL = 1u << 30;       // place in a stratum x, y; see pixel_sampling.glsl
+const uint DIMENSION_LIGHT_PATH = DIMENSIONS_OF_LIGHT_PATHS; // see light_path_dimension()
+const uint DIMENSION_PIXEL = DIMENSIONS_OF_PIXELS; // place in a stratum x, y: pixel_sampling.glsl
 const uint DIMENSION_PIXEL_ORDER = DIMENSION_PIXEL + 1u;
-const uint DIMENSION_ALL_LIGHTS = 1u << 31; // see light_dimension()
+const uint DIMENSION_ALL_LIGHTS = DIMENSIONS_OF_ALL_LIGHTS; // see light_dimension()
 
 uint bounce_dimension(uint bounce, uint use)
 {

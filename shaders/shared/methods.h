@@ -21,6 +21,15 @@
     5u                  // one sequence for all pixels, dealt out so that errors are blue noise
 #define SAMPLER_SINE 6u // fractions of sines, to be shown how bad they are
 
+// Ranges of dimension numbers beyond the 3 * 2^20 + 1 of the longest camera path. They differ in
+// bits that are low enough for pcg4d() to mix. Where inputs differ in bit 27 or above, outputs
+// depend on each other: chi-square of 16 x 16 cells and 2^20 samples is up to 52 standard
+// deviations off for bit 27 and 2e5 for bit 31, and below 4 up to bit 25 (measured; `kernels
+// sampler` repeats it).
+#define DIMENSIONS_OF_LIGHT_PATHS (1u << 23)
+#define DIMENSIONS_OF_PIXELS (1u << 24)
+#define DIMENSIONS_OF_ALL_LIGHTS (1u << 25)
+
 // Ways in which the film sums samples.
 #define ACCUMULATION_BINNED 0u  // sums that do not depend on the order (film_sums.h)
 #define ACCUMULATION_SUM 1u     // a plain sum in single precision

@@ -206,6 +206,42 @@ TEST(independent)
 }
 
 // Seeds 0, 1, 2, 2^31, 2^32 - 2, 2^32 - 1 against each other.
+// Numbers of ranges that a path uses together, by cells: numbers that depend on each other need not
+// be correlated. A pair of components has 255 degrees of freedom; of 3 * 3 * 4 * 4 * 2 pairs none
+// is beyond 6 standard deviations with a probability above 0.999 (chi-square's skewness included).
+TEST(ranges_are_independent)
+{
+    enum { CELLS = 16, FIRST = 3 };
+    static const uint32_t ranges[] = {DIMENSIONS_OF_LIGHT_PATHS, DIMENSIONS_OF_PIXELS,
+                                      DIMENSIONS_OF_ALL_LIGHTS};
+    static const unsigned samplers[] = {SAMPLER_PCG, SAMPLER_LCG};
+    static struct sampler_setup s;
+    OPEN_SAMPLER(&s, 512, 512);
+    for (int k = 0; k < 2 * FIRST * FIRST; k++) {
+        const uint32_t dimension = (uint32_t)k % FIRST, range = ranges[k / FIRST % FIRST];
+        s.sampler = samplers[k / (FIRST * FIRST)];
+        for (uint32_t i = 0; i < PAIRS; i++) {
+            draws[i] = (union draw){.pixel = 137, .sample = i, .dimension = dimension};
+            draws[PAIRS + i] = draws[i];
+            draws[PAIRS + i].dimension += range;
+        }
+        if (!draw_all(&s, 2 * PAIRS))
+            break;
+        for (int pair = 0; pair < 16; pair++) {
+            double cells[CELLS * CELLS] = {0}, chi = 0.0;
+            const double expected = (double)PAIRS / (CELLS * CELLS);
+            for (uint32_t i = 0; i < PAIRS; i++)
+                cells[(int)(draws[i].u[pair / 4] * CELLS) * CELLS +
+                      (int)(draws[PAIRS + i].u[pair % 4] * CELLS)]++;
+            for (int cell = 0; cell < CELLS * CELLS; cell++)
+                chi += pow(cells[cell] - expected, 2.0) / expected;
+            CHECK((chi - 255.0) / sqrt(2.0 * 255.0) < 6.0, "%s, %u and %u further, pair %d: %g",
+                  sampler_names[s.sampler], dimension, range, pair, chi);
+        }
+    }
+    sampler_close(&s);
+}
+
 TEST(seeds)
 {
     static const uint32_t seeds[] = {0, 1, 2, 0x80000000, 0xfffffffe, 0xffffffff};
@@ -298,4 +334,5 @@ TEST(padded)
 }
 
 TEST_MAIN(TEST_CASE(in_range), TEST_CASE(unbiased), TEST_CASE(fine_digits), TEST_CASE(independent),
-          TEST_CASE(seeds), TEST_CASE(padded), TEST_CASE(sine_is_bad))
+          TEST_CASE(ranges_are_independent), TEST_CASE(seeds), TEST_CASE(padded),
+          TEST_CASE(sine_is_bad))
