@@ -1,5 +1,5 @@
-// One thread adds what one light path brings to a pixel of the bound range of the film. Reads the
-// queue of shadow rays, in two dispatches: push.light_ray is 0 to claim digits, 1 to add.
+// One thread adds the contribution of a light path to a pixel of the bound range of the film. Reads
+// the queue of shadow rays, in two dispatches: push.light_ray is 0 to claim digits, 1 to add.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

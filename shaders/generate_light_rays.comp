@@ -12,8 +12,8 @@ layout(std430, set = 0, binding = BINDING_FILM) readonly buffer film_block {
     uvec4 film_words[];
 };
 
-// The half of the film that the sample of a slot is counted to: by how many its pixel has, which
-// all others have, too.
+// Returns the half of the film to which the sample of a slot counts. It follows from the number of
+// samples that its pixel has, which is that of all pixels.
 uint half_of_slot(uint slot)
 {
     uint item = sample_of_slot(slot);

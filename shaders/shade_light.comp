@@ -12,15 +12,16 @@
 #include "lib/roulette.glsl"
 #include "lib/texture.glsl"
 
-// What weights are made of: the densities with which shadow rays, and camera paths that hit it,
-// would find the emitter of this path, over its own, but for what the camera's side adds: the
-// inverse of Q of lib/bidir.glsl by parts.
+// Two ratios of densities, from which weights are made: those with which shadow rays, and camera
+// paths that hit it, would find the emitter of this path, over the path's own. The factor of the
+// camera's side is missing. With it they are the inverses of the ratios of lib/bidir.glsl.
 struct ratios {
     float by_shadow_ray;
     float by_hit;
 };
 
-// Connects the vertex to the camera; false when there is nothing to bring. u: lens x, y; pixel.
+// Connects the vertex to the camera. Returns false if it contributes nothing. u: lens x, y; choice
+// of the pixel.
 bool connect_camera(vertex v, ratios r, float scale, vec3 u)
 {
     camera_sight c = see_from_camera(v.s.position, u.xy);
@@ -29,6 +30,9 @@ bool connect_camera(vertex v, ratios r, float scale, vec3 u)
     if (!(share > 0.0))
         return false;
     vec3 onwards = -c.direction;
+    // In the plane of the surface the cosine is 0, and the BSDF need not be finite.
+    if (dot(onwards, v.s.normal_geometric) == 0.0)
+        return false;
     float pdf;
     vec3 f = eval_reversed(v, onwards, pdf);
     float extent = first_ratio(c.direction, c.distance);

@@ -1,6 +1,6 @@
-// Scattering in the direction in which light travels: what a vertex that was met by a path from the
-// light does to paths from the camera. BSDFs are asked as camera paths ask them, so that models
-// that are not symmetric, and normals that are bent towards the viewer, mean the same to both.
+// Scattering of light paths. BSDFs are evaluated with the arguments that camera paths give them, so
+// that models that are not symmetric, and normals that are bent towards the viewer, have the same
+// values for both.
 #ifndef ADJOINT_GLSL
 #define ADJOINT_GLSL
 
@@ -51,8 +51,8 @@ bool is_reversible(vertex v, vec3 onwards)
 }
 
 // Returns the factor by which a light path's BSDF is corrected for the shading normal (Veach 1997,
-// eq. 5.20), without the cosines with the shading normal itself: the ratio of the cosines of the two
-// directions with the geometric normal.
+// eq. 5.20), without the cosines with the shading normal itself: the ratio of the cosines of the
+// two directions with the geometric normal.
 float measure_ratio(vertex v, vec3 onwards)
 {
     return abs(dot(onwards, v.s.normal_geometric) / dot(v.view, v.s.normal_geometric));

@@ -34,8 +34,9 @@ float heuristic(float ratio)
     return MIS == MIS_BALANCE ? ratio : ratio * ratio;
 }
 
-// Returns the weight of a contribution of a camera path. The arguments are ratios to its own density:
-// of the other strategy of camera paths (shadow rays or hitting the emitter), and of light paths.
+// Returns the weight of a contribution of a camera path. The arguments are ratios to its own
+// density: of the other strategy of camera paths (shadow rays or hitting the emitter), and of light
+// paths.
 float weight_of_camera_path(float other, float of_light_paths)
 {
 #ifdef LIGHT_PATHS_ALONE // tests only: do light paths bring all that they can?
@@ -45,7 +46,8 @@ float weight_of_camera_path(float other, float of_light_paths)
     return 1.0 / (1.0 + heuristic(other) + heuristic(of_light_paths));
 }
 
-// The weight of what a light path brings, by the densities of both ways of camera paths.
+// Returns the weight of a contribution of a light path. The arguments are ratios to its own
+// density: of shadow rays, and of camera paths that hit the emitter.
 float weight_of_light_path(float by_shadow_ray, float by_hit)
 {
 #ifdef LIGHT_PATHS_ALONE

@@ -49,8 +49,7 @@ struct crew {
     void *context;
 };
 
-// --- for workers, whose job has only its scene, settings and goal
-// ---------------------------------
+// --- for workers, whose job has only its scene, settings and goal --------------------------------
 
 // Renders a block into the job's film.
 bool crew_render(struct job *job, const struct sample_range *block, double *seconds,
@@ -59,8 +58,7 @@ bool crew_render(struct job *job, const struct sample_range *block, double *seco
 // empties it. The records live in the arena.
 bool crew_take(struct job *job, struct arena *arena, struct crew_film *out, struct err *err);
 
-// --- for those who make a crew
-// --------------------------------------------------------------------
+// --- for those who make a crew -------------------------------------------------------------------
 
 // Adds a film and its statistics, in any order and grouping.
 void crew_add(uint32_t aovs, uint64_t bytes, const struct crew_film *part, struct crew_film *to);
