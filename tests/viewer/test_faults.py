@@ -170,13 +170,14 @@ class Faults(Case):
 
     def denoise(self, limits, *script):
         """After a box has moved, so that what is seen is compared with the history: of four frames
-        of a sample each, however long they take."""
+        of a sample each, however long they take: in the time of a frame no picture is made smaller."""
         scene = os.path.join(ROOT, 'tests', 'render', 'scenes', 'moved_box.json')
         env = dict(os.environ, LAMPYRIS_LIMITS=limits)
         return self.view('set renderer.samples_a_frame 1\nset renderer.spp 4\nset view.denoise on\n'
                          'wait idle\nset view.pause on\nset object.2 on\n'
                          'set object.position 0.4,0.5,0\nwait 1 frames\nwait 1 samples\nwait 3 frames\n'
-                         'hash hash.jsonl\n' + '\n'.join(script) + '\n', scene=scene, size='64x43', env=env)
+                         'hash hash.jsonl\n' + '\n'.join(script) + '\n',
+                         '--frame-ms', '1000', scene=scene, size='64x43', env=env)
 
     def test_denoiser_on_a_small_device(self):
         """Where it binds more buffers than the device takes it is switched off, and all else goes on."""
