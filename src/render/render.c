@@ -274,7 +274,7 @@ static void choose_features(const struct renderer_params *params, struct rendere
         .bvh = &r->bvh,
         .gpu = r->gpu,
         .camera = &r->camera,
-        .lamps = r->lamps.count,
+        .lamps = &r->lamps,
         .aovs = params->aovs,
         .workgroup = params->workgroup,
         .compile_all = params->compile_all,

@@ -209,7 +209,8 @@ static void choose_lights(const struct specialize_params *p, const struct emitte
     // Light paths begin where shadow rays would end: emitters have one probability everywhere.
     bool is_bidir = settings->integrator == INTEGRATOR_BIDIR;
     uint32_t wanted = is_bidir ? LIGHT_CHOICE_POWER : settings->light_choice;
-    struct light_choice choice = light_choice_of(wanted, emitters, p->lamps);
+    static const struct emitter_lamps none = {0};
+    struct light_choice choice = light_choice_of(wanted, emitters, p->lamps ? p->lamps : &none);
     s->light_choice = choice.way;
     s->light_rays = choice.rays;
     s->light_vertices = choice.vertices;

@@ -66,7 +66,7 @@ struct specialize_params {
     const struct bvh *bvh;
     const struct gpu *gpu;
     const struct camera *camera;
-    uint32_t lamps;     // see struct light_choice
+    const struct emitter_lamps *lamps; // see light_choice_of(); NULL: none
     uint32_t aovs;      // AOV_*
     uint32_t workgroup; // threads; 0: the device's default
     // Compiles in every feature that does not change the result: to measure what leaving features

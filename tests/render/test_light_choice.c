@@ -2,8 +2,8 @@
 // to choose; and bit for bit, whatever the wave's size and whatever else is compiled in.
 #include "base/clock.h"
 #include "check/estimators.h"
-#include "render_fixture.h"
 #include "check/replicates.h"
+#include "render_fixture.h"
 
 #define SCENE "tests/render/scenes/lights.json"
 
@@ -116,4 +116,37 @@ TEST(same_bits)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(agree), TEST_CASE(agree_long), TEST_CASE(same_bits))
+// The default chooses by the number of lamps, and for a single lamp by what it is made of.
+TEST(by_default)
+{
+    static const struct {
+        const char *path;
+        uint32_t way, vertices, rays;
+    } cases[] = {
+        {"scenes/cornell.json", LIGHT_CHOICE_POWER, 0, 1},           // two halves of a lamp
+        {"tests/render/scenes/strip.json", LIGHT_CHOICE_TREE, 0, 1}, // one long lamp
+        {"scenes/veach_mis.json", LIGHT_CHOICE_ALL, 1, 5},           // five lamps
+        {"tests/coverage/many_lamps.json", LIGHT_CHOICE_TREE, 0, 1},
+    };
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = false);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct scene scene;
+        struct renderer r;
+        struct err err = {0};
+        REQUIRE_OK(load_scene(cases[i].path, NULL, &scene, &err));
+        scene.settings.light_choice = LIGHT_CHOICE_AUTO;
+        REQUIRE_OK(
+            renderer_create(&(struct renderer_params){.gpu = &gpu, .scene = &scene}, &r, &err));
+        const struct specialization *s = &r.specialization;
+        CHECK(s->light_choice == cases[i].way && s->light_vertices == cases[i].vertices &&
+                  s->light_rays == cases[i].rays,
+              "%s: %s, %u vertices, %u rays", cases[i].path, light_choice_names[s->light_choice],
+              s->light_vertices, s->light_rays);
+        renderer_finish(&r);
+        scene_finish(&scene);
+    }
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(agree), TEST_CASE(agree_long), TEST_CASE(same_bits), TEST_CASE(by_default))

@@ -240,7 +240,7 @@ bool find_idle_lights(struct survey *survey, struct err *err)
     if (!emitter_lamps_find(survey->scene, survey->flat, &survey->scratch, &lamps, err))
         return false;
     const struct light_choice choice =
-        light_choice_of(survey->settings.light_choice, emitters_total(&counts), lamps.count);
+        light_choice_of(survey->settings.light_choice, emitters_total(&counts), &lamps);
     // If each vertex connects to every light, no light gets rays at the cost of another.
     bool are_shared = choice.way != LIGHT_CHOICE_ALL || choice.vertices != ALL_VERTICES;
     uint32_t count = survey_source_count(survey);

@@ -127,7 +127,7 @@ static void print_text(const struct info *info)
     if (emitters_total(&info->emitters) > 0 && s->nee)
         printf("nee       shadow rays are sent to %s\n",
                light_choice_print(s->light_choice, emitters_total(&info->emitters),
-                                  info->renderer.lamps.count)
+                                  &info->renderer.lamps)
                    .text);
     if (scene->light_count > 0)
         printf("lights    %u point, %u spot, %u directional\n", count_lights(scene, LIGHT_POINT),

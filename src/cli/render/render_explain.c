@@ -82,7 +82,7 @@ static void print_aim(const struct renderer *r)
         return;
     printf(
         "nee       shadow rays go to %s\n",
-        light_choice_print(settings->light_choice, emitters_total(&counts), r->lamps.count).text);
+        light_choice_print(settings->light_choice, emitters_total(&counts), &r->lamps).text);
 }
 
 void explain_print(struct render_run *run)

@@ -3,6 +3,8 @@
 #include "base/hash.h"
 #include "render/tables/emitter_power.h"
 #include "render/tables/emitters.h"
+#include "scene/core/bounds.h"
+#include <math.h>
 #include <string.h>
 
 // An emissive triangle.
@@ -124,6 +126,29 @@ static bool number_triangles(struct search *s, struct arena *arena, struct emitt
     return true;
 }
 
+static double diagonal(const struct bounds *b)
+{
+    return hypot(hypot(b->max[0] - b->min[0], b->max[1] - b->min[1]), b->max[2] - b->min[2]);
+}
+
+// Compares the longest of the triangles with all of them, by the diagonals of their bounds.
+static bool are_small_in_lamp(const struct search *s)
+{
+    struct bounds all = BOUNDS_EMPTY;
+    double longest = 0.0;
+    for (uint32_t i = 0; i < s->count; i++) {
+        struct bounds own = BOUNDS_EMPTY;
+        for (int corner = 0; corner < 3; corner++) {
+            const float *v = s->flat->triangles[s->members[i].triangle].v[corner];
+            const double place[3] = {v[0], v[1], v[2]};
+            bounds_add_point(&own, place);
+            bounds_add_point(&all, place);
+        }
+        longest = fmax(longest, diagonal(&own));
+    }
+    return longest < 0.5 * diagonal(&all);
+}
+
 bool emitter_lamps_find(const struct scene *scene, const struct flat_scene *flat,
                         struct arena *arena, struct emitter_lamps *out, struct err *err)
 {
@@ -136,10 +161,12 @@ bool emitter_lamps_find(const struct scene *scene, const struct flat_scene *flat
         join_members(&search);
         ok = number_triangles(&search, arena, out, err);
     }
-    arena_finish(&scratch);
     out->count = out->triangle_lamps + counts.lights + counts.suns + counts.environment;
     for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
         out->count += counts.shapes[kind];
+    out->is_spread =
+        ok && out->count == 1 && out->triangle_lamps == 1 && are_small_in_lamp(&search);
+    arena_finish(&scratch);
     return ok;
 }
 

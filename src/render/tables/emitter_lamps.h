@@ -11,6 +11,9 @@
 
 struct emitter_lamps {
     uint32_t count;
+    // True for a single lamp of small triangles: the bounds' diagonal of each is less than half of
+    // the lamp's.
+    bool is_spread;
     // Triangles are the first emitters: the lamp of each, and the number of their lamps.
     uint32_t *of_triangles, triangle_count, triangle_lamps;
 };

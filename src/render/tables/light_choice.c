@@ -9,14 +9,14 @@
 // a path: measured (docs/lighting.md).
 #define FEW_LAMPS 5
 #define FIRST_VERTICES 1
-// The emitters of a single lamp have similar distances, and the tree chooses among few of them as
+// If the emitters of a single lamp have similar distances, the tree chooses among few of them as
 // power does: on the Cornell box, whose lamp has two emitters, the error is the same and the tree
 // takes 1.2 times the processor time.
 #define MANY_EMITTERS 16
 
-static bool is_one_simple_lamp(uint64_t emitters, uint32_t lamps)
+static bool is_one_simple_lamp(uint64_t emitters, const struct emitter_lamps *lamps)
 {
-    return lamps <= 1 && emitters < MANY_EMITTERS;
+    return lamps->count <= 1 && emitters < MANY_EMITTERS && !lamps->is_spread;
 }
 
 bool light_choice_asks_lamps(uint32_t setting)
@@ -25,22 +25,24 @@ bool light_choice_asks_lamps(uint32_t setting)
            setting == LIGHT_CHOICE_TREE;
 }
 
-struct light_choice light_choice_of(uint32_t setting, uint64_t emitters, uint32_t lamps)
+struct light_choice light_choice_of(uint32_t setting, uint64_t emitters,
+                                    const struct emitter_lamps *lamps)
 {
     struct light_choice choice = {.way = setting, .rays = 1};
-    if (setting == LIGHT_CHOICE_ALL && lamps > 0) {
+    if (setting == LIGHT_CHOICE_ALL && lamps->count > 0) {
         choice.vertices = ALL_VERTICES;
-        choice.rays = lamps;
+        choice.rays = lamps->count;
     }
     if (setting != LIGHT_CHOICE_AUTO)
         return choice;
     choice.way = is_one_simple_lamp(emitters, lamps) ? LIGHT_CHOICE_POWER : LIGHT_CHOICE_TREE;
-    if (lamps > 1 && lamps <= FEW_LAMPS)
-        choice = (struct light_choice){LIGHT_CHOICE_ALL, FIRST_VERTICES, lamps};
+    if (lamps->count > 1 && lamps->count <= FEW_LAMPS)
+        choice = (struct light_choice){LIGHT_CHOICE_ALL, FIRST_VERTICES, lamps->count};
     return choice;
 }
 
-struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters, uint32_t lamps)
+struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters,
+                                            const struct emitter_lamps *lamps)
 {
     struct light_choice choice = light_choice_of(setting, emitters, lamps);
     struct light_choice_text out;
@@ -56,12 +58,13 @@ struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters,
                                  : ": they belong to one lamp");
     else if (choice.way == LIGHT_CHOICE_TREE)
         snprintf(text, size, "one of %" PRIu64 " emitters of %u lamp%s, by the light tree%s", emitters,
-                 lamps, lamps == 1 ? "" : "s",
-                 !is_auto            ? ""
-                 : lamps > FEW_LAMPS ? ", since there are many lamps"
-                                     : "");
+                 lamps->count, lamps->count == 1 ? "" : "s",
+                 !is_auto                   ? ""
+                 : lamps->count > FEW_LAMPS ? ", since there are many lamps"
+                 : emitters < MANY_EMITTERS ? ", since each is small in its lamp"
+                                            : "");
     else
-        snprintf(text, size, "each of %u lamps, of %" PRIu64 " emitters%s", lamps, emitters,
+        snprintf(text, size, "each of %u lamps, of %" PRIu64 " emitters%s", lamps->count, emitters,
                  is_auto ? ", from the first vertex, then one chosen by the light tree, since there are few lamps" : "");
     return out;
 }

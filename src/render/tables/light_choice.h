@@ -3,8 +3,7 @@
 #ifndef LAMPYRIS_RENDER_TABLES_LIGHT_CHOICE_H
 #define LAMPYRIS_RENDER_TABLES_LIGHT_CHOICE_H
 
-#include <stdbool.h>
-#include <stdint.h>
+#include "render/tables/emitter_lamps.h"
 
 struct light_choice {
     uint32_t way;      // LIGHT_CHOICE_*, never AUTO
@@ -13,13 +12,15 @@ struct light_choice {
 };
 
 // `setting`: LIGHT_CHOICE_*. `lamps` is used only if light_choice_asks_lamps() returns true.
-struct light_choice light_choice_of(uint32_t setting, uint64_t emitters, uint32_t lamps);
+struct light_choice light_choice_of(uint32_t setting, uint64_t emitters,
+                                    const struct emitter_lamps *lamps);
 bool light_choice_asks_lamps(uint32_t setting);
 
 struct light_choice_text {
     char text[160];
 };
 // Returns the emitters that vertices connect to, and the reason for the default, in words.
-struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters, uint32_t lamps);
+struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters,
+                                            const struct emitter_lamps *lamps);
 
 #endif
