@@ -28,6 +28,12 @@ static double relative_error(double value, double expected)
     return expected > 0.0 ? value / expected - 1.0 : value == 0.0 ? 0.0 : INFINITY;
 }
 
+// Returns the half-width in units of the expected value. If that is 0, any width is infinite.
+static double relative_width(double half_width, double expected)
+{
+    return expected > 0.0 ? half_width / expected : half_width == 0.0 ? 0.0 : INFINITY;
+}
+
 static void keep_worst(struct closed_form_seen *seen, int c, double value)
 {
     double bias = relative_error(value, seen->expected[c]);
@@ -95,7 +101,7 @@ static bool try_statistics(const struct closed_form_trial *trial, struct rendere
         seen->mean[c] = e.mean;
         seen->bias[c] = relative_error(e.mean, seen->expected[c]);
         seen->t[c] = (e.mean - seen->expected[c]) / e.standard_error;
-        seen->half_width[c] = e.half_width / seen->expected[c];
+        seen->half_width[c] = relative_width(e.half_width, seen->expected[c]);
         judge_channel(trial, rounding_max(renderer), seen, c);
     }
     return true;

@@ -12,13 +12,18 @@ enum light_estimator {
     ESTIMATOR_BSDF, // BSDF sampling only
     // Like ESTIMATOR_MIS but with ENVIRONMENT_SAMPLING_COMPENSATED, which is the default.
     ESTIMATOR_COMPENSATED,
+    // Like ESTIMATOR_MIS, with light paths as a third strategy: --integrator bidir.
+    ESTIMATOR_LIGHT_PATHS,
 };
 
 static inline void set_estimator(struct settings *settings, enum light_estimator estimator)
 {
     settings->nee = estimator != ESTIMATOR_BSDF;
     bool compensates = estimator == ESTIMATOR_COMPENSATED;
-    settings->mis = estimator == ESTIMATOR_MIS || compensates ? MIS_POWER : MIS_NONE;
+    bool has_light_paths = estimator == ESTIMATOR_LIGHT_PATHS;
+    settings->mis =
+        estimator == ESTIMATOR_MIS || compensates || has_light_paths ? MIS_POWER : MIS_NONE;
+    settings->integrator = has_light_paths ? INTEGRATOR_BIDIR : settings->integrator;
     settings->environment_sampling =
         compensates ? ENVIRONMENT_SAMPLING_COMPENSATED : ENVIRONMENT_SAMPLING_LUMINANCE;
 }

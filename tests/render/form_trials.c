@@ -7,8 +7,30 @@
 #include "render_fixture.h"
 #include <inttypes.h>
 
-static const char *const estimator_names[] = {
-    [ESTIMATOR_MIS] = "mis", [ESTIMATOR_NEE] = "nee", [ESTIMATOR_BSDF] = "bsdf"};
+static const char *const estimator_names[] = {[ESTIMATOR_MIS] = "mis",
+                                              [ESTIMATOR_NEE] = "nee",
+                                              [ESTIMATOR_BSDF] = "bsdf",
+                                              [ESTIMATOR_LIGHT_PATHS] = "bidir"};
+
+// Sets `out` to false where the integrator refuses the scene of a form, or has nothing to do in it.
+static void has_light_paths(struct gpu *gpu, const struct closed_form *form, bool *out)
+{
+    struct scene scene;
+    struct renderer renderer;
+    struct err err = {0};
+    REQUIRE_OK(embedded_scene_load(form->scene, form->overrides, &scene, &err));
+    if (form->prepare)
+        REQUIRE_OK(form->prepare(&scene, form->parameter, &err));
+    set_estimator(&scene.settings, ESTIMATOR_LIGHT_PATHS);
+    const struct renderer_params params = {
+        .gpu = gpu, .scene = &scene, .instancing = form->instancing};
+    bool is_created = renderer_create(&params, &renderer, &err);
+    *out = is_created && renderer.specialization.integrator == INTEGRATOR_BIDIR;
+    CHECK(is_created || strstr(err.msg, "--integrator"), "%s", err.msg);
+    if (is_created)
+        renderer_finish(&renderer);
+    scene_finish(&scene);
+}
 
 static void try_form(struct gpu *gpu, const struct check_case *form,
                      const struct closed_form_trial *trial)
@@ -92,6 +114,31 @@ void forms_by_every_light_choice(const struct check_group *group, uint32_t first
             trial.light_choice = choice;
             try_form(&gpu, &group->cases[i], &trial);
         }
+    gpu_close(&gpu);
+}
+
+void forms_by_light_paths(const struct check_group *group, uint32_t first_seed, size_t least)
+{
+    struct gpu gpu;
+    size_t tried = 0;
+    OPEN_GPU(&gpu, 0);
+    for (size_t i = 0; i < group->count; i++) {
+        // Light paths have variance where paths from the camera have none.
+        struct closed_form form = *(const struct closed_form *)group->cases[i].data;
+        struct closed_form_trial trial = trial_of(group, i, first_seed, ESTIMATOR_LIGHT_PATHS);
+        bool has = false;
+        form.kind = BY_STATISTICS;
+        trial.form = &form;
+        trial.half_width_max = 4 * CLOSED_FORM_HALF_WIDTH;
+        has_light_paths(&gpu, &form, &has);
+        if (!has)
+            continue;
+        try_form(&gpu, &group->cases[i], &trial);
+        tried++;
+    }
+    printf("%zu of %zu forms of %s\n", tried, group->count, group->name);
+    CHECK(tried >= least, "%s: %zu forms have light paths, expected %zu", group->name, tried,
+          least);
     gpu_close(&gpu);
 }
 

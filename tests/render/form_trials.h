@@ -12,6 +12,10 @@ void forms_that_are_short(const struct check_group *group, uint32_t first_seed);
 void forms_by_every_estimator(const struct check_group *group, uint32_t first_seed);
 // By each way to choose an emitter, with the fewest samples that give the half-width.
 void forms_by_every_light_choice(const struct check_group *group, uint32_t first_seed);
+// By light paths weighted against paths from the camera (--integrator bidir), with the fewest
+// samples that give four times the half-width. Forms that this integrator refuses are left out;
+// fails if fewer than `least` are tried.
+void forms_by_light_paths(const struct check_group *group, uint32_t first_seed, size_t least);
 // One sample a pixel under the validation layers.
 void forms_validated(const struct check_group *group);
 

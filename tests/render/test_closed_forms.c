@@ -145,6 +145,25 @@ TEST(environments_every_estimator_long)
     forms_by_every_estimator(&check_environments, 4000);
 }
 
+TEST(rooms_by_light_paths)
+{
+    forms_by_light_paths(&check_rooms, 120000, 15);
+}
+
+// Of the groups without forms here, this integrator refuses all: media in which lamps stand,
+// fields, and lamps that are small for their distance from the origin.
+TEST(light_paths_long)
+{
+    forms_by_light_paths(&check_light, 110000, 40);
+    forms_by_light_paths(&check_lamps, 122000, 8);
+    forms_by_light_paths(&check_media, 130000, 12);
+    forms_by_light_paths(&check_scales, 134000, 9);
+    forms_by_light_paths(&check_distances, 136000, 4);
+    forms_by_light_paths(&check_environments, 140000, 9);
+    forms_by_light_paths(&check_meshes, 142000, 4);
+    forms_by_light_paths(&check_textures, 144000, 1);
+}
+
 TEST_MAIN(TEST_CASE(light), TEST_CASE(light_validated), TEST_CASE(light_every_estimator_long),
           TEST_CASE(light_every_choice_long), TEST_CASE(media), TEST_CASE(media_validated),
           TEST_CASE(media_every_estimator_long), TEST_CASE(closed_rooms),
@@ -154,5 +173,6 @@ TEST_MAIN(TEST_CASE(light), TEST_CASE(light_validated), TEST_CASE(light_every_es
           TEST_CASE(fields), TEST_CASE(fields_validated), TEST_CASE(fields_every_estimator_long),
           TEST_CASE(integrators), TEST_CASE(integrators_validated), TEST_CASE(scales),
           TEST_CASE(scales_every_estimator_long), TEST_CASE(distances), TEST_CASE(distances_long),
-          TEST_CASE(small_lamps), TEST_CASE(small_lamps_every_choice_long),
-          TEST_CASE(environments), TEST_CASE(environments_every_estimator_long))
+          TEST_CASE(small_lamps), TEST_CASE(small_lamps_every_choice_long), TEST_CASE(environments),
+          TEST_CASE(environments_every_estimator_long), TEST_CASE(rooms_by_light_paths),
+          TEST_CASE(light_paths_long))
