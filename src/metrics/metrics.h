@@ -149,9 +149,10 @@ bool metrics_half_error_weights(const struct half_error_params *params, double (
 // --- when to stop -------------------------------------------------------------------------------
 // A render with an error limit stops at the first interim test at which half_error.at_most, with
 // the confidence LOOKS_CONFIDENCE, is below the limit. Each of several tests may err, but they
-// share samples and take place near the end: over the scenes of docs/convergence.md ("When --error
-// stops") all tests of a render together err in fewer than 5 % of renders. The tests' places depend
-// only on the estimated errors, so that a render stops at the same sample on any machine.
+// share samples and take place near the end: over the scenes of docs/convergence.md ("When a bound
+// on the error ends a render") all tests of a render together err in fewer than 5 % of renders. The
+// tests' places depend only on the estimated errors, so that a render stops at the same sample on
+// any machine.
 #define LOOKS_FIRST 2u
 #define LOOKS_CONFIDENCE 0.95
 // Returns the number of samples at the first test of a render that has `done` samples already. It

@@ -1,5 +1,6 @@
-// Where renders end that are to reach an error, and whether what they forecast comes: the table of
-// docs/convergence.md ("When --error stops").
+// Measures at how many samples renders with an error limit end, and how often their forecasts hold.
+// docs/convergence.md ("When a bound on the error ends a render") has the totals,
+// docs/measurements/2026-11-23-error-estimates.md the table.
 //
 //   test_endings [OPTIONS] [SCENE...]
 //
