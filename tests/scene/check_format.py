@@ -155,7 +155,7 @@ def check_settings(root, loader, writes):
                 begin = f'    "{section}": {{\n      "type": "object",\n      "properties": {{\n        "comment": {{"$ref": "#/$defs/comment"}},\n'
                 wanted = replaced(wanted, begin, "\n      },\n", ",\n".join(map(schema_of, rows)))
             else:
-                lines = ["", "| key | values | default | |", "|---|---|---|---|", *map(description_of, rows), "", ""]
+                lines = ["", "| key | values | default | meaning |", "|---|---|---|---|", *map(description_of, rows), "", ""]
                 wanted = replaced(wanted, f"<!-- {section}: -->\n", f"<!-- :{section} -->", "\n".join(lines))
         if writes:
             with open(path, "w", encoding="utf-8") as file:

@@ -44,14 +44,13 @@ class Manual(Tour):
             title = heads[0]['label'] if heads else group.capitalize()
             lines += [f'### {title}', '']
             lines += [heads[0]['help'], ''] if heads else []
-            lines += ['| id | entry | |', '|---|---|---|']
-            for name, item in items:
-                if name == group:
-                    continue
+            rows = [(name, item) for name, item in items if name != group]
+            lines += ['| id | label | meaning |', '|---|---|---|'] if rows else []
+            for name, item in rows:
                 label = '' if '#' in name else item['label'].strip()
                 text = item['help'].replace('|', '\\|')
                 lines.append(f'| `{name.replace("#", "N")}` | {label} | {text} |')
-            lines.append('')
+            lines += [''] if rows else []
         return '\n'.join(lines)
 
     def keys(self):
@@ -59,7 +58,7 @@ class Manual(Tour):
             source = file.read()
         block = source[source.index('viewer_keys[] = {'):]
         rows = re.findall(r'\{"([^"]*)",\s*"([^"]*)"\}', block[:block.index('{NULL')])
-        return '\n'.join(['| | |', '|---|---|'] + [f'| {keys} | {text} |' for keys, text in rows]
+        return '\n'.join(['| key or mouse | function |', '|---|---|'] + [f'| {keys} | {text} |' for keys, text in rows]
                          + [''])
 
     def test_page_is_up_to_date(self):
