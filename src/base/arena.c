@@ -21,7 +21,7 @@
 #include <sanitizer/asan_interface.h>
 enum { GAP_BYTES = 64 };
 
-// A size beyond all memory must be a reported error, as without the sanitizer.
+// Under the sanitizer, too, a request for more memory than exists must be a reported error.
 const char *__asan_default_options(void)
 {
     return "allocator_may_return_null=1";

@@ -23,9 +23,9 @@ struct err {
     enum err_code code;
     bool is_missing; // ERR_INPUT: the file does not exist
     char msg[512];
-    // For programs, of which a message tells people the same: the document that is wrong, and the
-    // place in it as a JSON pointer (RFC 6901), "/materials/white/roughness". "" where there is
-    // none.
+    // The document that is wrong, and the place in it as a JSON pointer (RFC 6901) such as
+    // "/materials/white/roughness", for programs that read errors; `msg` says the same to people.
+    // "" if there is none.
     char file[256], place[128];
 };
 
@@ -40,17 +40,17 @@ bool err_set(struct err *err, enum err_code code, const char *format, ...)
 // Prepends context to the message, "CONTEXT: MESSAGE", and keeps the code; returns false.
 bool err_prepend(struct err *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// Sets the file and the place unless they are known already: of several documents that refer to
-// each other, the one in which the problem was found counts. What does not fit is left out.
+// Sets the file and the place unless they are already set: if documents refer to each other, the
+// one in which the problem was found is kept. Texts that are too long are cut off.
 void err_locate(struct err *err, const char *file, const char *place);
 
 // Reports that memory could not be allocated: ERR_BUDGET if the budget refused it, with how much
 // WHAT needs and what is left; else ERR_SYSTEM, "out of memory (N bytes for WHAT)". Returns false.
 bool err_memory(struct err *err, const char *what, unsigned long long bytes);
 
-// Shows compilers and analysers, in every file, that the value is always false: otherwise they warn
-// of variables that would be uninitialised if a failure returned true. (git's error() does the
-// same.)
+// Shows compilers and analysers, in every file, that the value is always false. Otherwise they
+// would assume that a failure may return true, and warn of uninitialised variables. (git's error()
+// does the same.)
 static inline bool err_false(void)
 {
     return false;

@@ -127,7 +127,7 @@ void field_text(const struct field *field, const void *object, char out[FIELD_TE
         number_text(field, value, out);
 }
 
-// Uses memcmp, not ==: two zeros differ, and a NaN equals itself.
+// Compares by memcmp, not ==, so that 0.0 and -0.0 differ and a NaN equals itself.
 bool field_same(const struct field *field, const void *a, const void *b)
 {
     if (field->mask)

@@ -63,7 +63,8 @@ static bool append(struct file_inputs *inputs, const char *path, uint64_t hash, 
     return true;
 }
 
-// Adds a file. It stays the run's own only as long as it is not also read as an ordinary input.
+// Adds a file. A file that the run may replace (is_own) loses that right if it is also read as an
+// ordinary input.
 static bool add(const char *path, bool is_own, struct err *err)
 {
     if (!current || !file_is_regular(path))

@@ -19,7 +19,8 @@ static struct {
     void *context;
 } log_state = {MUTEX_INIT, LOG_WARN, sink_stderr, NULL};
 
-static _Thread_local const struct log_target *thread_target; // NULL: the process's sink
+static _Thread_local const struct log_target *thread_target; // log target of this thread; NULL: the
+                                                             // process's sink
 
 const struct log_target *log_redirect(const struct log_target *target)
 {
@@ -59,7 +60,8 @@ void log_message(enum log_level level, const char *format, ...)
     va_end(arguments);
     if (length < 0)
         return;
-    // Names and values from files must not send control codes to a terminal.
+    // Removes control codes, which names and values from files may contain, before a terminal sees
+    // them.
     printable_mask(message);
     struct mutex *mutex = target ? target->mutex : &log_state.mutex;
     mutex_lock(mutex);

@@ -14,22 +14,22 @@ void log_configure(enum log_level level, log_sink_fn sink, void *context);
 // Changes only the level and returns the former one. Not thread-safe.
 enum log_level log_set_level(enum log_level level);
 
-// A sink with its level, see log_configure(), and the mutex by which its threads take turns: a sink
-// of one target may call what logs to another.
+// A sink with its level (see log_configure()) and the mutex that its threads hold while they write.
+// Each target has its own mutex, because a sink may call code that logs to another target.
 struct mutex;
 struct log_target {
     enum log_level level;
     log_sink_fn sink;
     void *context;
-    struct mutex *mutex; // the caller's
+    struct mutex *mutex; // owned by the caller
 };
 
-// From now on this thread's messages, and those of the threads that parallel_for() starts for it,
-// go to *target, which must stay valid; NULL: to the process's sink. Returns the target so far.
+// Redirects the messages of this thread, and of the threads that parallel_for() starts for it, to
+// *target, which must stay valid; NULL: to the process's sink. Returns the previous target.
 const struct log_target *log_redirect(const struct log_target *target);
 const struct log_target *log_redirected(void); // this thread's target, or NULL
 
-// One line without a newline. Thread-safe.
+// Logs a message of one line, without a newline. Thread-safe.
 void log_message(enum log_level level, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 

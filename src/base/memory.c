@@ -20,7 +20,8 @@ uint64_t memory_default_budget(void)
 static struct {
     _Atomic uint64_t budget; // 0: no limit
     _Atomic uint64_t used, failures;
-    _Atomic uint64_t refused, left; // size of the last refused request, and bytes left then
+    _Atomic uint64_t refused, left; // bytes of the last refused request, and bytes that were left
+                                    // then
 } memory;
 
 void memory_set_budget(uint64_t bytes)

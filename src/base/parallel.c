@@ -14,7 +14,7 @@ unsigned cpu_count(void)
 struct loop {
     parallel_fn fn;
     void *context;
-    const struct log_target *log; // the caller's
+    const struct log_target *log; // log target of the calling thread
     size_t count, grain, chunks;
     _Atomic size_t next_chunk;
 };

@@ -10,8 +10,8 @@
 
 struct connection {
     intptr_t socket; // CONNECTION_NONE if not connected
-    // The longest time that the other side may accept no data, and a function, polled ten times a
-    // second, that returns true to stop waiting.
+    // The longest time, in seconds, to wait while the other side accepts no data, and a function,
+    // polled ten times a second, that returns true to stop waiting.
     double patience_seconds;
     bool (*is_abandoned)(void *context);
     void *context;

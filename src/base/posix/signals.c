@@ -10,7 +10,7 @@ static volatile sig_atomic_t received;
 static const char *const *volatile leftovers;
 static volatile sig_atomic_t leftover_count;
 
-// Returns whether a repetition of the signal ends the program. SIGHUP, SIGXCPU and SIGUSR1 only
+// Returns whether a second signal of this kind ends the program. SIGHUP, SIGXCPU and SIGUSR1 only
 // request a stop, because they may be sent more than once: SIGHUP by a closing terminal, SIGXCPU by
 // the kernel every second, SIGUSR1 by batch systems.
 static bool insists(int signal)
