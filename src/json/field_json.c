@@ -156,8 +156,8 @@ static void write_value(const struct field *field, const void *object, struct js
         write_real(field, value, text);
 }
 
-// Writes a number whose product with the unit is exactly the member's value; if there is none, the
-// value in the exact key's unit.
+// Writes a number whose product with the unit is exactly the member's value. If there is none,
+// writes the exact key, with the value in that key's unit.
 static void write_product(const struct field *field, double value, struct json_text *text)
 {
     double factor;

@@ -1,5 +1,5 @@
-// A file of its own: the C library, which must not change what its caller's jansson does, does not
-// contain it.
+// This function has a file of its own so that the C library, which must not change its caller's
+// jansson, can be built without it.
 #include "json/json_parse.h"
 
 void json_use_budget(void)

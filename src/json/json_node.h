@@ -33,7 +33,7 @@ bool node_prepend(const struct json_node *node, struct err *err);
 // Fails with "expected WHAT, not VALUE".
 bool node_unexpected(const struct json_node *node, const char *what, struct err *err);
 
-// As in err.h, shows analysers that the value is false.
+// Shows analysers that the value is always false; see err_false().
 #define node_fail(...) (node_fail(__VA_ARGS__), err_false())
 #define node_prepend(...) (node_prepend(__VA_ARGS__), err_false())
 #define node_unexpected(...) (node_unexpected(__VA_ARGS__), err_false())

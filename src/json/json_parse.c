@@ -19,7 +19,7 @@ struct parse {
 
 _Static_assert(sizeof(struct block) % 16 == 0, "what follows is aligned as malloc's memory is");
 
-static _Thread_local struct parse *current; // what this thread parses; NULL: nothing
+static _Thread_local struct parse *current; // the parse that runs in this thread; NULL: none
 static _Thread_local bool lost;             // see json_lost_memory()
 
 void *json_allocate(size_t bytes)

@@ -7,20 +7,21 @@
 #include "base/file.h"
 #include <jansson.h>
 
-// From now on jansson's memory counts against the budget of the process (memory.h), and its failed
-// allocations do no harm to json_parse(). Call it before jansson allocates anything. It concerns
-// all of the process: only a program may call it, not a library, whose caller may use jansson, too.
+// Makes jansson allocate by the two functions below: its memory then counts against the budget of
+// the process (memory.h), and a failed allocation does no harm to json_parse(). Call it before
+// jansson allocates anything. It affects the whole process, so only a program may call it, not a
+// library, whose caller may use jansson, too.
 void json_use_budget(void);
-// What it makes jansson call.
+// The allocation functions that json_use_budget() gives to jansson.
 void *json_allocate(size_t bytes);
 void json_deallocate(void *data);
 
-// Returns whether an allocation of jansson's has failed in this thread since the previous call, but
-// for those of parsers: if so, something may be missing from what was built since.
+// Returns whether an allocation by jansson has failed in this thread since the previous call, apart
+// from those during json_parse(). If so, JSON values that were built since then may be incomplete.
 bool json_lost_memory(void);
 
-// Returns the document, or NULL with *err set: ERR_INPUT with file, line and column, or an error of
-// memory.
+// Parses a document. Returns it, or NULL with *err set: ERR_INPUT with file, line and column for a
+// syntax error, or an error of memory.
 json_t *json_parse(const char *path, const struct file_bytes *text, size_t flags, struct err *err);
 
 // Frees the result of json_dumps(). Accepts NULL.
