@@ -12,9 +12,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// How primitives are split: by the surface area heuristic; at the median of their centroids; at the
-// mean of their centroids; by the heuristic with spatial splits, which cut triangles in two; in the
-// middle of the box. See bvh_build().
+// How ranges of primitives are split: by the surface area heuristic; at the median of their
+// centroids; at the mean of their centroids; by the heuristic with spatial splits, which cut
+// triangles in two; in the middle of the box. See bvh_build().
 enum bvh_split {
     BVH_SPLIT_SAH,
     BVH_SPLIT_MEDIAN,
@@ -22,8 +22,8 @@ enum bvh_split {
     BVH_SPLIT_SPATIAL,
     BVH_SPLIT_MIDDLE
 };
-// Whether subtrees are moved to better places after the build: in bounded time, not at all, or
-// until no improvement is found. Only for BVH_SPLIT_SAH and BVH_SPLIT_SPATIAL.
+// How much effort goes into moving subtrees to better places after the build: bounded time, none,
+// or as long as improvements are found. Only for BVH_SPLIT_SAH and BVH_SPLIT_SPATIAL.
 enum bvh_optimize { BVH_OPTIMIZE_NORMAL, BVH_OPTIMIZE_OFF, BVH_OPTIMIZE_LONG };
 // Nodes are of type struct bvh_node or struct bvh_node_float.
 enum bvh_format { BVH_QUANTISED, BVH_FLOAT };

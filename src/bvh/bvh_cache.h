@@ -23,8 +23,8 @@ struct bvh_cache {
 bool bvh_build_cached(struct bvh_cache *cache, const struct bvh_params *params, struct arena *arena,
                       struct bvh *out, struct err *err);
 
-// The steps of bvh_build_cached(). Loading fails with ERR_INPUT if the file is rejected, and with
-// ERR_NONE if there is none.
+// The two halves of bvh_build_cached(). Loading fails with ERR_INPUT if the file is rejected, and
+// with ERR_NONE if there is no file.
 bool bvh_cache_save(const char *path, const struct bvh_params *params, const struct bvh *bvh,
                     struct err *err);
 bool bvh_cache_load(const char *path, const struct bvh_params *params, struct arena *arena,

@@ -31,7 +31,8 @@ struct bvh_spatial_chunk {
     struct bvh_box boxes[2], centroids[2];
 };
 
-// Planes that divide the range's box into equal bins. [bin_count] is the end of the box.
+// Planes that divide the range's box into equal bins. The last entry, [bin_count], is the end of
+// the box.
 struct grid {
     int bin_count;
     double planes[3][BINS_MAX + 1];

@@ -232,8 +232,8 @@ static bool find_binned_split(struct split_job *job, uint32_t count, uint32_t ch
     return job->split.axis < 3;
 }
 
-// A spatial split is tried where the area of the overlap of the children's boxes exceeds this
-// fraction of the root's area (Stich, Friedrich, Dietrich 2009, section 4.2).
+// A spatial split is tried if the surface area of the overlap of the children's boxes exceeds this
+// fraction of the root's surface area (Stich, Friedrich, Dietrich 2009, section 4.2).
 #define OVERLAP_MIN 1e-5
 // The overlap must also exceed this fraction of the range's own area: a spatial split gains no more
 // than the overlap, and the search is slow.
