@@ -138,8 +138,8 @@ static void warn_of_lost(const struct lost_emitters *lost)
             lost->mesh->name);
 }
 
-// Adds all triangles of an instance; a shared mesh is added as an instance of itself. `run` is the
-// index in flat->instance_first at which the first triangle is recorded.
+// Adds all triangles of an instance; a shared mesh is added in its own space, as if it were an
+// instance. `run` is the index in flat->instance_first at which the first triangle is recorded.
 static bool add_triangles(struct flattening *f, const struct placement *placement, uint32_t run,
                           struct err *err)
 {
@@ -161,8 +161,8 @@ static bool add_triangles(struct flattening *f, const struct placement *placemen
     return true;
 }
 
-// Returns whether all triangles from `first` on are small triangles of lamps, whose light is right
-// at any distance.
+// Returns whether all triangles from `first` on are small triangles of lamps, whose light is
+// correct at any distance from the origin.
 static bool are_small(const struct flat_scene *flat, uint32_t first)
 {
     for (uint32_t i = first; i < flat->triangle_count; i++)

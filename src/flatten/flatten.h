@@ -23,8 +23,8 @@ struct flat_small_triangle {
     // itself.
     float corner[3], own_edges[2][3];
     uint32_t lamp;
-    // Its position among the small triangles sorted by lamp, and the first position and number of
-    // its lamp's triangles.
+    // Index among the small triangles sorted by lamp, and the index of the first triangle and the
+    // number of triangles of its lamp.
     uint32_t place, first, count;
 };
 
@@ -58,16 +58,17 @@ struct flat_instance {
     float to_object[3][4]; // inverse of the rounded to_world, rounded
 };
 
-// Selects the meshes that are stored once, in their own space, for all their instances:
+// Which meshes are shared, that is, stored once, in their own space, for all their instances:
 // - auto: meshes of at least 12 triangles with more than one instance, if copies would take 2^20
 //   triangles or more in all; smaller scenes are built in seconds with one level, which is faster
 //   to trace;
 // - on: all meshes, including those with one instance;
 // - off: none.
-// Meshes that emit are never shared, since each of their triangles is an emitter of its own. An
-// instance does not share its mesh if it makes it emit, squashes or shears it by more than about
-// 1:4096, or gives a mesh without tangents a material that takes its tangents from another set of
-// texture coordinates. Such instances are placed in the world.
+// Emissive meshes are never shared, because each of their triangles is an emitter of its own. An
+// instance does not share its mesh if its material makes the mesh emissive, if its transform
+// squashes or shears the mesh by more than about 1:4096, or if the mesh has no tangents and the
+// instance's material derives them from another set of texture coordinates. Such instances are
+// flattened into world space.
 enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 
 // A scene as arrays. Hidden instances and shapes are omitted from all arrays and counts, but keep
@@ -87,21 +88,20 @@ struct flat_scene {
     // missing or not finite is replaced by the geometric one. They are transformed by the inverse
     // transpose.
     float (*normals)[3][3];
-    // Other attributes, per triangle and corner; NULL when no used material needs them, or no mesh
-    // has them.
-    // Tangents are unit vectors, not always orthogonal to the normal, and the sign of the bitangent
-    // sign * cross(normal, tangent). If a mesh has none, they have the direction of increasing u,
-    // or an arbitrary one if that is undefined.
+    // Other attributes, per triangle and corner; NULL if no used material needs them, or no mesh
+    // has them. A tangent is a unit vector, not always orthogonal to the normal, followed by the
+    // sign of the bitangent sign * cross(normal, tangent). If a mesh has no tangents, they point in
+    // the direction of increasing u, or in an arbitrary one if that is undefined.
     float (*tangents)[3][4];
     float (*uvs[2])[3][2]; // finite, 0 if missing; t points down
     float (*colors)[3][4]; // linear RGBA, 1 if missing
     uint32_t triangle_count;
     // Triangles, in ascending order, of lamps that are small relative to their coordinates
-    // (flatten_lamps.h). Their light depends on areas and normals, which rounding would change by
-    // more than 2^-11.
+    // (flatten_lamps.h). Their light depends on areas and normals, which rounding to single
+    // precision would change by a relative error of more than 2^-11.
     struct flat_small_triangle *small;
     uint32_t small_count;
-    // The first triangles are in the world; those of shared meshes follow.
+    // The first triangles are in world space; those of shared meshes follow.
     uint32_t world_triangle_count;
     struct flat_mesh *meshes;
     uint32_t mesh_count;
@@ -112,8 +112,8 @@ struct flat_scene {
     // The following members say where in the scene each triangle comes from: see
     // flat_triangle_source().
     uint32_t instance_count; // number of instances in the scene
-    // For each instance, then for each entry of `meshes`: the number of triangles, dropped ones
-    // included, that precede its own.
+    // For each instance, then for each entry of `meshes`: the number of triangles, including
+    // dropped ones, of all entries before it.
     uint32_t *instance_first;
     uint32_t *dropped_before; // for each dropped triangle, the flat triangle that follows it
     bool *material_used;      // for each material of the scene, whether a primitive has it
@@ -126,7 +126,8 @@ struct flatten_params {
     const struct scene *scene;
     enum instancing instancing;
     const struct progress *progress; // its phase is "Flattening"
-    // The camera, for scenes whose objects are too far apart for one origin; NULL: none.
+    // The camera, by which the origin is chosen if the scene's objects are too far apart for one
+    // origin; NULL: none.
     const struct camera *camera;
 };
 
@@ -148,11 +149,11 @@ void flat_dropped_source(const struct flat_scene *flat, uint32_t k, uint32_t *in
 void flat_instance_triangles(const struct flat_scene *flat, uint32_t instance, uint32_t *first,
                              uint32_t *count);
 
-// Returns a hash of all input of scene_flatten(); for equal hashes, its result is the same.
-// Vertices and indices of meshes are hashed by their addresses, so hashes are only comparable for
-// one scene, whose meshes stay as they were loaded. It processes some GB/s of instances, shapes and
-// triangles' materials. The camera is not included: the coordinates keep the origin that was chosen
-// for an earlier position.
+// Returns a hash of all input of scene_flatten() except the camera; if two hashes are equal, so are
+// the results. Vertices and indices of meshes are hashed by their addresses, so hashes are only
+// comparable for one scene, whose meshes stay as they were loaded. The function processes some GB/s
+// of instances, shapes and triangles' materials. Moving the camera does not change the hash: the
+// coordinates keep the origin that was chosen for its earlier position.
 uint64_t flatten_key(const struct flatten_params *params);
 
 // Convert a point of the world to the arrays' coordinates, before rounding, and back. `out` may be

@@ -4,8 +4,7 @@
 
 #include "flatten/flatten_placement.h"
 
-// The optional arrays of struct flat_scene that are needed by some triangle and provided by some
-// mesh.
+// The optional arrays of struct flat_scene that some triangle needs and some mesh provides.
 struct attribute_needs {
     bool normals, tangents, uvs[2], colors;
 };

@@ -11,8 +11,8 @@
 // --- meshes --------------------------------------------------------------------------------------
 
 // Single-precision coordinates in a file that are far from the file's origin have already lost
-// digits: above this ratio of position to size, a mesh is resolved in fewer than 2^24 / 2^18 = 64
-// steps (docs/verification.md, C2).
+// digits: above this ratio of distance from the origin to size, a mesh has fewer than 2^24 / 2^18 =
+// 64 distinct coordinates across (docs/verification.md, C2).
 #define COARSE_RATIO 262144
 
 // Computes the largest extent along an axis, and the largest absolute coordinate.
@@ -43,8 +43,8 @@ static void warn_if_coarse(const struct mesh *mesh, const struct bounds *bounds)
             mesh->name, extent, farthest, farthest * (double)FLT_EPSILON);
 }
 
-// Coordinates up to 16 times the size cost four of the 24 bits; above that ratio the arrays get an
-// origin of their own.
+// Coordinates of up to 16 times the scene's size cost four of the 24 bits; above that ratio the
+// arrays get an origin of their own.
 #define REBASE_RATIO 16
 
 void flatten_choose_origin(const struct bounds *bounds, double origin[3])
@@ -60,10 +60,10 @@ void flatten_choose_origin(const struct bounds *bounds, double origin[3])
             origin[i] = bounds->min[i] + (bounds->max[i] - bounds->min[i]) / 2;
 }
 
-// Extents from 2^-10 to 2^20 m are not scaled. In single precision a scene of 2^20 may have details
-// of 2^-30; the squares of their areas are the first quantities to underflow. The same holds for a
-// scene of 2^-10. Larger scenes are scaled to the upper end, smaller ones to 1, so that their
-// details are far from underflow.
+// Extents from 2^-10 to 2^20 m are not scaled. A scene of 2^20 m in single precision may have
+// details of 2^-30 m; the squares of their areas, 2^-120, are the first quantities to underflow. A
+// scene of 2^-10 m may have details of that size, too. Larger scenes are scaled down to the upper
+// end of the range, smaller ones up to 1 m, so that their details are far from underflow.
 #define SCALED_EXTENT_MIN_EXPONENT (-10)
 #define SCALED_EXTENT_MAX_EXPONENT 20
 
@@ -256,7 +256,8 @@ static void warn_of_skipped(const struct scene *scene, const struct census *cens
 
 // --- sharing -------------------------------------------------------------------------------------
 
-// A mesh of fewer triangles is smaller than the records of its instances.
+// The least number of triangles of a shared mesh: a smaller mesh takes less memory than the records
+// of its instances.
 #define SHARED_TRIANGLES_MIN 12
 // The least number of triangles that sharing must save. Tracing two levels takes 1.3 times as long
 // as tracing one (docs/performance.md), while this many triangles more in one level take some 80
@@ -345,8 +346,8 @@ static bool measure_vertices(const struct flatten_params *params, const struct i
     return true;
 }
 
-// Adds one of very many instances to the bounds by its mesh's bounding box, unless the box leaves
-// the permitted range.
+// Adds one of very many instances to the bounds by its mesh's bounding box, or by its vertices if
+// the transformed box leaves the permitted range.
 static bool measure_box(const struct flatten_params *params, const struct instance *instance,
                         const struct bounds *box, struct bounds *bounds, struct err *err)
 {

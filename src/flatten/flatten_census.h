@@ -7,13 +7,13 @@
 #include "scene/core/bounds.h"
 
 struct mesh_use {
-    struct bounds bounds;   // of all vertices that triangles use, in the mesh's own space
+    struct bounds bounds;   // bounds, in the mesh's own space, of all vertices that triangles use
     bool is_in_range;       // whether these vertices are within SCENE_COORDINATE_MAX
-    bool may_be_shared;     // as far as the mesh itself is concerned
-    bool is_shared;         // by those instances that can share it
+    bool may_be_shared;     // the mesh itself permits sharing
+    bool is_shared;         // the instances that can share it do so
     uint32_t flat;          // index in flat_scene.meshes, if shared
     uint32_t sharing;       // number of instances that can share it
-    uint32_t tangent_set;   // texture coordinates for tangents; SCENE_NONE: triangles differ
+    uint32_t tangent_set;   // set of texture coordinates for tangents; SCENE_NONE: triangles differ
     uint32_t own_material;  // number of instances that do not override the material
     uint32_t skipped;       // number of instances with singular transforms
     uint32_t first_skipped; // index of the first such instance
@@ -36,8 +36,9 @@ struct census {
 bool flatten_in_range(const double point[3]);
 // Returns whether triangles with the material are emitters.
 bool flatten_emits(const struct scene *scene, uint32_t material);
-// Returns whether a shape is a lamp that is sampled by shadow rays. Their sampling uses the shape's
-// centre and size, so its light is right even if rounding moves the shape by more than its size.
+// Returns whether a shape is a lamp that shadow rays are aimed at. The light samples use the
+// shape's centre and size, so its light is correct even if rounding moves the shape by more than
+// its size.
 bool flatten_is_lamp(const struct scene *scene, uint32_t kind, uint32_t material);
 // Reports progress, a fraction in [0, 1]. Returns false with ERR_STOPPED if the work is to stop.
 bool flatten_goes_on(const struct flatten_params *params, double fraction, struct err *err);
@@ -58,8 +59,8 @@ bool flatten_check_memory(const struct scene *scene, const struct census *census
 // Chooses the origin of the arrays: (0,0,0), or the centre of the bounds if they are small relative
 // to their coordinates.
 void flatten_choose_origin(const struct bounds *bounds, double origin[3]);
-// Returns whether single precision resolves something with these bounds in so few steps that its
-// form is lost. Also computes its largest extent along an axis and its largest absolute coordinate.
+// Returns whether an object with these bounds is so far from the origin that single precision loses
+// its form. Also computes its largest extent along an axis and its largest absolute coordinate.
 bool flatten_is_coarse(const struct bounds *bounds, double *extent, double *farthest);
 // Returns flat_scene.scale for these bounds; 1 if they are empty, or a point.
 double flatten_choose_scale(const struct bounds *bounds);

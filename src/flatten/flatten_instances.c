@@ -70,7 +70,8 @@ bool flatten_instances(const struct flatten_params *params, const struct census 
         if (census->instances[i] != INSTANCE_SHARES)
             continue;
         struct flat_instance *placed = &out->instances[out->placed_count];
-        // In the mesh's own space, all of its triangles may be without area.
+        // All triangles of the mesh may have been dropped because they have no area in its own
+        // space.
         if (out->meshes[use->flat].triangle_count == 0)
             continue;
         *placed = (struct flat_instance){

@@ -11,13 +11,13 @@
 #define SMALL_RATIO 4096
 // The maximum relative change of an emitter's area and normal by rounding.
 #define SMALL_TOLERANCE 0x1p-11
-// Parts of a lamp are connected if their distance is at most this fraction of their coordinates. It
-// is 16 rounding errors; rays may pass between such parts on the wrong side.
+// Parts of a lamp are connected if their distance is at most this fraction of their coordinates,
+// which is 16 rounding errors: a ray's rounded origin may pass such parts on the wrong side.
 #define NEAR_TOLERANCE 0x1p-20
 // A light sample tests all triangles of its lamp for occlusion. This number is below the number of
 // iterations that a driver permits (shaders/shared/methods.h).
 #define LAMP_TRIANGLES_MAX 4096
-// The maximum number of such tests for all samples of a vertex that is connected to every emitter.
+// The maximum number of such tests for all light samples of one vertex if it samples every emitter.
 #define LAMP_TESTS_MAX 32768
 
 // Connected triangles that may belong to a lamp: a node of a union-find forest, whose roots
@@ -26,7 +26,7 @@ struct part {
     struct bounds bounds;
     uint32_t triangle_count;
     uint32_t lamp;
-    bool is_lost; // whether rounding changes some triangle too much
+    bool is_lost; // rounding changes some triangle too much
 };
 
 struct search {
@@ -37,7 +37,7 @@ struct search {
     struct part *parts;
     uint32_t *parents; // the union-find forest, by parts
     uint32_t part_count, part_capacity, parent_count, parent_capacity;
-    struct lamp_triangle *triangles; // their member `lamp` is the index of a part at first
+    struct lamp_triangle *triangles; // `lamp` is the index of a part until lamps are numbered
     uint32_t triangle_count, triangle_capacity;
 };
 
@@ -68,8 +68,8 @@ static void edges_of(const double corners[3][3], double edges[2][3])
     vec3_subtract(corners[2], corners[0], edges[1]);
 }
 
-// This function must not be inlined: GCC 12.2 would optimise away the conversion of two adjacent
-// numbers to single precision and back in a loop.
+// Not inlined: GCC 12.2 would optimise away the conversion of two adjacent numbers to single
+// precision and back in a loop.
 __attribute__((noinline)) static void round_corners(const double corners[3][3], float out[3][3])
 {
     for (int corner = 0; corner < 3; corner++)
@@ -77,9 +77,9 @@ __attribute__((noinline)) static void round_corners(const double corners[3][3], 
             out[corner][i] = (float)corners[corner][i];
 }
 
-// Returns whether rounding moves points on a triangle too far for its size. Corners that are exact
-// in single precision do not help, because points of light samples and of occluders are rounded,
-// too.
+// Returns whether rounding moves points of a triangle too far relative to its size. This is so even
+// if the corners are exact in single precision, because the points of light samples and of
+// occluders are rounded, too.
 static bool is_coarse(const double corners[3][3], const double edges[2][3])
 {
     double farthest = 0;

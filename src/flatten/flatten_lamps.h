@@ -10,7 +10,7 @@
 #include "flatten/flatten_census.h"
 #include "flatten/flatten_placement.h"
 
-// A lamp: emissive triangles, of any instances, that are nearer to each other than rounding
+// A lamp: emissive triangles, of any instances, that are closer to each other than single precision
 // resolves.
 struct lamp {
     struct bounds bounds; // in the arrays' coordinates

@@ -1,10 +1,11 @@
 // Chooses the arrays' origin if the objects of a scene are too far apart for single precision, and
 // reports objects that are too far from it.
 //
-// A position at distance d from the origin has an error of up to 2^-24 d. Seen from a camera at the
-// origin this is an angle of 2^-24 for any d, far less than a pixel. So the origin follows the
-// camera if objects differ so much in size and position that the centre of the scene is unsuitable.
-// The form of small, distant objects is then wrong, but too small for the camera to resolve.
+// A position at distance d from the origin has an error of up to 2^-24 d. A camera at the origin
+// sees this error at an angle of at most 2^-24, whatever d is: far less than a pixel. So the origin
+// is moved to the camera if objects differ so much in size and position that the centre of the
+// scene is unsuitable. The form of small, distant objects is then wrong, but they are too small for
+// the camera to resolve.
 #include "flatten/flatten_precision.h"
 
 #include "base/log.h"
@@ -16,13 +17,14 @@
 
 // --- the origin ----------------------------------------------------------------------------------
 
-// Above this ratio of coordinates to the size or distance of a visible object, whichever is larger,
-// rounding moves the object by more than 2^-24 * 2^12 of that: a tenth of a pixel if it fills an
-// image of 800 pixels, as in render/far_camera.c.
+// The origin follows the camera if the ratio of a visible object's coordinates to its size or
+// distance, whichever is larger, exceeds this. Rounding then moves the object by more than 2^-24 *
+// 2^12 of that length: a tenth of a pixel if the object fills an image of 800 pixels, as in
+// render/far_camera.c.
 #define FOLLOW_RATIO 4096.0
 
-// The object whose size and distance from the camera have the smallest maximum, `scale`, and the
-// point of its box that is nearest to the camera.
+// The object for which the greater of its size and its distance from the camera, `scale`, is
+// smallest, and the point of its box that is nearest to the camera.
 struct nearest {
     double scale;
     double point[3];
@@ -91,8 +93,8 @@ void flatten_follow_camera(const struct flatten_params *params, const struct cen
 
 // --- warnings ------------------------------------------------------------------------------------
 
-// Adds an object with this bounding box in the world if it is coarse. Returns true if it is the
-// first one, whose name the caller must set.
+// Adds an object with this bounding box in the world if it is coarse. Returns true for the first
+// such object, whose name the caller must set.
 static bool add_box(const struct flat_scene *flat, const double low[3], const double high[3],
                     struct coarse_objects *coarse)
 {

@@ -17,7 +17,8 @@ void flatten_bound(struct flat_scene *flat, const float low[3], const float high
     }
 }
 
-// Returns the shape that the rounded numbers describe, without its material.
+// Returns the shape that the rounded numbers describe, in double precision and without its
+// material.
 static struct shape exact_shape(const struct flat_shape *flat)
 {
     struct shape shape = {.kind = flat->kind, .radius = (double)flat->radius, .sdf = flat->sdf};
@@ -30,8 +31,9 @@ static struct shape exact_shape(const struct flat_shape *flat)
     return shape;
 }
 
-// Moves the point of a plane to the point nearest to the origin, because a distant one costs
-// accuracy. Textured planes keep their point, because their texture depends on it.
+// Moves the point that defines a plane to the point of the plane nearest to the origin, because a
+// distant one costs accuracy. Textured planes keep their point, because their texture depends on
+// it.
 static void move_near(const struct scene *scene, const double origin[3], struct shape *plane)
 {
     if (plane->kind != SHAPE_PLANE || scene->materials[plane->material].texture_count > 0)
@@ -134,9 +136,9 @@ bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out,
     return true;
 }
 
-// Planes extend to the limit of the kernels' coordinates, but not equally in all directions, so
-// that the centre of their box is far from everything else, and the first split of a BVH separates
-// them.
+// Planes extend to the limit of the kernels' coordinates, but not equally far in all directions. So
+// the centre of a plane's box is far from everything else, and the first split of a BVH separates
+// the planes from the other primitives.
 static void plane_box(const struct flat_shape *shape, float min[3], float max[3])
 {
     const float *n = shape->normal;
@@ -160,8 +162,8 @@ void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3])
     for (int c = 0; c < 3; c++)
         size = fmaxf(size, (float)reach[c]);
     for (int c = 0; c < 3; c++) {
-        // The extent has one rounding error here and a few in a kernel, and a sum has one of its
-        // largest term.
+        // The extent has one rounding error here and a few in a kernel; the sum of centre and
+        // extent has one rounding error of its larger term.
         float margin = 4.0f * FLT_EPSILON * (fabsf(shape->center[c]) + size);
         min[c] = shape->center[c] - (float)reach[c] - margin;
         max[c] = shape->center[c] + (float)reach[c] + margin;

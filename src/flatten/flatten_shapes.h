@@ -1,4 +1,5 @@
-// The part of scene_flatten() for analytic shapes. Private to this folder, except for the boxes.
+// The part of scene_flatten() for analytic shapes. Private to this folder, except for
+// flat_shape_box(), flatten_place_shape() and FLAT_COORDINATE_MAX.
 #ifndef LAMPYRIS_FLATTEN_FLATTEN_SHAPES_H
 #define LAMPYRIS_FLATTEN_FLATTEN_SHAPES_H
 

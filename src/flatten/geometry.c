@@ -121,8 +121,8 @@ static bool build_meshes(struct build *build, struct arena *arena, struct err *e
 
 // --- instances' boxes ----------------------------------------------------------------------------
 
-// Rays are transformed in single precision, so that their hits have errors of a few roundings of
-// the coordinates in world space and in mesh space. Each coordinate is a sum of four products,
+// The rounding errors of a hit, in units of 2^-24 of the coordinates in world space and in mesh
+// space: rays are transformed in single precision, and each coordinate is a sum of four products,
 // which carries errors from one axis to the others.
 #define BOX_ROUNDINGS (32.0 * 0x1p-24)
 
@@ -284,8 +284,8 @@ static bool same_instances(const struct flat_scene *a, const struct flat_scene *
     return true;
 }
 
-// Returns whether build_bvh() would read the same bits from both scenes, and so build the same
-// hierarchy.
+// Returns whether both scenes have the same bits in everything that build_bvh() reads, so that the
+// hierarchies would be the same.
 static bool same_places(const struct flat_scene *a, const struct flat_scene *b)
 {
     if (!same_counts(a, b) || !same_instances(a, b))
