@@ -40,7 +40,7 @@ struct tile_plan tile_plan_of(uint32_t width, uint32_t height, uint32_t *counts)
     return plan;
 }
 
-// An allotment of samples to tiles in the making.
+// A plan in the making: the weights and limits from which the samples of each tile follow.
 struct allotment {
     const struct tile_plan_params *params;
     uint32_t tiles_x, tiles_y;
@@ -82,9 +82,10 @@ static double find_scale(const struct allotment *a, uint64_t budget)
     return low;
 }
 
-// Sets the weights to the roots of the variances, scaled so that the greatest is 1. A pilot's
-// variance of a tile is itself a noisy estimate, and the light that it missed is most often near
-// the light that it found: each tile's variance is averaged with the mean of its neighbours'.
+// Sets the weights to the square roots of the variances, scaled so that the greatest is 1. A
+// pilot's variance of a tile is itself a noisy estimate, and light that the pilot missed is most
+// often near light that it found. Each tile's variance is therefore averaged with the mean of its
+// neighbours' variances.
 static void set_weights(const struct tile_plan_params *p, uint32_t tiles_x, uint32_t tiles_y,
                         double *weights)
 {
@@ -104,7 +105,7 @@ static void set_weights(const struct tile_plan_params *p, uint32_t tiles_x, uint
         weights[i] = sqrt(count ? 0.5 * own + 0.5 * around / count : own);
         greatest = fmax(greatest, weights[i]);
     }
-    // Where nothing varied, all tiles are alike.
+    // If no tile has any variance, all tiles get the same weight.
     for (uint32_t i = 0; i < tiles_x * tiles_y; i++)
         weights[i] = greatest > 0.0 ? weights[i] / greatest : 1.0;
 }
@@ -198,8 +199,8 @@ static uint64_t samples_left(const struct renderer *r, uint32_t tile)
     return r->tiles.counts[tile] * r->round_target - r->tiles.done[tile];
 }
 
-// Every tile's count is at least TILE_SAMPLES_MIN, so that all tiles have a sample once the first
-// pass is over.
+// The plan gives every tile at least TILE_SAMPLES_MIN samples a round, so all tiles have a sample
+// once the first pass is over.
 bool tiles_all_begun(const struct renderer *r)
 {
     return r->tiles.count > 0 && r->tiles.done[0] > 0;
@@ -213,8 +214,9 @@ static bool takes_part(const struct renderer *r, uint32_t tile, uint32_t shift)
     return shift < USUAL_SAMPLE_SHIFT ? left >> shift & 1u : left >> shift;
 }
 
-// Takes one sample of every pixel first; then passes of few samples over all tiles; then passes of
-// many, which tiles leave when they are done.
+// Chooses the samples a pixel, 2^shift, of the next pass: one sample of every pixel first; then
+// passes of few samples over all tiles; then passes of many samples, which tiles leave when they
+// are done.
 static bool choose_shift(const struct renderer *r, uint32_t *shift)
 {
     if (!tiles_all_begun(r)) {
@@ -248,7 +250,8 @@ bool tile_pass_begin(struct renderer *r)
 
 void tile_pass_end(struct renderer *r)
 {
-    // The first tile is done last: it tells whether this was the first pass.
+    // The first tile comes last, because its count tells takes_part() whether this was the first
+    // pass.
     for (uint32_t tile = r->tiles.count; tile-- > 0;)
         if (takes_part(r, tile, r->pass.shift))
             r->tiles.done[tile] += 1u << r->pass.shift;
@@ -257,7 +260,7 @@ void tile_pass_end(struct renderer *r)
         r->next_sample = r->round_target;
 }
 
-// Finds the place of the pass's next pixel: a tile, and the pixel's number in it, by rows.
+// Finds the next pixel of the pass: its tile, and its index in the tile, row by row.
 static void find_place(const struct renderer *r, uint32_t *tile, uint32_t *inside)
 {
     uint64_t left = r->pass.position;
@@ -275,7 +278,7 @@ static void find_place(const struct renderer *r, uint32_t *tile, uint32_t *insid
 
 static bool upload_lists(struct renderer *r, uint32_t count, struct err *err)
 {
-    // The lists are behind the last queue, where lib/buffers.glsl reads them.
+    // The lists follow the last queue in the buffer, where lib/buffers.glsl reads them.
     uint64_t row = (uint64_t)r->plan.wave_slots * sizeof(uint32_t);
     uint64_t at = queue_offset(r, QUEUE_COUNT);
     struct gpu_buffer *queues = &r->buffers[BINDING_QUEUES];

@@ -35,7 +35,7 @@ void aov_names_text(uint32_t bits, const struct aov_name *names, char text[AOV_N
 {
     text[0] = '\0';
     size_t length = 0;
-    // The last name stands for all others.
+    // Omits the last name, "all", which stands for the bits of all others.
     for (const struct aov_name *name = names; name[1].name; name++)
         if (bits & name->bits)
             length += (size_t)snprintf(text + length, AOV_NAMES_TEXT_MAX - length, "%s%s",

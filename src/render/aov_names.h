@@ -1,4 +1,4 @@
-// The names of sets of AOV_* bits, as --aov and --error-by take them.
+// The names of sets of AOV_* bits that --aov and --error-by accept.
 #ifndef LAMPYRIS_RENDER_AOV_NAMES_H
 #define LAMPYRIS_RENDER_AOV_NAMES_H
 
@@ -9,7 +9,7 @@ struct aov_name {
     uint32_t bits;
 };
 
-// Each list ends with "all" and, after it, with a name that is NULL.
+// Each list ends with "all", which is followed by an entry whose name is NULL.
 extern const struct aov_name aov_names[], error_by_names[];
 
 // Writes the names of the single bits that are set in `bits`, separated by commas, or "none".

@@ -10,9 +10,9 @@
 #include <math.h>
 
 #define LOBES_DIFFUSE (LOBE_LAMBERT | LOBE_DIFFUSE_TRANSMISSION)
-#define LOBES_SCATTERING (LOBE_ROUGH - 1) // bits from LOBE_ROUGH on are what lobes need
+#define LOBES_SCATTERING (LOBE_ROUGH - 1) // lower bits: lobes; higher bits: properties of lobes
 
-// Returns whether a path may hit any emitter only by chance.
+// Returns whether scattered rays may hit some emitter without a shadow ray having been aimed at it.
 static bool leaves_to_chance(const struct scene *scene, const struct specialization *s)
 {
     const struct settings *settings = &scene->settings;
@@ -44,9 +44,10 @@ static double least_roughness(const struct scene *scene, const struct material *
     return least;
 }
 
-// Returns the greatest density, per solid angle, of a reflected direction sampled by visible
-// normals of GGX: D G1 / (4 cos) at grazing angles, where G1 / cos becomes 2 / alpha (Heitz 2018,
-// "Sampling the GGX distribution of visible normals", eq. 19; Walter et al. 2007, eqs. 33 and 34).
+// Returns the greatest density, per solid angle, of a reflected direction when visible GGX normals
+// are sampled. The density is D G1 / (4 cos); at grazing angles G1 / cos tends to 2 / alpha (Heitz
+// 2018, "Sampling the GGX distribution of visible normals", eq. 19; Walter et al. 2007, eqs. 33 and
+// 34).
 static double sharpest_reflection(const struct scene *scene, const struct material *material)
 {
     double roughness = least_roughness(scene, material), alpha = roughness * roughness;
@@ -56,7 +57,8 @@ static double sharpest_reflection(const struct scene *scene, const struct materi
     return 1.0 / (2.0 * M_PI * alpha / aspect * narrow * narrow);
 }
 
-// Infinite for deltas, and for refraction, coats and cosine powers, which may be nearly deltas.
+// Returns the greatest density, per solid angle, with which a material samples a direction.
+// Infinite for delta lobes, and for refraction, coats and cosine powers, which may be nearly delta.
 static double sharpest_of_material(const struct scene *scene, const struct material *material)
 {
     bool has_layers = material->model == MATERIAL_PRINCIPLED &&
@@ -75,7 +77,8 @@ static double sharpest_of_material(const struct scene *scene, const struct mater
     }
 }
 
-// Returns whether shadow rays are aimed at infinitely far emitters, with a density to compare with.
+// Returns whether shadow rays are aimed at infinitely far emitters with a density per solid angle,
+// which MIS can compare with that of the BSDF.
 static bool looks_far(const struct scene *scene, const struct emitters *emitters)
 {
     for (uint32_t i = 0; i < scene->light_count; i++)
@@ -84,9 +87,8 @@ static bool looks_far(const struct scene *scene, const struct emitters *emitters
     return scene->environment.width > 0 && emitters->environment_pick > 0.0f;
 }
 
-// Returns the greatest density with which a surface of the scene samples a direction; infinite
-// where light is found by chance to which no shadow ray is aimed, and where no weights compare the
-// two strategies.
+// Returns the greatest density, per solid angle, with which a used surface of the scene samples a
+// direction. Infinite if MIS does not weight BSDF samples against shadow rays everywhere.
 static double sharpest_lobe(const struct scene *scene, const struct flat_scene *flat,
                             const struct specialization *s, const struct emitters *emitters)
 {
@@ -102,10 +104,10 @@ static double sharpest_lobe(const struct scene *scene, const struct flat_scene *
     return sharpest;
 }
 
-// Where shadow rays sample a light more often than scattered rays hit it, both bring the same
-// contribution, f cos L / (p + q) by the balance heuristic, and shadow rays bring it more often:
-// the light is not left to chance. This is only known for infinitely far emitters, whose density is
-// the same everywhere.
+// Returns the greatest radiance of the suns that count as found by chance. A sun does not count if
+// shadow rays sample its directions with a density p above the greatest BSDF density q: by the
+// balance heuristic both strategies then contribute f cos L / (p + q), and shadow rays do so more
+// often. Only infinitely far emitters have the same density p for all points.
 static float greatest_of_suns(const struct scene *scene, const struct emitters *emitters,
                               double sharpest)
 {
@@ -123,7 +125,8 @@ static float greatest_of_suns(const struct scene *scene, const struct emitters *
     return (float)greatest;
 }
 
-// A cell between texels has at least a quarter of the light of its brightest texel.
+// Returns the greatest radiance of the environment that is found by chance. `density / 4`: within a
+// cell between texels the density is at least a quarter of that of the cell's brightest texel.
 static float greatest_of_environment(const struct environment *environment,
                                      const struct emitters *emitters, double sharpest)
 {

@@ -19,18 +19,18 @@ static const char magic[8] = {'L', 'A', 'M', 'P', 'Y', 'R', 'I', 'S'};
 struct header {
     char magic[8];
     uint32_t version, byte_order;
-    uint64_t head_bytes; // what stands before the film, without its hash
+    uint64_t head_bytes; // bytes before the film, without their hash
     uint64_t file_bytes, identity_bytes, command_bytes, film_bytes;
-    uint32_t block_bytes; // bytes of the film in a block: whole records
+    uint32_t block_bytes; // bytes of the film in a block, a whole number of records
     uint32_t state_count, tile_count;
-    uint32_t is_zero; // fills the header to a multiple of 8 bytes
+    uint32_t is_zero; // padding: fills the header to a multiple of 8 bytes
 };
 
 _Static_assert(sizeof(struct header) == 8 + 2 * 4 + 5 * 8 + 4 * 4, "no bytes without a meaning");
 
 // --- the renderer's state ------------------------------------------------------------------------
 
-// Visits everything that is saved of the renderer, in the same order for writing and reading.
+// Visits all saved members of the renderer's state, in the same order for writing and reading.
 struct cursor {
     uint64_t *words;
     uint32_t at;
@@ -94,8 +94,8 @@ _Static_assert(6 + 1 + 2 + CLASS_COUNT + 4 + SITE_COUNT + 5 <= NOTE_AT,
 
 // --- hashes --------------------------------------------------------------------------------------
 
-// The hash of a block of the film depends on what stands before the film and on the block's number,
-// so that blocks of other files and other places are found, too.
+// The hash of a block of the film includes the hash of everything before the film and the block's
+// number, so that blocks from other files or places are detected, too.
 static uint64_t hash_block(uint64_t head_hash, uint64_t number, const void *block, uint64_t bytes)
 {
     const struct hash128 content = hash128_bytes(block, bytes);
@@ -116,7 +116,8 @@ static bool put(struct output *out, const void *data, uint64_t bytes, struct err
     return file_writer_write(&out->writer, data, bytes, err);
 }
 
-// Where the film's records are: on the device, or in `records`.
+// The source of the film's records: `records` in the host's memory, or, if that is NULL, the
+// device.
 struct source {
     struct renderer *renderer;
     const char *records;
@@ -242,15 +243,15 @@ static bool get(const struct checkpoint *c, void *data, uint64_t bytes, struct e
 static bool measure(const struct checkpoint *c, uint64_t *bytes, struct err *err)
 {
     return file_stream_size(c->file, bytes) ||
-           err_set(err, ERR_INPUT, "%s: cannot be read from its beginning to its end: %s", c->path,
+           err_set(err, ERR_INPUT, "%s: its size is not known: %s", c->path,
                    strerror(errno));
 }
 
 static bool fail_damaged(const struct checkpoint *c, const char *where, struct err *err)
 {
     return err_set(err, ERR_INPUT,
-                   "%s: is damaged: %s has another hash than was written; expected the file as it "
-                   "was written",
+                   "%s: is damaged: the hash of %s does not match; expected the file as it was "
+                   "written",
                    c->path, where);
 }
 
@@ -273,12 +274,12 @@ static bool check_header(const struct checkpoint *c, const struct header *h, uin
         h->block_bytes > CHECKPOINT_BLOCK_BYTES || h->is_zero != 0 ||
         head_bytes(h) != h->head_bytes || file_bytes(h) != bytes)
         return err_set(err, ERR_INPUT,
-                       "%s: is damaged: its parts do not make up its %" PRIu64 " bytes", c->path,
-                       bytes);
+                       "%s: is damaged: the sizes in its header do not fit %" PRIu64 " bytes",
+                       c->path, bytes);
     return true;
 }
 
-// Reads bytes of what stands before the film, and continues its hash.
+// Reads bytes that precede the film, and adds them to the hash.
 static bool get_head(struct checkpoint *c, void *data, uint64_t bytes, struct err *err)
 {
     if (!get(c, data, bytes, err))
@@ -308,7 +309,7 @@ static bool read_head(struct checkpoint *c, const struct header *h, struct arena
         !get_head(c, c->done, list_bytes, err) || !get(c, &hash, sizeof hash, err))
         return false;
     if (hash != c->head_hash)
-        return fail_damaged(c, "what stands before its film", err);
+        return fail_damaged(c, "the part before its film", err);
     memcpy(c->note, &c->state[NOTE_AT], sizeof c->note);
     return true;
 }
@@ -351,7 +352,7 @@ bool checkpoint_open(const char *path, struct arena *arena, struct checkpoint *o
 {
     *out = (struct checkpoint){0};
     if (file_is_special(path))
-        return err_set(err, ERR_INPUT, "%s: is no regular file; expected a checkpoint", path);
+        return err_set(err, ERR_INPUT, "%s: is not a regular file; expected a checkpoint", path);
     FILE *file = file_stream(path, "rb");
     if (!file)
         return err_set(err, ERR_INPUT, "%s: cannot open: %s", path, strerror(errno));
@@ -380,7 +381,7 @@ struct film_copy checkpoint_film(const struct checkpoint *c)
     return film;
 }
 
-// --- going on ------------------------------------------------------------------------------------
+// --- continuing from a checkpoint ----------------------------------------------------------------
 
 static int line_length(const char *line)
 {
@@ -415,7 +416,8 @@ bool checkpoint_compare(const char *path, const char *was, const char *whose, co
         return err_set(err, ERR_INPUT, "%s: was made with %.*s, but %s has %.*s", path,
                        line_length(was), was, whose, line_length(value), value);
     }
-    // The lines before them determine which lines follow.
+    // The names differ although all lines before them are equal. The lines before a line determine
+    // its name, so the file is from another build.
     return err_set(err, ERR_INPUT,
                    "%s: was made by another build of lampyris, which records \"%.*s\" where this one "
                    "records \"%.*s\"; expected a checkpoint of this build",
@@ -445,12 +447,13 @@ static bool check_state(const struct checkpoint *c, const struct renderer *r, st
     for (uint32_t i = 0; ok && i < c->tile_count; i++)
         ok = c->counts[i] > 0 && c->done[i] <= c->counts[i] * r->round_target;
     if (!ok)
-        return err_set(err, ERR_INPUT, "%s: holds a state that no render can be in", c->path);
+        return err_set(err, ERR_INPUT, "%s: contains a renderer state that is not valid", c->path);
     return r->pass.position == 0 || 1u << r->pass.shift <= r->plan.wave_samples ||
-           err_set(err, ERR_INPUT,
-                   "%s: ended amid waves of %u samples a pixel, which waves of %u paths do not "
-                   "hold; expected a larger --wave",
-                   c->path, 1u << r->pass.shift, r->plan.wave_samples);
+           err_set(
+               err, ERR_INPUT,
+               "%s: was written during a pass of %u samples a pixel, but a wave of this run has "
+               "only %u samples; expected a larger --wave",
+               c->path, 1u << r->pass.shift, r->plan.wave_samples);
 }
 
 bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *err)
@@ -476,7 +479,7 @@ bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *er
     if (!check_state(c, r, err))
         return false;
     if (r->pass.position == 0)
-        r->pass = (struct pass){0}; // not begun: this run may have other waves
+        r->pass = (struct pass){0}; // not begun: this run may choose another shift
     if (has_tiles) {
         struct tile_plan plan = tile_plan_of(r->frame.width, r->frame.height, c->counts);
         if (!renderer_set_plan(r, &plan, err))

@@ -6,8 +6,9 @@
 #include "shared/methods.h"
 #include <math.h>
 
-// Distance in bounding radii beyond which the error of directions in single precision exceeds 2^-24
-// * 2^12 of the radius: a tenth of a pixel where the scene fills a picture of 800 pixels.
+// Ratio of distance to bounding radius above which a direction in single precision has an error of
+// more than 2^-24 * 2^12 radii at the scene: a tenth of a pixel if the scene fills an image of 800
+// pixels.
 #define FAR_RATIO 4096.0
 
 // A camera and the bounding sphere of everything that has bounds, in the flat scene's unit.
@@ -46,8 +47,8 @@ bool camera_is_far(const struct flat_scene *flat, const struct camera *camera)
     return is_far(&sight, camera);
 }
 
-// Returns how far along the line of sight a ray through one of the picture's corners meets a plane,
-// or `farthest` if that is nearer.
+// Returns the distance along the line of sight at which a ray through one of the image's corners
+// meets a plane, or `farthest` if that is less.
 static double depth_of_plane(const struct flat_shape *plane, const struct camera *camera,
                              const double position[3], const double corner[3], double farthest)
 {
@@ -62,8 +63,8 @@ static double depth_of_plane(const struct flat_shape *plane, const struct camera
     return depth >= 0.0 && depth < farthest ? depth : farthest;
 }
 
-// Within the picture a plane is no nearer than at the nearest of its corners; filters and lenses
-// reach a little further.
+// Within the image a plane is never nearer than at the nearest corner. This factor accounts for
+// filters and lenses, whose rays reach a little beyond the image.
 #define CORNER_MARGIN 1.125
 
 double far_camera_start(const struct flat_scene *flat, const struct camera *camera,
@@ -81,11 +82,11 @@ double far_camera_start(const struct flat_scene *flat, const struct camera *came
                     CORNER_MARGIN * ((k & 1 ? right[c] : -right[c]) + (k & 2 ? up[c] : -up[c]));
             start = depth_of_plane(&flat->shapes[i], camera, sight.position, corner, start);
         }
-    // Begin before a plane, by more than the rounding of its position.
+    // Rays begin before the nearest plane by more than the rounding error of its position.
     return start < all ? start * (1.0 - 0x1p-16) : start;
 }
 
-// Parts of a pixel smaller than this are hit by too few samples to be relied on.
+// An object that covers less than this fraction of a pixel is hit by too few samples.
 #define LEAST_PART 0x1p-8
 
 struct far_fault far_camera_judge(const struct flat_scene *flat, const struct camera *camera,
@@ -95,7 +96,9 @@ struct far_fault far_camera_judge(const struct flat_scene *flat, const struct ca
     bool is_panoramic = camera->kind == CAMERA_PANORAMIC;
     if (!(sight.radius > 0.0) || camera->kind == CAMERA_ORTHOGRAPHIC)
         return (struct far_fault){0};
-    double seen = is_panoramic ? M_PI : 2.0 * tan(0.5 * camera->fov_y); // one metre away
+    double seen = is_panoramic ? M_PI : 2.0 * tan(0.5 * camera->fov_y); // height seen at a distance
+                                                                        // of 1; panoramas: the
+                                                                        // angle
     double pixel = seen / height, farthest = sight.distance + sight.radius;
     double begin = is_far(&sight, camera) ? sight.depth - sight.radius : 0.0;
     struct far_fault fault = {
@@ -116,12 +119,12 @@ void far_camera_warn(const struct flat_scene *flat, const struct camera *camera,
 {
     const struct far_fault fault = far_camera_judge(flat, camera, height);
     if (fault.kind == FAR_FAULT_SCENE)
-        log_warn("the scene is %g m across and %g m away: %.2g of a pixel, which samples hardly "
-                 "ever find; expected a camera nearer to it, or a narrower field of view",
+        log_warn("the scene is %g m across and %g m away, and covers %.2g pixels: samples rarely "
+                 "hit it; expected a camera nearer to it, or a narrower field of view",
                  fault.extent, fault.distance, fault.pixels);
     else if (fault.kind == FAR_FAULT_PIXEL)
-        log_warn("a pixel is %.2g radians wide, and single precision tells directions apart by "
-                 "%.2g from within a scene: expected a wider field of view, or a camera farther "
-                 "away from all of it",
+        log_warn("a pixel is %.2g radians wide, but from within a scene single precision resolves "
+                 "directions only to %.2g radians; expected a wider field of view, or a camera "
+                 "farther away from all of it",
                  fault.pixel, fault.direction);
 }

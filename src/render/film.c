@@ -13,8 +13,8 @@ static uint64_t pixel_count(const struct renderer *r)
     return (uint64_t)r->frame.width * r->frame.height;
 }
 
-// Returns the number of film buffers that the picture uses: all, unless the picture is smaller than
-// the film has room for.
+// Returns the number of film buffers that the image uses: all of them, unless the image is smaller
+// than the film.
 static uint32_t chunks_in_use(const struct renderer *r)
 {
     return (uint32_t)((pixel_count(r) + r->plan.film_chunk_pixels - 1) / r->plan.film_chunk_pixels);
@@ -40,7 +40,7 @@ bool film_create(struct renderer *r, struct err *err)
         return err_memory(err, "film", r->plan.film_chunks * sizeof *r->film);
     for (uint32_t i = 0; i < r->plan.film_chunks; i++) {
         uint64_t bytes = chunk_pixels(r, i) * pixel_bytes(r);
-        // A viewer's kernels read the film as texels where they can.
+        // The viewer's kernels read the film as texels if the device permits.
         if (!gpu_buffer_create(r->gpu, binding_name(BINDING_FILM), bytes, GPU_DEVICE,
                                gpu_texel_fits(r->gpu, bytes), &r->film[i], err))
             return false;
@@ -111,7 +111,8 @@ static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t
     return true;
 }
 
-// Returns how many of a pixel's samples are in the first half-buffer, as lib/halves.glsl does.
+// Returns how many of a pixel's samples are in the first half-buffer, by the rule of
+// lib/halves.glsl.
 static uint32_t samples_of_first_half(const struct renderer *r, uint32_t samples)
 {
     uint32_t planned = r->frame.samples - r->frame.samples / 2;
@@ -129,8 +130,8 @@ static void add_pixel(const struct renderer *r, struct film_image *image, uint64
         double sum = (double)samples_a * p->mean_a[c] + (double)samples_b * p->mean_b[c];
         image->mean[at][c] = p->samples ? (float)(sum / p->samples) : 0.0f;
     }
-    // On average the squared difference of the halves' means is the variance of a sample times 1 /
-    // a + 1 / b.
+    // The expected squared difference of the halves' means is the variance of one sample times (1 /
+    // a + 1 / b).
     double share = (double)samples_a * samples_b / fmax((double)p->samples * p->samples, 1.0);
     for (int c = 0; c < 3 && image->aovs.variance; c++) {
         double difference = (double)p->mean_a[c] - (double)p->mean_b[c];
@@ -148,7 +149,7 @@ static void add_pixel(const struct renderer *r, struct film_image *image, uint64
         image->most_samples = p->samples;
 }
 
-// Reads record i of those that were resolved.
+// Reads record i of the resolved records.
 static void read_pixel(const struct renderer *r, const uint32_t (*words)[4], uint64_t i,
                        struct film_image *image)
 {

@@ -1,4 +1,5 @@
-// The film in device memory: buffers by ranges of pixels, and reading them back.
+// The film in device memory, in one or several buffers, each for a range of pixels; and reading it
+// back.
 #ifndef LAMPYRIS_RENDER_FILM_H
 #define LAMPYRIS_RENDER_FILM_H
 

@@ -6,7 +6,7 @@
 #include <assert.h>
 #include <string.h>
 
-// Returns the highest digit of sum `component` among those of the digits' word.
+// Returns the highest digit of sum `component`; `digits` has the highest digits of several sums.
 static uint32_t top_digit(uint32_t digits, uint32_t component)
 {
     uint32_t top = 0;
@@ -15,7 +15,7 @@ static uint32_t top_digit(uint32_t digits, uint32_t component)
     return top;
 }
 
-// Adds the even or the odd bin of a sum to the bin of another sum that stands for the same digit.
+// Adds one bin of a sum, the even or the odd one, to the bin of another sum with the same digit.
 static void add_bin(uint32_t *to, const uint32_t *from, uint32_t odd)
 {
     uint32_t *words = &to[2 * odd];
@@ -77,7 +77,7 @@ static float brightness(const uint32_t words[3])
     return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
 }
 
-// Keeps the brighter contribution; if both are equally bright, that of the lower sample.
+// Keeps the brighter of two contributions; if both are equally bright, that of the lower sample.
 static void keep_brightest(uint32_t *to, const uint32_t *from)
 {
     float own = brightness(to), other = brightness(from);
@@ -85,7 +85,7 @@ static void keep_brightest(uint32_t *to, const uint32_t *from)
         memcpy(to, from, 2 * 4 * sizeof *to);
 }
 
-// `precedes`: the part's samples come first, so that its ids are kept.
+// precedes: the part's samples come before those of `to`, whose ids are then replaced.
 static void add_pixel(uint32_t aovs, uint32_t *to, const uint32_t *from, bool precedes)
 {
     const uint32_t ids = 4 * (AOV_FILM_WORDS(aovs) - 1), classes = 4 * AOV_FILM_CLASSES_AT(aovs);

@@ -114,7 +114,7 @@ static void read_ids(const uint32_t words[2], const struct flat_scene *flat, uin
     ids[2] = triangle + 1;
 }
 
-// `words`: the beginning of the pixel's classes in its record.
+// `words`: the part of the pixel's record that has its classes.
 static void read_classes(const struct film_aovs *aovs, uint64_t at, const uint32_t *words)
 {
     const uint32_t count = aovs->class_count;

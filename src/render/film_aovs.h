@@ -1,4 +1,4 @@
-// Pictures besides the radiance (AOVs), as they are read back with the film.
+// Images besides the radiance (AOVs), read back together with the film.
 #ifndef LAMPYRIS_RENDER_FILM_AOVS_H
 #define LAMPYRIS_RENDER_FILM_AOVS_H
 
@@ -9,46 +9,46 @@
 
 // The brightest contribution to a pixel. All members are 0 for a pixel without light.
 struct film_brightest {
-    float radiance[3]; // as it was added to the sample's, which may be clamped
-    uint32_t origin;   // as added to the sample's radiance, after any clamping
+    float radiance[3]; // as added to the sample's radiance, after any clamping
+    uint32_t origin;   // BRIGHTEST_ORIGIN: its bounce, site and kind of emitter
     uint32_t sample;   // the lowest such sample, if several are equally bright
 };
 
-// Pixels in rows from the top; NULL for pictures that were not asked for. They describe the first
-// surface that camera rays meet, glass and mirrors included. Values are means over all samples, in
-// which samples that meet no surface count as 0; depth and position are means over the samples that
-// meet one.
+// AOVs: pixels in rows from the top; NULL for those not requested. They describe the first surface
+// that camera rays meet, even if it is glass or a mirror. Values are means over all samples, in
+// which samples that meet no surface count as 0. Depth and position are means over the samples that
+// meet a surface.
 struct film_aovs {
     float (*albedo)[3];
     float (*normal)[3];           // the shading normal in world space, towards the camera
     float (*normal_geometric)[3]; // the geometric normal, in the same way
-    float *depth;                 // along the ray, metres; infinite where no sample meets anything
-    float (*position)[3];         // in the world, metres; 0 where no sample meets anything
+    float *depth;                 // along the ray, metres; infinite if no sample meets a surface
+    float (*position)[3];         // in the world, metres; 0 if no sample meets a surface
     float *alpha;                 // the fraction of samples that meet a surface
-    float *steps; // nodes visited and primitives tested by camera rays on the way to it
+    float *steps; // nodes visited and primitives tested by camera rays until their hits
     // The object, material and primitive that the pixel's first sample meets: their numbers in the
     // scene plus 1, or 0 for nothing. Objects are instances, then shapes. A mesh's triangles are
     // its primitives; a shape has one.
     uint32_t (*ids)[3];
-    // The parts of the radiance after no, one and more scattering events.
+    // The radiance that arrives after no, one, and more scattering events.
     float (*emission)[3], (*direct)[3], (*indirect)[3];
-    float (*variance)[3]; // variance of the mean radiance, from the half-buffers; infinite where
+    float (*variance)[3]; // variance of the mean radiance, from the half-buffers; infinite if
                           // unknown
-    // With AOVS_BY: what each class contributes to the means of both half-buffers; the classes of a
-    // pixel are adjacent (shared/aov.h).
+    // With AOVS_BY: the contribution of each class to the means of both half-buffers; a pixel's
+    // classes are adjacent (shared/aov.h).
     uint32_t class_count;
     float (*class_a)[3], (*class_b)[3];
     struct film_brightest *brightest;
 };
 
-// Returns the AOVs that the device has to compute for those wanted: AOV_* without those that the
-// film always has, and with AOV_ALPHA if others need it.
+// Returns the AOVs that the device has to compute for the wanted ones: AOV_* without those that
+// every film has, and with AOV_ALPHA if other AOVs need it.
 uint32_t film_aovs_of_device(uint32_t wanted);
-// Returns the bytes that the wanted AOVs take for a pixel, on the host.
+// Returns the bytes a pixel that the wanted AOVs take in host memory.
 uint32_t film_aovs_bytes(uint32_t wanted);
 bool film_aovs_allocate(uint32_t wanted, uint64_t pixels, struct arena *arena,
                         struct film_aovs *out, struct err *err);
-// Reads pixel `at` from its record (shared/aov.h): `words` are those behind gpu_resolved_pixel, and
+// Reads pixel `at` from its record (shared/aov.h). `words` are those after gpu_resolved_pixel;
 // `device` is the result of film_aovs_of_device().
 void film_aovs_read(const struct film_aovs *aovs, uint64_t at, const uint32_t *words,
                     uint32_t device, const struct flat_scene *flat);

@@ -24,7 +24,8 @@ struct film_copy film_copy_state(const struct renderer *r)
     };
 }
 
-// Returns the film's buffer that has the byte `*at` of all, and makes `*at` the place in it.
+// Returns the film's buffer that contains byte `*at` of all records, and makes `*at` the offset in
+// that buffer.
 static struct gpu_buffer *find_buffer(const struct renderer *r, uint64_t *at)
 {
     uint32_t i = 0;

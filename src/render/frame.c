@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// `start`: the result of far_camera_start().
+// start: the result of far_camera_start().
 static void set_lens(struct gpu_frame *frame, const struct camera *camera, double scale,
                      double start)
 {
@@ -39,7 +39,8 @@ static void set_camera(struct gpu_frame *frame, const struct camera *camera,
     }
 }
 
-// Rays begin within the scene's bounds, except those from infinite planes.
+// Sets the grid by which rays are sorted. It spans the scene's bounds, in which rays begin, except
+// those from infinite planes.
 static void set_cells(struct gpu_frame *frame, const struct flat_scene *flat)
 {
     for (int c = 0; c < 3; c++) {
@@ -50,8 +51,8 @@ static void set_cells(struct gpu_frame *frame, const struct flat_scene *flat)
     }
 }
 
-// Sets the sphere that infinitely far light is aimed at. Beyond the bounds there are infinite
-// planes only.
+// Sets the sphere that photons of infinitely far emitters are aimed at. Only infinite planes extend
+// beyond these bounds.
 static void set_bounding_sphere(struct gpu_frame *frame, const struct flat_scene *flat)
 {
     bool is_empty = flat->bounds_min[0] > flat->bounds_max[0];
@@ -72,8 +73,9 @@ static void set_environment(struct gpu_frame *frame, const struct environment *e
     frame->environment_sin = (float)sin(environment->rotation);
 }
 
-// Returns the length of rays that leaves nothing beyond them: for rays from within the bounds, the
-// diagonal of the bounds and as much again for rounding. `asked`: metres.
+// Returns the length of ambient-occlusion rays, in the flat scene's unit: `asked`, in metres, but
+// at most twice the diagonal of the bounds, because a longer ray from within the bounds meets
+// nothing more.
 static float ao_distance(const struct flat_scene *flat, float asked)
 {
     return (float)fmin((double)asked * flat->scale, 4.0 * bounding_radius(flat));
@@ -88,7 +90,7 @@ static void set_ambient_occlusion(struct renderer *r)
         r->frame.environment[c] = 1.0f;
 }
 
-// Russian roulette that cannot continue beyond its own limit is the same as that limit.
+// Returns the maximum number of bounces: ROULETTE_FRAME never continues beyond its own limit.
 static uint32_t max_bounces(const struct settings *settings)
 {
     uint32_t most = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;

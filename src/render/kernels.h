@@ -6,9 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// A kernel has the same name in its file, in this list, and in every report and profile. The
-// kernels that shade one class of surfaces are an exception: they are shade_surface.comp compiled
-// with the lobes of that class (FEATURE_CLASSES), in the order of CLASS_*.
+// A kernel has the same name in its file, in this list, and in every report and profile. Exceptions
+// are the kernels that shade one class of surfaces: they are shade_surface.comp compiled with the
+// lobes of that class (FEATURE_CLASSES), in the order of CLASS_*.
 #define KERNEL_LIST(X)                                                                             \
     X(generate_rays)                                                                               \
     X(intersect_closest)                                                                           \
@@ -45,13 +45,13 @@ struct kernel_code {
     size_t bytes;
 };
 
-// Returns the embedded SPIR-V, with or without subgroup ballot.
+// Returns the embedded SPIR-V, in the variant with or without subgroup ballot.
 struct kernel_code kernel_code(enum kernel_id id, bool ballot);
 
 // Returns a hash of the embedded kernels, which differs between builds whose kernels differ.
 uint64_t kernels_hash(void);
 
-// Replacement code for the kernels, in one variant: compiled while the program runs.
+// Kernels compiled while the program runs, which replace the embedded ones, in one variant.
 struct kernel_set {
     struct kernel_code codes[KERNEL_COUNT]; // spirv NULL: the embedded code is used
 };

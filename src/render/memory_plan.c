@@ -16,11 +16,12 @@
 // lane many times over.
 #define CPU_WAVE 65536u
 #define GPU_WAVE (1u << 20)
-// On wide devices the last bounces of a wave, which few paths reach, run beside the first ones of
-// the next wave. If memory limits waves to fewer paths than this, one larger wave is faster than
-// two.
+// On wide devices the last bounces of a wave, which have few paths, run at the same time as the
+// first bounces of the next wave. If memory limits the two waves to fewer paths than this, one
+// larger wave is faster.
 #define LEAST_OF_TWO_WAVES (1u << 17)
-// The items of a dispatch: 64k rays take lavapipe about 20 ms, and 1M rays take a GPU a few.
+// Items that one dispatch takes at most: 64k rays take lavapipe about 20 ms, 1M rays take a GPU a
+// few ms.
 #define CPU_PART 65536u
 #define GPU_PART (1u << 20)
 #define RESOLVE_PIXELS (1u << 20)
@@ -53,8 +54,8 @@ static uint32_t queue_rows(const struct specialization *s)
     return (uint32_t)__builtin_popcount(s->queues);
 }
 
-// Returns the bytes that one slot of the wave takes in a buffer; 0 for buffers that do not grow
-// with the wave.
+// Returns the bytes that one slot of a wave takes in a buffer; 0 for buffers whose size does not
+// depend on the wave.
 static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
 {
     switch (binding) {
@@ -66,7 +67,8 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     case BINDING_RADIANCE:
         return 16 * AOV_SLOT_WORDS(s->aovs);
     case BINDING_QUEUES:
-        // Tiles need two more lists: the pixels, and the number of each pixel's first sample.
+        // Sample counts by tile need two more lists: pixels, and the first sample number of each
+        // pixel.
         return (uint64_t)(queue_rows(s) + (s->features & FEATURE_TILES ? 2u : 0u)) * 4;
     case BINDING_SUSPENDED:
         // Besides its entries the stack has a sentinel, and a place that a branch-free push may
@@ -87,7 +89,8 @@ const char *memory_plan_in_flight(const struct memory_plan *plan)
     return plan->waves > 1 ? ", two in flight" : "";
 }
 
-// Returns the bytes of a buffer that does not depend on the wave: all of the scene's buffers.
+// Returns the size in bytes of a buffer that does not depend on the wave, such as those of the
+// scene.
 static uint64_t fixed_bytes(const struct memory_plan_params *p, uint32_t binding)
 {
     switch (binding) {
@@ -149,8 +152,8 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-// Returns the greatest number of slots whose buffers keep within the limits: a multiple of a
-// sample's slots and, if possible, of the workgroup.
+// Returns the largest number of slots whose buffers are within the device's limits: a multiple of
+// the slots of one sample and, if possible, of the workgroup size.
 static uint32_t fit_wave(const struct memory_plan_params *p)
 {
     const struct specialization *s = p->specialization;
@@ -167,10 +170,10 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
         if (as_texels && (s->features & FEATURE_TEXEL_STATE))
             slots = least(slots, gpu->max_texel_elements * 16 / bytes_a_slot(s, b));
     }
-    // Both are powers of two.
+    // The slots of a sample and the workgroup size are powers of two.
     uint64_t sample = UINT64_C(1) << s->split_lobes;
     uint64_t unit = sample > s->workgroup ? sample : s->workgroup;
-    // If the limits leave no room for a workgroup, some of its threads are idle.
+    // If the limits permit fewer slots than a workgroup has threads, some threads are idle.
     if (slots < unit)
         unit = sample;
     slots = slots / unit * unit;
@@ -183,8 +186,8 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     return (uint32_t)slots;
 }
 
-// Returns the longest power of two that fits into a storage buffer's range; 0 if ranges cannot
-// begin at its multiples.
+// Returns the largest power of two that fits into a storage buffer's range; 0 if ranges cannot
+// begin at its multiples because of the device's offset alignment.
 static uint64_t part_bytes(const struct gpu *gpu)
 {
     uint64_t range = gpu->max_storage_range;
@@ -192,7 +195,8 @@ static uint64_t part_bytes(const struct gpu *gpu)
     return bytes >= 16 && bytes % gpu->storage_alignment == 0 ? bytes : 0;
 }
 
-// Returns how many bindings one buffer may use for its parts when `parts` bindings are taken.
+// Returns the number of bindings that one buffer may use for its parts if `parts` bindings are
+// taken already.
 static uint32_t parts_left(const struct gpu *gpu, uint32_t parts)
 {
     uint32_t left =
@@ -234,9 +238,9 @@ static void take_parts(const struct memory_plan_params *p, struct memory_plan *p
     plan->buffers[b].parts += further;
 }
 
-// The most shadow rays of a vertex: one thread loops over their lamps. Some drivers silently end
-// loops of one invocation after 65,535 iterations (see specialize.c), and each lamp has loops of
-// its own.
+// The maximum number of shadow rays of a vertex. One thread loops over their lamps. Some drivers
+// silently end the loops of an invocation after 65,535 iterations (see specialize.c), and each lamp
+// takes further loops.
 #define LIGHT_RAYS_MAX 512u
 
 static bool check_light_rays(const struct specialization *s, struct err *err)
@@ -244,25 +248,28 @@ static bool check_light_rays(const struct specialization *s, struct err *err)
     bool is_whitted = s->integrator == INTEGRATOR_WHITTED;
     if (!(s->features & FEATURE_NEE) || s->light_rays <= LIGHT_RAYS_MAX)
         return true;
-    return err_set(err, ERR_INPUT, "a shadow ray to each of %u %s: expected at most %u%s",
-                   s->light_rays, is_whitted ? "emitters" : "lamps", LIGHT_RAYS_MAX,
-                   is_whitted ? ", or another --integrator"
-                              : ", or another --light-choice, such as tree");
+    return err_set(
+        err, ERR_INPUT, "%u %s are too many for a shadow ray to each; expected at most %u%s",
+        s->light_rays, is_whitted ? "emitters" : "lamps", LIGHT_RAYS_MAX,
+        is_whitted ? ", or another --integrator" : ", or another --light-choice, such as tree");
 }
 
-// Rays that a slot of INTEGRATOR_WHITTED postpones: one record of the stack for each depth.
+// The maximum number of rays that a slot postpones with INTEGRATOR_WHITTED: the stack has one
+// record for each depth.
 #define PENDING_RAYS_MAX 64u
 
 static bool check_pending_rays(const struct specialization *s, struct err *err)
 {
     return s->pending_rays <= PENDING_RAYS_MAX ||
-           err_set(err, ERR_INPUT,
-                   "max_bounces is %u, but the integrator whitted, where something transmits, "
-                   "follows trees of at most %u: expected a lower --max-bounces",
-                   s->pending_rays, PENDING_RAYS_MAX);
+           err_set(
+               err, ERR_INPUT,
+               "max_bounces is %u, but in scenes with transmission --integrator whitted follows "
+               "at most %u bounces; expected a lower --max-bounces",
+               s->pending_rays, PENDING_RAYS_MAX);
 }
 
-// Returns whether meshes that are used more than once are copied into world space for each use.
+// Returns whether --instances on would save memory: some mesh has several instances, but no mesh is
+// shared, so each instance is a copy in world space.
 static bool could_share(const struct memory_plan_params *p)
 {
     return p->scene->instance_count > p->scene->mesh_count && p->flat->placed_count == 0;
@@ -309,7 +316,7 @@ static uint64_t picture_pixels(const struct memory_plan_params *p)
     return p->pixels ? p->pixels : (uint64_t)settings->width * settings->height;
 }
 
-// Bytes that the host needs for a pixel to read it back, estimate its error and write it.
+// Bytes of host memory for each pixel, for reading it back, estimating its error and writing it.
 #define HOST_BYTES_A_PIXEL 64
 
 // Returns the device memory that all buffers of the plan may take.
@@ -344,8 +351,8 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
     return true;
 }
 
-// One wave with tiles, whose lists belong to a single wave, and where rays may be suspended, since
-// the host then waits for each dispatch.
+// Chooses the number of waves in flight. It is one with tiles, because their lists belong to a
+// single wave, and one if rays may be suspended, because the host then waits for each dispatch.
 static uint32_t choose_waves(const struct memory_plan_params *p, uint32_t slots)
 {
     uint64_t forced = p->gpu->params.limits.waves;
@@ -356,7 +363,7 @@ static uint32_t choose_waves(const struct memory_plan_params *p, uint32_t slots)
     return !p->gpu->info.is_cpu && slots >= LEAST_OF_TWO_WAVES ? 2 : 1;
 }
 
-// Returns how many threads one dispatch takes at most.
+// Returns the maximum number of threads of one dispatch.
 static uint64_t max_threads(const struct memory_plan_params *p)
 {
     return (uint64_t)p->gpu->max_groups * p->specialization->workgroup;
@@ -450,8 +457,8 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     return true;
 }
 
-// If memory is too small for everything, one wave is in flight, and it is halved until it fits or
-// waves do not get smaller. The picture is the same.
+// Makes a plan that fits into memory: if necessary with one wave in flight, which is then halved
+// until it fits or does not get smaller. The image is the same.
 static bool make_fitting(const struct memory_plan_params *p, struct memory_plan *out,
                          struct err *err)
 {
@@ -466,7 +473,7 @@ static bool make_fitting(const struct memory_plan_params *p, struct memory_plan 
             smaller.waves = 1;
         else
             smaller.wave = slots / 2;
-        smaller.wave_is_wish = true; // the warning follows below
+        smaller.wave_is_wish = true; // warned about below
         if (!make(&smaller, out, err))
             return false;
         if (smaller.wave == slots / 2 && out->wave_slots >= slots)
@@ -475,8 +482,8 @@ static bool make_fitting(const struct memory_plan_params *p, struct memory_plan 
     if (!check_total(p, out, err))
         return false;
     if (out->wave_slots < wanted)
-        log_warn("waves have %u paths in place of %u, since %s of device memory are left (slower, "
-                 "the same picture)",
+        log_warn("waves have %u paths in place of %u, because only %s of device memory are left; "
+                 "rendering is slower, the picture is the same",
                  out->wave_slots, wanted, memory_print(room).text);
     return true;
 }
@@ -497,7 +504,7 @@ static bool make_wanted(const struct memory_plan_params *p, struct memory_plan *
 bool memory_plan_make(const struct memory_plan_params *p, struct specialization *s,
                       struct memory_plan *out, struct err *err)
 {
-    // The sizes of materials, emitters and corner attributes are known only now.
+    // Only now are the sizes of materials, emitters and corner attributes known.
     if (!fits_texels(p))
         s->features &= ~FEATURE_TEXEL_SCENE;
     if (!make_wanted(p, out, err))

@@ -8,20 +8,21 @@
 
 struct planned_buffer {
     const char *name;        // NULL: the scene does not need it
-    uint64_t bytes;          // 0 where not needed
-    uint64_t unneeded_bytes; // bytes that are saved by leaving it out
-    uint32_t copies;         // buffers of `bytes` each: for the film's chunks, the last of
-                             // which may be smaller, and for each wave in flight
-    uint32_t parts;          // storage bindings; more than one where a range is too short for all
+    uint64_t bytes;          // size of one copy; 0 if not needed
+    uint64_t unneeded_bytes; // bytes that leaving it out saves
+    uint32_t copies;         // number of buffers of this size: one for each chunk of the film, the
+                             // last of which may be smaller, or one for each wave in flight
+    uint32_t parts;          // storage bindings; more than one if the buffer exceeds a storage
+                             // range
 };
 
 struct memory_plan {
     struct planned_buffer buffers[BINDING_COUNT];
     uint32_t waves;             // in flight: 1 or 2
-    uint32_t wave_slots;        // paths of a wave, a multiple of the workgroup size
-    uint32_t wave_samples;      // samples that these paths belong to: fewer if paths split
-    uint32_t part_items;        // items of a queue that one dispatch takes at most
-    uint64_t film_chunk_pixels; // pixels a film buffer holds
+    uint32_t wave_slots;        // path slots of a wave, a multiple of the workgroup size
+    uint32_t wave_samples;      // samples of a wave; fewer than slots if paths split
+    uint32_t part_items;        // maximum number of a queue's items that one dispatch processes
+    uint64_t film_chunk_pixels; // pixels that one film buffer holds
     uint32_t film_chunks;
     uint64_t resolve_pixels; // pixels that are read back at a time
     uint64_t total_bytes;
@@ -40,17 +41,17 @@ struct memory_plan_params {
     const struct shading_tables *tables;
     const struct gpu *gpu;
     uint64_t pixels; // pixels of the largest picture; 0: as many as in the settings
-    uint32_t wave;   // paths wanted; 0: the device's default. A limit may lower it.
-    uint32_t waves;  // in flight; 0: as many as suit the device
-    // `wave` is lowered without a warning, to the default if memory is too small for it.
+    uint32_t wave;   // paths wanted in a wave; 0: the device's default. A limit may lower it.
+    uint32_t waves;  // waves in flight; 0: as many as suit the device
+    // Lowers `wave` without a warning: to the default if memory does not suffice for it.
     bool wave_is_wish;
     uint64_t replaced_bytes; // size of the existing buffers that the plan's buffers replace
 };
 
-// Plans all buffers. Fails with ERR_GPU, naming the buffer, its bytes, the limit and a remedy, if
+// Plans all buffers. Fails with ERR_GPU, naming the buffer, its size, the limit and a remedy, if
 // the scene cannot fit. Sets the members of *s, which is params->specialization, that depend on the
-// plan: whether storage buffers are used because a scene buffer is too long for texels, and how
-// long buffers are split.
+// plan: whether storage buffers are used because a scene buffer has too many texels, and the length
+// of the parts of long buffers.
 bool memory_plan_make(const struct memory_plan_params *params, struct specialization *s,
                       struct memory_plan *out, struct err *err);
 
@@ -62,8 +63,8 @@ uint64_t memory_plan_bytes(const struct memory_plan_params *params, uint32_t slo
 // it back in pieces. 0 if no buffer can hold a pixel. Never fails.
 uint64_t memory_plan_picture_bytes(const struct memory_plan_params *params);
 
-// Prepends to the message about refused kernels which scene buffer is too long for texels, if that
-// is why they bind so many storage buffers. Returns false.
+// If kernels were refused because a scene buffer that has too many texels makes them bind too many
+// storage buffers, prepends this reason, with the buffer's name, to the message. Returns false.
 bool memory_plan_refused(const struct memory_plan *plan, const struct gpu *gpu, struct err *err);
 
 // Returns whether each wave in flight has its own buffer for this binding.

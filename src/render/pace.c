@@ -3,11 +3,12 @@
 #include "shared/types.h"
 #include <math.h>
 
-// Samples of a first wave, the dispatches of which have 1,024 items: even at a long microsecond for
-// each item, that is a hundredth of the dangerous duration.
+// Samples of the first wave. Its dispatches have 1,024 items; even if an item took as long as 1 us,
+// that is far below the dangerous duration.
 #define FIRST_SAMPLES 65536u
 #define LEAST_SAMPLES 4096u
-// Waves and dispatches grow no faster: measurements of few items are inexact.
+// The maximum factor by which the size grows from one wave to the next, because times of few items
+// are inexact.
 #define GROWTH 4u
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -32,7 +33,7 @@ uint32_t pace_samples(const struct pace *pace, const struct memory_plan *plan)
     return pace->is_on ? least(pace->samples, plan->wave_samples) : plan->wave_samples;
 }
 
-// Returns the time of an item of the slowest kernel; 0 if none is known.
+// Returns the time a single item takes in the slowest kernel, in nanoseconds; 0 if none is known.
 static double worst_ns(const struct pace *pace)
 {
     double worst = 0.0;
@@ -46,7 +47,7 @@ static uint32_t items_within(double ns, double item_ns, uint32_t most)
     return item_ns > 0.0 && ns / item_ns < most ? (uint32_t)(ns / item_ns) : most;
 }
 
-// While no time is known, a dispatch has as few items as the number of prepared dispatches allows.
+// Until a time is known, a dispatch has as few items as the number of prepared dispatches permits.
 void pace_choose_part(struct pace *pace, const struct memory_plan *plan, uint32_t workgroup,
                       uint32_t slots)
 {
@@ -67,7 +68,7 @@ bool pace_takes(struct pace *pace, uint32_t kernel, uint32_t items)
     bool is_known = pace->ns[kernel] > 0.0 || items == 0;
     if (!is_first && (!is_known || pace->recorded_ns + ns > PACE_SUBMISSION_NS))
         return false;
-    pace->recorded_ns += is_known ? ns : INFINITY; // nothing more goes into this submission
+    pace->recorded_ns += is_known ? ns : INFINITY; // unknown: nothing else may join this submission
     return true;
 }
 
@@ -85,7 +86,7 @@ void pace_learn(struct pace *pace, uint32_t kernel, uint32_t items, double ns)
 {
     if (!pace->is_on || items == 0)
         return;
-    double item_ns = fmax(ns / items, 1e-6); // clocks may stand still
+    double item_ns = fmax(ns / items, 1e-6); // not 0, even if the clock did not advance
     pace->ns[kernel] = fmax(pace->ns[kernel], item_ns);
     pace->wave_ns[kernel] = fmax(pace->wave_ns[kernel], item_ns);
 }
@@ -104,8 +105,8 @@ void pace_end_wave(struct pace *pace, const struct memory_plan *plan)
     if (!pace->is_on)
         return;
     pace_end_round(pace);
-    // The wave has as many samples as fill dispatches of the longest time, with their slots
-    // counted.
+    // The next wave has as many samples as fill all its dispatches with the longest permitted time.
+    // A sample may have several slots.
     double worst = worst_ns(pace) * (plan->wave_slots / plan->wave_samples);
     uint32_t most = least(GROWTH * least(pace->samples, UINT32_MAX / GROWTH), plan->wave_samples);
     uint32_t fits = items_within(DISPATCH_PARTS * PACE_DISPATCH_NS, worst, most);

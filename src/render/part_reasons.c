@@ -1,5 +1,4 @@
-// Gives the reasons why parts of a renderer are left out. specialize() decides; this file has the
-// words.
+// Texts that explain why parts of a renderer are left out. specialize() makes the decisions.
 #include "render/parts.h"
 
 struct reason {
@@ -22,9 +21,9 @@ static const char *integrator_reason(const struct renderer *r)
 {
     switch (r->specialization.integrator) {
     case INTEGRATOR_AO:
-        return "--integrator ao looks at no material and no light";
+        return "--integrator ao uses no materials and no lights";
     case INTEGRATOR_WHITTED:
-        return "the scene has none, or --integrator whitted makes no use of it";
+        return "the scene has none, or --integrator whitted does not use it";
     default:
         return NULL;
     }
@@ -39,8 +38,8 @@ static const char *nee_reason(const struct renderer *r)
         return settings->nee ? "--nee-depth 0" : "--nee off";
     if (settings->max_bounces == 0)
         return "--max-bounces 0";
-    return r->specialization.emitters ? "all surfaces scatter in single directions"
-                                      : "no light that a shadow ray can find";
+    return r->specialization.emitters ? "all surfaces are perfectly specular"
+                                      : "no emitter can be sampled by shadow rays";
 }
 
 static const char *nee_depth_reason(const struct renderer *r)
@@ -61,7 +60,7 @@ static const char *roulette_reason(const struct renderer *r)
 {
     return r->scene->settings.roulette == ROULETTE_OFF
                ? "--roulette off"
-               : "it would begin beyond --max-bounces (--roulette-min-bounces)";
+               : "--roulette-min-bounces is not below --max-bounces";
 }
 
 static const char *feature_reason(const struct renderer *r, uint32_t bit)
@@ -73,20 +72,20 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         {FEATURE_LENS, "the camera is a pinhole (--aperture)"},
         {FEATURE_EMISSION, "no surface emits"},
         {FEATURE_CLAMP, "nothing is clamped (--clamp)"},
-        {FEATURE_MIN_DENSITY, "paths may go on in any direction (--min-density)"},
+        {FEATURE_MIN_DENSITY, "no path ends at a low density (--min-density)"},
         {FEATURE_SPLIT_LOBES, "paths do not split (--split-lobes)"},
         {FEATURE_BSDF_HITS_EMITTERS, "--mis none"},
         {FEATURE_ENVIRONMENT, "the scene has no environment"},
-        {FEATURE_ENVIRONMENT_IMAGE, "no image surrounds the scene"},
+        {FEATURE_ENVIRONMENT_IMAGE, "the environment is not an image"},
         {FEATURE_JITTER, "all samples are at the pixels' centres"},
         {FEATURE_TEXTURES, "no material has a texture"},
-        {FEATURE_TEXELS_FLOAT, "no texture of floats"},
-        {FEATURE_TEXELS_HALF, "no texture of 8-bit values"},
-        {FEATURE_UV0, "nothing reads texture coordinates"},
-        {FEATURE_UV1, "nothing reads a second set of them"},
-        {FEATURE_TANGENTS, "nothing reads tangents"},
+        {FEATURE_TEXELS_FLOAT, "no texture has 32-bit floats"},
+        {FEATURE_TEXELS_HALF, "no texture is stored as half floats"},
+        {FEATURE_UV0, "no material reads texture coordinates"},
+        {FEATURE_UV1, "no material reads a second set of texture coordinates"},
+        {FEATURE_TANGENTS, "no material reads tangents"},
         {FEATURE_COLORS, "no mesh has colors at its vertices"},
-        {FEATURE_ALPHA, "no material is cut out or see-through"},
+        {FEATURE_ALPHA, "no material has an opacity below 1"},
         {FEATURE_MEDIA, "no surface bounds a medium"},
         {FEATURE_NORMAL_MAPS, "no material has a normal map"},
         {FEATURE_TILES, "--adaptive off"},
@@ -117,8 +116,8 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
 static const char *geometry_reason(uint32_t bit)
 {
     static const struct reason reasons[] = {
-        {GEOMETRY_LARGE_SPHERES, "no sphere is large against what is seen of it"},
-        {GEOMETRY_INSTANCES, "all meshes stand in the world itself (--instances)"},
+        {GEOMETRY_LARGE_SPHERES, "no sphere is much larger than its visible part"},
+        {GEOMETRY_INSTANCES, "no mesh is shared by instances (--instances)"},
         {GEOMETRY_SMALL_TRIANGLES, "no emissive triangle is too small for single precision"},
         {GEOMETRY_DUPLICATES, "no triangle was split (--bvh spatial)"},
     };
@@ -129,7 +128,8 @@ static const char *emitter_reason(const struct renderer *r, uint32_t bit)
 {
     static const struct reason reasons[] = {
         {EMITTER_PROFILES, "no light has a profile"},
-        {EMITTER_ENVIRONMENT, "no bright image surrounds the scene, or no shadow rays are sent"},
+        {EMITTER_ENVIRONMENT,
+         "the environment is not an image with light, or no shadow rays are sent"},
     };
     const char *integrator = integrator_reason(r);
     return integrator ? integrator : FIND(reasons, bit);
@@ -141,11 +141,11 @@ static const char *surface_kernel_reason(const struct renderer *r, uint32_t kern
 {
     const struct specialization *s = &r->specialization;
     if (s->integrator == INTEGRATOR_AO || s->integrator == INTEGRATOR_WHITTED)
-        return "--integrator shades with a kernel of its own";
+        return "the --integrator has its own shading kernel";
     if (!(s->features & FEATURE_TRIANGLES) && !s->geometry)
         return "the scene has no surface";
     if (kernel == KERNEL_shade_surface)
-        return "each class of surfaces has a kernel of its own";
+        return "each class of surfaces has its own kernel";
     return s->features & FEATURE_CLASSES ? "no surface is of this class"
                                          : "shade_surface shades all surfaces";
 }
@@ -155,7 +155,7 @@ static const char *kernel_reason(const struct renderer *r, uint32_t kernel)
     bool is_whitted = r->specialization.integrator == INTEGRATOR_WHITTED;
     switch (kernel) {
     case KERNEL_shade_miss:
-        return is_whitted ? "shade_whitted does this, too" : "the scene has no environment";
+        return is_whitted ? "shade_whitted also shades misses" : "the scene has no environment";
     case KERNEL_intersect_closest:
         return "the scene has neither a surface nor an environment";
     case KERNEL_intersect_shadow:
@@ -180,15 +180,15 @@ static const char *buffer_reason(uint32_t binding)
 {
     static const struct reason reasons[] = {
         {BINDING_TRIANGLES, "the scene has no mesh"},
-        {BINDING_ATTRIBUTES, "corners of triangles carry nothing"},
+        {BINDING_ATTRIBUTES, "no triangle has vertex attributes"},
         {BINDING_SHAPES, "the scene has no shapes, no instances and no small lamps"},
-        {BINDING_MATERIALS, "no material is looked at"},
-        {BINDING_EMITTERS, "no light is chosen"},
+        {BINDING_MATERIALS, "no kernel reads materials"},
+        {BINDING_EMITTERS, "no shadow ray selects an emitter"},
         {BINDING_TEXELS, "no material has a texture"},
         {BINDING_SHADOW_RAYS, "no shadow rays are sent"},
-        {BINDING_ENVIRONMENT, "no image surrounds the scene"},
+        {BINDING_ENVIRONMENT, "the environment is not an image"},
         {BINDING_SORT, "rays are not sorted"},
-        {BINDING_SUSPENDED, "no ray has run out of its budget of steps"},
+        {BINDING_SUSPENDED, "no ray has exceeded its iteration budget"},
     };
     return FIND(reasons, binding);
 }
@@ -202,9 +202,9 @@ const char *part_reason(const struct renderer *r, const struct part *part)
     case PART_GEOMETRY:
         return geometry_reason(part->id);
     case PART_SPLIT_BUFFERS:
-        return "no buffer is longer than the device takes";
+        return "no buffer exceeds the device's limit";
     case PART_LOBE:
-        return integrator ? integrator : "no material that is used has it";
+        return integrator ? integrator : "no material in use has it";
     case PART_EMITTER:
         return emitter_reason(r, part->id);
     case PART_KERNEL:

@@ -3,7 +3,7 @@
 #include "gpu/spirv_trim.h"
 #include "render/wave.h"
 
-// --- what there is -------------------------------------------------------------------------------
+// --- listing of the parts ------------------------------------------------------------------------
 
 const char *part_kind_name(enum part_kind kind)
 {
@@ -45,7 +45,7 @@ void parts_visit(const struct renderer *r, part_fn fn, void *context)
     }
 }
 
-// --- what leaving out saves ----------------------------------------------------------------------
+// --- savings by leaving parts out ----------------------------------------------------------------
 
 static uint64_t instructions_of(const struct renderer *r, const struct specialization *s)
 {

@@ -53,7 +53,7 @@ void projection_ray(const struct projection *p, double x, double y, double origi
     vec3_normalize(direction);
 }
 
-// Places a point; `across` and `upwards` are its position in the picture, from -1 to 1.
+// Places a projected point in the image; `across` and `upwards` are its coordinates, from -1 to 1.
 static void place(const struct projection *p, double across, double upwards, struct projected *out)
 {
     out->x = 0.5 * (across + 1.0) * p->width;
@@ -73,7 +73,7 @@ static void aim(const struct projection *p, const double to[3], const double sta
     }
 }
 
-// Projects around the camera: a pixel covers a solid angle.
+// Projects a point for a panoramic camera, whose pixels cover solid angles.
 static bool find_panoramic(const struct projection *p, const double to[3], struct projected *out)
 {
     aim(p, to, (const double[3]){0.0, 0.0, 0.0}, out);
@@ -82,7 +82,7 @@ static bool find_panoramic(const struct projection *p, const double to[3], struc
     place(p, atan2(vec3_dot(to, p->right), vec3_dot(to, p->forward)) / M_PI,
           asin(sine) / (0.5 * M_PI), out);
     double height = M_PI / p->height * distance;
-    // The pixels at a pole are triangles; their mean width is at half a row's cosine.
+    // Pixels at a pole are triangles; their mean width is the width at half a row from the pole.
     double width = 2.0 * M_PI / p->width * fmax(cosine, 0.5 * M_PI / p->height) * distance;
     out->depth = distance;
     out->pixel_area = width * height;
@@ -105,7 +105,7 @@ static bool find_orthographic(const struct projection *p, const double to[3], st
     return out->depth > 0.0;
 }
 
-// `nearness`: 1 / depth of the point; 0: infinitely far.
+// nearness: 1 / depth of the point; 0: infinitely far.
 static bool find_perspective(const struct projection *p, const double to[3], bool is_far,
                              struct projected *out)
 {
@@ -146,6 +146,7 @@ bool projection_find(const struct projection *p, const double point[3], struct p
 bool projection_find_far(const struct projection *p, const double direction[3],
                          struct projected *out)
 {
-    // An orthographic camera sees one direction alone.
+    // An orthographic camera sees a single direction, so a point at infinity has no position in its
+    // image.
     return p->kind != CAMERA_ORTHOGRAPHIC && find(p, direction, true, out);
 }

@@ -1,5 +1,5 @@
-// Projects points of the scene into the picture. Generating rays from the picture is the work of
-// lib/camera.glsl; projection_ray() does it on the host, for probes.
+// Projects points of the scene into the image. The opposite direction, from image to rays, is the
+// work of lib/camera.glsl; projection_ray() does it on the host, for probes.
 #ifndef LAMPYRIS_RENDER_PROJECTION_H
 #define LAMPYRIS_RENDER_PROJECTION_H
 
@@ -9,32 +9,32 @@
 struct projection {
     uint32_t kind, width, height; // CAMERA_*; pixels
     double position[3], forward[3];
-    double right[3], up[3]; // vectors to the picture's edges, as in struct gpu_frame
+    double right[3], up[3]; // vectors from the image's centre to its edges, as in struct gpu_frame
     double start;           // result of far_camera_start()
     double lens_radius, focus_distance;
 };
 
 // A projected point.
 struct projected {
-    double x, y;         // pixels from the upper left corner of the picture, also outside of it
-    double depth;        // along the line of sight; for panoramas the distance
+    double x, y;         // pixels from the upper left corner of the image; may be outside
+    double depth;        // distance along the line of sight; for panoramas along the ray
     double origin[3];    // origin of the ray to it
     double direction[3]; // direction of that ray; a unit vector
     double distance;     // distance from that origin
-    double pixel_area;   // area of a pixel at that distance, across the ray
-    double pixel_size;   // its shorter side
+    double pixel_area;   // area of a pixel at that distance, perpendicular to the ray
+    double pixel_size;   // shorter side of a pixel there
     double blur;         // radius of the circle of confusion, pixels
 };
 
 void projection_make(const struct camera *camera, const struct flat_scene *flat, uint32_t width,
                      uint32_t height, struct projection *out);
 
-// Finds the ray through a point of the picture, in pixels from its upper left corner, and through
-// the middle of the lens. `direction` is a unit vector.
+// Finds the ray through a point of the image, in pixels from its upper left corner, and through the
+// centre of the lens. `direction` becomes a unit vector.
 void projection_ray(const struct projection *p, double x, double y, double origin[3],
                     double direction[3]);
 
-// Projects a point in the flat scene's space; false where it is behind the camera.
+// Projects a point in the flat scene's space; false if it is behind the camera.
 bool projection_find(const struct projection *p, const double point[3], struct projected *out);
 // Projects a point at infinity in a direction, a unit vector: lengths are then angles, and areas
 // are solid angles.

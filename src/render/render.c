@@ -21,7 +21,7 @@
 
 // --- creation ------------------------------------------------------------------------------------
 
-// Plans memory. waves: the most in flight; 0: as many as suit the device.
+// Plans memory. waves: the maximum number of waves in flight; 0: as many as suit the device.
 static bool plan_waves(struct renderer *r, uint32_t wave, uint32_t waves, bool wave_is_wish,
                        struct err *err)
 {
@@ -49,9 +49,8 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
     return plan_waves(r, wave, 0, wave_is_wish, err);
 }
 
-// If the size of waves is tuned by measured speed, there is room for the largest size, as far as
-// memory suffices. Smaller images cannot fill such a wave, and tiles fill the same waves whatever
-// their size.
+// If the size of waves is tuned by measured speed, room is reserved for the largest size if memory
+// suffices. Images with too few pixels cannot fill such a wave. With tiles the size is not tuned.
 static bool plan_first_memory(struct renderer *r, uint32_t wave, struct err *err)
 {
     bool is_large = r->pixels >= WAVE_SIZE_MOST && !(r->specialization.features & FEATURE_TILES);
@@ -70,8 +69,8 @@ static bool create_buffer(struct renderer *r, uint32_t binding, enum gpu_memory 
                                             &r->buffers[binding], err);
 }
 
-// Binds a scene buffer that is longer than a storage range: its first range at its own binding, the
-// others at the next bindings for parts.
+// Binds a scene buffer that is longer than a storage range: its first range to its own binding, the
+// others to the next bindings for parts.
 static void bind_parts(const struct renderer *r, uint32_t binding, struct gpu_binding *storage,
                        uint32_t *next)
 {
@@ -93,8 +92,8 @@ static bool create_bindings(struct renderer *r, struct err *err)
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
         if (!r->buffers[b].handle)
             continue;
-        // A buffer longer than a storage range is read as texels: its storage binding is not used
-        // then.
+        // A buffer longer than a storage range is read as texels; its storage binding is then not
+        // used.
         bool is_long = r->buffers[b].bytes > r->gpu->max_storage_range;
         storage[b] = (struct gpu_binding){
             .buffer = &r->buffers[b],
@@ -115,7 +114,7 @@ static bool create_bindings(struct renderer *r, struct err *err)
     return true;
 }
 
-// Creates the buffers that grow with the wave, and the descriptor sets that bind them.
+// Creates the buffers that one wave needs, and the descriptor sets that bind them.
 static bool create_state_of_one(struct renderer *r, struct err *err)
 {
     bool texel = r->specialization.features & FEATURE_TEXEL_STATE;
@@ -153,8 +152,8 @@ static bool create_wave_state(struct renderer *r, struct err *err)
     return frame_upload(r, err) && create_state_of_one(r, err) && create_other_wave(r, err);
 }
 
-// Plans waves that need less memory than is available: one in flight, and then smaller ones.
-// Returns false if there are no smaller ones.
+// Plans waves that need less memory than the last plan: one in flight instead of two, then smaller
+// ones. Returns false if no smaller plan exists.
 static bool plan_less(struct renderer *r, struct err *err)
 {
     uint32_t slots = r->plan.wave_slots;
@@ -163,7 +162,7 @@ static bool plan_less(struct renderer *r, struct err *err)
     return plan_waves(r, slots / 2, 1, true, err) && r->plan.wave_slots < slots;
 }
 
-// Creates the wave's objects, with smaller waves if the device's memory runs out.
+// Creates the objects of waves; if device memory runs out, tries again with smaller waves.
 static bool create_fitting_wave_state(struct renderer *r, struct err *err)
 {
     struct err failure = {0};
@@ -179,7 +178,8 @@ static bool create_fitting_wave_state(struct renderer *r, struct err *err)
         r->gpu->out_of_memory = false;
     }
     if (r->plan.wave_slots < wanted.wave_slots || r->plan.waves < wanted.waves)
-        log_warn("%s: going on with waves of %u paths in place of %u%s (slower, the same picture)",
+        log_warn("%s: continuing with waves of %u paths in place of %u%s; rendering is slower, the "
+                 "picture is the same",
                  failure.msg, r->plan.wave_slots, wanted.wave_slots,
                  memory_plan_in_flight(&wanted));
     return true;
@@ -224,13 +224,13 @@ static bool check_split(const struct settings *settings, struct err *err)
     if (settings->split_lobes == 0 || settings->directions == DIRECTIONS_BSDF)
         return true;
     return err_set(err, ERR_INPUT,
-                   "--split-lobes %u needs --directions bsdf, but they are \"%s\", which sample no "
-                   "lobe: expected --directions bsdf, or --split-lobes 0",
+                   "--split-lobes %u needs --directions bsdf, because \"%s\" samples no lobes; "
+                   "expected --directions bsdf, or --split-lobes 0",
                    settings->split_lobes, directions_names[settings->directions]);
 }
 
-// Takes the geometry that rays are traced through from the caller if it is shared, which costs this
-// renderer no time, or else prepares it here.
+// Gets the geometry: the caller's, if it is shared, which takes this renderer no time; otherwise
+// prepares it.
 static bool get_geometry(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
     const struct geometry_params own = {
@@ -364,7 +364,7 @@ fail:
     return false;
 }
 
-// Finishes all objects of the device.
+// Finishes all objects that are on the device.
 static void finish_device_objects(struct renderer *r)
 {
     gpu_commands_finish(r->gpu, &r->commands);
@@ -399,11 +399,11 @@ bool renderer_reopen(struct renderer *r, uint32_t wave, struct err *err)
 
 // --- rendering -----------------------------------------------------------------------------------
 
-// From now on rays that run out of their budget are suspended instead of voiding the wave.
+// From now on a ray that exceeds its iteration budget is suspended; so far, it made the wave void.
 static bool enable_suspension(struct renderer *r, struct err *err)
 {
-    log_warn("some rays need more than %u steps through the BVH: going on with suspended "
-             "traversals (slower, the same picture)",
+    log_warn("some rays need more than %u steps through the BVH: continuing with "
+             "suspended traversals; rendering is slower, the picture is the same",
              r->specialization.iteration_budget);
     specialization_suspend(&r->specialization);
     return plan_memory(r, r->plan.wave_slots, false, err) && create_fitting_wave_state(r, err) &&
@@ -430,8 +430,8 @@ static bool has_tiles(const struct renderer *r)
     return r->specialization.features & FEATURE_TILES;
 }
 
-// Returns how many samples a wave of the pass has room for. A pass of more samples a pixel than
-// usual is one wave.
+// Returns the maximum number of samples in a wave of the current pass. A pass of more samples a
+// pixel than 2^USUAL_SAMPLE_SHIFT is one wave.
 static uint32_t pass_samples(const struct renderer *r)
 {
     if (r->pass.shift > USUAL_SAMPLE_SHIFT)
@@ -439,7 +439,8 @@ static uint32_t pass_samples(const struct renderer *r)
     return r->pace.is_on ? pace_samples(&r->pace, &r->plan) : wave_size_samples(&r->wave_size);
 }
 
-// Fills a wave with the pixels of the pass from `pixel` on, without crossing the film's buffers.
+// Fills a wave with the pixels of the pass from `pixel` on. A wave does not extend over two film
+// buffers.
 static bool fill_wave(struct renderer *r, uint64_t pixel, struct wave *wave, struct err *err)
 {
     *wave = (struct wave){.sample_shift = r->pass.shift, .first_sample = r->next_sample};
@@ -455,7 +456,7 @@ static bool fill_wave(struct renderer *r, uint64_t pixel, struct wave *wave, str
     return true;
 }
 
-// A call's progress, in samples of single pixels.
+// The progress of a call, counted in samples of single pixels.
 struct work {
     const struct render_call *call;
     double done, total;
@@ -479,7 +480,8 @@ static void end_pass(struct renderer *r)
     r->pass = (struct pass){0};
 }
 
-// Accounts for a wave that began at `start`, when the device had traced so many rays.
+// Updates size tuning and pacing after a wave that began at time `start`, when the device had
+// traced `rays` rays.
 static void learn_from_wave(struct renderer *r, const struct wave *wave, uint64_t start,
                             double rays)
 {
@@ -489,8 +491,8 @@ static void learn_from_wave(struct renderer *r, const struct wave *wave, uint64_
                     render_stats_rays(&r->stats) - rays, (double)ns);
 }
 
-// Renders the next wave of the pass, and begins the wave after it if two may be in flight. They
-// have no pixel in common, so that each pixel's samples are added in order.
+// Renders the next wave of the pass, and begins the following one if two may be in flight. The two
+// have no pixel in common, so each pixel's samples are added in order.
 static bool render_next(struct renderer *r, const struct render_call *call, struct wave *wave,
                         bool *voided, struct err *err)
 {
@@ -507,8 +509,8 @@ static bool render_next(struct renderer *r, const struct render_call *call, stru
     return wave_render(r, wave, has_next ? &next : NULL, call->observer, voided, err);
 }
 
-// The light paths of each pixel's sample are for all pixels: a film where some of them are missing
-// would be too dark.
+// A light path may contribute to any pixel, so all light paths of a pass belong to the film:
+// without some of them it would be too dark.
 static bool must_end_pass(const struct renderer *r)
 {
     return r->specialization.integrator == INTEGRATOR_BIDIR && r->pass.position > 0;
@@ -530,7 +532,7 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
                 return false;
             if (r->pass.position > 0)
                 continue;
-            r->pass = (struct pass){0}; // waves may have become smaller
+            r->pass = (struct pass){0}; // begin it anew: waves may have become smaller
             return true;
         }
         r->pass.position += wave.pixel_count;
@@ -555,8 +557,8 @@ static uint64_t picture_pixels(const struct renderer *r)
     return (uint64_t)r->frame.width * r->frame.height;
 }
 
-// Returns the greatest power of two of samples with which all pixels fit into one wave; 0 also if
-// not even one sample fits.
+// Returns the exponent of the largest power-of-two number of samples with which all pixels fit into
+// one wave; 0 also if not even one sample fits.
 static uint32_t fitting_shift(const struct renderer *r)
 {
     uint64_t samples = pace_samples(&r->pace, &r->plan) / picture_pixels(r);
@@ -565,15 +567,16 @@ static uint32_t fitting_shift(const struct renderer *r)
     return shift < most ? shift : most;
 }
 
-// A pass of more samples than usual is one wave and never left half done, so that a run that
-// continues from a checkpoint may have waves of any size.
+// Returns the maximum shift of a pass. A pass of more than the usual number of samples is one wave,
+// which is never interrupted; so a run that continues from a checkpoint may have any wave size.
 static uint32_t largest_shift(const struct renderer *r)
 {
     uint32_t fitting = fitting_shift(r);
     return fitting > USUAL_SAMPLE_SHIFT && r->plan.film_chunks == 1 ? fitting : USUAL_SAMPLE_SHIFT;
 }
 
-// The first pass is the shortest that fills its waves, so that every pixel has a sample soon.
+// Returns the shift of the next pass. The first pass is the shortest that fills its waves, so that
+// every pixel has a sample soon.
 static uint32_t choose_shift(const struct renderer *r, uint64_t samples_left)
 {
     uint32_t shift = renderer_has_all_pixels(r) ? largest_shift(r) : fitting_shift(r);
@@ -597,8 +600,8 @@ bool renderer_has_all_pixels(const struct renderer *r)
     return has_tiles(r) ? tiles_all_begun(r) : r->next_sample > r->emptied_at;
 }
 
-// Begins a pass towards sample or round `end`, unless one is under way; false if nothing is left to
-// do.
+// Begins a pass towards sample number (or round) `end`, unless a pass is under way; returns false
+// if nothing is left to do.
 static bool begin_pass(struct renderer *r, uint64_t end)
 {
     if (r->pass.length > 0)
@@ -634,7 +637,7 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         .total = has_tiles(r) ? (double)tile_samples(r, c.samples) : pixels * (double)c.samples,
     };
     uint64_t end = r->next_sample + c.samples;
-    if (!wave_forget_ahead(r, err)) // left over from a call that failed
+    if (!wave_forget_ahead(r, err)) // begun by a call that failed
         return false;
     sampling_plan_check(r, c.samples);
     while (!*c.stopped && begin_pass(r, end)) {

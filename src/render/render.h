@@ -7,9 +7,9 @@
 //       && renderer_read(&r, &arena, &film, &err);
 //   renderer_finish(&r);
 //
-// One thread at a time. What a pixel's samples are depends on (scene, settings, seed) alone; on one
-// device and driver the film has the same bits for every wave size and every way to split the
-// samples over calls.
+// Only one thread at a time may use a renderer. The values of a pixel's samples depend on (scene,
+// settings, seed) alone; on one device and driver the film has the same bits for every wave size
+// and for every division of the samples into calls.
 #ifndef LAMPYRIS_RENDER_RENDER_H
 #define LAMPYRIS_RENDER_RENDER_H
 
@@ -26,42 +26,44 @@
 #include "scene/core/scene.h"
 #include "shared/types.h"
 
-// A wave takes 2^this samples of each of its pixels if the picture has enough pixels to fill it:
-// its paths stay coherent, and the sample counts of all pixels grow together.
+// A wave takes 2^USUAL_SAMPLE_SHIFT samples of each of its pixels if the image has enough pixels to
+// fill it: its paths are then coherent, and the sample counts of all pixels grow evenly.
 #define USUAL_SAMPLE_SHIFT 4u
-// A picture of few pixels fills its waves with more samples of each pixel, at most 2^this. One
-// thread accumulates all samples of a pixel: with every AOV these are 8 * 2^this iterations, half
-// of the 65,535 after which lavapipe ends loops silently.
+// An image of few pixels fills its waves with more samples of each pixel, at most
+// 2^MAX_SAMPLE_SHIFT. One thread accumulates all samples of a pixel. With all AOVs this takes 8 *
+// 2^12 iterations, half of the 65,535 after which lavapipe silently ends loops.
 #define MAX_SAMPLE_SHIFT 12u
-// With the classes of --error-by, which add up to 17 iterations a sample, the limit is lower.
+// Each class of --error-by adds iterations, up to 17 a sample, so the limit is lower with classes.
 #define MAX_SAMPLE_SHIFT_OF_CLASSES 10u
 
 struct renderer_params {
     struct gpu *gpu;           // must outlive the renderer
-    const struct scene *scene; // must outlive the renderer; its settings are the render's
-    // Geometry prepared earlier and shared by several renderers: it must outlive them and belong to
-    // this scene; `bvh`, `instancing` and `bvh_cache` are then ignored. NULL: the renderer prepares
-    // its own.
+    const struct scene *scene; // must outlive the renderer; its settings are used
+    // Geometry that was prepared earlier and is shared by several renderers. It must outlive them
+    // and belong to this scene; `bvh`, `instancing` and `bvh_cache` are then ignored. NULL: the
+    // renderer prepares its own geometry.
     const struct geometry *geometry;
     const struct kernel_set *kernels; // NULL: the embedded ones. Must outlive the device, or be
                                       // forgotten by it (gpu_kernels_forget)
     uint32_t wave;                    // paths in flight; 0: the device's default
-    bool tunes_wave;                  // the default may change by measured speed: see wave_size.h
-    uint32_t workgroup;               // threads, a power of two; 0: the device's default
+    bool tunes_wave;                  // tunes the default wave size by measured speed: see
+                                      // wave_size.h
+    uint32_t workgroup;               // threads of a workgroup, a power of two; 0: the device's
+                                      // default
     struct bvh_method bvh;
     enum instancing instancing;
     const char *bvh_cache; // folder of the BVH cache; NULL: none
-    uint32_t camera;       // index into the scene's
-    uint32_t aovs;         // AOV_*: pictures wanted besides the radiance
-    bool compile_all;      // compile in features that the scene does not need (--features all)
-    bool merge_classes;    // one kernel for all surfaces (--classes merged)
+    uint32_t camera;       // index of the camera in the scene
+    uint32_t aovs;         // AOV_*: images to compute besides the radiance
+    bool compile_all;      // compiles features in that the scene does not need (--features all)
+    bool merge_classes;    // shades all surfaces with one kernel (--classes merged)
     bool tiles;            // sample counts by tile: see adaptive.h
     bool open_ended;       // the number of samples is not known in advance
     const struct progress *progress;
 };
 
 struct kernel_stats {
-    double ms;         // on the device, by timestamps; 0 without them
+    double ms;         // time on the device, by timestamps; 0 without them
     double longest_ms; // the longest single dispatch
     uint64_t launches;
 };
@@ -69,16 +71,16 @@ struct kernel_stats {
 // Bounces whose times are kept separately; the last one includes all later bounces.
 #define STATS_BOUNCES 16u
 
-// Time of the host's work besides waiting for kernels, in milliseconds.
+// Time of the host's work other than waiting for kernels, in milliseconds.
 struct host_stats {
     double recording;    // recording commands
-    double submitting;   // submitting and waiting, less the kernels' times
+    double submitting;   // submitting and waiting, less the time of kernels
     double reading_back; // reading back times and counters
 };
 
 struct nonfinite_stats {
-    uint64_t count[SITE_COUNT]; // dropped contributions
-    // The lowest of the recorded contributions, for the command that reproduces it.
+    uint64_t count[SITE_COUNT]; // dropped contributions, by SITE_*
+    // The lowest recorded contribution (by pixel, then sample), for the command that reproduces it.
     bool recorded;
     uint32_t pixel, sample, site, bounce;
 };
@@ -87,21 +89,22 @@ struct render_stats {
     double flatten_seconds, bvh_seconds, upload_seconds, compile_seconds, render_seconds;
     struct kernel_stats kernels[KERNEL_COUNT];
     // Time of kernels by bounce. Shadow rays are attributed to the bounce that spawned them, and
-    // work outside of bounces to the first.
+    // work outside of bounces to bounce 0.
     double bounce_ms[STATS_BOUNCES][KERNEL_COUNT];
     struct host_stats host;
     uint64_t closest_rays, shadow_rays;
     uint64_t steps[STEPS_COUNT];        // steps of these rays through the BVH; see wave_count_steps
-    uint64_t surface_hits[CLASS_COUNT]; // by class; all in the first without FEATURE_CLASSES
-    uint64_t paths;                     // paths that reached the film
-    uint64_t sparse;                    // paths, or branches of them, ended by --min-density
-    uint64_t branches; // additional branches of paths that split, with --min-density
-    uint64_t clamped;  // clamped contributions, and the luminance that all of them lost
+    uint64_t surface_hits[CLASS_COUNT]; // by class; without FEATURE_CLASSES all count in the first
+    uint64_t paths;                     // number of paths added to the film
+    uint64_t sparse;                    // paths, or branches of split paths, ended by --min-density
+    uint64_t branches; // branches of split paths beyond one a path, with --min-density
+    uint64_t clamped;  // clamped contributions, and the total luminance lost by clamping
     double clamped_light;
-    uint64_t media_lost; // stacks of media that overflowed, or lacked a medium that was left
-    uint64_t waves, voided_waves; // voided: traced again because a ray ran out of its budget
-    uint64_t waves_ahead;         // begun while another one was in flight
-    uint64_t suspended;           // traversals continued in a later dispatch
+    uint64_t media_lost; // overflows of the stack of media, and exits from a medium that was not in
+                         // it
+    uint64_t waves, voided_waves; // voided: traced again because a ray exceeded its budget
+    uint64_t waves_ahead;         // waves begun while another one was in flight
+    uint64_t suspended;           // traversals that continued in a later dispatch
     struct nonfinite_stats nonfinite;
 };
 
@@ -110,17 +113,17 @@ static inline double render_stats_rays(const struct render_stats *stats)
     return (double)stats->closest_rays + (double)stats->shadow_rays;
 }
 
-// A pass takes 2^shift samples of every pixel, or the samples that the plan allots. A pass that was
-// stopped continues with the next call.
+// A pass takes 2^shift samples of every pixel, or of the pixels of tiles that need as many. A pass
+// that was interrupted continues in the next call.
 struct pass {
     uint32_t shift;
-    uint64_t position, length; // pixels done, and in all; 0: no pass is under way
+    uint64_t position, length; // pixels finished, and pixels in all; length 0: no pass is under way
 };
 
-// State of a picture whose tiles have sample counts of their own.
+// State of an image whose tiles have sample counts of their own.
 struct tiles {
     uint32_t across, count;
-    uint32_t *counts, *done; // by tile: samples in a round, and in all finished passes
+    uint32_t *counts, *done; // samples of each tile in a round, and in all finished passes
     uint64_t total;          // samples of all pixels in a round
     uint32_t *pixels, *first_samples, list_length; // the lists of the wave in flight
 };
@@ -131,22 +134,23 @@ struct in_view {
     bool is_known;
     struct small_light *lights;
     size_t count;
-    uint8_t *mask; // a byte a pixel
+    uint8_t *mask; // one byte for each pixel
 };
 
-// The objects that a second wave in flight needs for itself; those of the first one are in struct
-// renderer. wave_exchange() swaps both sets to turn to the other wave.
+// The objects that a second wave in flight needs; struct renderer has those of the first.
+// wave_exchange() swaps the two sets, so that the same code works on the other wave.
 struct other_wave {
-    struct gpu_buffer buffers[BINDING_COUNT]; // those of memory_plan_is_of_wave()
+    struct gpu_buffer buffers[BINDING_COUNT]; // those for which memory_plan_is_of_wave() returns
+                                              // true
     struct gpu_bindings *bindings;
     struct gpu_counters *counters;
     struct gpu_buffer counters_copy;
 };
 
-// A batch of paths, pixel_count << sample_shift samples: at most plan.wave_samples.
+// A batch of paths: pixel_count << sample_shift samples, at most plan.wave_samples.
 struct wave {
     uint32_t film_chunk;
-    uint64_t first_pixel; // in the image; with tiles this and first_sample are in lists instead
+    uint64_t first_pixel; // index in the image; with tiles, lists replace this and first_sample
     uint32_t pixel_count;
     uint32_t sample_shift;
     uint64_t first_sample;
@@ -156,59 +160,60 @@ struct wave {
 struct wave_ahead {
     bool is_begun;
     struct wave wave;
-    uint32_t bounce; // the next bounce
+    uint32_t bounce; // the next bounce to record
     struct gpu_counters before;
 };
 
-// The kernel and the bounce before a timestamp.
+// The kernel and the bounce that end at a timestamp.
 struct mark {
     uint8_t kernel, bounce;
-    uint32_t first, items; // the dispatch's first item and its items; 0 items: it does little work
+    uint32_t first, items; // the dispatch's first item and number of items; 0: negligible work
 };
 
 struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
     struct camera camera; // the camera in use; its name is the scene's
-    uint64_t pixels;      // room for so many: frame.width * frame.height is at most this
-    uint32_t aovs;        // AOV_*, as asked for
+    uint64_t pixels;      // capacity: frame.width * frame.height is at most this
+    uint32_t aovs;        // AOV_*, as requested
     struct arena arena;
-    struct flat_scene flat; // its arrays are in the arena, or in the shared geometry
+    struct flat_scene flat; // arrays are in the arena, or in the shared geometry
     struct bvh bvh;
-    bool large_spheres_anyway;           // whether large spheres are needed for any camera: see
+    bool large_spheres_anyway;           // whether any camera needs large spheres: see
                                          // large_spheres.h
     const struct kernel_set *kernel_set; // NULL: the embedded ones
     struct shading_tables tables;
-    struct emitter_lamps lamps; // if the light choice needs them
+    struct emitter_lamps lamps; // found only if the light choice needs them
     struct specialization specialization;
     float brightest_by_chance; // see chance.h
     struct in_view in_view;
     struct memory_plan plan;
-    struct gpu_buffer buffers[BINDING_COUNT]; // all buffers but the film's
-    struct gpu_buffer *film;                  // plan.film_chunks of them, by ranges of pixels
-    struct gpu_bindings *bindings;            // one a film chunk
+    struct gpu_buffer buffers[BINDING_COUNT]; // all buffers except the film's
+    struct gpu_buffer *film;                  // plan.film_chunks buffers, each for a range of
+                                              // pixels
+    struct gpu_bindings *bindings;            // one for each film chunk
     struct gpu_kernel kernels[KERNEL_COUNT];
     struct gpu_commands commands;
     struct gpu_push push;
-    struct gpu_frame frame; // as last uploaded: see frame.h
+    struct gpu_frame frame; // contents of the uniform block: see frame.h
     struct gpu_buffer frame_buffer;
-    struct gpu_counters *counters;   // as last read back
+    struct gpu_counters *counters;   // the values last read back
     struct gpu_buffer counters_copy; // see counters.h
-    struct mark *marks;              // one a timestamp of the commands being recorded
+    struct mark *marks;              // for each timestamp of the commands being recorded
     uint32_t mark_count;
     bool barrier_is_due;   // something was recorded since the last barrier
     uint64_t recording_ns; // time at which recording began
     struct pace pace;
     bool tunes_wave;
     struct wave_size wave_size;
-    uint32_t wave_items;     // slots that the wave in flight has
-    struct other_wave other; // with plan.waves of 2
+    uint32_t wave_items;     // slots of the wave in flight
+    struct other_wave other; // used if plan.waves is 2
     struct wave_ahead ahead;
-    uint32_t bounces;        // number of bounces of the last wave
+    uint32_t bounces;        // bounces that the last wave had
     bool warned_beyond_plan; // see sampling_plan.h
-    uint64_t next_sample;    // number of samples taken of every pixel; with tiles: of rounds done
-    uint64_t round_target;   // with tiles: the round at which the present passes end
-    uint64_t emptied_at;     // value of next_sample when the film was last emptied
+    uint64_t next_sample;    // samples taken of every pixel; with tiles: finished rounds
+    uint64_t round_target;   // with tiles: the round at which the current passes end
+    uint64_t emptied_at;     // next_sample when the film was last emptied
     struct pass pass;
     struct tiles tiles;
     struct render_stats stats;
@@ -216,23 +221,23 @@ struct renderer {
 };
 
 // Flattens the scene, builds the BVH, chooses the features, builds the tables and plans memory,
-// without allocating anything on the device. *out can be inspected and finished, but cannot render.
-// On failure it is already finished.
+// without allocating anything on the device. *out can then be inspected and finished, but cannot
+// render. On failure it is already finished.
 bool renderer_prepare(const struct renderer_params *params, struct renderer *out, struct err *err);
 // Prepares the renderer, uploads the scene and compiles the kernels. *out must not be moved.
 bool renderer_create(const struct renderer_params *params, struct renderer *out, struct err *err);
 void renderer_finish(struct renderer *renderer); // accepts NULL and {0}
 
-// Adds `samples` further samples to every pixel. When the progress asks to stop, the call ends
-// after the wave in flight and sets *stopped; some pixels then have more samples than others, which
-// the film records, and the next call continues from there. `progress_from` and `progress_to` give
-// the part of the whole render that this call does.
+// Adds `samples` samples to every pixel. If the progress asks to stop, the call ends after the wave
+// in flight and sets *stopped. Some pixels then have more samples than others, which the film
+// records; the next call continues from there. `progress_from` and `progress_to` are the fractions
+// of the whole render at which this call begins and ends.
 struct render_call {
-    uint64_t samples; // with tiles: rounds
+    uint64_t samples; // with tiles: number of rounds
     double progress_from, progress_to;
     bool *stopped; // may be NULL
     // Called after every wave, when the film and the renderer's state agree; may be NULL. If it
-    // returns false, the call fails.
+    // returns false, the render fails.
     bool (*after_wave)(void *context, struct err *err);
     // Observes the wave kernel by kernel: see wave.h. Each kernel is then submitted alone, which is
     // slow; the film is the same. May be NULL.
@@ -240,45 +245,45 @@ struct render_call {
     void *context; // argument of after_wave
 };
 bool renderer_render(struct renderer *renderer, const struct render_call *call, struct err *err);
-// Returns the samples of every pixel that one wave holds if the picture is small, else the usual
-// number of a pass: fewer at a time leave lanes idle.
+// Returns the smallest number of samples a pixel that makes good use of the device: as many as fill
+// one wave if the image is small, else the usual number of a pass.
 uint64_t renderer_samples_at_once(const struct renderer *renderer);
-// Returns whether all pixels have exactly the samples, or with tiles the rounds, below next_sample.
+// Returns whether all pixels have the same samples: those (with tiles: the rounds) before
+// next_sample.
 bool renderer_is_even(const struct renderer *renderer);
 // Returns whether every pixel of the film has a sample.
 bool renderer_has_all_pixels(const struct renderer *renderer);
 
-// Continues with waves and workgroups of other sizes, and recompiles kernels if necessary; the film
-// is kept. plan.wave_slots says whether the wave was lowered to fit. A failure may leave the
-// renderer without buffers until another call succeeds.
+// Changes the sizes of waves and workgroups, and recompiles kernels if necessary; the film is kept.
+// If the wave was lowered to fit, plan.wave_slots has its size. A failure may leave the renderer
+// without buffers until another call succeeds.
 bool renderer_resize(struct renderer *renderer, uint32_t wave, uint32_t workgroup, struct err *err);
 
-// Opens a lost device again and creates everything anew that was on it, with waves of at most
-// `wave` paths. No other object may have been on it. The film is then empty; see film_copy.h. After
-// a failure the renderer can only be finished.
+// Reopens a lost device and recreates everything that was on it, with waves of at most `wave`
+// paths. The renderer must have been the only user of the device. The film is then empty;
+// film_copy.h can restore it. After a failure the renderer can only be finished.
 bool renderer_reopen(struct renderer *renderer, uint32_t wave, struct err *err);
 
-// Empties the film; the sample numbers continue, so that later samples are independent of earlier
-// ones.
+// Empties the film. The sample numbers continue, so later samples are independent of earlier ones.
 bool renderer_clear(struct renderer *renderer, struct err *err);
-// Plans a number of samples a pixel other than the settings', for samplers and half-buffers
-// (sampling_plan.h); 0: no number is planned. Call renderer_restart() next, since the samples so
-// far were planned otherwise.
+// Plans for a number of samples a pixel other than that of the settings, for samplers and
+// half-buffers (sampling_plan.h); 0: the number is not known. Call renderer_restart() next, because
+// the existing samples were planned for another number.
 void renderer_plan_samples(struct renderer *renderer, uint64_t samples);
-// Empties the film and begins again with sample 0 of another seed: the result is that of a new
-// renderer, but nothing is built or compiled. stats.nonfinite is reset, since it is about the
-// film's samples; the other statistics are about the renderer's work and go on.
+// Empties the film and begins again with sample 0 of another seed. The result is that of a new
+// renderer, but nothing is built or compiled. stats.nonfinite is reset, because it describes the
+// film's samples; the other statistics describe the renderer's work and continue.
 bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err);
 
-// Empties the film and begins again with sample 0, another camera (copied) and another size of the
-// picture, without building or compiling anything: the picture is that of a new renderer. Sets
-// *fits to false and does nothing where a new renderer is necessary: for more pixels than it was
-// created for, another kind of camera, a lens that the kernels lack, a far camera, spheres that
-// become or cease to be large, and with tiles.
+// Empties the film and begins again with sample 0, another camera (copied) and another image size,
+// without building or compiling anything. The image is that of a new renderer. If a new renderer is
+// necessary, sets *fits to false and does nothing: for more pixels than the renderer was created
+// for, another kind of camera, a lens that the kernels lack, a far camera, spheres that become or
+// cease to be large, and with tiles.
 bool renderer_set_camera(struct renderer *renderer, const struct camera *camera, uint32_t width,
                          uint32_t height, bool *fits, struct err *err);
 
-// Means of the half-buffers and sample counts; pixels in rows from the top.
+// Means of the half-buffers, and sample counts. Pixels are in rows from the top.
 struct film_image {
     uint32_t width, height;
     float (*mean)[3];   // over all samples

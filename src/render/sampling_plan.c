@@ -22,7 +22,7 @@ enum sample_planning sample_planning(const struct settings *settings, const char
     return PLANNING_OPTIONAL;
 }
 
-// The number of states of a linear congruential generator of 32 bits.
+// The number of states of a 32-bit linear congruential generator.
 #define LCG_STATES (UINT64_C(1) << 32)
 
 void sampling_plan(struct renderer *r, bool open_ended)
@@ -32,14 +32,16 @@ void sampling_plan(struct renderer *r, bool open_ended)
         const char *option;
         r->frame.samples = 0;
         if (sample_planning(settings, &option) == PLANNING_NEEDED)
-            log_warn("%s needs to know the number of samples, which here depends on the clock or "
-                     "the error: samples and half-buffers are independent instead",
-                     option);
+            log_warn(
+                "%s needs to know the number of samples in advance, but this render ends by time "
+                "or error: its samples and half-buffers are independent instead",
+                option);
         r->specialization.halves = HALVES_INDEPENDENT;
     }
     uint64_t samples = (uint64_t)settings->width * settings->height * settings->spp;
     if (settings->sampler == SAMPLER_LCG && samples > LCG_STATES)
-        log_warn("the sampler 'lcg' has %llu states: of %llu samples many use the same numbers",
+        log_warn("the sampler 'lcg' has only %llu states: many of the %llu samples use the same "
+                 "random numbers",
                  (unsigned long long)LCG_STATES, (unsigned long long)samples);
 }
 
@@ -61,8 +63,8 @@ void sampling_plan_check(struct renderer *r, uint64_t samples)
     if (sample_planning(&r->scene->settings, NULL) != PLANNING_NEEDED)
         return;
     r->warned_beyond_plan = true;
-    log_warn("more samples than the %llu planned: %s", (unsigned long long)planned,
+    log_warn("more samples are taken than the %llu planned: %s", (unsigned long long)planned,
              halves_are_contiguous(r)
-                 ? "the halves are unequal, and their difference no longer bounds the error"
-                 : "further ones have strata of their own");
+                 ? "the half-buffers are unequal, and their difference no longer bounds the error"
+                 : "the additional samples have their own strata");
 }

@@ -13,14 +13,14 @@ static const char *const function_names[SDF_OPERATIONS + 1] = {
     "sdf_metaballs(", "sdf_mandelbulb(",   "sdf_menger(",     "sdf_apollonian(", "sdf_pyramid(",
     "sdf_union(",     "sdf_intersection(", "sdf_difference(", "sdf_round(",      "sdf_shell(",
     "sdf_factor(",    "sdf_transform(",    "sdf_repeat(",     "sdf_twist(",      "sdf_mirror(",
-    "sdf_ball(", // in place of SDF_RESTORE, which has no function
+    "sdf_ball(", // at the index of SDF_RESTORE, which has no function
     "sdf_value(",
 };
 enum { FUNCTION_BALL = SDF_RESTORE, FUNCTION_VALUE = SDF_OPERATIONS };
 
 struct function {
-    uint32_t id, result, start, body, end; // offsets in words: its instructions, without its
-                                           // parameters, and its end
+    uint32_t id, result, start, body, end; // word offsets: `body` is after the parameters, `end`
+                                           // after the function
     uint32_t parameters[4], types[4], parameter_count;
 };
 
@@ -134,7 +134,7 @@ static void put(struct words *words, const uint32_t *from, size_t count)
     words->count += count;
 }
 
-// Writes an instruction with so many operands.
+// Writes an instruction with `count` operands.
 static void put_instruction(struct words *words, uint32_t op, const uint32_t *operands,
                             uint32_t count)
 {
@@ -187,8 +187,8 @@ static uint32_t metaballs(struct rewrite *w, const struct gpu_sdf_instruction *c
     return call(w, SDF_METABALLS, (uint32_t[]){sums, constant_vector(w, code->a, 3)}, 2);
 }
 
-// The state of the machine of shared/sdf.h while its program is written: ids of values. The factors
-// of points are known numbers.
+// The state of the interpreter of shared/sdf.h while a program is translated. Values are SPIR-V
+// ids; the factors by which points are scaled are known numbers.
 struct machine {
     uint32_t points[SDF_POINTS_MAX + 1], distances[SDF_DISTANCES_MAX];
     float factors[SDF_POINTS_MAX + 1];
@@ -277,7 +277,7 @@ static bool write_program(struct rewrite *w, const struct sdf *sdf)
     return true;
 }
 
-// On drivers that mask lanes (lavapipe) each loop is counted once, whichever program is evaluated.
+// lavapipe masks inactive lanes: each loop counts once, whichever program is evaluated.
 static void count_loops(struct rewrite *w, const struct scene *scene)
 {
     const uint32_t with_loops = SDF_BIT(SDF_MANDELBULB) | SDF_BIT(SDF_MENGER) |
@@ -298,8 +298,8 @@ static void count_loops(struct rewrite *w, const struct scene *scene)
     put_instruction(&w->body, OP_STORE, (uint32_t[]){w->rounds, after}, 2);
 }
 
-// Writes all programs; all but the last are guarded by a comparison with the number of their first
-// instruction.
+// Writes all programs. Each program but the last is guarded by a comparison of the index of its
+// first instruction with the argument.
 static bool write_body(struct rewrite *w, const struct scene *scene)
 {
     uint32_t first = 0;
@@ -327,7 +327,7 @@ static bool write_body(struct rewrite *w, const struct scene *scene)
     return true;
 }
 
-// Copies the module without names, some of which refer to ids of the old body.
+// Copies the module without debug names, because some of them refer to ids of the replaced body.
 static void put_without_names(struct words *out, const struct rewrite *w)
 {
     put(out, w->code, SPIRV_HEADER_WORDS);

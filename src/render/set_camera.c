@@ -4,8 +4,8 @@
 #include "render/film.h"
 #include "render/frame.h"
 
-// Returns whether the compiled kernels and the film's size suffice for the picture. Code for a lens
-// or for a far camera changes nothing for cameras that do not need it.
+// Returns whether the compiled kernels and the film's size suffice for the new image. Lens code and
+// far-camera code in the kernels do no harm to cameras that do not need it.
 static bool does_fit(const struct renderer *r, const struct camera *camera, uint32_t width,
                      uint32_t height)
 {
@@ -19,7 +19,7 @@ static bool does_fit(const struct renderer *r, const struct camera *camera, uint
            large_spheres == ((s->geometry & GEOMETRY_LARGE_SPHERES) != 0);
 }
 
-// The header of the materials lists the media in which the camera's rays begin.
+// The header of the materials' buffer lists the media in which camera rays begin.
 static bool place_camera(struct renderer *r, struct err *err)
 {
     struct gpu_buffer *materials = &r->buffers[BINDING_MATERIALS];

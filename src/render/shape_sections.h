@@ -1,10 +1,10 @@
-// The buffer of shapes, instances, distance fields and small triangles: where each section begins.
+// Offsets of the sections in the buffer of shapes, instances, distance fields and small triangles.
 #ifndef LAMPYRIS_RENDER_SHAPE_SECTIONS_H
 #define LAMPYRIS_RENDER_SHAPE_SECTIONS_H
 
 #include "flatten/flatten.h"
 
-// Offsets are in words of four; `words` is the length of the buffer.
+// Offsets and `words`, the length of the buffer, are in words of four.
 struct shape_sections {
     uint32_t instances, sdfs, sdf_code, small_triangles;
     uint64_t words;

@@ -11,13 +11,13 @@
 #include "shared/types.h"
 #include <string.h>
 
-// lavapipe's loops silently end after 65,535 iterations of all loops of one subgroup together.
-// Iterations are counted by lane; a subgroup of n lanes does at most n times as many as its busiest
-// lane counts, so that each lane may have 1/n of them, with an eighth kept for the loops around the
-// traversal.
+// lavapipe silently ends the loops of a subgroup after 65,535 iterations of all its loops together.
+// The kernels count iterations by lane: n lanes together do at most n times as many as the busiest
+// lane. So each lane may have 1/n of the total, of which an eighth is reserved for the loops around
+// the traversal.
 #define CPU_SUBGROUP_ROUNDS 57344u
-// On GPUs no loop ends silently, but a watchdog may end the work: the limit is about 100 ms of one
-// ray's work.
+// On GPUs no loop ends silently, but a watchdog may end the work. This number of iterations takes
+// one ray about 100 ms.
 #define GPU_LANE_ROUNDS 500000u
 
 static uint32_t lobe_if(const struct material *material, uint32_t parameter, uint32_t lobe)
@@ -98,7 +98,7 @@ static uint32_t material_lobes(const struct scene *scene, const struct material 
     }
 }
 
-// Lobes that can be evaluated for a direction to an emitter: all but deltas.
+// Lobes that can be evaluated for the direction to an emitter: all but delta lobes.
 #define LOBES_CONNECTING                                                                           \
     (LOBE_LAMBERT | LOBE_PRINCIPLED | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET | LOBE_ROUGH)
 
@@ -115,7 +115,7 @@ static uint32_t geometry_features(const struct flat_scene *flat)
 
 _Static_assert(SHAPE_KIND_COUNT == 8 && 1u << SHAPE_SDF == GEOMETRY_SDFS, "bit n is kind n");
 
-// Returns GEOMETRY_*: the kinds of primitives besides triangles.
+// Returns GEOMETRY_*: the kinds of primitives in the scene other than triangles.
 static uint32_t geometry_of(const struct flat_scene *flat, const struct bvh *bvh)
 {
     uint32_t geometry = flat->placed_count ? GEOMETRY_INSTANCES : 0u;
@@ -137,7 +137,7 @@ static uint32_t field_operations(const struct sdf *sdf)
     return operations;
 }
 
-// Returns SDF_*: the operations in the programs of the distance fields that are in use.
+// Returns SDF_*: the operations in the programs of the distance fields in use.
 static uint32_t sdf_operations(const struct scene *scene, const struct flat_scene *flat)
 {
     uint32_t operations = 0;
@@ -161,7 +161,7 @@ static uint32_t texture_features(const struct scene *scene, const struct materia
     return features;
 }
 
-// Returns the features and lobes of the materials in use.
+// Returns the features and lobes that the materials in use need.
 static uint32_t material_features(const struct scene *scene, const struct flat_scene *flat,
                                   uint32_t class_lobes[CLASS_COUNT])
 {
@@ -182,7 +182,7 @@ static uint32_t material_features(const struct scene *scene, const struct flat_s
     return features;
 }
 
-// Returns the kinds of emitters that paths can be connected to.
+// Returns the kinds of emitters that shadow rays can be aimed at.
 static uint32_t emitters_of(const struct emitter_counts *counts)
 {
     uint32_t emitters = 0;
@@ -200,13 +200,15 @@ static uint32_t emitters_of(const struct emitter_counts *counts)
     return emitters;
 }
 
-// The integrator whitted sends a shadow ray to each emitter, listed as for LIGHT_CHOICE_UNIFORM.
+// Chooses the light sampling strategy. INTEGRATOR_WHITTED sends a shadow ray to each emitter, and
+// uses the list of LIGHT_CHOICE_UNIFORM.
 static void choose_lights(const struct specialize_params *p, const struct emitter_counts *counts,
                           struct specialization *s)
 {
     const struct settings *settings = &p->scene->settings;
     uint64_t emitters = emitters_total(counts);
-    // Light paths begin where shadow rays would end: emitters have one probability everywhere.
+    // Light paths begin on emitters, so the selection probability of an emitter must be the same
+    // for all points.
     bool is_bidir = settings->integrator == INTEGRATOR_BIDIR;
     uint32_t wanted = is_bidir ? LIGHT_CHOICE_POWER : settings->light_choice;
     static const struct emitter_lamps none = {0};
@@ -227,7 +229,8 @@ static bool wants_nee(const struct settings *settings)
     return settings->nee && settings->nee_depth > 0;
 }
 
-// The balance heuristic, and the power heuristic with the usual exponent, have code of their own.
+// Returns the variant of MIS weights: the balance heuristic, and the power heuristic with exponent
+// 2, have specialized code.
 static uint32_t find_weights(const struct settings *settings)
 {
     if (settings->mis != MIS_POWER || settings->mis_exponent == 2.0f)
@@ -253,8 +256,8 @@ static uint32_t light_features(const struct scene *scene, uint32_t emitters, uin
     return features;
 }
 
-// Returns features that, compiled in without need, change only the time: what they would add is
-// zero, or the code is never reached.
+// Returns features that, if compiled in without need, change only the time: their contribution is
+// zero, or their code is never reached.
 static uint32_t neutral_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_EMISSION |
@@ -266,7 +269,7 @@ static uint32_t neutral_features(const struct settings *settings)
     return features;
 }
 
-// Returns the number of first vertices at which paths split.
+// Returns the number of vertices, from the beginning of a path, at which paths split.
 static uint32_t split_vertices(const struct settings *settings, uint32_t lobes)
 {
     uint32_t most = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;
@@ -282,8 +285,8 @@ static bool has_surfaces(const struct specialization *s)
     return (s->features & FEATURE_TRIANGLES) || s->geometry;
 }
 
-// Ambient occlusion uses only the position of surfaces, no materials or emitters, under a white
-// environment.
+// Ambient occlusion depends only on positions of surfaces, not on materials or emitters, and has a
+// white environment.
 static void specialize_ao(struct specialization *s)
 {
     uint32_t kept = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_CLAMP;
@@ -296,22 +299,22 @@ static void specialize_ao(struct specialization *s)
     memset(s->class_lobes, 0, sizeof s->class_lobes);
 }
 
-// Lobes that materials may have with Whitted's integrator, see lib/whitted.glsl.
+// Lobes that INTEGRATOR_WHITTED supports: see lib/whitted.glsl.
 #define LOBES_WHITTED                                                                              \
     (LOBE_LAMBERT | LOBE_MIRROR | LOBE_PRINCIPLED | LOBE_METAL | LOBE_TRANSMISSION |               \
      LOBE_DIELECTRIC | LOBE_CONDUCTOR | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET |          \
      LOBE_ROUGH | LOBE_DELTA | LOBE_THIN)
 
-// Whitted's integrator uses no densities of directions and no roulette; one kernel shades all
-// materials. Where both reflection and refraction are followed, one of them is postponed; after a
-// miss, a postponed ray continues.
+// Whitted's integrator uses no densities of directions and no roulette, and one kernel shades all
+// materials. If a surface both reflects and refracts, one of the two rays is postponed; after a
+// miss, the path continues with a postponed ray.
 static void specialize_whitted(struct specialization *s, const struct settings *settings)
 {
     s->features &= ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS |
                      FEATURE_NEE_DEPTH | FEATURE_MIN_DENSITY | FEATURE_SPLIT_LOBES);
     s->lobes &= LOBES_WHITTED;
     memset(s->class_lobes, 0, sizeof s->class_lobes);
-    // Suns have no angular diameter with this integrator.
+    // This integrator treats suns as delta lights.
     s->emitters |= s->emitters & EMITTER_SUNS ? EMITTER_LIGHTS : 0u;
     s->emitters &= ~(EMITTER_ENVIRONMENT | EMITTER_SUNS);
     if (!s->emitters)
@@ -330,7 +333,7 @@ static bool texels_fit(const struct gpu *gpu, const struct bvh *bvh, const struc
                                           .filter = s->environment_filter,
                                           .is_sampled = s->emitters & EMITTER_ENVIRONMENT,
                                       });
-    uint64_t texel_bytes = 0; // an upper bound: equal images are uploaded once
+    uint64_t texel_bytes = 0; // upper bound: equal images are uploaded only once
     for (uint32_t i = 0; i < scene->image_count; i++)
         texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
                        (scene->images[i].is_float ? 16u : 8u);
@@ -339,8 +342,9 @@ static bool texels_fit(const struct gpu *gpu, const struct bvh *bvh, const struc
            gpu_texel_fits(gpu, environment_bytes) && gpu_texel_fits(gpu, texel_bytes);
 }
 
-// Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads. Elsewhere
-// storage buffers are the reference path, and texels are read where a kernel cannot bind as many.
+// Returns the features that depend on the device. On lavapipe texel fetches are three times as fast
+// as reads of storage buffers (measured). On other devices storage buffers are used, unless a
+// kernel cannot bind as many as it needs.
 static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
                                 const struct scene *scene, const struct specialization *s)
 {
@@ -348,14 +352,15 @@ static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
     bool is_short = gpu->storage_count < SHADING_STORAGE;
     if ((gpu->info.is_cpu || is_short) && texels_fit(gpu, bvh, scene, s))
         features |= FEATURE_TEXEL_SCENE;
-    // The least that Vulkan guarantees still gives a wave of 16,384 paths; with less, the size of
-    // the wave matters more than the way in which memory is read.
+    // The limit that Vulkan guarantees, 65,536 texels, suffices for a wave of 16,384 paths. With
+    // less, small waves would cost more than texels save.
     if (gpu->info.is_cpu && gpu->max_texel_elements >= 65536)
         features |= FEATURE_TEXEL_STATE;
     return features;
 }
 
-// All lobes that shading may need, except those that change the result of materials that lack them.
+// All lobes that shading may need, except those that would change the result for materials that
+// lack them.
 #define LOBES_ALL (LOBE_END - 1u)
 
 static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLASS_COUNT])
@@ -369,15 +374,17 @@ static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLAS
     return queues;
 }
 
-// RADV's compiler keeps a private stack in registers and compares the index of an entry with each:
-// "Registers on GPUs" in docs/performance.md. This many entries shared by 64 threads take 3 KiB,
-// which leaves room for as many subgroups as their registers allow (RDNA2).
+// The usual number of entries of a thread's traversal stack in shared memory. RADV's compiler keeps
+// a private stack in registers, and compares an index with each entry: "Registers on GPUs" in
+// docs/performance.md. For 64 threads this many entries take 3 KiB, which permits as many subgroups
+// at a time as their registers do (RDNA2).
 #define STACK_SHARED_USUAL 12u
-// Shared memory for reserving places in queues without ballots: lib/queue.glsl.
+// Bytes of shared memory in lib/queue.glsl, which reserves places in queues if there are no
+// ballots.
 #define QUEUE_SHARED_BYTES 8u
 
-// Shared memory is not used on CPU drivers: lavapipe takes a tenth to a quarter more processor time
-// with it.
+// Returns the number of a thread's stack entries in shared memory. CPU drivers use none: with
+// shared memory lavapipe takes a tenth to a quarter more processor time.
 static uint32_t stack_shared(const struct specialization *s, const struct gpu *gpu)
 {
     if (gpu->info.is_cpu && !gpu->params.limits.shared_stack)
@@ -385,7 +392,7 @@ static uint32_t stack_shared(const struct specialization *s, const struct gpu *g
     uint64_t room = gpu->max_shared_bytes > QUEUE_SHARED_BYTES
                         ? (gpu->max_shared_bytes - QUEUE_SHARED_BYTES) / (4u * s->workgroup)
                         : 0;
-    uint32_t entries = s->stack_entries + 2; // as STACK_LENGTH of lib/stack.glsl
+    uint32_t entries = s->stack_entries + 2; // must equal STACK_LENGTH of lib/stack.glsl
     if (entries > STACK_SHARED_USUAL)
         entries = STACK_SHARED_USUAL;
     return room < entries ? (uint32_t)room : entries;
@@ -409,13 +416,13 @@ void specialization_count_steps(struct specialization *s, bool on)
     s->features = on ? s->features | FEATURE_STEPS : s->features & ~FEATURE_STEPS;
 }
 
-// Rays that graze fractals take thousands of steps: on lavapipe one in a thousand runs out of its
-// budget, and every wave would be traced twice.
+// Operations of fractals. Rays that graze them take thousands of steps: on lavapipe one ray in a
+// thousand exceeds its budget, so every wave would be traced twice.
 #define SDF_FRACTALS                                                                               \
     (SDF_BIT(SDF_MANDELBULB) | SDF_BIT(SDF_MENGER) | SDF_BIT(SDF_APOLLONIAN) | SDF_BIT(SDF_PYRAMID))
 
-// Sorting should take a tenth of the tracing time on a GPU, but takes a good part of it on
-// processors: "Rays sorted by octant and cell" in docs/performance.md.
+// Returns whether rays are sorted. On GPUs sorting should take a tenth of the tracing time; on
+// processors it takes a large part of it: "Rays sorted by octant and cell" in docs/performance.md.
 static bool sorts_rays(const struct specialization *s, const struct gpu *gpu,
                        const struct settings *settings)
 {
@@ -486,7 +493,8 @@ struct specialization specialize(const struct specialize_params *p)
     s.features |= s.split_lobes > 0 ? FEATURE_SPLIT_LOBES : 0u;
     if (p->compile_all) {
         s.features |= neutral_features(settings);
-        // Distance fields need their operations, and large spheres need twice the digits.
+        // Excludes distance fields, which would need operations, and large spheres, which change
+        // the result.
         s.geometry |= GEOMETRY_SHAPES & ~GEOMETRY_SDFS;
         s.emitters |= EMITTERS_ALL;
         s.lobes = LOBES_ALL;
@@ -495,8 +503,9 @@ struct specialization specialize(const struct specialize_params *p)
     }
     if (settings->integrator == INTEGRATOR_AO)
         specialize_ao(&s);
-    // Light paths are connected to the camera where camera paths are connected to emitters: without
-    // these connections there are none, and camera paths find everything.
+    // Where camera paths are connected to emitters, light paths are connected to the camera.
+    // Without next-event estimation there are no such connections, and the path integrator gives
+    // the same image.
     if (settings->integrator == INTEGRATOR_BIDIR && !(s.features & FEATURE_NEE))
         s.integrator = INTEGRATOR_PATH;
     if (settings->integrator == INTEGRATOR_WHITTED)
@@ -514,7 +523,7 @@ struct specialization specialize(const struct specialize_params *p)
     s.features |= device_features(gpu, bvh, scene, &s);
     s.queues = queues_needed(s.features, s.class_lobes);
     s.sort_rays = sorts_rays(&s, gpu, settings);
-    // What a light path has brought to the film cannot be taken back: no wave may become void.
+    // The contribution of a light path to the film cannot be undone, so no wave may become void.
     if ((s.sdf & SDF_FRACTALS) || s.integrator == INTEGRATOR_BIDIR)
         specialization_suspend(&s);
     return s;
@@ -557,8 +566,8 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
     case KERNEL_shade_classical:
         return (s->features & FEATURE_CLASSES) && s->class_lobes[id - KERNEL_shade_diffuse];
     case KERNEL_intersect_closest:
-        // Without surfaces every ray is a miss, found by the same kernel in an empty tree; without
-        // an environment either, nothing is visible.
+        // Without surfaces all rays miss, in an empty tree, by the same kernel. Without an
+        // environment, too, nothing is visible.
         return has_surfaces(s) || (s->features & FEATURE_ENVIRONMENT);
     case KERNEL_intersect_shadow:
         return s->features & FEATURE_NEE;
@@ -606,8 +615,7 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     }
 }
 
-// Names are indexed by the bit's number; returns NULL for a value that is not one bit, or has no
-// name.
+// Returns the name at the index of the bit; NULL if the value is not a single bit, or has no name.
 static const char *name_of_bit(const char *const *names, size_t count, uint32_t bit)
 {
     for (size_t i = 0; i < count; i++)
@@ -663,10 +671,10 @@ const char *emitter_name(uint32_t bit)
         "emissive triangles",
         "emissive spheres",
         "emissive discs",
-        "lights without extent",
+        "delta lights",
         "suns",
         "photometric profiles",
-        "environment to connect to",
+        "environment sampled by shadow rays",
         "emissive quads",
         "emissive boxes",
         "emissive cylinders",
@@ -694,9 +702,9 @@ const char *feature_name(uint32_t bit)
         [__builtin_ctz(FEATURE_NORMAL_MAPS)] = "normal maps",
         [__builtin_ctz(FEATURE_EMISSION)] = "emission",
         [__builtin_ctz(FEATURE_CLAMP)] = "clamped contributions",
-        [__builtin_ctz(FEATURE_MIN_DENSITY)] = "a least density of directions",
+        [__builtin_ctz(FEATURE_MIN_DENSITY)] = "minimum density of directions",
         [__builtin_ctz(FEATURE_SPLIT_LOBES)] = "paths that split into diffuse and specular",
-        [__builtin_ctz(FEATURE_NEE_DEPTH)] = "shadow rays by the first vertices only",
+        [__builtin_ctz(FEATURE_NEE_DEPTH)] = "shadow rays from the first vertices only",
         [__builtin_ctz(FEATURE_NEE)] = "next-event estimation",
         [__builtin_ctz(FEATURE_BSDF_HITS_EMITTERS)] = "emitters hit by BSDF sampling",
         [__builtin_ctz(FEATURE_ENVIRONMENT)] = "environment",

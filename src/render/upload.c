@@ -11,8 +11,8 @@
 #include <math.h>
 #include <string.h>
 
-// A triangle that has several places in the leaf order is listed as an emitter with one of them:
-// this gives all its places the same number.
+// Sets the emitter number of all entries of a triangle in leaf order. A triangle with several
+// entries is listed as an emitter with only one of them.
 static bool number_all_places(const struct upload_params *p, uint32_t *numbers,
                               struct arena *scratch)
 {
@@ -32,18 +32,19 @@ static bool number_all_places(const struct upload_params *p, uint32_t *numbers,
 
 // --- records of triangles ------------------------------------------------------------------------
 
-// All threads make records, in pieces of this many bytes, so that large arrays are not in memory
-// twice.
+// All threads fill records, in pieces of this many bytes, so that large arrays do not exist twice
+// in host memory.
 #define PIECE_BYTES (16u << 20)
 
 struct records {
     const struct upload_params *p;
-    // Writes the record of the triangle at a place of the leaf order; the record is zeroed.
+    // Writes the record of the triangle at a position of the leaf order; the record is zeroed
+    // before.
     void (*fill)(const struct records *records, uint32_t place, void *out);
     uint32_t bytes;           // size of a record
-    const uint32_t *emitters; // emitter number of each place
+    const uint32_t *emitters; // emitter number of each position
     char *piece;
-    uint32_t first; // first place of the piece
+    uint32_t first; // first position of the piece
 };
 
 static void fill_piece(void *context, size_t begin, size_t end, unsigned thread)
@@ -113,11 +114,12 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
     return upload_records(gpu, &records, BINDING_TRIANGLES, buffers, scratch, err);
 }
 
-// The largest error of a component of a decoded normal, whose octahedral code has 16 bits.
+// The maximum error of a component of a decoded normal, whose octahedral code has two components of
+// 16 bits.
 #define NORMAL_RESOLUTION 6.52e-5
 
-// Returns whether the shading normals equal the geometric one within the precision of their code;
-// the geometric normal is used then, which is exact.
+// Returns whether a triangle's shading normals equal its geometric normal, within the precision of
+// their code. The geometric normal, which is exact, is used then.
 static bool is_flat(const struct flat_scene *flat, uint32_t id)
 {
     double e[2][3], n[3];
@@ -154,7 +156,8 @@ static void fill_uvs(const struct flat_scene *flat, int set, uint32_t id, uint32
         memcpy(word, flat->uvs[set][id], sizeof flat->uvs[set][id]);
 }
 
-// Packs two half floats into a word, the first one low.
+// Fills the colours of one triangle. A 32-bit component holds two half floats, the first in the low
+// bits.
 static void fill_colors(const struct flat_scene *flat, uint32_t id, uint32_t (*word)[4])
 {
     for (int i = 0; i < 12; i++) {
@@ -163,7 +166,7 @@ static void fill_colors(const struct flat_scene *flat, uint32_t id, uint32_t (*w
     }
 }
 
-// Fills the attributes of one triangle, which are zeroed, in the order of shared/types.h.
+// Fills the attributes of one triangle, in the order of shared/types.h; they are zeroed before.
 static void fill_attributes(const struct upload_params *p, uint32_t id, uint32_t (*word)[4])
 {
     uint32_t features = p->specialization->features;

@@ -1,4 +1,4 @@
-// The scene's arrays in the form that kernels read, in device memory.
+// Uploads the scene's arrays to device memory, in the form that kernels read.
 #ifndef LAMPYRIS_RENDER_UPLOAD_H
 #define LAMPYRIS_RENDER_UPLOAD_H
 
@@ -13,11 +13,11 @@ struct upload_params {
     const struct memory_plan *plan;
     const struct shading_tables *tables;
     const struct progress
-        *progress; // phase "Uploading", for large scenes; NULL: no progress is reported
+        *progress; // phase "Uploading", reported for large scenes; NULL: no progress is reported
 };
 
-// Creates and fills the planned ones of buffers[BINDING_NODES … BINDING_TEXELS]. The caller
-// finishes them, also after a failure.
+// Creates and fills those of buffers[BINDING_NODES … BINDING_TEXELS] that are planned. The caller
+// finishes them, even after a failure.
 bool upload_scene(struct gpu *gpu, const struct upload_params *params, struct gpu_buffer *buffers,
                   struct err *err);
 

@@ -1,7 +1,7 @@
 #include "render/upload_parts.h"
 
-// A buffer without records still has one zeroed record: kernels compiled with a feature that the
-// scene lacks may read it and multiply it away.
+// The minimum size of a buffer, in bytes: one zeroed record. Kernels compiled with a feature that
+// the scene lacks may read the record, and multiply its values by 0.
 #define SMALLEST_BUFFER 64
 
 bool upload_create(struct gpu *gpu, const struct upload_params *p, uint32_t binding,

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-// Fills the transform between the world and a field's own space: the shape's axes are half the
-// edges of the field's box. `shape` is in world space; `first` is the first instruction of its
-// program.
+// Fills the transform between world space and a field's own space. The axes of `shape`, which is in
+// world space, are half the edges of the field's box. `first` is the index of the field's first
+// instruction.
 static void fill_sdf(const struct sdf *sdf, const struct shape *shape, uint32_t first,
                      struct gpu_sdf *out)
 {

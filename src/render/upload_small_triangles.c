@@ -16,7 +16,8 @@ bool upload_fill_small_triangles(const struct upload_params *p, uint32_t (*words
         return err_memory(err, "triangles' emitters", (uint64_t)count * sizeof *emitters);
     for (uint32_t i = 0; i < count; i++) {
         const struct flat_small_triangle *small = flat_find_small(flat, p->bvh->triangle_order[i]);
-        // A triangle that has several places is listed as an emitter with one of them.
+        // A triangle with several entries in leaf order is listed as an emitter with only one of
+        // them.
         if (!small || emitters[i] == NO_EMITTER)
             continue;
         struct gpu_small_triangle record = {

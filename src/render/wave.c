@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-// Bounces recorded before the host checks whether any path is left: few enough to end soon, and
-// enough for the wait not to matter.
+// Bounces that are recorded before the host checks whether any path is left. The number is small,
+// so that little is recorded in vain, and large enough for waiting not to matter.
 #define BOUNCES_A_SUBMIT 16u
 #define QUEUES_OF_HITS ((1u << (QUEUE_MISS + 1)) - (1u << QUEUE_SURFACE))
 
@@ -18,7 +18,8 @@ static bool is_of_shadow_rays(enum kernel_id kernel)
            kernel == KERNEL_add_splats;
 }
 
-// Marks are in the order of the timestamps. items: 0 for a kernel that does little work.
+// Records a timestamp. The array of marks is in the order of timestamps. items: 0 for a kernel that
+// does little work.
 static void mark(struct renderer *r, enum kernel_id kernel, uint32_t items)
 {
     uint32_t index = gpu_timestamp(r->gpu, &r->commands);
@@ -51,7 +52,7 @@ static bool begin(struct renderer *r, const struct wave *wave, struct err *err)
 }
 
 // Makes the writes of earlier kernels visible to later ones. Kernels between two barriers may run
-// at the same time: docs/architecture.md, "Kernels side by side", says why they may.
+// at the same time; docs/architecture.md, "Kernels side by side", explains why that is correct.
 static void barrier(struct renderer *r)
 {
     if (r->barrier_is_due)
@@ -68,24 +69,25 @@ static void dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups,
     r->barrier_is_due = true;
 }
 
-// --- recording in submissions that are not too long ----------------------------------------------
+// --- recording of submissions with a limited duration
+// ---------------------------------------------
 
 struct loop {
     struct renderer *r;
     const struct wave *wave;
-    const struct wave_observer *observer; // NULL: record as much as possible before running it
+    const struct wave_observer *observer; // NULL: records as much as possible before running it
     bool is_paced;
-    bool is_timed;       // every part needs its own timestamp
-    uint32_t part_items; // items of a queue or a list in one dispatch
+    bool is_timed;       // gives every part a timestamp of its own
+    uint32_t part_items; // items of a queue or a list that one dispatch processes
     bool is_light;       // the paths are light paths
-    uint32_t bounce;     // the next bounce
-    uint32_t last;       // the last bounce that paths may have
+    uint32_t bounce;     // the next bounce to record
+    uint32_t last;       // the last possible bounce of paths
 };
 
 static bool run(struct renderer *r, struct err *err);
 
-// Submits the recorded commands if the next part of a kernel would make them too long, or if there
-// are no timestamps left for every part.
+// Submits the recorded commands if the submission would become too long with the next part of a
+// kernel, or if every part needs a timestamp and none is left.
 static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, struct err *err)
 {
     struct renderer *r = l->r;
@@ -97,8 +99,8 @@ static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, str
             err_set(err, ERR_BUG, "an empty submission that takes nothing"));
 }
 
-// Records a kernel over `items`, a number that the host knows, in parts. work: the equivalent
-// number of items of other kernels.
+// Records a kernel over `items` items, in parts. work: the number of items of other kernels that
+// take as long as one item of this kernel.
 static bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
                          struct err *err)
 {
@@ -122,8 +124,7 @@ static bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, 
 
 // Records a kernel over a queue whose length only the device knows, in as many parts as it may
 // need, without a barrier after it. Synchronization validation assumes that a kernel reads and
-// writes all of every buffer that it is bound to, so that under it no two dispatches run side by
-// side.
+// writes every buffer that is bound to it; with that layer no two dispatches run at the same time.
 static bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     struct renderer *r = l->r;
@@ -186,7 +187,7 @@ static void add_times(struct renderer *r, const double *ns)
     }
 }
 
-// Returns how many items a dispatch really had, for the queue last prepared for it.
+// Returns the number of items that a dispatch processed, for the queue that was prepared last.
 static uint32_t items_found(const struct renderer *r, const struct mark *m)
 {
     uint32_t queue = r->push.queue;
@@ -200,17 +201,17 @@ static uint32_t items_found(const struct renderer *r, const struct mark *m)
     return left < m->items ? left : m->items;
 }
 
-// A kernel whose time is not known yet was submitted last and alone: then the number of items that
-// it really had counts. Later, a wave's fullest bounces tell how long items take, empty items
-// included.
+// Passes a kernel's time to the pace. A kernel whose time is not known was submitted alone, so the
+// number of items that it really processed is known. Later the number includes empty items; the
+// fullest bounces of a wave then determine the time of an item.
 static void learn(struct renderer *r, const struct mark *m, double ns)
 {
     bool is_known = r->pace.ns[m->kernel] > 0.0;
     pace_learn(&r->pace, m->kernel, is_known ? m->items : items_found(r, m), ns);
 }
 
-// ns: when marks were passed; NULL: only the total time is known, and it is divided in proportion
-// to the expected times.
+// ns: the times at which marks were passed; NULL: only the total time is known, which is then
+// divided in proportion to the expected times.
 static void learn_all(struct renderer *r, const double *ns, double total_ns)
 {
     double expected = r->pace.recorded_ns;
@@ -224,7 +225,7 @@ static void learn_all(struct renderer *r, const double *ns, double total_ns)
     }
 }
 
-// Submits the recorded commands, waits, and reads times and counters back.
+// Submits the recorded commands, waits, and reads back times and counters.
 static bool run(struct renderer *r, struct err *err)
 {
     struct host_stats *host = &r->stats.host;
@@ -273,8 +274,8 @@ static bool after(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
            watched(l, l->observer->after, kernel, queue, err);
 }
 
-// Traces a queue. If rays may run out of their budget, the host checks after each dispatch and
-// continues those that are left.
+// Traces the rays of a queue. If rays may exceed their iteration budget, the host checks after each
+// dispatch whether some are suspended, and continues them.
 static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     struct renderer *r = l->r;
@@ -314,15 +315,15 @@ static void push_wave(struct renderer *r, const struct wave *wave)
     r->wave_items = wave->pixel_count << wave->sample_shift << r->specialization.split_lobes;
 }
 
-// Adds what light paths have brought to the camera to each range of the film: first all splats
-// claim their digits (lib/splat.glsl).
+// Adds the contributions of light paths at the camera to each chunk of the film, in two dispatches:
+// in the first, all splats claim the digits that they need (lib/splat.glsl).
 static bool add_splats(struct loop *l, struct err *err)
 {
     struct renderer *r = l->r;
     const struct wave *own = l->wave;
     struct wave range = *own;
     bool ok = true;
-    l->wave = &range; // what a new submission binds
+    l->wave = &range; // bound by new submissions
     for (range.film_chunk = 0; ok && range.film_chunk < r->plan.film_chunks; range.film_chunk++) {
         gpu_bind(r->gpu, &r->commands, &r->bindings[range.film_chunk]);
         r->push.film_first_pixel = (uint32_t)(range.film_chunk * r->plan.film_chunk_pixels);
@@ -338,8 +339,8 @@ static bool add_splats(struct loop *l, struct err *err)
     return ok;
 }
 
-// Traces the shadow rays of a slot one after the other, so that contributions are added in the
-// order of lights.
+// Traces the shadow rays of each slot in consecutive dispatches, so that contributions are added in
+// the order of lights.
 static bool trace_shadow_rays(struct loop *l, struct err *err)
 {
     struct renderer *r = l->r;
@@ -358,7 +359,7 @@ static bool trace_shadow_rays(struct loop *l, struct err *err)
     return true;
 }
 
-// Records a kernel over a queue if the scene needs the kernel.
+// Records a kernel over a queue, if the scene needs the kernel.
 static bool consume(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     if (!specialization_needs_kernel(&l->r->specialization, kernel))
@@ -376,7 +377,7 @@ static bool shade_misses(struct loop *l, struct err *err)
            consume(l, KERNEL_shade_whitted, QUEUE_MISS, err);
 }
 
-// All classes of surfaces have one kernel for light paths.
+// Surfaces of all classes share one kernel for light paths.
 static bool shade_light(struct loop *l, struct err *err)
 {
     uint32_t queues = l->r->specialization.queues;
@@ -399,7 +400,8 @@ static bool shade_surfaces(struct loop *l, struct err *err)
            consume(l, KERNEL_shade_whitted, QUEUE_SURFACE, err);
 }
 
-// Dispatches are prepared for parts of one size, which may change only while none is prepared.
+// Sets the number of items of a dispatch. prepare_dispatch assumes the same number for all queues,
+// so it may only change while none is prepared.
 static void choose_part(struct loop *l)
 {
     struct renderer *r = l->r;
@@ -426,7 +428,8 @@ static bool sorts_rays(const struct loop *l)
     return l->r->specialization.sort_rays && l->bounce >= SORT_FIRST_BOUNCE;
 }
 
-// When rays are sorted, those to trace are in another queue, since shading fills the usual one.
+// Returns the queue that holds the rays to trace: if rays are sorted, this is the other queue of
+// rays, because shading fills the usual one.
 static uint32_t queue_to_trace(const struct loop *l)
 {
     return sorts_rays(l) ? 2 * QUEUE_RAYS + 1 - queue_of_rays(l) : queue_of_rays(l);
@@ -449,7 +452,7 @@ static bool sort_scatter(struct loop *l, struct err *err)
     return !sorts_rays(l) || consume(l, KERNEL_sort_scatter, queue_of_rays(l), err);
 }
 
-// Traces the rays of a bounce. The shadow rays of the preceding bounce add their radiance first:
+// Traces the rays of a bounce. The shadow rays of the preceding bounce come first, so that
 // contributions are added in the order of bounces.
 static bool trace(struct loop *l, struct err *err)
 {
@@ -493,7 +496,7 @@ void wave_exchange(struct renderer *r)
     r->other = other;
 }
 
-// Turns to the other wave: its kernels are recorded from here on.
+// Switches to the other wave, whose kernels are then recorded.
 static void turn_to(struct loop *l)
 {
     struct renderer *r = l->r;
@@ -517,8 +520,9 @@ static bool generate_rays(struct loop *l, struct err *err)
     return after(l, kernel, 0, err);
 }
 
-// Begins the next wave once half of this one's bounces are over: its remaining bounces have few
-// paths, and leave room on a wide device for the many paths of the next wave's first bounces.
+// Begins the next wave when half of this wave's bounces have been recorded. The remaining bounces
+// have few paths, and leave room on a wide device for the many paths of the next wave's first
+// bounces.
 static bool begin_ahead(struct loop *l, struct loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
@@ -535,7 +539,7 @@ static bool begin_ahead(struct loop *l, struct loop *ahead, struct err *err)
     return ok;
 }
 
-// Traces the next bounce of a wave and, beside it, that of the wave begun ahead.
+// Traces the next bounce of a wave, and at the same time that of the wave begun ahead.
 static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
@@ -558,8 +562,8 @@ static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
     return true;
 }
 
-// Follows all paths of the wave to their ends; leaves recorded commands that have not run yet.
-// ahead: the wave after it, which is begun on the way, or NULL.
+// Traces all paths of a wave until they end. Some recorded commands may not have run yet when it
+// returns. ahead: the following wave, which is begun meanwhile; or NULL.
 static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
@@ -582,7 +586,8 @@ static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
     return true;
 }
 
-// Follows light paths before camera paths: splats go to halves by the samples that the film has.
+// Traces light paths before camera paths, because splats are assigned to half-buffers by the number
+// of samples that the film has so far.
 static bool trace_light_paths(const struct loop *camera, struct err *err)
 {
     struct loop l = *camera;
@@ -596,7 +601,7 @@ static struct loop make_loop(struct renderer *r, const struct wave *wave,
                              const struct wave_observer *observer)
 {
     push_wave(r, wave);
-    // With postponed rays a path is a tree, and takes as many rounds as the tree has rays.
+    // With postponed rays a path is a tree, which takes as many bounces as the tree has rays.
     uint32_t last = r->specialization.pending_rays ? UINT32_MAX - 1 : r->frame.max_bounces;
     return (struct loop){
         .r = r,
@@ -627,15 +632,15 @@ static void add_counts(struct renderer *r, const struct gpu_counters *before)
     r->stats.clamped_light +=
         (double)count_since(r->counters->clamped_light, before->clamped_light) /
         (double)CLAMP_UNITS * (double)r->frame.clamp_limit;
-    // The queues still hold the hits of a wave's last bounce.
+    // The queues still have the hits of the wave's last bounce.
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         r->stats.surface_hits[c] +=
             count_since(r->counters->surface_hits[c], before->surface_hits[c]) +
             r->counters->queue[QUEUE_SURFACE + c].count - before->queue[QUEUE_SURFACE + c].count;
 }
 
-// Adds the counts of non-finite contributions, and keeps the lowest of those that the device
-// recorded.
+// Adds the numbers of non-finite contributions, and keeps the lowest contribution that the device
+// has recorded.
 static void add_nonfinite(struct renderer *r, const struct gpu_counters *before)
 {
     struct nonfinite_stats *stats = &r->stats.nonfinite;
@@ -677,7 +682,7 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave 
         !run(r, err))
         return false;
     pace_end_wave(&r->pace, &r->plan);
-    *voided = r->counters->unfinished != 0; // accumulate() has then left the film unchanged
+    *voided = r->counters->unfinished != 0; // accumulate has not changed the film then
     if (*voided) {
         r->stats.voided_waves++;
         return true;
@@ -745,7 +750,7 @@ bool wave_run_step(struct renderer *r, const struct wave *wave, const struct wav
 
 // --- compiling -----------------------------------------------------------------------------------
 
-// Zeroes all counters: the kernels below find nothing to do.
+// Zeroes all counters, so that kernels find no work. The kernels below are compiled that way.
 bool wave_clear_counters(struct renderer *r, struct err *err)
 {
     r->ahead.is_begun = false;
@@ -772,7 +777,7 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
     wave_size_begin(&r->wave_size, r->tunes_wave, r->plan.wave_samples);
     r->push.queue = 0;
     r->push.part_items = 0;
-    struct render_stats kept = r->stats; // compiling does not count as run time
+    struct render_stats kept = r->stats; // the time of compiling must not count as run time
     if (!wave_clear_counters(r, err) || !begin(r, &none, err))
         return false;
     for (int id = 0; id < KERNEL_COUNT; id++) {

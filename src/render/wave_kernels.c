@@ -1,4 +1,4 @@
-// The kernels of a renderer: their code, constants and pipelines.
+// Creates the kernels of a renderer: their code, constants and pipelines.
 #include "render/wave.h"
 
 #include "gpu/spirv_trim.h"
@@ -6,7 +6,8 @@
 #include "render/sdf_inline.h"
 #include <stdlib.h>
 
-// Returns the code of a kernel: from the set given to the renderer, or the embedded code.
+// Returns the code of a kernel: from the kernel set that was given to the renderer, or the embedded
+// code.
 static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
 {
     struct kernel_code code = kernel_code(id, r->specialization.features & FEATURE_BALLOT);
@@ -20,10 +21,10 @@ static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
 struct kernel_source {
     struct specialization constants;
     struct gpu_kernel_params params;
-    uint32_t *made; // code with the programs of distance fields, or NULL; the caller frees it
+    uint32_t *made; // code with inlined programs of distance fields, or NULL; the caller frees it
 };
 
-// Finds code and constants of a kernel. *out must not be moved.
+// Finds the code and the constants of a kernel. *out must not be moved.
 static void find_source(const struct renderer *r, const struct specialization *s, enum kernel_id id,
                         struct kernel_source *out)
 {
@@ -32,7 +33,8 @@ static void find_source(const struct renderer *r, const struct specialization *s
     if (id >= KERNEL_shade_diffuse && id <= KERNEL_shade_classical)
         out->constants.lobes = s->class_lobes[id - KERNEL_shade_diffuse];
     if (id != KERNEL_intersect_closest && id != KERNEL_intersect_shadow)
-        out->constants.features &= ~FEATURE_STEPS; // others need not be compiled again
+        out->constants.features &= ~FEATURE_STEPS; // only traversal kernels count steps; others are
+                                                   // not recompiled for it
     out->params = (struct gpu_kernel_params){
         .name = code.name,
         .spirv = code.spirv,

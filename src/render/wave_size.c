@@ -1,18 +1,19 @@
 #include "render/wave_size.h"
 
-// A stretch has at least the samples of one of the largest waves, so that every stretch renders as
-// much.
+// The number of samples in a stretch, at least those of one wave of the largest size, so that all
+// stretches render the same number.
 #define STRETCH_SAMPLES WAVE_SIZE_MOST
-// Samples of the first waves. On two cores, 64k was the best or nearly the best size on five scenes
-// (docs/performance.md).
+// The number of samples in the first waves. On two cores, 64k was the best or nearly the best size
+// for five scenes (docs/performance.md).
 #define USUAL (1u << 16)
-// Sizes differ by this factor: with a smaller one, noise would hide the differences.
+// The factor between two sizes. With a smaller one, noise would hide differences in speed.
 #define STEP 4u
-// Another size is taken if its rays took less than this fraction of the time: equal speed is no
-// reason to change.
+// Another size replaces the current one if its rays took less than this fraction of the time: at
+// equal speed there is no reason to change.
 #define GAIN 0.98
-// Stretches between two trials, at first and after many trials without success: then trials, a
-// third of which has the slower size, take a fiftieth of all stretches.
+// The number of stretches between two trials: at first, and after many trials without success. In
+// the latter case trials are a fiftieth of all stretches, and a third of their stretches has the
+// slower size.
 #define FIRST_PAUSE 1u
 #define LONGEST_PAUSE 48u
 
@@ -53,7 +54,7 @@ static void begin_trial(struct wave_size *size)
     size->stretch = 0;
 }
 
-// After a faster size the next trial is in the same direction, and soon.
+// After a success the next trial follows soon, in the same direction.
 static void end_trial(struct wave_size *size)
 {
     const double *ns = size->ns_a_ray;

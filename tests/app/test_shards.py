@@ -292,7 +292,7 @@ class Refused(Shards):
         self.refuse('whole: is the checkpoint of a whole render', 'merge', 'whole')
         self.refuse('a.exr: is not a checkpoint', 'merge', 'a.exr')
         self.refuse('nowhere: cannot open', 'merge', 'nowhere')
-        self.refuse('.: is no regular file', 'merge', '.')
+        self.refuse('.: is not a regular file', 'merge', '.')
 
     def test_goals_that_shards_cannot_have(self):
         for arguments, message in (

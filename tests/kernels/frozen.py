@@ -161,7 +161,7 @@ FEATURES = {
         "shade_whitted": ["find_media()", "load_medium()", "transmittance()"],
     }),
     "classes": (["CLASSES"], {"intersect_closest": ["hit_class()"]}),
-    "lights without extent, suns": (["EMITTER_LIGHTS", "EMITTER_SUNS"], {
+    "delta lights, suns": (["EMITTER_LIGHTS", "EMITTER_SUNS"], {
         "shade_surface": ["sample_point_light()", "spot_falloff()", "range_window()"],
     }),
     "suns": (["EMITTER_SUNS"], {

@@ -33,7 +33,7 @@ static void find_basis(const double normal[3], double u[3], double v[3])
     vec3_cross(normal, u, v);
 }
 
-// --- middles and sizes ---------------------------------------------------------------------------
+// --- centres and sizes ---------------------------------------------------------------------------
 
 // Finds corner 0 of a triangle and the two edges from it.
 static void find_triangle(const struct renderer *r, uint32_t id, double corner[3],
@@ -43,7 +43,8 @@ static void find_triangle(const struct renderer *r, uint32_t id, double corner[3
     flat_triangle_edges(&r->flat, id, edges);
 }
 
-// Finds the direction of a place in a texel; environment.h has the convention.
+// Finds the direction of a position in a texel of the environment, by the convention of
+// environment.h.
 static void find_texel(const struct environment *environment, uint32_t index, double across,
                        double down, double out[3])
 {
@@ -117,7 +118,7 @@ double emitter_radius(const struct renderer *r, struct emitter_part part)
     }
 }
 
-// Returns the area of a parallelogram with these half edges, projected along a direction.
+// Returns the area of the parallelogram with half edges u and v, projected along a direction.
 static double seen_area(const double u[3], const double v[3], const double direction[3])
 {
     double normal[3];
@@ -197,7 +198,7 @@ static void place_in_disc_of(const double center[3], const double normal[3], dou
     combine(center, radius * at[0], u, radius * at[1], v, out);
 }
 
-// Places points on the visible part of a shape; for a cylinder on its side.
+// Places points on the visible part of a shape. For a cylinder this is the part of its side.
 static void place_in_shape(const struct flat_shape *shape, const double direction[3],
                            uint32_t number, uint32_t count, double out[3])
 {
@@ -223,7 +224,7 @@ static void place_in_shape(const struct flat_shape *shape, const double directio
         combine(center, 2 * at[0] - 1, axes[0], (2 * at[1] - 1) * (double)shape->radius, across,
                 out);
         break;
-    default: // a box is filled
+    default: // points in the whole volume of a box
         combine(center, 2 * at[0] - 1, axes[0], 2 * at[1] - 1, axes[1], out);
         combine(out, shape->kind == SHAPE_QUAD ? 0 : 2 * at[2] - 1, axes[2], 0, axes[2], out);
     }

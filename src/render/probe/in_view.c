@@ -9,34 +9,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-// An emitter that covers more pixels is missed by both of two samples a pixel with a probability of
+// In pixels. With two samples a pixel, both miss a larger emitter with a probability of less than
 // exp(-10).
 static const double part_max = 5;
 
-// Within this many pixels of an emitter's centre, its part of each pixel is computed separately.
+// For pixels within this distance, in pixels, of an emitter's centre, the part of each pixel that
+// it covers is computed separately.
 static const double split_reach = 2;
 
 static const double texel_excess = 16; // times the median texel
 
-// With these numbers 2 10^5 emitters take about 0.3 s on a CPU.
+// With these limits, 2 * 10^5 emitters take about 0.3 s on a CPU.
 enum {
-    LIGHTS_MAX = 1 << 14, // pixels, the brightest of them
+    LIGHTS_MAX = 1 << 14, // the number of pixels kept, the brightest ones
     FEW_LIGHTS = 4096,
-    PROBES = 16, // rays to each group, if there are few, and if there are many
+    PROBES = 16, // rays to each group: up to FEW_LIGHTS groups, and beyond
     PROBES_OF_MANY = 4,
-    PROBES_OF_HIDDEN = 256, // the most rays to groups that none of these has reached
+    PROBES_OF_HIDDEN = 256, // maximum number of rays to groups that no ray has reached
     RAYS_OF_HIDDEN = 1 << 17,
     RAYS_AT_ONCE = 1 << 14,
-    PLACES_MIN = 4, // points on an emitter
+    PLACES_MIN = 4, // points for each emitter
     PLACES_MAX = 1024,
     PLACES_OF_ALL = 1 << 20,
 };
 
-// An emitter, or a part of one, in the pixel that contains its centre.
+// An emitter, or a part of one, assigned to the pixel that contains its centre.
 struct candidate {
     uint64_t pixel;
     struct emitter_part emitter;
-    float part;   // fraction of a pixel
+    float part;   // area in the image, in pixels
     float radius; // see struct small_light
 };
 
@@ -44,9 +45,9 @@ struct candidate {
 struct group {
     struct small_light light;
     uint64_t pixel;
-    size_t first, count; // the candidates' first and number
-    double brightness;   // brightness of all its light
-    double free;         // fraction of its probes that reached it
+    size_t first, count; // the first candidate, and their number
+    double brightness;   // greatest channel of the candidates' total light
+    double free;         // fraction of its probes that reached an emitter
 };
 
 struct search {
@@ -55,12 +56,13 @@ struct search {
     double spread;      // radius by which the filter extends a pixel
     uint8_t *mask;      // see struct unseen_light
     size_t small_count; // number of emitters smaller than part_max
-    float *light;       // for each pixel: the sum of radiance times part, by emitters' centres
+    float *light;       // for each pixel: sum of radiance times area of the emitters whose centres
+                        // it contains
     struct candidate *candidates;
     size_t count, capacity;
     struct group *groups;
     size_t group_count;
-    bool failed; // out of memory
+    bool failed; // out of memory, set once
 };
 
 // --- where emitters are ------------------------------------------------------------------------
@@ -116,7 +118,7 @@ static double window(double x)
                  : 0;
 }
 
-// Returns the density of the pixel filter at a distance from a pixel's centre, for the area of one
+// Returns the density of the pixel filter at an offset from a pixel's centre, per area of one
 // pixel: see lib/filter.glsl.
 static double filter_density(const struct renderer *r, double x, double y)
 {
@@ -141,7 +143,8 @@ static bool project(const struct search *search, struct emitter_part emitter, co
                                    : projection_find(&search->projection, place, at);
 }
 
-// Finds where in the picture samples hit an emitter: points of it, each blurred by the lens.
+// Finds points of the image whose samples hit an emitter: points of the emitter, each displaced
+// within its circle of confusion.
 static uint32_t find_places(const struct search *search, struct emitter_part emitter,
                             const struct projected *middle, double (*out)[2])
 {
@@ -155,7 +158,8 @@ static uint32_t find_places(const struct search *search, struct emitter_part emi
         emitter_place(r, emitter, middle->direction, i, count, place);
         if (!project(search, emitter, place, &at))
             continue;
-        // The order differs from that of the points.
+        // The points in the lens are ordered differently from those on the emitter, so that both
+        // are independent.
         double radius = at.blur * sqrt(fmod((i + 0.5) * 0.6180339887498949, 1)), angle = 2.3 * i;
         out[found][0] = at.x + radius * cos(angle);
         out[found++][1] = at.y + radius * sin(angle);
@@ -163,8 +167,8 @@ static uint32_t find_places(const struct search *search, struct emitter_part emi
     return found;
 }
 
-// Computes the part that an emitter covers of each of the few pixels that see it: the mean density
-// of the pixel's filter over the places where samples hit the emitter.
+// Computes for each of the few pixels that see an emitter how much of the pixel it covers: the mean
+// density of the pixel's filter over the points of find_places().
 static void split(struct search *search, const struct projected *at, double reach, double part,
                   struct emitter_part emitter)
 {
@@ -180,8 +184,8 @@ static void split(struct search *search, const struct projected *at, double reac
         }
 }
 
-// Returns whether a sphere of a given radius around a point is in front of the camera; an emitter
-// whose sphere contains the camera may be anywhere in the picture.
+// Returns whether a sphere around a point is in front of the camera. An emitter whose sphere
+// contains the camera may be visible anywhere in the image.
 static bool is_in_front(struct search *search, const double center[3], double radius)
 {
     double to[3];
@@ -197,7 +201,7 @@ static bool is_in_front(struct search *search, const double center[3], double ra
 // An emitter projected into the picture.
 struct sight {
     struct projected at;
-    double reach, part; // pixels
+    double reach, part; // radius and area in the image, in pixels and square pixels
 };
 
 static bool find_sight(struct search *search, struct emitter_part emitter, struct sight *out)
@@ -230,7 +234,7 @@ static double find_greatest(const struct search *search, struct emitter_part emi
     return fmax(radiance[0], fmax(radiance[1], radiance[2]));
 }
 
-// First adds up how much light each pixel has from small parts of emitters.
+// First pass: adds the light of a small emitter to the pixel that contains its centre.
 static void count_emitter(struct search *search, struct emitter_part emitter)
 {
     const struct projection *p = &search->projection;
@@ -246,8 +250,8 @@ static void count_emitter(struct search *search, struct emitter_part emitter)
     search->light[y * p->width + x] += (float)(sight.part * find_greatest(search, emitter));
 }
 
-// Returns whether it is one of many small parts of a larger emitter: whether there is as much light
-// around it as it would send from part_max pixels.
+// Returns whether an emitter is one of many small parts of a larger emitter: whether the
+// surrounding pixels have as much light as part_max pixels of this emitter's radiance.
 static bool is_of_larger(const struct search *search, struct emitter_part emitter,
                          const struct sight *sight)
 {
@@ -294,7 +298,7 @@ static double greatest_of(const float texel[3])
     return (double)fmaxf(texel[0], fmaxf(texel[1], texel[2]));
 }
 
-// Returns the power of two above the median of an image's texels.
+// Returns the smallest power of two that exceeds the median of an image's texels.
 static double find_median(const struct environment *environment, uint32_t count)
 {
     enum { LEAST = -40, ORDERS = 160 };
@@ -326,7 +330,7 @@ static void visit_emitters(struct search *search, emitter_fn visit)
 {
     const struct scene *scene = search->renderer->scene;
     const struct flat_scene *flat = &search->renderer->flat;
-    // Meshes that emit are never shared: their triangles are all in world space.
+    // Emissive meshes are never shared, so their triangles are all in world space.
     for (uint32_t i = 0; i < flat->world_triangle_count; i++)
         if (emits(search, flat->triangles[i].material))
             visit(search, (struct emitter_part){EMITTER_TRIANGLE, i});
@@ -339,7 +343,8 @@ static void visit_emitters(struct search *search, emitter_fn visit)
     visit_texels(search, visit);
 }
 
-// --- a pixel's together --------------------------------------------------------------------------
+// --- the candidates of one pixel
+// ------------------------------------------------------------------
 
 static int compare_numbers(uint64_t a, uint64_t b)
 {
@@ -369,7 +374,8 @@ static int compare_brightness(const void *a, const void *b)
                : compare_pixels(a, b);
 }
 
-// Replaces the group by light of its greatest radiance, as much as all its light together.
+// Represents a group by one light with the same total light; its area is that at which the group's
+// greatest radiance would give this total.
 static void sum_up(const struct search *search, struct group *group)
 {
     double light[3] = {0}, greatest = 0;
@@ -412,7 +418,7 @@ static bool make_groups(struct search *search)
     return true;
 }
 
-// Keeps the brightest of many groups.
+// Keeps only the LIGHTS_MAX brightest groups.
 static void choose_groups(struct search *search)
 {
     size_t kept = 0;
@@ -427,17 +433,17 @@ static void choose_groups(struct search *search)
     qsort(search->groups, LIGHTS_MAX, sizeof *search->groups, compare_pixels);
 }
 
-// --- whether something hides them ----------------------------------------------------------------
+// --- occlusion -----------------------------------------------------------------------------------
 
-// Probes are distributed over a group's candidates.
+// Returns the emitter of a probe: the probes of a group are distributed over its candidates.
 static struct emitter_part emitter_of_probe(const struct search *search, const struct group *group,
                                             uint32_t probe, uint32_t probes)
 {
     return search->candidates[group->first + probe * group->count / probes].emitter;
 }
 
-// Aims one of `probes` rays at a group, and returns how far it must go: to the emitter, or to
-// infinity.
+// Aims one of `probes` rays at a group, and returns the distance to the emitter, up to which the
+// ray must be free; infinity for an infinitely far one.
 static double aim_probe(const struct search *search, const struct group *group, uint32_t probe,
                         uint32_t probes, struct probe_ray *ray)
 {
@@ -449,7 +455,8 @@ static double aim_probe(const struct search *search, const struct group *group, 
     project(search, emitter, place, &at);
     emitter_place(r, emitter, at.direction, probe, probes, place);
     project(search, emitter, place, &at);
-    // The ray ends where the emitter may begin, less the rounding of the ray.
+    // The ray must be free up to the nearest possible point of the emitter, less the rounding error
+    // of the ray.
     if (!emitter_is_far(emitter))
         length = at.distance * (1 - 0x1p-20) -
                  (emitter.kind == EMITTER_SHAPE ? emitter_radius(r, emitter) : 0);
@@ -461,7 +468,8 @@ static double aim_probe(const struct search *search, const struct group *group, 
     return length;
 }
 
-// Returns whether nothing is in front of an emitter. A distance field fills only a part of its box.
+// Returns whether a probe reached its emitter. A distance field fills only a part of its box, so
+// its probe must have hit the field itself.
 static bool is_free(const struct renderer *r, struct emitter_part emitter,
                     const struct probe_hit *hit, double length)
 {
@@ -476,8 +484,8 @@ struct probes {
     double *lengths;
 };
 
-// Traces the probes from `first` on; the probes of all groups follow one another, `each` to a
-// group.
+// Traces some of the probes, from number `first` on. All groups' probes are numbered consecutively,
+// `each` for one group.
 static bool probe_some(struct renderer *r, struct search *search, struct group **groups,
                        uint32_t first, uint32_t count, uint32_t each, const struct probes *probes,
                        struct err *err)
@@ -498,7 +506,7 @@ static bool probe_some(struct renderer *r, struct search *search, struct group *
     return true;
 }
 
-// Traces `each` probes to each of `count` groups.
+// Traces `each` probes for each of `count` groups.
 static bool probe_all(struct renderer *r, struct search *search, struct group **groups,
                       size_t count, uint32_t each, struct err *err)
 {
@@ -518,8 +526,8 @@ static bool probe_all(struct renderer *r, struct search *search, struct group **
     return ok;
 }
 
-// Traces few rays to each group, and many to those that none of these has reached: a gap between
-// leaves is enough to see a sun.
+// Traces few rays to each group first, and then many to those groups that none of them has reached:
+// a sun may be visible through a small gap between leaves.
 static bool probe_twice(struct renderer *r, struct search *search, struct group **groups,
                         struct err *err)
 {
@@ -537,7 +545,7 @@ static bool probe_twice(struct renderer *r, struct search *search, struct group 
     return hidden == 0 || each == 0 || probe_all(r, search, groups, hidden, (uint32_t)each, err);
 }
 
-// A lost device traces no more rays: emitters that were not probed count as visible.
+// If the device is lost, no rays can be traced: emitters that were not probed count as visible.
 static bool probe_groups(struct renderer *r, struct search *search, struct err *err)
 {
     struct group **groups = calloc(search->group_count + 1, sizeof *groups);
@@ -551,7 +559,7 @@ static bool probe_groups(struct renderer *r, struct search *search, struct err *
     return true;
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- entry point ---------------------------------------------------------------------------------
 
 static bool keep(struct renderer *r, struct search *search)
 {

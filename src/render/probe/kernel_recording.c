@@ -10,7 +10,7 @@
     (1u << BINDING_PATHS | 1u << BINDING_RADIANCE | 1u << BINDING_SHADOW_RAYS |                    \
      1u << BINDING_QUEUES)
 
-// Returns the bindings that a kernel writes, as a bit mask.
+// Returns the bindings of the buffers that a kernel writes, as a bit mask.
 static uint32_t written(enum kernel_id kernel)
 {
     switch (kernel) {
@@ -48,17 +48,18 @@ static bool is_kept(const struct renderer *r, const struct kernel_recording *rec
     return (written(rec->step.kernel) >> binding & 1u) && buffer_of(r, rec, binding)->handle;
 }
 
-// --- what a kernel leaves behind -----------------------------------------------------------------
+// --- output of a kernel --------------------------------------------------------------------------
 
 static uint64_t mix(uint64_t x)
 {
-    // Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators": its finalizer.
+    // The finalizer of SplitMix64 (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number
+    // generators").
     x = (x ^ x >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
     x = (x ^ x >> 27) * UINT64_C(0x94d049bb133111eb);
     return x ^ x >> 31;
 }
 
-// A queue is a set: the order of its slots depends on scheduling.
+// Hashes a queue as a set, because the order of its slots depends on scheduling.
 static uint64_t hash_queue(const uint32_t *slots, uint32_t count)
 {
     uint64_t sum = 0;
@@ -80,8 +81,8 @@ static uint64_t hash_queues(const struct renderer *r, const uint8_t *buffer, uin
     return hash;
 }
 
-// Leaves out the members that depend on scheduling: which of the non-finite contributions were
-// recorded.
+// Hashes the counters without the members that depend on scheduling, that is, the record of a
+// non-finite contribution.
 static uint64_t hash_counters(const struct gpu_counters *counters, uint64_t hash)
 {
     struct gpu_counters c = *counters;
@@ -90,7 +91,7 @@ static uint64_t hash_counters(const struct gpu_counters *counters, uint64_t hash
     return hash_bytes(hash, &c, sizeof c);
 }
 
-// Hashes words rather than bytes, since states are large.
+// Hashes 64-bit words rather than bytes, because states are large.
 static uint64_t hash_words(uint64_t hash, const uint64_t *words, uint64_t bytes)
 {
     for (uint64_t i = 0; i < bytes / 8; i++)
@@ -121,7 +122,7 @@ static bool hash_state(struct renderer *r, const struct kernel_recording *rec, u
     return ok;
 }
 
-// --- keeping a state -----------------------------------------------------------------------------
+// --- saving the state ----------------------------------------------------------------------------
 
 static bool submit(struct renderer *r, struct err *err)
 {
@@ -146,12 +147,13 @@ static bool check_memory(const struct renderer *r, struct kernel_recording *rec,
     uint64_t free = gpu_memory_free(r->gpu);
     return rec->bytes <= free ||
            err_set(err, ERR_GPU,
-                   "keeping what %s gets takes %s, but %s has %s left: expected a smaller --wave",
+                   "saving the buffers that %s writes takes %s, but %s has only %s left; expected "
+                   "a smaller --wave",
                    r->kernels[rec->step.kernel].name, memory_print(rec->bytes).text,
                    r->gpu->info.name, memory_print(free).text);
 }
 
-// No commands may be being recorded.
+// Copies the buffers that the kernel writes. No commands may be in the process of being recorded.
 static bool keep(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     if (!check_memory(r, rec, err))
@@ -168,7 +170,7 @@ static bool keep(struct renderer *r, struct kernel_recording *rec, struct err *e
 
 // --- running -------------------------------------------------------------------------------------
 
-// The state is restored by commands submitted separately.
+// Runs the kernel once. The state is restored in a submission of its own.
 static bool run(struct renderer *r, const struct kernel_recording *rec, double *ms, struct err *err)
 {
     if (!gpu_begin(r->gpu, &r->commands, err))
@@ -187,7 +189,7 @@ struct recording {
 
 static bool is_it(const struct recording *c, const struct wave_step *step)
 {
-    // Whitted's integrator shades misses by the same kernel, too.
+    // Whitted's integrator uses one kernel for the queues of surfaces and of misses.
     return step->kernel == c->rec->step.kernel && step->bounce == c->rec->step.bounce &&
            !(step->kernel == KERNEL_shade_whitted && step->queue == QUEUE_MISS);
 }
@@ -215,8 +217,8 @@ static bool check_finished(const struct renderer *r, struct err *err)
 {
     return r->counters->unfinished == 0 ||
            err_set(err, ERR_GPU,
-                   "some rays need more than %u steps through the BVH, and go on in further "
-                   "dispatches: expected rays that one dispatch can trace",
+                   "some rays need more than %u steps through the BVH, and so several dispatches; "
+                   "expected rays that one dispatch can trace",
                    r->specialization.iteration_budget);
 }
 
@@ -247,8 +249,8 @@ static bool after(void *context, const struct wave_step *step, struct err *err)
     return false;
 }
 
-// Returns a wave like those of renderer_render(), but from the middle of the picture rather than
-// its top.
+// Returns a wave like those of renderer_render(), but from the middle of the image instead of its
+// top.
 static struct wave middle_wave(const struct renderer *r, uint64_t samples)
 {
     uint32_t shift = USUAL_SAMPLE_SHIFT, most = pace_samples(&r->pace, &r->plan);
@@ -264,8 +266,8 @@ static struct wave middle_wave(const struct renderer *r, uint64_t samples)
     return wave;
 }
 
-// Traces waves until they have the largest size that a device with a watchdog takes, since they
-// begin small.
+// Traces waves until they have reached their largest size. On a device with a watchdog they begin
+// small.
 static bool grow_wave(struct renderer *r, struct kernel_recording *rec, uint64_t samples,
                       struct err *err)
 {
@@ -282,7 +284,7 @@ static bool grow_wave(struct renderer *r, struct kernel_recording *rec, uint64_t
     return true;
 }
 
-// Keeps the input of kernels that run after the wave, or without one.
+// Keeps the input of kernels that run after a wave, or that are not part of one.
 static bool keep_end(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     if (rec->step.kernel == KERNEL_resolve) {
@@ -304,13 +306,14 @@ static bool record(struct recording *c, struct err *err)
     if (!ok || !(at_end ? keep_end(r, rec, err) : true))
         return false;
     double ms;
-    // The output of these kernels in the render is not available otherwise.
+    // The observer does not see the render's output of these kernels, so a first run provides the
+    // hash.
     bool first = at_end || rec->step.kernel == KERNEL_prepare_dispatch;
     return !first || rec->items == 0 ||
            (run(r, rec, &ms, err) && hash_state(r, rec, &rec->hash, err));
 }
 
-// --- what others call ----------------------------------------------------------------------------
+// --- interface -----------------------------------------------------------------------------------
 
 bool kernel_recording_create(struct renderer *r, const struct kernel_recording_params *params,
                              struct kernel_recording *out, struct err *err)
@@ -325,11 +328,11 @@ bool kernel_recording_create(struct renderer *r, const struct kernel_recording_p
     if (kernel == KERNEL_generate_rays)
         out->step.bounce = 0;
     if (!r->kernels[kernel].pipeline)
-        return err_set(err, ERR_USAGE, "this scene has left it out");
+        return err_set(err, ERR_USAGE, "the scene does not need this kernel");
     if (r->specialization.features & FEATURE_SUSPEND)
         return err_set(err, ERR_GPU,
-                       "traversals go on in further dispatches: expected a scene "
-                       "whose rays one dispatch can trace");
+                       "traversals may take several dispatches; expected a scene whose rays "
+                       "one dispatch can trace");
     return grow_wave(r, out, params->samples, err) &&
            record(&(struct recording){.r = r, .rec = out}, err);
 }
@@ -340,7 +343,7 @@ bool kernel_recording_run(const struct kernel_recording *rec, double *ms, struct
     uint64_t hash;
     if (!run(r, rec, ms, err) || !hash_state(r, rec, &hash, err))
         return false;
-    return hash == rec->hash || err_set(err, ERR_BUG, "left behind something else than the render");
+    return hash == rec->hash || err_set(err, ERR_BUG, "the output differs from that in the render");
 }
 
 bool kernel_recording_count_steps(const struct kernel_recording *rec, uint64_t *nodes,

@@ -5,11 +5,12 @@
 #include "render/wave.h"
 #include <string.h>
 
-// Marks a slot whose ray hit nothing: the kernels write hits only.
+// Value of a slot before tracing; it remains if the ray hits nothing, because kernels write only
+// hits.
 #define UNTOUCHED NO_PRIMITIVE
 
-// The offset of records in words of four: with instances each has one word more after the
-// structure.
+// Records of rays or hits. `stride` is in words of four; with instances a record has one word after
+// its struct.
 struct records {
     uint32_t (*words)[4];
     uint32_t stride;
@@ -32,8 +33,8 @@ static uint32_t (*record_of(const struct records *records, uint32_t i))[4]
     return records->words + (size_t)i * records->stride;
 }
 
-// Finds the words of the surfaces that rays start on: the places of triangles, by their numbers in
-// the flat scene.
+// Finds the primitive words from which rays start. The kernels name triangles by their positions in
+// leaf order, the caller by their indices in the flat scene.
 static bool find_starts(const struct renderer *r, const struct probe_ray *rays, uint32_t count,
                         struct arena *scratch, uint32_t **starts, struct err *err)
 {
@@ -75,8 +76,8 @@ static bool upload_closest(struct renderer *r, const struct probe_ray *rays, uin
                       bytes_of(&records, count), err);
 }
 
-// Uploads the first shadow ray of each slot. Its contribution is 1, so that the slot's radiance
-// tells whether it was occluded.
+// Uploads the first shadow ray of each slot. Its contribution is 1, so the slot's radiance
+// afterwards shows whether the ray was occluded.
 static bool upload_shadow(struct renderer *r, const struct probe_ray *rays, uint32_t count,
                           struct arena *scratch, struct err *err)
 {
@@ -105,7 +106,7 @@ static bool upload_shadow(struct renderer *r, const struct probe_ray *rays, uint
                       bytes_of(&records, count), err);
 }
 
-// Fills the queue with slots 0 … count - 1, as prepare_dispatch would have left it.
+// Fills a queue with slots 0 to count - 1, as prepare_dispatch would have left it.
 static bool upload_queue(struct renderer *r, uint32_t queue, uint32_t count, struct arena *scratch,
                          struct err *err)
 {
@@ -121,7 +122,7 @@ static bool upload_queue(struct renderer *r, uint32_t queue, uint32_t count, str
            counters_write(r, err);
 }
 
-// Runs a part of the queue in a submission of its own.
+// Runs a kernel on a part of the queue, in a submission of its own.
 static bool run_part(struct renderer *r, enum kernel_id kernel, uint32_t first, uint32_t count,
                      double *part_ns, struct err *err)
 {
@@ -151,7 +152,7 @@ static bool run_part(struct renderer *r, enum kernel_id kernel, uint32_t first, 
     return true;
 }
 
-// Runs the whole queue, in parts as large as the device may be given.
+// Runs a kernel on the whole queue, in parts that are as large as the device permits.
 static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, uint32_t count,
                      double *ms, struct err *err)
 {

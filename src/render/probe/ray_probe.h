@@ -1,5 +1,4 @@
-// Runs one traversal kernel on rays of the caller's choice: for benchmarks, and for tests against a
-// reference.
+// Runs one traversal kernel on given rays: for benchmarks, and for tests against a reference.
 #ifndef LAMPYRIS_RENDER_PROBE_RAY_PROBE_H
 #define LAMPYRIS_RENDER_PROBE_RAY_PROBE_H
 
@@ -7,8 +6,8 @@
 
 struct probe_ray {
     float origin[3];
-    float direction[3]; // intersect_closest: unit; intersect_shadow: up to the end of the segment
-    bool leaves;        // it starts on a triangle or shape, named as in struct probe_hit
+    float direction[3]; // unit for intersect_closest; up to the segment's end for intersect_shadow
+    bool leaves;        // the ray starts on a triangle or shape, named as in struct probe_hit
     uint32_t from, from_instance;
 };
 
@@ -19,9 +18,10 @@ struct probe_hit {
     uint32_t instance;  // index into the flat scene's instances, or NO_INSTANCE
 };
 
-// Traces count <= plan.wave_slots rays. kernel: KERNEL_intersect_closest or
-// KERNEL_intersect_shadow. hits may be NULL. *ms: the time of the dispatch on the device, 0 without
-// timestamps. *complete: false if a ray ran out of its budget. The film is unchanged.
+// Traces count rays, at most plan.wave_slots. kernel: KERNEL_intersect_closest or
+// KERNEL_intersect_shadow. `hits` may be NULL. *ms: time of the dispatches on the device, in
+// milliseconds; 0 without timestamps. *complete: false if a ray exceeded its iteration budget. The
+// film is unchanged.
 bool ray_probe_trace(struct renderer *renderer, enum kernel_id kernel, const struct probe_ray *rays,
                      uint32_t count, struct probe_hit *hits, double *ms, bool *complete,
                      struct err *err);

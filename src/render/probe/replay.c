@@ -12,7 +12,8 @@ struct follower {
     bool shadow_pending; // the last vertex has shadow rays to trace
 };
 
-// Only one path is in flight: it is in slot 0, and a queue contains it or is empty.
+// Returns whether the path is in a queue. Only one path is in flight, in slot 0, so a queue
+// contains it or is empty.
 static bool in_queue(const struct follower *f, uint32_t queue)
 {
     return f->r->counters->queue[queue].count != 0;
@@ -41,7 +42,7 @@ static const struct material *material_of(const struct renderer *r, const struct
     return &r->scene->materials[material];
 }
 
-// Returns the distance from a far camera at which the ray begins.
+// Returns the distance from a far camera at which a ray begins.
 static double way_from_camera(const struct renderer *r, const float direction[3])
 {
     double forward = 0.0;
@@ -68,8 +69,8 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     v->bounce = bounce;
     memcpy(v->direction, path.direction, sizeof v->direction);
     memcpy(v->throughput, path.throughput, sizeof v->throughput);
-    // Whitted's integrator stores a ray's depth there, and all its rays are delta reflections or
-    // refractions.
+    // Whitted's integrator stores a ray's depth in place of the density, and all its rays are delta
+    // reflections or refractions.
     if (r->specialization.integrator != INTEGRATOR_WHITTED)
         v->bsdf_pdf = path.bsdf_pdf;
     double origin[3], before = bounce == 0 ? way_from_camera(r, path.direction) : 0.0;
@@ -96,7 +97,7 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     return true;
 }
 
-// Reads the radiance that the last step has added.
+// Reads the radiance that the last step has added to the path.
 static bool read_gain(struct follower *f, float gain[3], struct err *err)
 {
     float now[4];
@@ -125,8 +126,8 @@ static struct replay_light light_of(const struct renderer *r, const struct gpu_s
     return light;
 }
 
-// Reads the shadow rays of a vertex, without those that carry nothing. Called after the kernel of
-// each class; the last call counts.
+// Reads the shadow rays of a vertex, except those without a contribution. It is called after the
+// kernel of each class; the result of the last call is kept.
 static bool read_connections(struct follower *f, struct replay_vertex *v, uint32_t bounce,
                              struct err *err)
 {

@@ -1,5 +1,5 @@
-// Follows one sample of one pixel through the kernels on the device, one dispatch at a time: to
-// find the source of a non-finite contribution, or to explain a pixel.
+// Follows one sample of one pixel through the kernels on the device, one dispatch at a time, in
+// order to find the source of a non-finite contribution or to explain a pixel.
 #ifndef LAMPYRIS_RENDER_PROBE_REPLAY_H
 #define LAMPYRIS_RENDER_PROBE_REPLAY_H
 
@@ -7,14 +7,14 @@
 
 // The target of a shadow ray.
 struct replay_light {
-    uint32_t ray;   // its number at the vertex
+    uint32_t ray;   // index of the ray at the vertex
     float point[3]; // relative to the shadow ray's origin
     float pdf;
     bool is_shape;
-    bool is_environment; // then `primitive` is 0
+    bool is_environment; // an environment image; `primitive` is then 0
     bool is_point;       // a delta light: `primitive` is its index in the scene
     uint32_t primitive;
-    float radiance[3]; // what arrives if it is not occluded
+    float radiance[3]; // radiance that arrives unless the ray is occluded
     bool occluded;
 };
 
@@ -23,11 +23,11 @@ struct replay_light {
 struct replay_vertex {
     uint32_t bounce;
     float origin[3], direction[3];
-    float bsdf_pdf; // per solid angle; 0: camera or delta
+    float bsdf_pdf; // density per solid angle; 0 for the camera and for delta lobes
     float throughput[3];
     const char *queue; // "surface", "miss"; "none": a miss in a scene without an environment
 
-    // Valid if queue is "surface".
+    // The following members are valid if `queue` is "surface".
     float t;
     double position[3];
     bool is_shape;
@@ -35,7 +35,7 @@ struct replay_vertex {
     uint32_t instance;  // into its instances, if they share the mesh; else NO_INSTANCE
     const struct material *material;
 
-    float gained[3]; // emission of the surface or radiance of the environment, with its MIS weight
+    float gained[3]; // emission of the surface or radiance of the environment, with MIS weight
 
     struct replay_light *lights; // the targets of the vertex's shadow rays
     uint32_t light_count;
@@ -45,11 +45,11 @@ struct replay {
     struct replay_vertex *vertices;
     uint32_t vertex_count;
     float radiance[3]; // radiance of the sample
-    bool dropped;      // a contribution was not finite and was left out
+    bool dropped;      // some contribution was not finite and was left out
 };
 
-// Follows a sample; the film is unchanged. Memory comes from `arena`. x, y must be inside the
-// image.
+// Follows a sample; the film is unchanged. Memory comes from `arena`. The pixel (x, y) must be
+// inside the image.
 bool renderer_replay(struct renderer *renderer, uint32_t x, uint32_t y, uint64_t sample,
                      struct arena *arena, struct replay *out, struct err *err);
 

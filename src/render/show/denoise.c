@@ -14,9 +14,9 @@
 #include "denoise_variance.spv.h"
 #include "denoise_wavelet.spv.h"
 
-#define WORD_BYTES 16u // bytes for a pixel, in each buffer
+#define WORD_BYTES 16u // bytes that a pixel takes in each buffer
 
-// The buffers of a view, which become the history of the next view.
+// The buffers of one view. They become the history of the next view.
 struct layers {
     struct gpu_buffer guides, blended, records;
 };
@@ -41,18 +41,19 @@ _Static_assert((int)KERNELS <= (int)PACE_KERNELS, "each has a pace");
 struct denoiser_state {
     struct paced paced;
     struct gpu_buffer frame; // struct gpu_denoise
-    // Kernels and their specialization.
+    // The kernels and their specialization constants.
     struct gpu_kernel kernels[KERNELS];
     bool has_kernels, texel;
     uint32_t aovs;
-    // Buffers have room for this many pixels.
+    // Number of pixels that the buffers have room for.
     uint64_t capacity;
     struct layers layers[2];
-    uint32_t now;               // index of the layers that the film's view uses
-    struct gpu_buffer light[2]; // read and written in turn by the passes
+    uint32_t now;               // index in `layers` of the current film's view
+    struct gpu_buffer light[2]; // the passes read one and write the other
     struct gpu_buffer modulation, emission;
-    struct gpu_bindings bindings[2][2]; // indexed by `now`, and by the light that is read
-    // The history's camera.
+    struct gpu_bindings bindings[2][2]; // indexed by `now`, and by the index of the light that is
+                                        // read
+    // The camera of the history.
     struct camera camera;
     uint32_t width, height, seed;
 };
@@ -62,7 +63,7 @@ static const struct code {
     const char *name;
     const uint32_t *spirv;
     size_t bytes;
-    enum denoise_pass pass; // the pass that its time counts towards
+    enum denoise_pass pass; // the pass to which the kernel's time is attributed
     uint32_t history, wavelet, gather;
 } codes[KERNELS] = {
     [GATHER] = {CODE(gather), DENOISE_PASS_gather, .gather = DENOISE_GATHER_ALL},
@@ -79,7 +80,7 @@ static const struct code {
     [FINISH] = {CODE(finish), DENOISE_PASS_finish},
 };
 
-// --- what is made once ---------------------------------------------------------------------------
+// --- objects created once ------------------------------------------------------------------------
 
 bool denoiser_create(struct gpu *gpu, struct denoiser *out, struct err *err)
 {
@@ -101,8 +102,8 @@ static void finish_kernels(struct denoiser *d)
     d->own->has_kernels = false;
 }
 
-// Gathering all inputs at once is the only kernel that binds more storage buffers than Vulkan
-// guarantees if images are read as texels.
+// Returns whether inputs are gathered by two kernels. One kernel would bind more storage buffers
+// than Vulkan guarantees, unless images are read as texels; no other kernel does.
 static bool gathers_in_two(const struct denoiser *d)
 {
     return d->gpu->storage_count < DENOISE_GATHER_STORAGE;
@@ -117,7 +118,7 @@ static bool needs_kernel(const struct denoiser *d, int kernel)
 static bool prepare_kernels(struct denoiser *d, const struct renderer *r, struct err *err)
 {
     struct denoiser_state *own = d->own;
-    // Either feature says that the device should read texels.
+    // The renderer has one of these features if the device should read texels.
     const uint32_t texels = FEATURE_TEXEL_STATE | FEATURE_TEXEL_SCENE;
     bool texel =
         (r->specialization.features & texels) != 0 && own->light[0].texel_view != VK_NULL_HANDLE;
@@ -150,7 +151,7 @@ static bool prepare_kernels(struct denoiser *d, const struct renderer *r, struct
     return true;
 }
 
-// --- what grows with the picture -----------------------------------------------------------------
+// --- buffers that grow with the image ------------------------------------------------------------
 
 static void finish_layers(struct gpu *gpu, struct layers *layers)
 {
@@ -197,7 +198,8 @@ static bool create_layers(struct gpu *gpu, uint64_t bytes, bool texel, struct la
                              err);
 }
 
-// Fills a descriptor set with all buffers, for the layers `now` and for reading light[from].
+// Fills a descriptor set with all buffers: with layers[now] as the current view, and light[from] as
+// the light to read.
 static bool bind(const struct denoiser *d, uint32_t now, uint32_t from,
                  const struct gpu_buffer *film, struct gpu_bindings *out, struct err *err)
 {
@@ -264,7 +266,7 @@ static bool copy_history(struct denoiser *d, const struct layers *from, const st
     return paced_end(&d->own->paced, err);
 }
 
-// Makes room for a picture and copies the history.
+// Makes room for an image. If buffers grow, the history is copied.
 static bool prepare_buffers(struct denoiser *d, uint32_t width, uint32_t height, struct err *err)
 {
     struct denoiser_state *own = d->own;
@@ -293,7 +295,7 @@ static bool prepare_buffers(struct denoiser *d, uint32_t width, uint32_t height,
     return ok;
 }
 
-// --- a call --------------------------------------------------------------------------------------
+// --- one call ------------------------------------------------------------------------------------
 
 static bool check(const struct denoise_call *call, struct err *err)
 {
@@ -316,7 +318,7 @@ static bool uses_history(const struct denoiser *d, const struct denoise_call *ca
     return d->has_history && call->temporal;
 }
 
-// Sets a row of an affine map in world space, for points relative to `origin`.
+// Sets a row of an affine map between positions relative to `origin`, from a map in world space.
 static void set_row(const double map[3][4], int row, const double origin[3], float out[3],
                     float *at)
 {
@@ -372,7 +374,7 @@ static bool dispatch(struct denoiser *d, enum kernel kernel, struct gpu_bindings
     return paced_dispatch(&d->own->paced, &work, err);
 }
 
-// Dispatches a kernel over the whole picture, reading light[from].
+// Dispatches a kernel over the whole image; it reads light[from].
 static bool dispatch_picture(struct denoiser *d, enum kernel kernel, uint32_t from, uint32_t step,
                              struct err *err)
 {
@@ -406,7 +408,7 @@ static bool gather_by(struct denoiser *d, enum kernel kernel, const struct rende
     return true;
 }
 
-// Writes the film's light to light[0].
+// Writes the light of the film to light[0].
 static bool gather(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films,
                    struct err *err)
 {
@@ -415,8 +417,8 @@ static bool gather(struct denoiser *d, const struct renderer *r, struct gpu_bind
     return gather_by(d, GATHER_LIGHT, r, films, err) && gather_by(d, GATHER_PICTURE, r, films, err);
 }
 
-// Writes the difference between history and film to light[1], and the film's light to light[0]
-// again, since the wavelet filter has overwritten it.
+// Writes the difference between history and film to light[1], and once more the light of the film
+// to light[0], which the wavelet filter has overwritten.
 static bool compare(struct denoiser *d, const struct renderer *r, struct gpu_bindings *films,
                     struct err *err)
 {
@@ -439,7 +441,7 @@ static bool blend(struct denoiser *d, const struct denoise_call *call, struct gp
     return dispatch_picture(d, kernel, 0, 0, err);
 }
 
-// Filters light[1], where the variance pass has written it; the picture is complete afterwards.
+// Filters light[1], which the variance pass has written. The image is complete afterwards.
 static bool filter(struct denoiser *d, uint32_t levels, struct err *err)
 {
     uint32_t from = 1;
@@ -475,8 +477,8 @@ static bool work(struct denoiser *d, const struct denoise_call *call, bool filte
     return ok;
 }
 
-// The film's buffers belong to the renderer, which may have created them anew since the last call:
-// the descriptor sets that bind them are used in this call only.
+// Runs all passes. The renderer may have recreated the film's buffers since the last call, so the
+// descriptor sets that bind them are only used in this call.
 static bool process(struct denoiser *d, const struct denoise_call *call, bool filtered,
                     struct err *err)
 {
@@ -506,7 +508,7 @@ bool denoiser_run(struct denoiser *denoiser, const struct denoise_call *call, st
 
 bool denoiser_keep(struct denoiser *denoiser, const struct denoise_call *call, struct err *err)
 {
-    struct gpu_film_pixel first; // the pixel that is sampled before all others
+    struct gpu_film_pixel first; // the pixel that has a sample before all others do
     if (!gpu_download(denoiser->gpu, &call->renderer->film[0], 0, &first, sizeof first, err))
         return false;
     if (first.samples == 0)

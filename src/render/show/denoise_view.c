@@ -2,8 +2,8 @@
 
 #include "base/maths.h"
 
-// Sets `out` to `axis` scaled to a length, and `inverse` to the vector whose dot product with it is
-// 1.
+// Sets `out` to `axis` scaled by a length, and `inverse` to the parallel vector whose dot product
+// with `out` is 1.
 static void set_axis(const double axis[3], double length, float out[3], float inverse[3])
 {
     double norm = vec3_norm(axis);

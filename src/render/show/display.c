@@ -1,7 +1,7 @@
-// Drawing has three steps: display_read turns a film into a linear picture of its size,
-// display_scale scales that to the size on the screen, and display_show converts it to colours.
-// Each step is left out if it would change nothing. A film in several buffers is read and scaled
-// one buffer after the other.
+// Drawing has three steps: display_read turns a film into a linear image of the same size,
+// display_scale scales that to its size on the screen, and display_show converts it to colours. A
+// step that would change nothing is left out. The buffers of a film that has several are read and
+// scaled one after the other.
 #include "render/show/denoise.h"
 #include "render/show/display_internal.h"
 
@@ -104,9 +104,9 @@ void display_finish(struct display *d)
     *d = (struct display){0};
 }
 
-// --- from a film to a linear picture -------------------------------------------------------------
+// --- from a film to a linear image ---------------------------------------------------------------
 
-// Uploads the identity of the scene's objects for kernels: see flat_triangle_source.
+// Uploads the tables by which kernels find the object of a primitive: see flat_triangle_source().
 static bool upload_sources(struct display *d, const struct flat_scene *flat, struct gpu_buffer *out,
                            struct err *err)
 {
@@ -129,12 +129,13 @@ static bool upload_sources(struct display *d, const struct flat_scene *flat, str
     return ok;
 }
 
-// One side of the window while it is drawn.
+// The state of one side of the window while it is drawn.
 struct side {
     const struct display_side *call;
     struct display_pictures *pictures;
     const struct display_call *draw;
-    const struct linear *picture, *kept; // have the size on the screen; kept: NULL for none
+    const struct linear *picture, *kept; // both have the size on the screen; kept: NULL if there is
+                                         // none
 };
 
 static uint32_t wanted_width(const struct side *side)
@@ -187,7 +188,8 @@ static bool read_part(struct display *d, const struct side *side, const struct d
     return display_dispatch(d, &work, err);
 }
 
-// Checks that film and denoiser have the same size, and that the renderer has the AOV to be shown.
+// Checks that film and denoiser have the same size, and that the renderer computes the AOV that is
+// to be shown.
 static bool check_side(const struct side *side, struct err *err)
 {
     const struct renderer *r = side->call->renderer;
@@ -234,7 +236,7 @@ static bool read_in_parts(struct display *d, struct side *side, struct err *err)
     uint64_t chunk_pixels = r->plan.film_chunk_pixels;
     struct linear *sized = &own->sized.picture;
     side->picture = sized;
-    // The linear picture of one chunk is stored as rows of 1 pixel.
+    // The linear image of one chunk is stored as chunk_pixels rows of one pixel.
     if (!display_reserve(d, "display film", 1, (uint32_t)chunk_pixels, &own->film, err) ||
         !display_reserve(d, "display sized", wanted_width(side), wanted_height(side), sized, err))
         return false;
@@ -253,7 +255,7 @@ static bool read_in_parts(struct display *d, struct side *side, struct err *err)
     return true;
 }
 
-// Finds the picture kept of the same kind, scaled to the size on the screen.
+// Finds the kept image if it shows the same quantity, and scales it to the size on the screen.
 static bool find_kept(struct display *d, struct side *side, struct err *err)
 {
     struct display_pictures *own = side->pictures;
@@ -284,7 +286,7 @@ static bool read_side(struct display *d, const struct display_call *call, uint32
     return (is_whole ? read_whole : read_in_parts)(d, side, err) && find_kept(d, side, err);
 }
 
-// --- from linear pictures to colours -------------------------------------------------------------
+// --- from linear images to colours ---------------------------------------------------------------
 
 static void set_range(const struct display_call *call, const double range[2],
                       struct gpu_display_push *push)
@@ -318,7 +320,7 @@ static struct display_work work_of_show(const struct display *d, const struct di
     };
     for (uint32_t i = 0; i < count; i++) {
         work.buffers[DISPLAY_BINDING_LEFT + i] = &sides[i].picture->buffer;
-        // A side without a kept picture adds its own one, with weight 0.
+        // A side without a kept image is blended with itself, with weight 0.
         const struct linear *kept = sides[i].kept ? sides[i].kept : sides[i].picture;
         work.buffers[DISPLAY_BINDING_KEPT_LEFT + i] = is_kept ? &kept->buffer : NULL;
     }
@@ -405,7 +407,7 @@ bool display_draw(struct display *d, const struct display_call *call, struct err
     return show(d, call, sides, range, err) && display_end(d, err);
 }
 
-// --- what is kept --------------------------------------------------------------------------------
+// --- kept images ---------------------------------------------------------------------------------
 
 static bool keep_side(struct display *d, const struct display_call *call, uint32_t index,
                       struct err *err)

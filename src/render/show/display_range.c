@@ -1,16 +1,16 @@
-// Finds the range of false colours from the picture.
+// Finds the range of false colours from the image.
 #include "render/show/display_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-// The fractions of the values that are below the range's beginning, and below its end. Heat maps
-// and counts begin at 0.
+// The fractions of all values that are below the beginning of the range, and below its end. Ranges
+// of heat maps and counts begin at 0.
 static const struct {
     double low, high;
     bool from_zero;
 } shares[SHOWN_COUNT] = {
-    [SHOWN_DEPTH] = {0.01, 0.95, false}, // the horizon covers few pixels
+    [SHOWN_DEPTH] = {0.01, 0.95, false}, // excludes the horizon, which covers few pixels
     [SHOWN_SAMPLES] = {0, 1, true},
     [SHOWN_VARIANCE] = {0.01, 0.99, false},
     [SHOWN_STEPS] = {0, 0.995, true},
@@ -23,8 +23,8 @@ static double float_of_bits(uint32_t bits)
     return (double)value;
 }
 
-// Returns the value that a fraction of all values are below, as if values were spread evenly within
-// their bin.
+// Returns the value below which the given fraction of all values lies, assuming that values are
+// evenly distributed within their bin.
 static double quantile(const struct gpu_display_range *found, double share)
 {
     double below = 0, wanted = share * found->count;

@@ -1,4 +1,4 @@
-// Scales linear pictures.
+// Scales linear images.
 #include "render/show/display_internal.h"
 
 #include <assert.h>
@@ -6,14 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Returns the weights for pixel `at` of `to`, which covers [at, at + 1] from / to.
+// Returns the filter weights for pixel `at` of an axis that is reduced from `from` to `to` pixels:
+// the pixel covers the interval [at, at + 1] * from / to.
 static struct gpu_display_taps taps_of_area(uint64_t at, uint64_t from, uint64_t to)
 {
     uint64_t first = at * from / to, last = ((at + 1) * from - 1) / to;
     double head = 1 - (double)(at * from % to) / (double)to;
     double tail = (double)((at + 1) * from - last * to) / (double)to;
     uint64_t step = (last - first) / DISPLAY_TAPS_MAX + 1, count = (last - first) / step + 1;
-    double sum = head + tail + (double)count - 2; // at least two, as `from` is greater
+    double sum = head + tail + (double)count - 2; // at least two pixels, because `from` is greater
+                                                  // than `to`
     if (count == 1)
         return (struct gpu_display_taps){(uint32_t)first, 1 | (uint32_t)step << 8, 1, 0};
     return (struct gpu_display_taps){
@@ -26,8 +28,8 @@ static struct gpu_display_taps taps_of_area(uint64_t at, uint64_t from, uint64_t
 
 static struct gpu_display_taps taps_between(uint64_t at, uint64_t from, uint64_t to, bool nearest)
 {
-    // The pixel's centre in pixels of `from`, times 2 to; below, relative to the centre of the
-    // first pixel.
+    // The position of the pixel's centre in pixels of `from`, times 2 * to. Subtracting below makes
+    // it relative to the centre of the first pixel.
     uint64_t twice = (2 * at + 1) * from;
     if (nearest)
         return (struct gpu_display_taps){(uint32_t)(twice / (2 * to)), 1 | 1 << 8, 1, 0};
@@ -45,7 +47,7 @@ static void fill_taps(struct gpu_display_taps *out, uint32_t from, uint32_t to, 
         out[at] = from > to ? taps_of_area(at, from, to) : taps_between(at, from, to, nearest);
 }
 
-// Makes the table for these sizes, unless it exists already.
+// Makes the table of weights for these sizes, unless it exists already.
 static bool make_table(struct display *d, const struct linear *from, bool nearest, struct sized *to,
                        struct err *err)
 {
@@ -67,7 +69,8 @@ static bool make_table(struct display *d, const struct linear *from, bool neares
     return ok;
 }
 
-// Finds the rows of `to` that depend on these pixels: one more row at each end for interpolation.
+// Finds the rows of `to` that depend on the pixels of a part, with one more row at each end for
+// interpolation.
 static void rows_of_part(const struct linear *from, const struct linear *to,
                          const struct display_part *part, uint32_t *first, uint32_t *count)
 {

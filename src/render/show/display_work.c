@@ -58,8 +58,8 @@ static bool find_kernel(struct display *d, enum display_code code,
     return gpu_kernel_create(d->gpu, &params, *out, err);
 }
 
-// Writes a descriptor set for the buffers. If all films and linear pictures that are read can be
-// texels, it has them as texels, too, and *texels is set.
+// Writes a descriptor set for the buffers. If all films and linear images that are read can be
+// texels, they are bound as texels, too, and *texels is set.
 static bool write_set(struct display *d, const struct display_work *work, struct gpu_bindings **out,
                       bool *texels, struct err *err)
 {
@@ -119,10 +119,11 @@ bool display_dispatch(struct display *d, const struct display_work *work, struct
 bool display_reserve_bytes(struct display *d, const char *name, uint64_t bytes, bool texel,
                            struct gpu_buffer *out, struct err *err)
 {
-    // A buffer that is much too large is freed.
+    // A buffer of more than four times the size is freed.
     if (out->handle && out->bytes >= bytes && out->bytes / 4 <= bytes)
         return true;
-    // A window that is being enlarged needs a little more with every frame.
+    // A buffer that grows gets room to spare, because a window that is being enlarged needs a
+    // little more with every frame.
     bool grows = out->handle && out->bytes < bytes;
     uint64_t roomy = bytes + bytes / 64 * 16;
     if (grows && roomy <= d->gpu->max_storage_range && (!texel || gpu_texel_fits(d->gpu, roomy)))

@@ -17,7 +17,7 @@ void paced_finish(struct paced *p)
         gpu_commands_finish(p->gpu, &p->commands);
 }
 
-// Marks are counted without timestamps, too.
+// Marks are also recorded if there are no timestamps.
 static void mark(struct paced *p, uint32_t kernel, uint32_t items)
 {
     gpu_timestamp(p->gpu, &p->commands);
@@ -41,8 +41,8 @@ bool paced_begin(struct paced *p, struct err *err)
     return begin(p, err);
 }
 
-// ns: when marks were passed; NULL: only the total time is known, and it is divided in proportion
-// to the expected times.
+// ns: the times at which marks were passed; NULL: only the total time is known, which is then
+// divided in proportion to the expected times.
 static void learn(struct paced *p, const double *ns, double total_ns)
 {
     double expected = p->pace.recorded_ns;

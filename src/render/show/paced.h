@@ -6,26 +6,26 @@
 #include "render/pace.h"
 
 struct paced_mark {
-    uint32_t kernel, items; // the dispatch before a timestamp
+    uint32_t kernel, items; // the dispatch that ends at a timestamp
 };
 
 struct paced {
     struct gpu *gpu;
     struct gpu_commands commands;
     struct pace pace;
-    struct paced_mark marks[GPU_MAX_TIMESTAMPS]; // marks of the present submission
+    struct paced_mark marks[GPU_MAX_TIMESTAMPS]; // marks of the current submission
     uint32_t mark_count;
-    double ns[PACE_KERNELS]; // time of each kernel since paced_begin; 0 without timestamps
+    double ns[PACE_KERNELS]; // time of each kernel since paced_begin(); 0 without timestamps
 };
 
-// A dispatch whose workgroups may be divided among several dispatches.
+// A dispatch that may be divided into several dispatches of fewer workgroups.
 struct paced_work {
-    uint32_t number; // the kernel's number, below PACE_KERNELS
+    uint32_t number; // number of the kernel, below PACE_KERNELS
     const struct gpu_kernel *kernel;
     struct gpu_bindings *bindings;
     void *push;
     uint32_t push_bytes;
-    uint32_t *first; // set to the number of the first workgroup, times first_unit
+    uint32_t *first; // set to the index of the part's first workgroup, times first_unit
     uint32_t first_unit;
     uint64_t groups;
     uint32_t workgroup;
@@ -34,8 +34,8 @@ struct paced_work {
 bool paced_create(struct gpu *gpu, struct paced *out, struct err *err);
 void paced_finish(struct paced *paced); // accepts {0}
 bool paced_begin(struct paced *paced, struct err *err);
-// Records the dispatch and a barrier. If that would make the submission too long, first submits
-// what was recorded before, and waits.
+// Records the dispatch and a barrier. If the submission would become too long, first submits the
+// commands recorded so far, and waits.
 bool paced_dispatch(struct paced *paced, const struct paced_work *work, struct err *err);
 // Submits and waits.
 bool paced_end(struct paced *paced, struct err *err);

@@ -1,20 +1,12 @@
-// Computes the tables of directional albedos at build time and prints them as C. It runs on the
-// machine that builds.
+// Computes the tables of directional albedos and prints them as C. It runs on the machine that
+// builds the program, not at start-up, because it takes seconds:
 //
 // albedo_generate > albedo_data.h
 //
-// The tables are made at build time rather than at start-up because they take seconds. Everything
-// is numerical quadrature of the formulas of docs/materials.md in double precision. Tables are
-// interpolated linearly; where the interpolation is below the true value between nodes, the nodes
-// are raised, so that the base below a layer never receives light that the layer has already
-// reflected.
-//
-// albedo_generate > albedo_data.h
-//
-// At build time rather than at start-up since it takes seconds. Everything is numerical quadrature
-// of the formulas of docs/materials.md in double precision. Tables are interpolated linearly; where
-// that comes out below the truth between nodes, the nodes are raised, so that what lies beneath a
-// layer never gets light that the layer already reflected.
+// All values are numerical quadratures of the formulas of docs/materials.md in double precision.
+// The tables are interpolated linearly. If the interpolation is below the true value between nodes,
+// the nodes are raised, so that the base below a layer never receives light that the layer has
+// already reflected.
 #include "base/maths.h"
 #include "render/tables/albedo_integrals.h"
 #include "shared/albedo.h"
@@ -39,8 +31,8 @@ static uint32_t float_bits(double value)
 static void fill_quads(uint32_t first, uint32_t width, uint32_t height,
                        double (*albedo)(double, double))
 {
-    // The values are computed at twice the resolution, so that those between the nodes are known,
-    // too.
+    // The values are computed at twice the resolution, so that those halfway between nodes are
+    // known, too.
     uint32_t w = 2 * width + 1, h = 2 * height + 1;
     double *fine = calloc((size_t)w * h, sizeof *fine);
     double *raise = calloc((size_t)w * h, sizeof *raise);
@@ -74,7 +66,7 @@ static void fill_diffuse(void)
     for (uint32_t i = 0; i <= ALBEDO_DIFFUSE_MU; i++) {
         double e[4];
         albedo_diffuse((double)i / ALBEDO_DIFFUSE_MU, e);
-        // The values at 0, 1/2 and 1 determine a polynomial of degree 2 in the roughness.
+        // The values at roughnesses 0, 1/2 and 1 determine a polynomial of degree 2.
         words[ALBEDO_DIFFUSE + i][0] = float_bits(e[0]);
         words[ALBEDO_DIFFUSE + i][1] = float_bits(-3.0 * e[0] + 4.0 * e[1] - e[2]);
         words[ALBEDO_DIFFUSE + i][2] = float_bits(2.0 * e[0] - 4.0 * e[1] + 2.0 * e[2]);
@@ -82,9 +74,9 @@ static void fill_diffuse(void)
     }
 }
 
-// A table whose cells have eight values of 16 bits, with the first axis varying fastest. A fourth
-// axis has nodes, each with a table of its own, which are interpolated if `blended` is set and
-// separate otherwise.
+// A table whose cells have eight values of 16 bits; the first axis varies fastest. Each node of a
+// fourth axis has a table of its own; these tables are interpolated if `blended` is set, and
+// independent otherwise.
 struct cubes {
     uint32_t first;
     uint32_t size[3];
@@ -98,8 +90,8 @@ static uint32_t cube_node(const struct cubes *c, uint32_t i, uint32_t j, uint32_
     return ((l * (c->size[2] + 1) + k) * (c->size[1] + 1) + j) * (c->size[0] + 1) + i;
 }
 
-// Raises the corners of cell (i, j, k, l) if the interpolated value at `at` in it is below the true
-// one.
+// Raises the corners of cell (i, j, k, l) if the value interpolated at position `at` of the cell is
+// below the true one.
 static void raise_cube(const struct cubes *c, const uint32_t cell[4], const double at[4],
                        const double *node, double *raise)
 {
@@ -173,10 +165,10 @@ static void fill_cubes(const struct cubes *c)
     free(raise);
 }
 
-// A table of runs along the first axis, each of eight values of 16 bits. Results divided by its
-// values should be right on average, since paths inside a ball meet it a dozen times: nodes are
-// moved against the error of linear interpolation, which is an eighth of the second difference in
-// the middle between two nodes and a twelfth on average.
+// A table of runs along the first axis, each with eight values of 16 bits. Results are divided by
+// its values, which should therefore be right on average, because a path inside a ball meets its
+// surface a dozen times. So nodes are moved against the error of linear interpolation, which is an
+// eighth of the second difference halfway between two nodes, and a twelfth of it on average.
 struct runs {
     uint32_t first;
     uint32_t size[3]; // cells
@@ -194,8 +186,8 @@ static double fitted_node(const struct runs *r, const uint32_t at[3], const doub
         if (at[axis] == 0 || at[axis] == size[axis])
             continue;
         double bend = node[n - stride[axis]] - 2.0 * node[n] + node[n + stride[axis]];
-        // One surface is seen at every mu, but a material has one alpha and one eta: along those
-        // axes the greatest errors at the nodes and in the middle between them are made equal.
+        // A surface is seen at every mu, but a material has a single alpha and eta. So along alpha
+        // and eta the greatest errors at the nodes and halfway between them are made equal.
         if (at[0] > ALBEDO_RUN)
             value -= bend / (axis == 0 ? 12.0 : 16.0);
         else if (axis > 0) // at grazing angles never below the true value, see fit_row()
@@ -205,8 +197,8 @@ static double fitted_node(const struct runs *r, const uint32_t at[3], const doub
 }
 
 // Fits the nodes along mu at one node of each other axis. At grazing angles, where energies change
-// by factors from cell to cell, the nodes of the first run are raised as above: hardly any light
-// comes from there, and no energy must be gained.
+// by factors from cell to cell, the nodes of the first run are raised as above: little light leaves
+// at these angles, and no energy must be gained.
 static void fit_row(const struct runs *r, uint32_t j, uint32_t k, const double *node, double *row)
 {
     double raise[ALBEDO_RUN + 1] = {0};
@@ -263,8 +255,8 @@ static uint32_t turned_node(const uint32_t at[5])
     return n;
 }
 
-// Fits a node to be right on average along all axes, as fitted_node() does. The azimuth is mirrored
-// at its ends.
+// Fits a node to be right on average along all axes, as fitted_node() does. Nodes beyond the ends
+// of the azimuth axis are mirror images.
 static double fitted_turned(const uint32_t at[5], const double *node)
 {
     double here = node[turned_node(at)], value = here;

@@ -19,7 +19,7 @@ static double schlick_weight(double cos_theta)
     return pow(1.0 - clamp01(cos_theta), 5.0);
 }
 
-// Repeats fresnel_dielectric() of lib/fresnel.glsl.
+// The same formula as fresnel_dielectric() of lib/fresnel.glsl.
 static double fresnel(double cos_i, double eta)
 {
     double k = (eta - 1.0) * (eta + 1.0);
@@ -33,8 +33,9 @@ static double fresnel(double cos_i, double eta)
     return 0.5 * (r_s * r_s + r_p * r_p);
 }
 
-// Visible GGX normals as a quadrature over the random numbers that would sample them (Dupuy and
-// Benyoub 2023, as in sample_ggx_vndf()): the weights G2 / G1(wo) sum to the albedo for F = 1.
+// A quadrature over visible GGX normals: its points are the random numbers from which
+// sample_ggx_vndf() (Dupuy and Benyoub 2023) would sample the normals. The sum of the weights G2 /
+// G1(wo) is the albedo for F = 1.
 #define ROWS_MAX 192
 #define COLUMNS_MAX 192
 struct visible_normals {
@@ -43,7 +44,7 @@ struct visible_normals {
     double cosine[ROWS_MAX * COLUMNS_MAX]; // wo.h
 };
 
-// The azimuth of wo is phi. If alpha_x = alpha_y and phi = 0, half of the circle suffices by
+// phi is the azimuth of wo. If alpha_x = alpha_y and phi = 0, half of the circle suffices by
 // symmetry.
 static void find_visible_normals(struct visible_normals *n, double mu, double phi, double alpha_x,
                                  double alpha_y, int rows, int columns)
@@ -62,7 +63,7 @@ static void find_visible_normals(struct visible_normals *n, double mu, double ph
     double below = (tilt_x * tilt_x + tilt_y * tilt_y) / (1.0 + k);
     n->count = 0;
     for (int i = 0; i < rows; i++) {
-        // Smoothstep as a change of variables: the integrand has kinks at both ends.
+        // Changes variables by smoothstep, because the integrand has kinks at both ends.
         double t = (i + 0.5) / rows;
         double u = t * t * (3.0 - 2.0 * t);
         double density = 6.0 * t * (1.0 - t) / (rows * columns);
@@ -86,7 +87,7 @@ static void find_visible_normals(struct visible_normals *n, double mu, double ph
     }
 }
 
-// The axes of lib/albedo.glsl: these functions map coordinates in [0, 1] to parameters.
+// The axes of lib/albedo.glsl: these functions map a coordinate in [0, 1] to a parameter.
 static double axis_alpha(double y)
 {
     double root4 = 0.1 + 0.9 * y;
@@ -102,7 +103,7 @@ static double axis_mu(double x, double scale)
 static double axis_eta(double z, int inside)
 {
     double r = z * z * z * z;
-    // The end of the axis is infinity.
+    // At the end of the axis the parameter is infinite.
     if (r >= 1.0)
         return inside ? 0.0 : 1e6;
     return inside ? (1.0 - r) / (1.0 + r) : (1.0 + r) / (1.0 - r);
@@ -128,7 +129,7 @@ double albedo_ggx(double x, double y)
     return fmin(1.0, sum);
 }
 
-// Returns the mean of Schlick's weight over the reflected light.
+// Returns the mean of Schlick's weight over the directions of reflected light.
 double albedo_schlick(double x, double y)
 {
     static struct visible_normals n;
@@ -142,7 +143,7 @@ double albedo_schlick(double x, double y)
     return weighted / sum;
 }
 
-// Returns the mean of the Fresnel reflectance over the reflected light.
+// Returns the mean of the Fresnel reflectance over the directions of reflected light.
 double albedo_fresnel(double x, double y, double z, double w)
 {
     int inside = w > 0.5;
@@ -161,11 +162,11 @@ double albedo_fresnel(double x, double y, double z, double w)
 
 // --- interfaces that also refract ----------------------------------------------------------------
 
-// A rough interface between dielectrics, seen from wo.
+// A rough interface between two dielectrics, for light in direction wo.
 struct interface {
     double wo[3], alpha[2], eta;
     double length_o; // |(alpha_x wo.x, alpha_y wo.y, wo.z)|
-    bool is_clear;   // reflects only by total reflection
+    bool is_clear;   // reflects only where reflection is total
 };
 
 static double stretched_length(const double w[3], const double alpha[2])
@@ -182,7 +183,8 @@ static struct interface make_interface(double mu, double phi, const double alpha
     return s;
 }
 
-// Returns G2 / G1(wo) of the reflection about h; 0 if it goes below the surface.
+// Returns G2 / G1(wo) of the reflection at a microfacet with normal h; 0 if the reflected direction
+// is below the surface.
 static double reflection_weight(const struct interface *s, const double h[3], double cosine)
 {
     double wi[3];
@@ -194,7 +196,7 @@ static double reflection_weight(const struct interface *s, const double h[3], do
     return wi[2] * (s->wo[2] + s->length_o) / (s->wo[2] * length_i + wi[2] * s->length_o);
 }
 
-// Returns the weight of the refraction, G1(wi), for cos_t on the other side of h.
+// Returns the weight of the refraction, G1(wi); cos_t is the cosine on the other side of h.
 static double refraction_weight(const struct interface *s, const double h[3], double cosine,
                                 double cos_t)
 {
@@ -219,8 +221,8 @@ static double interface_weight(const struct interface *s, const double h[3])
            (1.0 - reflectance) * refraction_weight(s, h, cosine, sqrt(squared) / s->eta);
 }
 
-// Returns the energy that leaves such an interface after one bounce: quadrature over the random
-// numbers that would sample visible normals, as above, over the part `circle` of their azimuths.
+// Returns the energy that leaves such an interface after one bounce, by a quadrature over visible
+// normals as above. `circle` is the fraction of their azimuths that is integrated.
 static double interface_albedo(const struct interface *s, double circle, int rows, int columns)
 {
     double tilt_x = s->alpha[0] * s->wo[0] / s->length_o;
@@ -247,12 +249,11 @@ static double interface_albedo(const struct interface *s, double circle, int row
     return sum;
 }
 
-// Does the same for an isotropic interface, where half of the circle suffices.
+// Does the same for an isotropic interface, for which half of the circle suffices.
 static double isotropic_albedo(double mu, double alpha, double eta, bool is_clear)
 {
-    // Total reflection ends along a line across the normals that are visible at grazing angles:
-    // with half as many columns the position of that line between two of them has an effect of 0.3
-    // %.
+    // At grazing angles total reflection ends along a line across the visible normals. With half as
+    // many columns, the position of that line between two of them would change the result by 0.3 %.
     const int columns = eta < 1.0 && mu < 0.1 && alpha > 0.3 ? 64 : 32;
     const double alphas[2] = {alpha, alpha};
     struct interface s = make_interface(mu, 0.0, alphas, eta);
@@ -260,8 +261,8 @@ static double isotropic_albedo(double mu, double alpha, double eta, bool is_clea
     return interface_albedo(&s, PI, 64, columns);
 }
 
-// The tables hold square roots: albedos fall to nearly 0 at grazing angles as eta approaches 1, and
-// since results are divided by them, their relative error matters.
+// Returns the square root of an albedo, as the tables store it. Albedos fall to nearly 0 at grazing
+// angles as eta approaches 1; because results are divided by them, their relative error matters.
 static double root_glass(double x, double y, double z, int inside, bool is_clear)
 {
     double alpha = axis_alpha(y), eta = axis_eta(z, inside);
@@ -291,7 +292,7 @@ double clear_glass(double x, double y, double z, double w)
 // of wo, on the axes of lib/albedo.glsl.
 struct anisotropy {
     double alpha_x, alpha_y, phi;
-    double alpha_o; // the deviation of slopes along wo
+    double alpha_o; // alpha along the azimuth of wo
 };
 
 static struct anisotropy axis_anisotropy(double y, double z, double w)
@@ -311,8 +312,8 @@ double albedo_anisotropic(double x, double y, double z, double w)
     struct anisotropy a = axis_anisotropy(y, z, w);
     double sum = 0.0;
     double mu = axis_mu(x, a.alpha_o);
-    // Seen from above, the reflected light is in a narrow band of azimuths: 48 points have an error
-    // of 2 %.
+    // Near the normal the reflected light is in a narrow band of azimuths, so that 48 points would
+    // have an error of 2 %.
     int points = mu > 0.95 ? 192 : 48;
     find_visible_normals(&n, mu, a.phi, a.alpha_x, a.alpha_y, points, points);
     for (uint32_t i = 0; i < n.count; i++)
@@ -320,9 +321,9 @@ double albedo_anisotropic(double x, double y, double z, double w)
     return fmin(1.0, sum);
 }
 
-// Returns 1 minus the cosine at which (1 - cos)^12 equals its mean over the reflected light. The
-// Fresnel reflectance is a concave function of that power, so that its mean is at most its value at
-// that cosine.
+// Returns 1 minus the cosine at which (1 - cos)^12 equals its mean over the directions of reflected
+// light. The Fresnel reflectance is a concave function of (1 - cos)^12, so its mean is at most its
+// value at that cosine.
 double albedo_anisotropic_sine(double x, double y, double z, double w)
 {
     static struct visible_normals n;
@@ -342,9 +343,10 @@ static double ggx_masking(double mu, double alpha)
     return 2.0 * mu / (mu + sqrt(square(alpha) * (1.0 - mu) * (1.0 + mu) + mu * mu));
 }
 
-// Returns the logarithm of the energy that an anisotropic interface sends to both sides, divided by
-// that of an isotropic one with the alpha of albedo_turned_stand_in(): few nodes suffice for the
-// quotient. `at`: coordinates along mu, roughness, aspect, azimuth and eta.
+// Returns the logarithm of a quotient: the energy that an anisotropic interface sends to both
+// sides, divided by that of an isotropic one with the alpha of albedo_turned_stand_in(). The
+// quotient varies little, so few nodes suffice. `at`: coordinates along mu, roughness, aspect,
+// azimuth and eta.
 double turned_glass(const double at[5], int inside)
 {
     const double least = ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST;
@@ -357,7 +359,7 @@ double turned_glass(const double at[5], int inside)
     double along = square(a.alpha_o), both = square(a.alpha_x) + square(a.alpha_y);
     double variance = along + 0.5 * mu * mu * (both - 2.0 * along);
     double stand_in = sqrt(variance / sqrt(1.0 + square(variance)));
-    if (at[4] == 0.0) // an interface that transmits everything, except for masking
+    if (at[4] == 0.0) // the interface transmits everything, except for masking
         return log(ggx_masking(mu, a.alpha_o) / ggx_masking(mu, stand_in));
     const double alphas[2] = {a.alpha_x, a.alpha_y}, isotropic[2] = {stand_in, stand_in};
     struct interface turned = make_interface(mu, a.phi, alphas, eta);
@@ -375,8 +377,8 @@ double albedo_charlie(double x, double y)
     const int rows = 96, columns = 48;
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < columns; j++) {
-            // Squaring gathers points at grazing angles and around the direction away from wo,
-            // where the fibres reflect.
+            // Squaring gathers points at grazing angles and near the azimuth opposite to wo, where
+            // the fibres reflect most.
             double t = (i + 0.5) / rows, q = (j + 0.5) / columns;
             double cos_i = t * t, sin_i = sqrt(1.0 - cos_i * cos_i);
             double phi = PI * (1.0 - q * q);
@@ -429,8 +431,8 @@ double albedo_coat_exact(double x, double y)
     return albedo_of_coat(x, y, true);
 }
 
-// Writes the albedos of Burley's subsurface approximation at roughnesses 0, 1/2 and 1 (0 to 2) and
-// of his sheen (3).
+// Writes the albedos of Burley's subsurface approximation at roughnesses 0, 1/2 and 1 to out[0] to
+// out[2], and that of his sheen to out[3].
 void albedo_diffuse(double x, double out[4])
 {
     double mu = axis_mu(x, 0.2);

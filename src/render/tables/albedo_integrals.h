@@ -1,5 +1,5 @@
 // Directional albedos by numerical quadrature of the formulas of docs/materials.md, in double
-// precision. Coordinates are those of the tables' axes (lib/albedo.glsl), 0 to 1. Only
+// precision. Arguments are coordinates in [0, 1] along the tables' axes (lib/albedo.glsl). Only
 // albedo_generate uses this file.
 #ifndef LAMPYRIS_RENDER_TABLES_ALBEDO_INTEGRALS_H
 #define LAMPYRIS_RENDER_TABLES_ALBEDO_INTEGRALS_H

@@ -5,7 +5,7 @@
 #include "shared/albedo.h"
 #include <stdint.h>
 
-// The tables that albedo_generate printed at build time.
+// The tables that albedo_generate has printed at build time.
 extern const uint32_t albedo_tables[ALBEDO_WORDS][4];
 
 #endif

@@ -3,7 +3,7 @@
 bool alias_table_build(const double *weights, uint32_t count, struct arena *scratch,
                        struct alias_bin *bins)
 {
-    double *share = ARENA_NEW(scratch, double, count); // filling of a bin; 1 is exactly full
+    double *share = ARENA_NEW(scratch, double, count); // how full a bin is; 1: exactly full
     uint32_t *small = ARENA_NEW(scratch, uint32_t, count);
     uint32_t *large = ARENA_NEW(scratch, uint32_t, count);
     if (!share || !small || !large)
@@ -30,8 +30,8 @@ bool alias_table_build(const double *weights, uint32_t count, struct arena *scra
             small[small_count++] = high;
         }
     }
-    // The remaining bins are full up to rounding. A bin of weight 0 can remain with a positive
-    // threshold only if rounding took its partner: it is its own alias only if it has weight.
+    // The remaining bins are full, up to rounding errors. Rounding may have used up the partner of
+    // a bin of weight 0 and left the bin with a positive threshold: it must not select itself then.
     while (large_count) {
         uint32_t i = large[--large_count];
         bins[i] = (struct alias_bin){1.0f, i};

@@ -11,13 +11,12 @@
 struct probe {
     double origin[3];
     double directions[RAYS][3];
-    // For each ray and medium, the number of times that it leaves the medium minus those that it
-    // enters it.
+    // For each ray and medium: how often the ray leaves the medium, minus how often it enters it.
     int32_t left[RAYS][MEDIA_MAX + 1];
 };
 
-// +1 where the ray leaves through the triangle's front, which is where its corners run
-// counter-clockwise, -1 where it enters there, 0 for a miss (Moeller and Trumbore 1997).
+// Returns +1 if the ray leaves through the triangle's front side, from which its corners appear
+// counter-clockwise; -1 if it enters through that side; 0 for a miss (Moeller and Trumbore 1997).
 static int crossing(const double origin[3], const double direction[3],
                     const struct flat_triangle *triangle)
 {
@@ -41,7 +40,7 @@ static int crossing(const double origin[3], const double direction[3],
 
 // --- shapes --------------------------------------------------------------------------------------
 
-// Returns whether a point is inside the body that a shape encloses; a plane encloses everything
+// Returns whether a point is inside the body that a shape encloses. A plane encloses the half-space
 // behind it.
 static bool is_inside(const double origin[3], const struct flat_shape *shape)
 {
@@ -72,7 +71,7 @@ static bool is_inside(const double origin[3], const struct flat_shape *shape)
     }
 }
 
-// Returns whether a point is inside a distance field, which is empty outside its box.
+// Returns whether a point is inside a distance field. Outside the field's box there is no body.
 static bool is_inside_field(const double origin[3], const struct flat_shape *shape,
                             const struct sdf *sdf)
 {
@@ -91,7 +90,7 @@ static bool is_inside_field(const double origin[3], const struct flat_shape *sha
     return sdf_evaluate(sdf, p) < 0.0;
 }
 
-// Returns the same as crossing() for a shape's plane at the distance t, whose front is along the
+// As crossing(), for the plane of a shape at distance t; its front side is in the direction of the
 // normal.
 static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
 {
@@ -114,7 +113,7 @@ static int crossing_flat_shape(const double origin[3], const double direction[3]
         point[c] = from[c] + t * direction[c];
     if (shape->kind == SHAPE_DISC)
         return crossing_plane(direction, normal, t, vec3_dot(point, point) <= radius * radius);
-    // Lengths are in units of the half edges.
+    // In units of the half edges.
     double across[3], square = vec3_dot(normal, normal);
     vec3_cross(point, v, across);
     double a = vec3_dot(across, normal) / square;
@@ -123,8 +122,8 @@ static int crossing_flat_shape(const double origin[3], const double direction[3]
     return crossing_plane(direction, normal, t, fabs(a) <= 1.0 && fabs(b) <= 1.0);
 }
 
-// Handles both sides of an open cylinder's wall together: the ray leaves at the far crossing and
-// enters at the near one, if these are between the ends.
+// Handles both sides of the wall of an open cylinder together: the ray leaves the body at the far
+// crossing and enters it at the near one, if these are between the ends.
 static int crossing_tube(const double origin[3], const double direction[3],
                          const struct flat_shape *shape)
 {
@@ -167,14 +166,14 @@ static void probe_shape(struct probe *probe, const struct flat_shape *shape, con
     }
 }
 
-// --- the whole -----------------------------------------------------------------------------------
+// --- all surfaces --------------------------------------------------------------------------------
 
-// A visit of the triangles that one of the rays may hit, by the boxes of a tree.
+// The state of visiting the triangles of a tree that one of the rays may hit.
 struct visit {
     struct probe *probe;
     const struct shading_tables_params *p;
     const struct gpu_material *materials;
-    uint32_t override; // material of all triangles; SCENE_NONE: their own
+    uint32_t override; // material of all triangles; SCENE_NONE: each has its own
     int ray;
 };
 
@@ -190,8 +189,8 @@ static void probe_triangle(const struct visit *v, uint32_t index)
 
 static void probe_instance(struct visit *v, const struct flat_instance *instance);
 
-// An instance is probed with all rays when the first ray visits it; one whose box does not contain
-// the rays' origin is skipped.
+// The first ray that visits an instance probes it with all rays. An instance whose box does not
+// contain the rays' origin is skipped.
 static void visit_primitive(void *context, uint32_t primitive)
 {
     struct visit *v = context;
@@ -201,15 +200,14 @@ static void visit_primitive(void *context, uint32_t primitive)
         probe_instance(v, &v->p->flat->instances[primitive & BVH_LEAF_INDEX]);
 }
 
-// A triangle that has several places would be visited several times: the boxes are not used in that
-// case.
+// Returns whether a triangle has several entries in the leaf order, so that it would be visited
+// several times; the tree is not used then.
 static bool is_split(const struct bvh *bvh)
 {
     return bvh->reference_count > bvh->triangle_count;
 }
 
-// Probes the triangles from `first` to `end`, which belong to the tree at `root`, and its
-// instances.
+// Probes the triangles [first, end), which belong to the tree at `root`, and the tree's instances.
 static void probe_tree(struct visit *v, uint32_t root, uint32_t first, uint32_t end)
 {
     const struct bvh *bvh = v->p->bvh;
@@ -234,7 +232,7 @@ static void probe_instance(struct visit *v, const struct flat_instance *instance
         for (int ray = 0; ray < RAYS; ray++)
             probe.directions[ray][row] = vec3_dot(linear, world->directions[ray]);
     }
-    // A closed surface contains no point outside its box.
+    // A closed surface encloses no point outside its box.
     for (int c = 0; c < 3; c++)
         if (!(probe.origin[c] >= (double)mesh->bounds_min[c] &&
               probe.origin[c] <= (double)mesh->bounds_max[c]))
@@ -262,7 +260,7 @@ static void probe_scene(struct probe *probe, const struct shading_tables_params 
     }
 }
 
-// Returns the value that at least two of the three rays have, else none.
+// Returns the count that at least two of the three rays agree on; 0 if there is none.
 static int32_t majority(const struct probe *probe, uint32_t number)
 {
     int32_t a = probe->left[0][number], b = probe->left[1][number], c = probe->left[2][number];
@@ -272,8 +270,8 @@ static int32_t majority(const struct probe *probe, uint32_t number)
 uint32_t camera_media_find(const struct shading_tables_params *p,
                            const struct gpu_material *materials)
 {
-    // One ray is along the line of sight, two are to its sides; none is along an axis of a
-    // symmetric scene.
+    // One ray is along the line of sight, two are beside it. None is along an axis, because scenes
+    // are often symmetric.
     struct probe probe = {0};
     const double *d = p->camera->direction;
     flat_from_world(p->flat, p->camera->position, probe.origin);
@@ -287,6 +285,6 @@ uint32_t camera_media_find(const struct shading_tables_params *p,
     uint32_t stack = 0;
     for (uint32_t number = 1; number <= MEDIA_MAX; number++)
         for (int32_t n = majority(&probe, number); n > 0; n--)
-            stack = stack << 8 | number; // the highest ones are kept
+            stack = stack << 8 | number; // the media of highest priority remain
     return stack;
 }

@@ -5,9 +5,9 @@
 #include "render/tables/shading_tables.h"
 
 // Returns the stack of media (lib/media.glsl) at the camera's position: those whose surfaces a ray
-// from there leaves more often than it enters them. Three rays decide by majority, so that one that
-// grazes an edge does no harm. `materials`: as uploaded, with the numbers of their media. If there
-// are more than four media, the highest ones are returned.
+// from there leaves more often than it enters them. Three rays decide by majority, so that one ray
+// that grazes an edge does no harm. `materials`: as uploaded, with the numbers of their media. If
+// the camera is inside more than four media, the four of highest priority are returned.
 uint32_t camera_media_find(const struct shading_tables_params *params,
                            const struct gpu_material *materials);
 

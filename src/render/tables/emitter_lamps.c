@@ -7,19 +7,20 @@
 #include <math.h>
 #include <string.h>
 
-// An emissive triangle.
+// An emissive triangle, as a node of a union-find forest.
 struct member {
     uint32_t triangle;
-    uint32_t parent; // in the union-find forest: a member of the same lamp
+    uint32_t parent; // another triangle of the same lamp, or itself
 };
 
 struct search {
     const struct flat_scene *flat;
     struct member *members;
     uint32_t count;
-    // A hash table of corners by position, with open addressing: 1 + 3 * member + corner; 0: free.
+    // A hash table, with open addressing, from the position of a corner to one triangle that has
+    // it. An entry is 1 + 3 * member + corner; 0: free.
     uint64_t *table, mask;
-    uint32_t *of_small; // 1 + the first member of each lamp that is small (flatten.h)
+    uint32_t *of_small; // for each small lamp (flatten.h), 1 + its first member
 };
 
 static uint32_t find_root(struct member *members, uint32_t i)
@@ -38,11 +39,11 @@ static void join(struct member *members, uint32_t a, uint32_t b)
     members[a > b ? a : b].parent = a < b ? a : b;
 }
 
-// Members from `first` on belong to one instance.
+// Only members from `first` on may be joined: they belong to one instance.
 static void join_at_corner(struct search *s, uint32_t first, uint32_t member, uint32_t corner)
 {
     const float *v = s->flat->triangles[s->members[member].triangle].v[corner];
-    // Adding 0 turns a negative zero into a positive one.
+    // Adding 0 turns negative zeros into positive ones.
     const float place[3] = {v[0] + 0.0f, v[1] + 0.0f, v[2] + 0.0f};
     uint64_t at = hash_bytes(hash_bytes(HASH_INIT, &first, sizeof first), place, sizeof place);
     for (at &= s->mask; s->table[at]; at = (at + 1) & s->mask) {
@@ -85,8 +86,8 @@ static bool list_members(const struct scene *scene, struct search *s, struct are
     return true;
 }
 
-// The corners of triangles that are small for their distance from the origin are too inexact; their
-// lamps were found before the corners were rounded.
+// Joins a triangle of a small lamp. The corners of such triangles are too inexact for a comparison;
+// flattening has found their lamps from the exact corners.
 static void join_small(struct search *s, uint32_t member, uint32_t lamp)
 {
     if (s->of_small[lamp])
@@ -95,7 +96,7 @@ static void join_small(struct search *s, uint32_t member, uint32_t lamp)
         s->of_small[lamp] = 1 + member;
 }
 
-// Triangles are sorted by instance.
+// The triangles are sorted by instance.
 static void join_members(struct search *s)
 {
     uint32_t first = 0, last_instance = 0;

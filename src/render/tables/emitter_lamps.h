@@ -1,6 +1,6 @@
-// A lamp is a group of emitters that shine as one. Emissive triangles of an instance that share a
-// corner, directly or through a chain of such triangles, are one lamp; each shape, delta light and
-// sun, and the environment's image, is a lamp of its own.
+// A lamp is a group of emitters that are one object. Emissive triangles of an instance that share a
+// corner, directly or through a chain of such triangles, are one lamp. Each shape, delta light and
+// sun is a lamp of its own, and so is the environment's image.
 #ifndef LAMPYRIS_RENDER_TABLES_EMITTER_LAMPS_H
 #define LAMPYRIS_RENDER_TABLES_EMITTER_LAMPS_H
 
@@ -11,17 +11,19 @@
 
 struct emitter_lamps {
     uint32_t count;
-    // True for a single lamp of small triangles: the bounds' diagonal of each is less than half of
-    // the lamp's.
+    // True if there is a single lamp whose triangles are small: the diagonal of each one's bounds
+    // is less than half of that of the lamp's.
     bool is_spread;
-    // Triangles are the first emitters: the lamp of each, and the number of their lamps.
+    // The lamp of each emissive triangle, and the number of these lamps. Triangles are the first
+    // emitters.
     uint32_t *of_triangles, triangle_count, triangle_lamps;
 };
 
-// Numbers lamps in the order of their first emitters (struct emitters). Arrays are in `arena`.
+// Finds the lamps and numbers them in the order of their first emitters (struct emitters). Arrays
+// are in `arena`.
 bool emitter_lamps_find(const struct scene *scene, const struct flat_scene *flat,
                         struct arena *arena, struct emitter_lamps *out, struct err *err);
-// Returns the lamp of an emitter, by its number.
+// Returns the lamp of an emitter by the emitter's number.
 uint32_t emitter_lamp_of(const struct emitter_lamps *lamps, uint32_t emitter);
 
 #endif

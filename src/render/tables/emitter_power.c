@@ -14,7 +14,7 @@ double triangle_area(const struct flat_scene *flat, uint32_t id)
     return 0.5 * vec3_norm(normal);
 }
 
-// Returns the area of the parallelogram of two vectors.
+// Returns the area of the parallelogram that two vectors span.
 static double span(const float a[3], const float b[3])
 {
     double u[3], v[3], normal[3];
@@ -60,7 +60,7 @@ bool has_planes(const struct flat_scene *flat)
 double bounding_radius(const struct flat_scene *flat)
 {
     double square = 0.0;
-    // If there are only planes, a radius of one metre is assumed.
+    // Without bounds, because the scene has only planes, a radius of one metre is assumed.
     if (!(flat->bounds_min[0] <= flat->bounds_max[0]) && has_planes(flat))
         return 1.0;
     for (int c = 0; c < 3; c++) {
@@ -94,7 +94,7 @@ double light_power(const struct light *light, const struct flat_scene *flat)
     case LIGHT_DIRECTIONAL:
         return brightness * M_PI * radius * radius;
     case LIGHT_SPOT:
-        // With a photometric profile, the solid angle is at most that of the narrower of the two.
+        // With a photometric profile, the solid angle is at most the smaller of cone and profile.
         return brightness * fmin(spot_solid_angle(light), profile_solid_angle(light));
     default:
         return brightness * profile_solid_angle(light);

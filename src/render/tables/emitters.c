@@ -69,8 +69,8 @@ static void add_emitter(struct emitter_list *list, uint32_t primitive, double po
     list->total += power;
 }
 
-// Lists triangles in the order of the flat scene, so that the BVH has no influence on an emitter's
-// number, and with it on which emitter a random number selects.
+// Lists triangles in the order of the flat scene, so that the BVH does not affect the number of an
+// emitter, by which random numbers select it.
 static bool list_triangles(const struct shading_tables_params *p, struct emitter_list *list,
                            struct err *err)
 {
@@ -78,7 +78,8 @@ static bool list_triangles(const struct shading_tables_params *p, struct emitter
     const struct bvh *bvh = p->bvh;
     bool ok = true;
     struct arena scratch = {0};
-    uint32_t *places = ARENA_NEW(&scratch, uint32_t, flat->triangle_count); // places in leaf order
+    uint32_t *places = ARENA_NEW(&scratch, uint32_t, flat->triangle_count); // places of triangles
+                                                                            // in leaf order
     if (!places)
         return err_memory(err, "emitters", flat->triangle_count * sizeof *places);
     for (uint32_t i = 0; i < bvh->reference_count; i++)
@@ -95,9 +96,10 @@ static bool list_triangles(const struct shading_tables_params *p, struct emitter
     return ok;
 }
 
-// Returns the luminance of the environment's image that shadow rays leave to scattered rays: its
-// mean (MIS compensation: Karlik, Sik, Vevoda, Skrivan, Krivanek 2019), if both strategies are
-// weighted and scattered rays find it from every surface that reflects it; else 0.
+// Returns the luminance up to which shadow rays leave the environment's image to scattered rays.
+// This is the image's mean (MIS compensation: Karlik, Sik, Vevoda, Skrivan, Krivanek 2019) if MIS
+// weights both strategies and scattered rays may find the image from every surface that reflects
+// it; otherwise 0.
 static double environment_floor(const struct scene *scene)
 {
     const struct settings *settings = &scene->settings;
@@ -106,12 +108,12 @@ static double environment_floor(const struct scene *scene)
         settings->min_density > 0.0f || scene->environment.width == 0)
         return 0.0;
     double mean = environment_luminance(&scene->environment);
-    // In a uniform image only rounding errors are above the mean.
+    // In a uniform image only rounding errors exceed the mean.
     bool is_even = environment_luminance_above(&scene->environment, mean) <= 0x1p-20 * mean;
     return is_even ? 0.0 : mean;
 }
 
-// Lists every primitive with emission. Those of zero area are listed, too, but have no weight.
+// Lists every primitive that emits. Primitives of zero area are listed, too, with weight 0.
 static bool list_emitters(const struct shading_tables_params *p, double floor, struct arena *arena,
                           struct emitter_list *list, struct err *err)
 {
@@ -145,7 +147,8 @@ static bool list_emitters(const struct shading_tables_params *p, double floor, s
 
 // --- delta lights, and suns ----------------------------------------------------------------------
 
-// Returns the record of a result of flat_light(), without its selection probability.
+// Returns the record of a light, without its selection probability. `light` is a result of
+// flat_light().
 static struct gpu_light light_record(const struct light *light, float reach)
 {
     struct gpu_light record = {
@@ -168,8 +171,8 @@ static struct gpu_light light_record(const struct light *light, float reach)
     return record;
 }
 
-// Refuses a light so near to the scene, or so far from it, that its contribution, divided by the
-// square of the distance, is not finite.
+// Reports a light that is so near to the scene, or so far from it, that its contribution, divided
+// by the squared distance, would not be finite.
 static bool check_place(const struct scene *scene, const struct flat_scene *flat,
                         const struct light *light, const struct light *placed, struct err *err)
 {
@@ -205,13 +208,15 @@ static bool fill_lights(const struct scene *scene, const struct flat_scene *flat
         dark += !(out->lights[i].versine > 0.0f);
     }
     if (!scene->settings.nee && dark > 0)
-        log_warn("without next-event estimation no light without extent is found: %u left dark: "
-                 "expected --nee on",
-                 dark);
+        log_warn(
+            "%u delta lights are dark, because only next-event estimation finds them; expected "
+            "--nee on",
+            dark);
     return true;
 }
 
-// Adds `pick` to the selection probability of an emitter for which that is the same everywhere.
+// Adds `pick` to the selection probability of a light or of the environment; other emitters have
+// theirs in their materials.
 static void add_pick(struct emitters *out, uint32_t primitive, double pick)
 {
     if (primitive == PRIMITIVE_ENVIRONMENT)
@@ -220,10 +225,10 @@ static void add_pick(struct emitters *out, uint32_t primitive, double pick)
         out->lights[primitive & ~PRIMITIVE_LIGHT].pick_probability += (float)pick;
 }
 
-// --- ways to choose ------------------------------------------------------------------------------
+// --- light sampling strategies -------------------------------------------------------------------
 
-// Fills bins[count], and the selection probabilities that they give to lights and the environment,
-// times `share`.
+// Fills bins[count], and adds the selection probabilities of lights and of the environment that
+// follow from them, multiplied by `share`.
 static bool fill_bins(const uint32_t *primitives, const double *powers, uint32_t count,
                       double share, struct arena *arena, struct gpu_emitter *bins,
                       struct emitters *out, struct err *err)
@@ -259,7 +264,8 @@ static bool build_power(const struct emitter_list *list, struct arena *arena, st
     return fill_bins(list->primitives, list->powers, list->count, 1.0, arena, bins, out, err);
 }
 
-// Builds bins without aliases, which are chosen with equal probability.
+// Builds a list of all emitters, as bins without aliases, which are selected with equal
+// probability.
 static bool build_list(const struct emitter_list *list, struct arena *arena, struct emitters *out,
                        struct err *err)
 {
@@ -278,7 +284,7 @@ static bool build_list(const struct emitter_list *list, struct arena *arena, str
     return true;
 }
 
-// --- the tree ------------------------------------------------------------------------------------
+// --- the light tree ------------------------------------------------------------------------------
 
 static void bound_triangle(const struct flat_scene *flat, uint32_t id, struct light_bounds *out)
 {
@@ -351,7 +357,8 @@ static void bound_solid(const struct flat_shape *shape, struct light_bounds *out
     out->radius = (float)(sqrt(square) * 1.000001);
 }
 
-// Bounds a shape and its directions: flat shapes send light to both sides, others everywhere.
+// Bounds the positions and emission directions of a shape: flat shapes emit to both sides, others
+// in all directions.
 static void bound_shape(const struct flat_shape *shape, struct light_bounds *out)
 {
     bool is_flat = is_flat_shape(shape);
@@ -365,7 +372,8 @@ static void bound_shape(const struct flat_shape *shape, struct light_bounds *out
     out->two_sided = is_flat;
 }
 
-// Returns the angle over which a spot's light falls off, widened by 1e-3 for rounding.
+// Returns the angle by which a spot light's cone is wider than its full-intensity part, widened by
+// 1e-3 for rounding.
 static double spot_fall(const struct light *light)
 {
     return fmin((double)light->outer_angle - (double)light->inner_angle + 1e-3, 0.5 * M_PI);
@@ -384,7 +392,7 @@ static void bound_light(const struct light *light, struct light_bounds *out)
     out->power = luminance(light->radiant);
 }
 
-// Returns the bounds of an emitter that is not infinitely far; `power` is as in the list.
+// Returns the bounds of an emitter at a finite distance; `power` is as in the list.
 static struct light_bounds bound_emitter(const struct scene *scene, const struct flat_scene *flat,
                                          const struct bvh *bvh, uint32_t primitive, double power)
 {
@@ -395,7 +403,7 @@ static struct light_bounds bound_emitter(const struct scene *scene, const struct
     } else if (primitive & PRIMITIVE_SHAPE) {
         const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
         bound_shape(shape, &bounds);
-        // The projected area of a convex body is a quarter of its surface on average (Cauchy 1841).
+        // The mean projected area of a convex body is a quarter of its surface area (Cauchy 1841).
         bounds.power *= is_flat_shape(shape) ? 1.0 : 0.25;
     } else {
         bound_triangle(flat, bvh->triangle_order[primitive], &bounds);
@@ -410,16 +418,16 @@ static bool is_infinite(const struct scene *scene, uint32_t primitive)
             scene->lights[primitive & ~PRIMITIVE_LIGHT].kind == LIGHT_DIRECTIONAL);
 }
 
-// The emitters, divided into those in the tree and those beside it.
+// The emitters, divided into those in the tree and the infinitely far ones.
 struct tree_parts {
-    struct light_bounds *bounds; // bounds of those in the tree
+    struct light_bounds *bounds; // bounds of the emitters in the tree
     uint32_t *primitives, *numbers, *lamps;
     uint32_t count;
     uint32_t *infinite, *infinite_lamps;
     double *infinite_powers;
     uint32_t infinite_count;
-    uint32_t surface_count; // the number among all emitters
-    uint32_t lamp_count;    // lamps whose records are in the buffer
+    uint32_t surface_count; // number of triangles and shapes among all emitters
+    uint32_t lamp_count;    // number of lamps whose records the buffer has
 };
 
 static bool part_emitters(const struct shading_tables_params *p, const struct emitter_list *list,
@@ -462,12 +470,12 @@ static bool part_emitters(const struct shading_tables_params *p, const struct em
     return true;
 }
 
-// Infinitely far emitters are selected with this probability if there are others: neither group is
-// known to matter less.
+// The probability of selecting an infinitely far emitter, if the scene also has others: it is not
+// known which group matters more.
 #define INFINITE_SHARE 0.5
 
-// Writes the buffer: header, pairs, trails, bins, lamps. If no emitter has power, it gets one pair
-// of dark nodes.
+// Writes the buffer: header, pairs of nodes, trails, bins, lamps. If no emitter has power, the tree
+// is one pair of dark nodes.
 static bool lay_out_tree(const struct tree_parts *parts, struct arena *arena, struct emitters *out,
                          struct err *err)
 {
@@ -551,9 +559,9 @@ static bool build_tree(const struct shading_tables_params *p, const struct emitt
     return ok;
 }
 
-// The length of shadow rays to infinitely far emitters in scenes with infinite planes: at a low
-// sun, an object on a plane casts a shadow beyond all bounds. It is the largest extent of a scene,
-// see geometry_prepare(), so that products in kernels stay finite.
+// The length of shadow rays to infinitely far emitters in scenes with infinite planes: if the sun
+// is low, the shadow of an object on a plane extends beyond all bounds. The length is the largest
+// extent of a scene, see geometry_prepare(), so that products in kernels remain finite.
 #define PLANES_REACH 4e9
 
 static void note_unconnected(const struct scene *scene, const struct flat_scene *flat)
@@ -568,9 +576,10 @@ static void note_unconnected(const struct scene *scene, const struct flat_scene 
         fields += shape->kind == SHAPE_SDF;
     }
     if (planes + fields > 0)
-        log_info("%u planes and %u distance fields emit; their light is found by chance only, no "
-                 "ray is aimed at them",
-                 planes, fields);
+        log_info(
+            "%u infinite planes and %u distance fields emit, but shadow rays cannot be aimed at "
+            "them: only scattered rays find their light",
+            planes, fields);
 }
 
 bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
@@ -579,7 +588,7 @@ bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
     const struct scene *scene = p->scene;
     const struct flat_scene *flat = p->flat;
     struct emitter_list list;
-    // Twice the longest way within the bounds: beyond all surfaces from any of them.
+    // Twice the diagonal of the bounds: longer than any way between two points within them.
     *out = (struct emitters){.reach = (float)(4.0 * bounding_radius(flat))};
     if (has_planes(flat))
         out->reach = fmaxf(out->reach, (float)PLANES_REACH);

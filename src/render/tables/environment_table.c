@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define END UINT32_MAX // end of the numbers that select a bin
+#define END UINT32_MAX // marks the end of the numbers that select bins
 
 // --- one table -----------------------------------------------------------------------------------
 
@@ -33,9 +33,10 @@ static uint64_t table_words(uint32_t bins)
     return words;
 }
 
-// Distributes the numbers below END: one to each bin with weight, the rest in proportion.
-// Thresholds come from running sums, so that the error of a bin is one rounding, not the sum of
-// all. Replaces weights by probabilities; leaves all at 0 if all are 0.
+// Distributes the numbers below END among the bins: one to each bin of positive weight, the rest in
+// proportion. Thresholds are computed from running sums, so that the error of a bin is one
+// rounding, not the sum of all. Replaces the weights by the resulting probabilities; these are all
+// 0 if all weights are 0.
 static void deal(double *weights, uint32_t bins, uint32_t *thresholds)
 {
     double total = 0.0, sum = 0.0;
@@ -59,7 +60,7 @@ static void deal(double *weights, uint32_t bins, uint32_t *thresholds)
     }
 }
 
-// Writes the levels of a table above its thresholds, coarsest first.
+// Writes a table as a tree of thresholds, with the coarsest level first.
 static void write_table(const uint32_t *thresholds, uint32_t bins, uint32_t (*words)[4])
 {
     for (uint32_t level = level_count(bins); level-- > 0;) {
@@ -100,9 +101,9 @@ static bool is_bilinear(const struct environment_table *table)
     return table->filter == ENVIRONMENT_FILTER_BILINEAR;
 }
 
-// Returns the number of rows of words: `height` for nearest filtering, `height` + 2 for bilinear,
-// which has a row of nodes at each pole. The sampler chooses among the rows of texels, or among the
-// height + 1 rows of cells between rows of nodes (bin_rows()).
+// Returns the number of rows of words: `height` for nearest filtering; `height` + 2 for bilinear
+// filtering, which has a row of nodes at each pole. The rows that are sampled are those of texels,
+// or the height + 1 rows of cells between rows of nodes (bin_rows()).
 static uint64_t word_rows(const struct environment_table *table, uint32_t height)
 {
     return (uint64_t)height + (is_bilinear(table) ? 2 : 0);
@@ -131,8 +132,8 @@ struct build {
     atomic_bool failed;
 };
 
-// A pole is a single direction with one radiance: the mean of the texels around it, which are all
-// equally far from it. So the radiance is continuous at the pole.
+// A pole is a single direction, so it has a single radiance: the mean of the texels around it,
+// which are all equally far from it. The radiance is then continuous at the pole.
 static void find_poles(struct build *b)
 {
     for (int i = 0; i < 2; i++) {
@@ -146,7 +147,7 @@ static void find_poles(struct build *b)
     }
 }
 
-// Returns the radiance in a row of words.
+// Returns the radiance of an entry in a row of words.
 static const float *word_texel(const struct build *b, size_t row, uint32_t column)
 {
     if (!is_bilinear(b->table))
@@ -169,8 +170,8 @@ static double texel_weight(const struct build *b, const float texel[3])
     return fmax(texel_luminance(&b->image, texel) - (double)b->table->floor, 0.0);
 }
 
-// Computes the mean weight of a row's bins; in a cell the weight is bilinear, and its mean is that
-// of the corners.
+// Computes the mean weight of each bin of a row. In a cell the weight is bilinear, so its mean is
+// that of the four corners.
 static void weigh(const struct build *b, size_t row, double *weights)
 {
     uint32_t width = b->image.width;
@@ -191,7 +192,8 @@ static double bin_solid_angle(const struct build *b, size_t row)
                                  : environment_texel_solid_angle(&b->image, (uint32_t)row);
 }
 
-// Builds the words of some rows, the probabilities of bins within each row, and the rows' tables.
+// Builds the words of some rows, the probabilities of bins within each row, and the tables of the
+// rows.
 static void build_rows(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;
@@ -220,7 +222,7 @@ static void build_rows(void *context, size_t begin, size_t end, unsigned thread)
     free(thresholds);
 }
 
-// Multiplies the densities of the bins by the probabilities of their rows.
+// Multiplies the densities of bins by the probabilities of their rows.
 static void scale_rows(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;
@@ -250,7 +252,7 @@ bool environment_table_build(const struct environment_table *table, uint32_t (*w
     bool ok = thresholds && (!table->is_sampled || build.row_weights);
     if (ok && is_bilinear(table)) {
         find_poles(&build);
-        for (uint32_t i = 0; i < width; i++) // below the last row of cells
+        for (uint32_t i = 0; i < width; i++) // nodes below the last row of cells
             write_word(&build, build.rows, i, 0.0f);
     }
     if (ok)

@@ -1,26 +1,28 @@
 // The environment image as kernels read it, and its tables for sampling (lib/environment.glsl).
 //
-// It is an array of words of four. If texels are patches (ENVIRONMENT_FILTER_NEAREST), it begins
-// with the texels, row by row: the radiance of each, and the density per solid angle with which it
-// is sampled.
+// It is an array of words of four. If each texel is a patch of constant radiance
+// (ENVIRONMENT_FILTER_NEAREST), the array begins with the texels, row by row: the radiance of each,
+// and the density per solid angle with which it is sampled.
 //
 // If radiance is interpolated between the centres of texels (ENVIRONMENT_FILTER_BILINEAR), it
-// begins with nodes: the radiance of each, and the mean density of the cell between it, the node to
-// the right (the first one after the last) and the two below. There is one row of nodes for the
-// zenith, one for each row of texels, and one for the nadir. All nodes of a pole have the mean
-// radiance of the texels around it. Within a cell the density is bilinear in longitude and in the
-// cosine of the angle from the zenith, and proportional to the luminance at the corners above the
-// table's floor: with a floor of 0, it is 0 exactly where the radiance is 0.
+// begins with nodes: the radiance of each, and the mean sampling density of the cell between the
+// node, its right neighbour (of the last node: the first one) and the two nodes below. There is one
+// row of nodes for the zenith, one for each row of texels, and one for the nadir. All nodes of a
+// pole have the mean radiance of the texels around it. Within a cell the density is bilinear in
+// longitude and in the cosine of the angle from the zenith, and proportional to the luminance at
+// the corners above the table's floor. If the floor is 0, the density is 0 exactly where the
+// radiance is 0.
 //
 // If the image is sampled, there follow the table of rows of texels or cells, and for each row the
 // table of its texels or cells.
 //
-// A table of n bins holds n ascending thresholds of 32 bits, four a word, as a tree: first the word
-// whose components are every 4^k-th threshold, last the words of all thresholds. Bin i is selected
-// by the numbers from its threshold up to the next one, of 2^32 - 1 numbers in all; 2^32 - 1 itself
-// marks the end. Bins of weight 0 have no numbers, all others at least one, and the last of those
-// has one more, since the sampler replaces 2^32 - 1 by the number before. Densities are those of
-// the numbers, so that they are right whatever the rounding of the weights.
+// A table of n bins holds n ascending thresholds of 32 bits, four to a word, as a tree: it begins
+// with the word whose components are every 4^k-th threshold, and ends with the words of all
+// thresholds. A 32-bit random number selects bin i if it is at least the bin's threshold and less
+// than the next one. 2^32 - 1 numbers select bins; 2^32 - 1 itself marks the end, and the sampler
+// replaces it by the number before, which counts twice. Bins of weight 0 have no numbers, all
+// others at least one. Densities are computed from these numbers, so they are exact whatever the
+// rounding of the weights.
 #ifndef LAMPYRIS_RENDER_TABLES_ENVIRONMENT_TABLE_H
 #define LAMPYRIS_RENDER_TABLES_ENVIRONMENT_TABLE_H
 
@@ -34,7 +36,7 @@ struct environment_table {
     const struct environment *environment; // without an image it counts as one white texel
     uint32_t filter;                       // ENVIRONMENT_FILTER_*
     bool is_sampled;
-    float floor; // the luminance above this is sampled; 0: all of it
+    float floor; // only luminance above this is sampled; 0: all of it
 };
 
 // Returns the length of the buffer in words of four.

@@ -6,9 +6,10 @@
 #include "render/tables/emitter_lamps.h"
 
 struct light_choice {
-    uint32_t way;      // LIGHT_CHOICE_*, never AUTO
-    uint32_t vertices; // with LIGHT_CHOICE_ALL: of first vertices, or ALL_VERTICES
-    uint32_t rays;     // the most that a vertex sends
+    uint32_t way;      // LIGHT_CHOICE_*, but never AUTO
+    uint32_t vertices; // with LIGHT_CHOICE_ALL: the number of vertices of a path, from its
+                       // beginning, that sample all lamps, or ALL_VERTICES
+    uint32_t rays;     // maximum number of shadow rays of a vertex
 };
 
 // `setting`: LIGHT_CHOICE_*. `lamps` is used only if light_choice_asks_lamps() returns true.
@@ -19,7 +20,7 @@ bool light_choice_asks_lamps(uint32_t setting);
 struct light_choice_text {
     char text[160];
 };
-// Returns the emitters that vertices connect to, and the reason for the default, in words.
+// Returns texts: the emitters at which vertices aim shadow rays, and the reason for the default.
 struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters,
                                             const struct emitter_lamps *lamps);
 

@@ -8,37 +8,40 @@
 #include <string.h>
 
 #define BUCKETS 12
-#define FEW 32 // so few emitters need fewer buckets
+#define FEW 32 // ranges of up to this many emitters use FEW_BUCKETS
 #define FEW_BUCKETS 4
-// Splits of larger ranges are evaluated with about this many of their items; ranges of fewer than
-// HALVED items are halved.
+// Splits of larger ranges are evaluated with a sample of about this many items. Ranges of fewer
+// than HALVED items are halved.
 #define JUDGED 1024
 #define HALVED 4
-// Levels for which a trail has bits.
+// Maximum depth: the number of bits of a trail.
 #define DEPTH_MAX 64
-// Subtrees with at most this many emitters, or this fraction of all, are built by one thread.
+// Subtrees with at most this many emitters, or this fraction of all emitters, are built by one
+// thread.
 #define TASK_LEAVES 4096
 #define TASK_PARTS 32
 #define TASKS_MAX 1024
 
-// The items that a part of the tree is built over: lamps, or below them emitters.
+// The items of one layer of the tree: the upper layer has lamps, the lower one the emitters of a
+// lamp.
 struct layer {
     const struct light_bounds *bounds;
-    uint32_t *order; // indices of the items: subtrees are ranges of it
-    uint32_t below;  // the most levels that one item needs below itself
+    uint32_t *order; // indices of the items; a subtree is a range of them
+    uint32_t below;  // maximum number of levels that one item needs below it
 };
 
 struct builder {
     struct layer lamps, emitters;
-    const uint32_t *lamp_first; // for each lamp and one beyond: its first emitter in the order
+    const uint32_t *lamp_first; // for each lamp, the position of its first emitter; one more entry
+                                // is the end
     const uint32_t *primitives;
     double total_power;
     struct light_tree *tree;
     const struct progress *progress; // NULL: no progress is reported
 };
 
-// A subtree: its items in a layer, the number of their emitters, the number of the pair of children
-// of its root, and the way down to it.
+// A subtree: its range of items in a layer, the number of its emitters, the index of the pair of
+// its root's children, and the path to it.
 struct range {
     const struct layer *layer;
     uint32_t first, count, leaves, node, depth;
@@ -60,8 +63,8 @@ static double angle_between(const double a[3], const double b[3])
     return atan2(vec3_norm(normal), vec3_dot(a, b));
 }
 
-// Joins two cones to the smallest cone around both (Pharr, Jakob, Humphreys 2023, section 3.8.4).
-// The axis of a two-sided emitter may be reversed.
+// Replaces a cone by the smallest cone that contains both (Pharr, Jakob, Humphreys 2023, section
+// 3.8.4). The axis of a two-sided emitter may be reversed first.
 static void join_cones(struct light_bounds *a, const struct light_bounds *b)
 {
     double other[3], angle;
@@ -99,11 +102,11 @@ static double distance(vec3s a, vec3s b)
     return vec3_norm(to);
 }
 
-// Exceeds the rounding of a radius to single precision.
+// Exceeds the rounding error of a radius in single precision.
 #define RADIUS_MARGIN (1.0 + 1e-6)
 
-// Sets a sphere around the middle of the box, which reaches as far as the box's corners or as the
-// spheres of the parts.
+// Sets a bounding sphere around the middle of the box. Its radius is the distance to the corners of
+// the box, or to the far side of the parts' spheres if that is less.
 static void bound_by_sphere(struct light_bounds *out, const struct light_bounds *a,
                             const struct light_bounds *b)
 {
@@ -127,7 +130,7 @@ static struct light_bounds join(const struct light_bounds *a, const struct light
     return out;
 }
 
-// The error of an octahedral axis of 2 x 16 bits is less than this angle, in radians.
+// An upper bound of the error, in radians, of an octahedral axis of 2 x 16 bits.
 #define AXIS_RESOLUTION 2e-4
 
 static struct gpu_light_bounds encode(const struct builder *b, const struct light_bounds *bounds,
@@ -141,7 +144,7 @@ static struct gpu_light_bounds encode(const struct builder *b, const struct ligh
     out.axis = encode_normal(axis);
     double cos_o = cos(fmin(bounds->theta_o + AXIS_RESOLUTION, M_PI));
     double cos_e = cos(bounds->theta_e);
-    // Rounding widens the cone.
+    // Rounded down, so that the cone becomes wider.
     uint32_t o = (uint32_t)floor((0.5 + 0.5 * cos_o) * LIGHT_COS_O_SCALE);
     uint32_t e = (uint32_t)floor((0.5 + 0.5 * cos_e) * LIGHT_COS_E_SCALE);
     out.cosines = o | e << 16 | (bounds->two_sided ? LIGHT_TWO_SIDED : 0u);
@@ -156,10 +159,10 @@ static float middle(const struct light_bounds *bounds, int axis)
     return light_bounds_middle(bounds).raw[axis];
 }
 
-// The sums from which the cost of one side of a split is computed.
+// Sums over one side of a split, from which its cost is computed.
 struct part {
     vec3s min, max;
-    double axis[3]; // sum
+    double axis[3]; // sum of the axes
     double power, theta_o, theta_e;
     uint32_t count;
 };
@@ -171,7 +174,7 @@ static struct part empty_part(void)
     return part;
 }
 
-// The axes of two-sided emitters are turned towards `reference`.
+// Adds an item. The axis of a two-sided emitter is turned towards `reference`.
 static void part_add(struct part *part, const struct light_bounds *bounds,
                      const double reference[3])
 {
@@ -198,7 +201,8 @@ static void part_join(struct part *a, const struct part *b)
     a->count += b->count;
 }
 
-// Returns the surface area of the box, with a little of its diagonal for items on a line.
+// Returns the surface area of the box, plus a small part of its squared diagonal, so that items on
+// a line have an area, too.
 static double part_area(const struct part *part)
 {
     double e[3];
@@ -207,9 +211,9 @@ static double part_area(const struct part *part)
     return 2.0 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]) + 1e-3 * vec3_dot(e, e);
 }
 
-// Returns the measure of the directions that it may send light to (Conty Estevez and Kulla 2018,
-// section 4.4). The cone of the axes is that in which uniformly distributed axes would have the
-// same mean: the mean of a cap of half-angle theta has the length (1 + cos theta) / 2. Exact bounds
+// Returns the measure of the directions in which the items may emit (Conty Estevez and Kulla 2018,
+// section 4.4). The half-angle theta of their axes' cone is estimated from the length of the mean
+// axis, which is (1 + cos theta) / 2 for axes distributed uniformly over the cone. Exact bounds
 // would need another pass.
 static double part_orientation(const struct part *part)
 {
@@ -228,7 +232,7 @@ static double part_cost(const struct part *part)
 struct split {
     double cost;
     int axis;
-    int position; // items in buckets below it go to the left
+    int position; // items in buckets below this one go to the left
 };
 
 static int bucket_count(const struct range *range)
@@ -242,7 +246,8 @@ static int bucket_of(float position, float low, float high, int count)
     return bucket >= (float)count ? count - 1 : (int)bucket;
 }
 
-// Finds the best split along one axis; `low` and `high` bound the middles, and differ.
+// Finds the best split along one axis. `low` and `high` are the bounds of the items' middles, and
+// differ.
 static void try_axis(const struct range *range, int axis, float low, float high, double regularity,
                      struct split *best)
 {
@@ -272,7 +277,7 @@ static void try_axis(const struct range *range, int axis, float low, float high,
     }
 }
 
-// Moves the items of lower buckets to the front; returns their number.
+// Moves the items of the left buckets to the front; returns their number.
 static uint32_t partition(const struct range *range, const struct split *split, float low,
                           float high)
 {
@@ -293,7 +298,7 @@ static uint32_t levels_needed(uint32_t count)
     return count > 1 ? 32u - (uint32_t)__builtin_clz(count - 1) : 0;
 }
 
-// Sorts a few items in ascending order of their middles.
+// Sorts a few items by their middles, in ascending order.
 static void sort_few(const struct range *range, int axis)
 {
     uint32_t *order = range->layer->order + range->first;
@@ -307,8 +312,9 @@ static void sort_few(const struct range *range, int axis)
         }
 }
 
-// Returns how many items of a range of at least 2 go to the left. Halves the range if it has few
-// items, if no split is better, or if the trail has only the bits that halving needs.
+// Returns how many items of a range, which has at least 2, go to the left. Halves the range if it
+// has few items, if no split is better, or if only as many bits of the trail are left as halving
+// needs.
 static uint32_t split_range(const struct range *range)
 {
     uint32_t half = range->count / 2;
@@ -345,7 +351,7 @@ static uint32_t child_word(const struct builder *b, const struct range *range)
                               : range->node;
 }
 
-// Turns a range of one lamp into the range of its emitters.
+// Turns a range that consists of one lamp into the range of the lamp's emitters.
 static struct range enter_lamp(const struct builder *b, const struct range *range)
 {
     if (range->layer != &b->lamps || range->count > 1)
@@ -371,8 +377,8 @@ static uint32_t count_leaves(const struct builder *b, const struct range *range,
     return leaves;
 }
 
-// The pair of a subtree is followed by the left subtree, then by the right one: n emitters have n -
-// 1 pairs.
+// The pair of a subtree's root is followed by the pairs of the left subtree, then those of the
+// right one. n emitters have n - 1 pairs.
 static void split_children(const struct builder *b, const struct range *range, struct range out[2])
 {
     uint32_t left = split_range(range), leaves = count_leaves(b, range, left);
@@ -400,7 +406,7 @@ static struct light_bounds set_pair(const struct builder *b, uint32_t node,
     return join(&bounds[0], &bounds[1]);
 }
 
-// Small ranges finish without asking.
+// Small ranges are not worth polling for a stop.
 static bool is_stopped(const struct builder *b, const struct range *range)
 {
     return range->leaves > 1024 && progress_should_stop(b->progress);
@@ -430,7 +436,7 @@ static struct light_bounds build_range(const struct builder *b, const struct ran
 struct upper {
     const struct builder *b;
     struct range pairs[TASKS_MAX][2];
-    struct range roots[TASKS_MAX]; // by pair
+    struct range roots[TASKS_MAX]; // indexed by pair
     struct range tasks[2 * TASKS_MAX];
     struct light_bounds task_bounds[2 * TASKS_MAX];
     uint32_t pair_count, task_count, largest;
@@ -457,7 +463,7 @@ static void run_tasks(void *context, size_t begin, size_t end, unsigned thread)
         u->task_bounds[i] = build_range(u->b, &u->tasks[i]);
 }
 
-// Joins the bounds of the subtrees in the order of list_tasks().
+// Joins the bounds of the subtrees, in the order of list_tasks().
 static struct light_bounds join_tasks(const struct upper *u, const struct range *range,
                                       uint32_t *pair, uint32_t *task)
 {
@@ -491,7 +497,8 @@ static bool build(const struct builder *b, uint32_t lamp_count, uint32_t count, 
     return true;
 }
 
-// Sorts the emitters by lamp; returns the number of lamps that have any, which `lamp_order` lists.
+// Sorts the emitters by lamp. Returns the number of lamps that have emitters; `lamp_order` lists
+// these lamps.
 static uint32_t sort_by_lamps(const struct light_tree_params *p, uint32_t *first, uint32_t *order,
                               uint32_t *lamp_order)
 {
@@ -502,7 +509,7 @@ static uint32_t sort_by_lamps(const struct light_tree_params *p, uint32_t *first
         uint32_t size = first[lamp + 1];
         if (size > 0)
             lamp_order[used++] = lamp;
-        first[lamp + 1] = sum; // moves on to the beginning of the next one
+        first[lamp + 1] = sum; // becomes the beginning of the next lamp
         sum += size;
     }
     for (uint32_t i = 0; i < p->count; i++)

@@ -1,6 +1,6 @@
-// A binary tree over emitters. Kernels descend it to choose an emitter by its bound on the
-// contribution to a point (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
-// Adaptive Tree Splitting"; the bounds of directions as in Pharr, Jakob, Humphreys 2023, section
+// A binary tree over emitters. Kernels descend it to select an emitter in proportion to a bound on
+// its contribution to a point (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights
+// with Adaptive Tree Splitting"; bounds of directions as in Pharr, Jakob, Humphreys 2023, section
 // 12.6.3).
 #ifndef LAMPYRIS_RENDER_TABLES_LIGHT_TREE_H
 #define LAMPYRIS_RENDER_TABLES_LIGHT_TREE_H
@@ -13,38 +13,39 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Bounds of the positions of emitters and of the directions that they send light to. Boxes are in
-// single precision, as their triangles are. Emitters send light at most theta_e away from some
-// direction that is within theta_o of the axis. Only cglm's functions of three components are used:
-// they are scalar on every machine.
+// Bounds of emitters' positions and of the directions in which they emit. Boxes are in single
+// precision, like the triangles in them. Each emitter emits within an angle theta_e of some
+// direction that is within theta_o of the axis. Only cglm's functions of three components are used,
+// because these are scalar on every machine.
 struct light_bounds {
     vec3s min, max;
-    vec3s center; // centre of a bounding sphere
+    vec3s center; // centre of the bounding sphere
     float radius;
-    double axis[3];          // unit
-    double theta_o, theta_e; // radians, [0, pi] and [0, pi / 2]
-    double power;            // the greatest in any direction: luminance of an intensity
-    bool two_sided;          // they send as much in the opposite directions
+    double axis[3];          // unit vector
+    double theta_o, theta_e; // radians, in [0, pi] and [0, pi / 2]
+    double power;            // upper bound over all directions of the intensity's luminance
+    bool two_sided;          // emission is the same in opposite directions
 };
 
-// Returns the middle of the box: corners are halved first, so that the sum cannot overflow.
+// Returns the middle of the box. The corners are halved before they are added, so that the sum
+// cannot overflow.
 static inline vec3s light_bounds_middle(const struct light_bounds *bounds)
 {
     return glms_vec3_add(glms_vec3_scale(bounds->min, 0.5f), glms_vec3_scale(bounds->max, 0.5f));
 }
 
 struct light_tree {
-    struct gpu_light_bounds *nodes; // count - 1 pairs, parents before children, the root first
-    struct gpu_light_trail *trails; // count, in the order of the emitters
-    struct gpu_lamp *lamps;         // lamp_count
-    uint32_t root;                  // a child's word
+    struct gpu_light_bounds *nodes; // count - 1 pairs; parents come before children, the root first
+    struct gpu_light_trail *trails; // count trails, in the order of the emitters
+    struct gpu_lamp *lamps;         // lamp_count lamps
+    uint32_t root;                  // word of the root, as a child has it
 };
 
-// The input: emitters of positive power, at least one.
+// The input: at least one emitter; all have positive power.
 struct light_tree_params {
     const struct light_bounds *bounds;
     const uint32_t *primitives; // their primitive words
-    const uint32_t *lamps;      // the lamp of each: the emitters of a lamp are one subtree
+    const uint32_t *lamps;      // lamp of each emitter; the emitters of a lamp form one subtree
     uint32_t count, lamp_count;
     const struct progress *progress;
 };

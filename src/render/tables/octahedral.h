@@ -4,7 +4,8 @@
 
 #include <stdint.h>
 
-// The octahedral code that shaders decode (lib/surface.glsl); never NORMAL_FLAT.
+// Returns the octahedral code of a unit vector, which shaders decode (lib/surface.glsl); never
+// NORMAL_FLAT.
 uint32_t encode_normal(const float n[3]);
 
 #endif

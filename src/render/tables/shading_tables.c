@@ -14,7 +14,7 @@ struct media {
     uint32_t count;
 };
 
-// Lengths are in the flat scene's unit.
+// Returns the medium inside a material, with lengths in the flat scene's unit.
 static struct gpu_medium inside_of(const struct material *material, const struct flat_scene *flat)
 {
     struct gpu_medium medium = {
@@ -33,7 +33,7 @@ static bool same_medium(const void *a, const void *b)
     return memcmp(a, b, sizeof(struct gpu_medium)) == 0;
 }
 
-// Returns the number of the medium inside a material, 1 and up; 0 if it is not listed.
+// Returns the number of a medium, from 1 on; 0 if it is not listed.
 static uint32_t medium_number(const struct media *media, const struct gpu_medium *medium)
 {
     for (uint32_t i = 0; i < media->count; i++)
@@ -42,8 +42,8 @@ static uint32_t medium_number(const struct media *media, const struct gpu_medium
     return 0;
 }
 
-// Lists the different media in ascending order of priority; of media with equal priority the one
-// listed first is lower.
+// Lists the distinct media in ascending order of priority. If priorities are equal, the medium that
+// is listed first counts as lower.
 static bool list_media(const struct scene *scene, const struct flat_scene *flat,
                        struct media *media, struct err *err)
 {
@@ -96,7 +96,7 @@ static void fill_materials(const struct shading_tables_params *p, const struct e
     }
 }
 
-// Sections of the materials' buffer, each of `count` records.
+// Offsets of the sections of the materials' buffer.
 struct sections {
     uint64_t materials, textures, lights, suns, media, profiles, albedos, end; // in words of four
 };
@@ -144,7 +144,7 @@ static uint64_t count_profile_words(const struct scene *scene)
     return words;
 }
 
-// A profile as lib/profile.glsl reads it.
+// Writes a profile in the form that lib/profile.glsl reads.
 static void fill_profile(const struct light_profile *profile, char *bytes)
 {
     uint32_t v = profile->vertical_count, h = profile->horizontal_count;
@@ -157,8 +157,8 @@ static void fill_profile(const struct light_profile *profile, char *bytes)
     memcpy(values + v + h, profile->relative, (size_t)v * h * sizeof *values);
 }
 
-// Fills the section of profiles, which begins at the word `first`, and the members of lights that
-// refer to it.
+// Fills the section of profiles, which begins at word `first`, and the members of lights that refer
+// to profiles.
 static void fill_profiles(const struct scene *scene, uint64_t first, char *bytes,
                           struct gpu_light *lights)
 {
@@ -189,7 +189,7 @@ static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
     return s;
 }
 
-// Returns whether the transmission of this material's microfacets is energy-compensated anywhere.
+// Returns whether energy compensation applies to this material's transmission by microfacets.
 static bool is_compensated_glass(const struct material *m)
 {
     bool through = m->model == MATERIAL_DIELECTRIC ||
@@ -198,7 +198,7 @@ static bool is_compensated_glass(const struct material *m)
     return through && is_rough && (m->flags & MATERIAL_COMPENSATE) != 0u;
 }
 
-// Returns how many words of the albedo tables shading a material reads.
+// Returns how many words of the albedo tables are read to shade a material.
 static uint32_t albedo_words_of(const struct material *m)
 {
     bool is_principled = material_shading_model(m) == MATERIAL_PRINCIPLED;

@@ -1,5 +1,5 @@
-// The data that kernels read of a scene besides its geometry, in the form they read it. It is built
-// before memory is planned, since the plan needs its size.
+// Scene data other than geometry, in the form that kernels read. The tables are built before memory
+// is planned, because the plan depends on their size.
 #ifndef LAMPYRIS_RENDER_TABLES_SHADING_TABLES_H
 #define LAMPYRIS_RENDER_TABLES_SHADING_TABLES_H
 
@@ -19,18 +19,19 @@ struct shading_tables_params {
     const struct scene *scene;
     const struct flat_scene *flat;
     const struct bvh *bvh;
-    const struct camera *camera;       // its rays may start inside a medium
-    uint32_t light_choice;             // LIGHT_CHOICE_*, not AUTO
-    const struct emitter_lamps *lamps; // if the light choice needs them
-    const struct progress *progress;   // asked whether to stop; NULL: no progress is reported
+    const struct camera *camera;       // its rays may begin inside a medium
+    uint32_t light_choice;             // LIGHT_CHOICE_*, but never AUTO
+    const struct emitter_lamps *lamps; // required by some light sampling strategies
+    const struct progress *progress;   // polled for a stop; NULL: never stops
 };
 
-// Builds everything in `arena`. ERR_INPUT for more than MEDIA_MAX different media.
+// Builds the tables in `arena`. Fails with ERR_INPUT if the scene has more than MEDIA_MAX different
+// media.
 bool shading_tables_build(const struct shading_tables_params *params, struct arena *arena,
                           struct shading_tables *out, struct err *err);
 
-// Writes to the header the media that contain params->camera; returns whether that changed
-// anything.
+// Writes the media that contain params->camera to the header. Returns whether that changed the
+// header.
 bool shading_tables_place_camera(const struct shading_tables_params *params,
                                  struct shading_tables *tables);
 

@@ -14,7 +14,8 @@ static bool is_same(const struct texture_image *a, const struct texture_image *b
            a->is_float == b->is_float;
 }
 
-// Returns the offset of an image; adds the image unless it, or an equal one, is there already.
+// Returns the offset of an image. Adds the image unless the set already has it, or one with equal
+// content.
 static uint64_t place_image(const struct scene *scene, struct texture_set *set, uint32_t index)
 {
     for (uint32_t i = 0; i < set->image_count; i++)
