@@ -1,6 +1,6 @@
-// One thread adds the samples of one pixel to the film, in sums that depend neither on their order
-// nor on how they are shared between waves and films. For comparison also in a plain sum or as a
-// running mean, in ascending order.
+// One thread adds the samples of one pixel to the film, in sums that depend neither on the order of
+// the samples nor on their division into waves and films. For comparison there are also a plain sum
+// and a running mean, which add samples in ascending order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -16,14 +16,14 @@ layout(std430, set = 0, binding = BINDING_FILM) buffer film_block {
 const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 const uint PIXEL_WORDS = AOV_FILM_WORDS(AOVS);
 
-// The sums of a half, or of what a class of --error-by brings to it.
+// The sums of a half-buffer, or of one class of --error-by in a half-buffer.
 struct half_sums {
     uvec4 bins[3];
-    uint tops[3]; // digits
+    uint tops[3]; // highest digits
     uint digits;
 };
 
-// `at`: of gpu_film_pixel or of a class.
+// at: the first word of gpu_film_pixel or of a class.
 half_sums load_half(uint at, uint number)
 {
     half_sums sums;
@@ -35,7 +35,7 @@ half_sums load_half(uint at, uint number)
     return sums;
 }
 
-// All but the digits.
+// Stores all words of the sums except the digits.
 void store_bins(uint at, uint number, half_sums sums)
 {
     for (uint c = 0u; c < 3u; c++)
@@ -50,7 +50,8 @@ void add(inout half_sums sums, vec3 value)
     }
 }
 
-// Sample number `count` of a half whose floats these are, from 1.
+// Adds a value to a half-buffer that keeps floats. count: the number of its samples, including this
+// one.
 void add_float(inout half_sums sums, vec3 value, uint count)
 {
     vec3 before = vec3(uintBitsToFloat(sums.bins[0].x), uintBitsToFloat(sums.bins[1].x),
@@ -62,7 +63,7 @@ void add_float(inout half_sums sums, vec3 value, uint count)
         sums.bins[c].x = floatBitsToUint(after[c]);
 }
 
-// A word of the records of a sample's slots: their sum, in ascending order.
+// Returns the sum of one word over the records of a sample's slots, added in ascending order.
 vec4 load_sample(uint sample_of_wave, uint word)
 {
     uint slot = first_slot(sample_of_wave);
@@ -74,7 +75,8 @@ vec4 load_sample(uint sample_of_wave, uint word)
     return sum;
 }
 
-// The AOVs of an item's samples, four floats after the other. `at`: of the pixel's record.
+// Adds the AOVs of an item's samples, in groups of four floats. at: the first word of the pixel's
+// record.
 void add_aovs(uint item, uint at)
 {
     uint samples = 1u << push.sample_shift;
@@ -99,8 +101,8 @@ void add_aovs(uint item, uint at)
     }
 }
 
-// Adds what each class of --error-by has brought to the samples of half `number`, which are those of
-// `range` (samples_of_half()).
+// Adds the contributions of each class of --error-by to half-buffer `number`. `range` has the
+// samples of that half-buffer (samples_of_half()).
 void add_classes(uint item, uint at, uint number, uvec3 range)
 {
     for (uint i = 0u; i < AOV_CLASSES(AOVS); i++) {
@@ -114,8 +116,8 @@ void add_classes(uint item, uint at, uint number, uvec3 range)
     }
 }
 
-// Keeps the brightest contribution. Of equally bright ones it keeps that of the lowest sample, and
-// of its first branch.
+// Keeps the brightest contribution. If several are equally bright, it is that of the lowest sample
+// and of its first branch.
 void keep_brightest_sample(uint item, uint at)
 {
     uint word = at + AOV_FILM_BRIGHTEST_AT(AOVS);
@@ -137,24 +139,25 @@ void keep_brightest_sample(uint item, uint at)
     film_words[word + 1u] = uvec4(its_sample, 0u, 0u, 0u);
 }
 
-// Adds the radiance of the samples of `range` to a half of the pixel's that has `count` samples, and
-// returns its digits. dropped: counts those of which something was left out.
+// Adds the radiance of the samples in `range` to half-buffer `number` of a pixel, which has `count`
+// samples, and returns its digits. dropped: counts the samples from which a contribution was left
+// out.
 uint add_samples(uint item, uint at, uint number, uvec3 range, uint count, inout uint dropped)
 {
     half_sums sums = load_half(at, number);
     for (uint i = range.x; i < range.y; i += range.z) {
         vec4 radiance = load_sample((item << push.sample_shift) + i, 0u);
-#ifdef PLANTED_FILM_FACTOR // tests of tests only: is a film that gains light found?
+#ifdef PLANTED_FILM_FACTOR // for tests of tests: is a film that gains light detected?
         radiance.rgb *= PLANTED_FILM_FACTOR;
 #endif
-        // The sum over branches may leave what floats can hold.
+        // The sum over branches may overflow although each branch is finite.
         if (HAS(FEATURE_SPLIT_LOBES) && !is_finite(radiance.rgb))
             radiance = vec4(0.0, 0.0, 0.0, 1.0);
         if (ACCUMULATION == ACCUMULATION_BINNED)
             add(sums, radiance.rgb);
         else
             add_float(sums, radiance.rgb, ++count);
-        // Samples are counted, not their branches.
+        // Counts samples, not their branches.
         dropped += HAS(FEATURE_SPLIT_LOBES) ? min(uint(radiance.w), 1u) : uint(radiance.w);
     }
     store_bins(at, number, sums);
@@ -173,7 +176,7 @@ void main()
     bool has_means = ACCUMULATION == ACCUMULATION_RUNNING;
     uvec2 counts = uvec2(has_means ? max(head.w, 1u) - 1u : 0u, 0u);
     counts.y = before - counts.x;
-    // A single sample leaves the other half's memory alone.
+    // A single sample does not access the memory of the other half-buffer.
     uint first = samples > 1u ? 0u : half_of_sample(before);
     uint last = samples > 1u ? 1u : first;
     for (uint number = first; number <= last; number++) {
@@ -190,7 +193,7 @@ void main()
         add_aovs(item, at);
     if (HAS_AOV(AOVS_BY))
         keep_brightest_sample(item, at);
-    // The ids are those of the first sample that the pixel gets.
+    // The ids are those of the pixel's first sample.
     if (HAS_AOV(AOV_IDS) && before == 0u)
         film_words[at + PIXEL_WORDS - 1u] =
             load_radiance((first_slot(item << push.sample_shift) + 1u) * SLOT_WORDS - 1u);

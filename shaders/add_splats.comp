@@ -1,5 +1,6 @@
-// One thread adds the contribution of a light path to a pixel of the bound range of the film. Reads
-// the queue of shadow rays, in two dispatches: push.light_ray is 0 to claim digits, 1 to add.
+// One thread adds the contribution of a light path to a pixel in the bound range of the film. Reads
+// the queue of shadow rays, in two dispatches: with push.light_ray = 0 the digits are claimed, with
+// 1 the values are added.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -19,7 +20,8 @@ void main()
     uint slot = queue_slot(push.queue, item);
     uvec4 words = load_shadow_ray(slot, 0u, 2u);
     uint number = load_path(slot, PATH_WEIGHTS).w;
-    uint pixel = words.w - push.film_first_pixel; // beyond all if it is of a former range
+    uint pixel = words.w - push.film_first_pixel; // wraps around to a huge number for pixels of
+                                                  // earlier ranges
     uint pixels = uint(film_words.length()) / AOV_FILM_WORDS(AOVS);
     if (words.rgb == uvec3(0u) || pixel >= pixels)
         return;

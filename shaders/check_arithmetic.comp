@@ -1,5 +1,5 @@
-// Arithmetic as the driver does it, for lampyris check: each thread reads four words of Input and
-// writes four of Output. Which routine is a specialization constant.
+// Executes arithmetic as the driver compiles it, for lampyris check: each thread reads four words
+// of Input and writes four of Output. A specialization constant selects the routine.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -14,7 +14,8 @@ layout(std430, set = 0, binding = 0) readonly buffer Input { uvec4 inputs[]; };
 layout(std430, set = 0, binding = 1) writeonly buffer Output { uvec4 outputs[]; };
 layout(push_constant) uniform Push { uint items; };
 
-// A planted fault is one unit in the last place, so that its test shows what would be found.
+// The planted fault is one unit in the last place, so that its test shows what the check can
+// detect.
 #ifdef PLANTED_ULP
 const uint FAULT = 1u;
 #else

@@ -1,7 +1,7 @@
-// Runs the shipped BSDFs on inputs that the host wrote into the paths' buffer, four words of four
-// for each thread, which are overwritten by what comes out:
+// Runs the renderer's BSDFs on input that the host has written to the paths' buffer. Each thread
+// has four words of four there, which it overwrites with its output:
 //   in:         wo, material index; wi, eta; u; unused
-//   sample out: wi, pdf; weight, BSDF_* flags; what eval_bsdf() says of that wi: f cos, pdf
+//   sample out: wi, pdf; weight, BSDF_* flags; result of eval_bsdf() for that wi: f cos, pdf
 //   eval out:   f cos, pdf
 // or parts of them:
 //   microfacet in:  w, material index; h, unused; alpha x, y

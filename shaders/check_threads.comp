@@ -1,5 +1,6 @@
-// Loops, atomics, barriers and subgroups as the driver does them, for lampyris check: each thread
-// reads four words of Input and writes four of Output. Which routine is a specialization constant.
+// Executes loops, atomics, barriers and subgroup operations as the driver compiles them, for
+// lampyris check: each thread reads four words of Input and writes four of Output. A specialization
+// constant selects the routine.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #ifdef BALLOT
@@ -27,7 +28,7 @@ shared uint round_about[128];
 #define ADD_ONE(memory) atomicAdd(memory, 1u)
 #endif
 
-// The end comes from memory, so that no compiler knows the number of turns.
+// The number of iterations comes from memory, so that no compiler knows it.
 uint turns(uint end)
 {
     uint done = 0u;
@@ -36,7 +37,7 @@ uint turns(uint end)
     return done;
 }
 
-// A value goes to the next thread of the workgroup, as often as COUNT says.
+// Passes values to the next thread of the workgroup, COUNT times.
 uint go_round(uint value)
 {
     uint self = gl_LocalInvocationID.x, size = gl_WorkGroupSize.x;
@@ -72,7 +73,7 @@ uvec4 ranks(uint value)
                  subgroupBallotBitCount(odd), value);
 }
 
-// The branches are long enough that no compiler takes both at once.
+// Both branches are long, so that no compiler executes both and selects a result.
 uvec4 after_branch(uint value)
 {
     uint before = subgroupBallotBitCount(subgroupBallot(true));
@@ -97,7 +98,7 @@ void main()
         outputs[item].x = go_round(words.x);
     if (ROUTINE == CHECK_ARRAY)
         outputs[item].x = sum_over_array(words.x);
-    // This dispatch writes another component than it reads.
+    // This dispatch writes to another component than the one that it reads.
     if (ROUTINE == CHECK_DISPATCHES)
         outputs[item][turn & 1u] = 3u * outputs[(item + 1u) % items][~turn & 1u] + 1u;
     if (ROUTINE == CHECK_TEXELS)

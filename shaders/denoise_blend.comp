@@ -1,6 +1,6 @@
-// One thread mixes one pixel's light with what the history has of the same place: temporal
-// reprojection (Schied et al. 2017, section 4.1), along with objects that moved. Also finds how the
-// guide's depth changes. DENOISE_HISTORY_* say in which of two runs.
+// One thread mixes the light of one pixel with the history of the same surface point: temporal
+// reprojection (Schied et al. 2017, section 4.1), including objects that have moved. Also finds the
+// slope of the guide's depth. DENOISE_HISTORY_* selects the mode of the run.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -19,16 +19,17 @@ DENOISE_READ(modulation, DENOISE_MODULATION)
 DENOISE_READ(picture, DENOISE_PICTURE)
 DENOISE_READ(emission, DENOISE_EMISSION)
 DENOISE_READ(difference, DENOISE_TO)
-DENOISE_WRITE(compared, DENOISE_TO) // which is the same buffer, in the run before
+DENOISE_WRITE(compared, DENOISE_TO) // the same buffer as `compared`, in the preceding run
 DENOISE_WRITE(blended, DENOISE_BLENDED)
 DENOISE_WRITE(records, DENOISE_RECORDS)
 
-// The most degrees of freedom that a variance may have: more would only keep what was long ago.
+// The maximum number of degrees of freedom of a variance: more would give old frames too much
+// weight.
 const float FREEDOM_MOST = 32.0;
 
-// The smaller one of the changes to both sides, so that an edge beside the pixel is none of its
-// surface's slope. Over two pixels: samples are jittered by up to half a pixel each, which over one
-// could cancel the whole change.
+// The slope along an axis: the smaller of the depth changes on both sides, so that an edge beside
+// the pixel does not count as slope. Changes are measured over two pixels, because each sample is
+// jittered by up to half a pixel, which could cancel the whole change over one pixel.
 float slope_along(ivec2 pixel, vec4 guide, ivec2 axis)
 {
     float slope = 0.0;
@@ -45,9 +46,10 @@ float slope_along(ivec2 pixel, vec4 guide, ivec2 axis)
     return slope;
 }
 
-// Emission is in the halves too, but not in the light that is filtered: where it differs from the
-// next pixels' it may differ between the halves, by a variance of up to a quarter of the
-// difference's square. Where that could be a part of the variance, they give none.
+// The half-buffers contain emission, but the filtered light does not. If a pixel's emission differs
+// from that of its neighbours, it may also differ between the halves, with a variance of up to a
+// quarter of the squared difference. If that could be more than this fraction of the variance, the
+// halves are not used.
 const float EMISSION_PART = 0.1;
 
 bool is_told_by_halves(ivec2 pixel, float variance)
@@ -66,17 +68,17 @@ bool is_told_by_halves(ivec2 pixel, float variance)
 
 struct past {
     vec3 light;
-    float samples; // samples of each of the taps that fit
-    float part;    // part of these taps
-    float same;    // of these, that of the very pixel, if its random numbers are the film's
-    float squares; // sum of the taps' squared parts
+    float samples; // samples of each accepted tap
+    float part;    // sum of the accepted taps' weights
+    float same;    // the same pixel's share of it, if the random numbers are the same
+    float squares; // sum of the squared weights
     float deviation, freedom;
 };
 
 const past NO_PAST = past(vec3(0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
 
-// A pixel of the history, where it may speak for the place `at` of its picture: the surface there
-// has the same normal, and the depth that its own slope leads to. Returns its weight.
+// Returns the weight of a pixel of the history, whose reprojected position is `at`: 0 unless the
+// surface there has the same normal and the depth expected from its own slope.
 float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float tolerance)
 {
     uint index = tap.y * denoise.history.width + tap.x;
@@ -84,7 +86,7 @@ float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float to
     vec4 record = load_records_history(index);
     vec2 away = at - (vec2(tap) + 0.5);
     float deviation = abs(then.w + dot(record.xy, away) - expected_depth);
-    // Each is the mean of samples somewhere in their pixel.
+    // Both depths are means over samples anywhere in their pixels.
     float allowed = abs(record.x) + abs(record.y) + tolerance;
     bool far = is_sky(guide);
     float alike = normal_weight(guide.xyz, then.xyz, far && is_sky(then) ? 1.0 : 0.0);
@@ -93,7 +95,7 @@ float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float to
     return !is_empty(then) && same_place ? bilinear * alike : 0.0;
 }
 
-// Bilinear, of those taps that fit.
+// Interpolates the history bilinearly, over the accepted taps.
 past read_past(vec2 at, ivec2 pixel, vec4 guide, float expected_depth, float tolerance)
 {
     past sum = NO_PAST;
@@ -133,8 +135,8 @@ past read_past(vec2 at, ivec2 pixel, vec4 guide, float expected_depth, float tol
     return sum;
 }
 
-// Takes a point and a normal to where they were. Normals go by the cofactors of a map, which are its
-// inverse's transpose but for a factor.
+// Moves a point and a normal to where they were. Normals are transformed by the cofactors of the
+// map, which are its inverse transpose up to a factor.
 void move_back(gpu_denoise_motion motion, inout vec3 point, inout vec3 normal)
 {
     vec3 at = vec3(motion.past_x_at, motion.past_y_at, motion.past_z_at);
@@ -161,7 +163,7 @@ past find_past(ivec2 pixel, vec4 guide, vec2 slope, uint motion)
     bool seen = project(denoise.history, point, far, at, expected_depth);
     bool inside = seen && all(greaterThan(at, vec2(-1.0))) &&
                   all(lessThan(at, vec2(denoise.history.width, denoise.history.height) + 1.0));
-    // The change of this pixel's depth, scaled to that of the history.
+    // The change of this pixel's depth, scaled to the depth in the history.
     float own = (abs(slope.x) + abs(slope.y)) / guide.w + ray_length_change(denoise.now, middle) +
                 ray_length_change(denoise.history, at) + 2.0 * DEPTH_ROUNDING;
     if (!inside)
@@ -169,26 +171,28 @@ past find_past(ivec2 pixel, vec4 guide, vec2 slope, uint motion)
     return read_past(at, pixel, guide, expected_depth, far ? 0.0 : own * expected_depth);
 }
 
-// Relative error of light: as that of depths.
+// The relative rounding error of light, equal to that of depths.
 const float LIGHT_ROUNDING = DEPTH_ROUNDING;
 
-// Two levels of the wavelet average as 65.6 pixels of even weight do. By their sums of squares they
-// are 178.9: each level takes what it reads for independent.
+// The ratio of two numbers of pixels. Two levels of the wavelet average as much as 65.6 pixels with
+// equal weights; but computed from sums of squared weights the number would be 178.9, because each
+// level assumes that its input pixels are independent.
 const float PIXELS_TOLD = 178.9 / 65.6;
-// So many pixels are asked at least.
+// The minimum number of pixels from which the history's bias is estimated.
 const float PIXELS_LEAST = 4.0;
 
-// Schied et al. 2017 do without the moments of fewer frames than this (section 4.2): fewer samples
-// would not show here whether a difference is noise.
+// The minimum number of samples. Schied et al. 2017 ignore the moments of fewer frames (section
+// 4.2); here, too, fewer samples would not show whether a difference is noise.
 const float SAMPLES_LEAST = 4.0;
 
-// Returns how much of the history is still valid: light and shadow may have moved. The mean
-// difference of film and history over the surrounding pixels is the history's bias, except for
-// noise, whose variance follows from the squares of the differences. A pixel has no history if
-// hardly any of its neighbours have one: it is on an edge.
+// Returns the fraction of the history that is still valid, because light and shadow may have moved.
+// The mean difference between film and history over the surrounding pixels is the bias of the
+// history, plus noise, whose variance follows from the squared differences. A pixel has no history
+// if hardly any of its neighbours have one: it is at an edge.
 float history_trust(uint index)
 {
-    vec4 means = load_difference(index); // difference, its square, and how many are known
+    vec4 means = load_difference(index); // mean difference, mean square, and number of pixels with
+                                         // both
     float count = means.z * means.z / (PIXELS_TOLD * means.w);
     if (!(count >= PIXELS_LEAST))
         return 0.0;
@@ -197,16 +201,16 @@ float history_trust(uint index)
     return best_part(variance, bias * bias - variance);
 }
 
-// The variance of what lies between the two means, in that of one sample. With the same random
-// numbers the fewer samples are among the more, so far as the history is of the same pixel:
-// `overlap` is what the means have in common.
+// Returns the variance of the difference of the two means, as a multiple of the variance of one
+// sample. If both use the same random numbers, the fewer samples are among the more, as far as the
+// history belongs to the same pixel; `overlap` is the part that the means have in common.
 float new_part(past before, float samples, float overlap)
 {
     return 1.0 / samples + before.squares / before.samples - 2.0 * overlap;
 }
 
-// The square of a thousandth of a pixel, to which places in the history are found: a smaller part
-// of new samples is rounding.
+// The square of a thousandth of a pixel, the accuracy of positions in the history: a smaller result
+// of new_part() is rounding error.
 const float PLACE_ROUNDING = 1e-6;
 
 void main()
@@ -244,15 +248,17 @@ void main()
     float fading = max(0.0, 1.0 - samples / DENOISE_FADE_SAMPLES);
     float held = before.part * before.samples;
     float worth = fading * min(held, DENOISE_HISTORY_SAMPLES);
-    // In another scene the samples that the film takes again are better than they were.
+    // If the scene has changed, the film's samples replace those of the history with the same
+    // random numbers.
     if (HISTORY == DENOISE_HISTORY_CHECKED)
         worth = fading * clamp(held - before.same * samples, 0.0, DENOISE_HISTORY_SAMPLES);
     if (worth > 0.0 && samples > 0.0) {
         float share = trust * worth / (worth + samples);
         light.rgb += share * (before.light - light.rgb);
-        // Two means and what lies between them (Chan, Golub and LeVeque 1979). The history's is that
-        // of all samples of the taps that fit, however few these are; what it tells counts as they
-        // do. Otherwise an edge's pixel would take the fewness of its taps for a small variance.
+        // Combines two means and their squared deviations (Chan, Golub and LeVeque 1979). The
+        // history's mean is over all samples of the accepted taps; their number is scaled by the
+        // weight of these taps. Otherwise a pixel at an edge would have a small variance only
+        // because it has few taps.
         float told = trust * before.part;
         float both = before.samples * samples / (before.samples + samples);
         float overlap = before.same / max(before.samples, samples);

@@ -1,5 +1,5 @@
-// One thread makes one pixel of the picture: as much of the filtered light as the variance bears
-// out, in the colours of its surface.
+// One thread computes one pixel of the denoised image: blends filtered and unfiltered light as the
+// variance justifies, and multiplies by the colours of the surface.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -13,16 +13,17 @@ DENOISE_READ(modulation, DENOISE_MODULATION)
 DENOISE_READ(emission, DENOISE_EMISSION)
 DENOISE_WRITE(picture, DENOISE_PICTURE)
 
-// Two independent variances with as many degrees of freedom as the window's weights leave, 1 / (sum
-// of their squares) = 13, have a greater ratio than this in one of 20 cases (Fisher's F
-// distribution).
+// The 95 % quantile of Fisher's F distribution: the ratio of two independent variances exceeds it
+// in one of 20 cases. Both have 13 degrees of freedom, 1 / (sum of the squares of the window's
+// weights).
 const float FISHER_13_13 = 2.58;
-// Up to so many samples that much is put down to chance: noise is what disturbs then. With more of
-// them there is less of it to lose, and less is put down to chance.
+// Up to this many samples a pixel, differences within these limits are attributed to chance,
+// because noise is the greater problem. With more samples there is less noise, and the limits are
+// lower.
 const float SAMPLES_FEW = 16.0;
-// A single pixel has one degree of freedom, and F(1, 1) is above x in 2 / (pi sqrt(x)) of all
-// cases. That share may be a 500th with few samples and grows with them, so that in the end each
-// pixel is what its own samples say.
+// A single pixel has one degree of freedom; the distribution F(1, 1) exceeds x in a fraction 2 /
+// (pi sqrt(x)) of all cases. This fraction is 1/500 with few samples and grows with their number,
+// so that finally each pixel shows its own samples.
 const float RARE_SHARE = 1.0 / 500.0;
 
 vec2 unpack_judgement(uint packed)
@@ -30,7 +31,8 @@ vec2 unpack_judgement(uint packed)
     return vec2(uintBitsToFloat(packed & 0xffff0000u), uintBitsToFloat(packed << 16u));
 }
 
-// The third sum is of the variances times the numbers of samples: of one sample.
+// The third component of the sum is that of the variances times the numbers of samples, that is, of
+// variances of one sample.
 void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
 {
     bool inside;
@@ -40,11 +42,10 @@ void add_judgement(inout vec3 sum, ivec2 pixel, ivec2 offset)
     sum += weight * vec3(judgement, judgement.y * load_blended(index).w);
 }
 
-// Returns how far to go from the unfiltered light (0) to the filtered one (1), judged by the
-// surrounding pixels together and by the pixel alone. The mean of (f - p)^2 is V + b^2, from which
-// the surrounding pixels give the bias b. The variance is that which they would have with as many
-// samples (`worth` includes the history's) as the pixel has: one that has just come into view has
-// fewer.
+// Returns the weight of the filtered light, 0 to 1, judged by the surrounding pixels together and
+// by the pixel alone. The mean of (f - p)^2 is V + b^2, from which the surrounding pixels give the
+// bias b. V is the variance that they would have with as many samples as this pixel (`worth`
+// includes those of the history), which has fewer if it has just come into view.
 float trust(ivec2 pixel, vec2 own, float samples, float worth)
 {
     vec3 sum = vec3(0.0);
@@ -52,8 +53,8 @@ float trust(ivec2 pixel, vec2 own, float samples, float worth)
     DENOISE_SQUARE_5(ADD_JUDGEMENT)
     float many = max(samples / SAMPLES_FEW, 1.0);
     float rare = 2.0 / (PI * RARE_SHARE * many);
-    // Both halves of a dark pixel may have found nothing yet: what the pixels around say counts to
-    // its variance, and with more samples less.
+    // Both halves of a dark pixel may not have found any light yet: the variance of the surrounding
+    // pixels is added, with a weight that decreases with the number of samples.
     float variance = own.y + sum.y / (many * many);
     float chance = 1.0 + (FISHER_13_13 - 1.0) / many;
     float expected = worth > 0.0 ? sum.z / worth : 0.0;
@@ -75,8 +76,7 @@ void main()
     vec2 own = unpack_judgement(from_bits(index).w);
     float part = trust(ivec2(pixel), own, film.w, before.w);
     vec3 light = before.rgb + part * (filtered - before.rgb);
-    // Where nothing was filtered these are the film's own bits, without the rounding of two
-    // divisions.
+    // Unfiltered pixels get the bits of the film, without the rounding of the two divisions.
     bvec3 same = equal(light, (film.rgb - emission) / divisor);
     store_picture(index, vec4(mix(light * divisor + emission, film.rgb, same), film.w));
 }

@@ -1,6 +1,6 @@
-// One thread turns one pixel of the film into what the filter works on: reflected light without the
-// colours of surfaces, what its half-buffers say of the variance, and the first surface as guide.
-// DENOISE_GATHER_* say what of that is written.
+// One thread computes the filter's input for one pixel of the film: the reflected light divided by
+// the surface's colour, the variance according to the half-buffers, and the first surface as guide.
+// DENOISE_GATHER_* selects which of these are written.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -24,12 +24,13 @@ DENOISE_WRITE(emission, DENOISE_EMISSION)
 
 const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 
-// A surface without a colour of its own still reflects this much at right angles, with an index of
-// refraction of 1.5: ((1.5 - 1) / (1.5 + 1))^2 (Fresnel). A smaller divisor would magnify the light
-// that is reflected above dark paint, and smear it over brighter paint beside it.
+// The least albedo by which light is divided. A dielectric surface without colour, with an index of
+// refraction of 1.5, still reflects ((1.5 - 1) / (1.5 + 1))^2 at normal incidence (Fresnel). A
+// smaller divisor would amplify light reflected above dark paint, and the filter would spread it
+// over brighter paint next to it.
 const float LEAST_ALBEDO = 0.04;
 
-// The means of all AOVs, read once.
+// The means of all AOVs, which are read once.
 float aov_means[4u * SUM_WORDS];
 
 void read_aovs(uint at, float samples)
@@ -48,7 +49,7 @@ vec3 aov_vector(uint place)
     return vec3(aov_means[place], aov_means[place + 1u], aov_means[place + 2u]);
 }
 
-// The sum of half 0 or 1.
+// Returns the sum of half-buffer 0 or 1.
 vec3 half_sum(uint at, uint number)
 {
     uvec4 head = film_words[at];
@@ -64,7 +65,7 @@ vec3 half_sum(uint at, uint number)
     return sum;
 }
 
-// Repeats lib/halves.glsl, which reads another kernel's bindings.
+// The same function as in lib/halves.glsl, which reads the bindings of another kernel.
 uint samples_of_first_half(uint samples)
 {
     return denoise.halves == HALVES_CONTIGUOUS ? min(samples, denoise.first_half)
@@ -79,15 +80,15 @@ vec4 make_guide(float alpha, uint pixel)
     float t = aov_means[AOV_SCALAR_AT(AOVS, AOV_DEPTH)] / alpha;
     vec3 normal = aov_vector(AOV_VECTOR_AT(AOVS, AOV_NORMAL));
     float squared = dot(normal, normal);
-    // Normals of several samples may cancel: such a pixel faces the camera.
+    // The mean of different normals may be 0; the pixel's normal then points to the camera.
     view_ray ray = ray_through(denoise.now, middle);
     normal = squared > 0.0 ? normal * inversesqrt(squared) : -ray.direction;
     return vec4(normal, guide_depth(denoise.now, t, ray.cosine));
 }
 
-// Luminances' sum of squared deviations between the halves, whose expectation is the variance of
-// one sample (Chan, Golub and LeVeque 1979). Emission is in it: at edges of emitters
-// it is too large.
+// Returns the sum of squared deviations of luminance between the half-buffers, whose expectation is
+// the variance of one sample (Chan, Golub and LeVeque 1979). It includes emission, so it is too
+// large at the edges of emitters.
 float halves_deviation(uint at, float a, float b, vec3 divisor)
 {
     float difference = luminance(half_sum(at, 0u) / (a * divisor)) -
@@ -95,8 +96,8 @@ float halves_deviation(uint at, float a, float b, vec3 divisor)
     return difference * difference * (a * b / (a + b));
 }
 
-// 1 + the number of the motion of the object that the pixel's first sample met; 0: it is where it
-// was.
+// Returns 1 + the index of the motion of the object that the pixel's first sample hit; 0 if that
+// object did not move.
 float find_motion(uint at)
 {
     uvec4 ids = film_words[at + AOV_FILM_WORDS(AOVS) - 1u];
@@ -144,8 +145,8 @@ void main()
     vec3 mean = (half_sum(at, 0u) + half_sum(at, 1u)) / n;
     float alpha = aov_means[AOV_SCALAR_AT(AOVS, AOV_ALPHA)];
     vec3 emission = aov_vector(AOV_VECTOR_AT(AOVS, AOV_EMISSION));
-    // Samples that meet nothing reflect nothing: at a silhouette the share of those that do
-    // cancels.
+    // Samples that hit nothing contribute no reflected light and no albedo, so at silhouettes the
+    // fraction of samples that hit a surface cancels.
     vec3 albedo = aov_vector(AOV_VECTOR_AT(AOVS, AOV_ALBEDO));
     vec3 divisor = alpha > 0.0 ? max(albedo, vec3(LEAST_ALBEDO * alpha)) : vec3(1.0);
     float first = float(samples_of_first_half(samples));

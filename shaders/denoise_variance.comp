@@ -1,6 +1,6 @@
-// One thread finds the variance of one pixel's luminance: from the half-buffers and the history of
-// the pixels around that are like it, or, as long as they say little, from these pixels'
-// differences (Schied et al. 2017, section 4.2).
+// One thread estimates the variance of one pixel's luminance from the half-buffers and the history
+// of similar neighbours or, if these have too few samples, from the differences between the
+// neighbours (Schied et al. 2017, section 4.2).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -14,11 +14,11 @@ DENOISE_READ(records, DENOISE_RECORDS)
 DENOISE_WRITE(to, DENOISE_TO)
 
 const int SPATIAL_RADIUS = 3;
-// With fewer degrees of freedom the variance of the pixels around is used, as Schied et al. 2017 do
-// with fewer than 4 frames (section 4.2).
+// With fewer degrees of freedom the spatial variance of the neighbours is used, as Schied et al.
+// 2017 do with fewer than 4 frames (section 4.2).
 const float FREEDOM_ENOUGH = 4.0;
 
-// Returns how similar a neighbour is, by geometry only; 0 beyond the image.
+// Returns the similarity of a neighbour, by geometry only; 0 outside the image.
 float likeness(depth_plane plane, ivec2 pixel, ivec2 offset, out uint index)
 {
     bool inside;
@@ -27,7 +27,8 @@ float likeness(depth_plane plane, ivec2 pixel, ivec2 offset, out uint index)
     return inside ? weight : 0.0;
 }
 
-// Adds a neighbour's squared deviations and degrees of freedom: of one sample.
+// Adds the squared deviations, for the variance of one sample, and the degrees of freedom of a
+// neighbour.
 void pool(inout vec2 sum, depth_plane plane, ivec2 pixel, ivec2 offset)
 {
     uint index;
@@ -43,8 +44,8 @@ vec2 pool_deviations(depth_plane plane, ivec2 pixel)
     return sum;
 }
 
-// The variance of the means of the pixels around, relative to this one's so that nothing cancels.
-// `radius`: -1 where it is not needed, so that the loop ends at once.
+// Returns the variance of the neighbours' means. They are taken relative to this pixel's, so that
+// nothing cancels. radius: -1 if the result is not needed, so that the loop ends at once.
 float spatial_variance(depth_plane plane, ivec2 pixel, float luminance_here, int radius)
 {
     vec3 sum = vec3(0.0);
@@ -56,7 +57,7 @@ float spatial_variance(depth_plane plane, ivec2 pixel, float luminance_here, int
             sum += weight * vec3(1.0, away, away * away);
         }
     if (!(sum.x > 1.0))
-        return 0.0; // nothing is like this pixel, so nothing will be mixed with it
+        return 0.0; // no similar neighbour, so the filter will not mix anything with this pixel
     float mean = sum.y / sum.x;
     return max(sum.z / sum.x - mean * mean, 0.0) * (sum.x / (sum.x - 1.0));
 }

@@ -23,7 +23,7 @@ void add_variance(inout vec2 sum, ivec2 pixel, ivec2 offset)
     sum += inside ? weight * vec2(variance, 1.0) : vec2(0.0);
 }
 
-// Variances are noisy themselves: a Gaussian of 3 x 3 pixels makes the weights steady.
+// Variances are noisy themselves; a Gaussian over 3 x 3 pixels makes the weights less noisy.
 float smooth_variance(ivec2 pixel)
 {
     vec2 sum = vec2(0.0);
@@ -32,7 +32,7 @@ float smooth_variance(ivec2 pixel)
     return sum.x / sum.y;
 }
 
-// The pixel that is filtered.
+// The pixel that is being filtered.
 struct middle_pixel {
     ivec2 at;
     vec3 light;
@@ -40,9 +40,9 @@ struct middle_pixel {
     depth_plane plane;
 };
 
-// Equation (1), and the variance of a weighted mean.
+// The sums of equation (1) and of the variance of a weighted mean.
 struct filtered {
-    vec3 change; // from the middle's light, so that what is even stays as it is to the last bit
+    vec3 change; // difference from the middle pixel's light, so that constant light keeps its bits
     float variance, weights;
 };
 
@@ -61,9 +61,9 @@ void add_tap(inout filtered sum, middle_pixel middle, ivec2 tap)
     sum.weights += weight;
 }
 
-// The numbers by which the last pass judges, 16 bits each: the square of how far the filter moved
-// the pixel, and its own variance, if that is known. Relative to the light, so that a bright pixel
-// does not speak for the dark ones around.
+// Packs the numbers by which the last pass judges the filter, 16 bits each: the squared difference
+// that the filter has made, and the pixel's own variance if it is known. Both are relative to the
+// light, so that a bright pixel does not dominate the dark ones around it.
 uint pack_judgement(uint index, vec4 record, float light)
 {
     vec4 before = load_blended(index);

@@ -1,4 +1,5 @@
-// One thread looks at some values of a picture in false colours: how large they are, and how often.
+// One thread reads some values of an image in false colours: finds their least and greatest, and
+// counts them in a histogram.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -27,7 +28,7 @@ void main()
             continue;
         uint bits = floatBitsToUint(value.x / value.y) & 0x7fffffffu;
         if (SHOWS(SHOWN_LOGARITHMIC) && bits < 0x00800000u)
-            continue; // has no logarithm
+            continue; // there is no logarithm
         least = min(least, bits);
         greatest = max(greatest, bits);
         count++;

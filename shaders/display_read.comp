@@ -1,4 +1,5 @@
-// One thread turns one pixel of a film's chunk into a pixel of a linear picture: of what is shown.
+// One thread converts one pixel of a film chunk to a pixel of a linear image that has the quantity
+// to be shown.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -17,7 +18,7 @@ layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block 
     vec4 to_pixels[];
 };
 
-// The sum of the `place`-th float of the layers.
+// Returns the sum of the layers' float number `place`.
 float aov_float(uint at, uint place)
 {
     uint word = place >> 2u;
@@ -37,7 +38,7 @@ float aov_scalar(uint at, const uint aov)
     return aov_float(at, AOV_SCALAR_AT(AOVS, aov));
 }
 
-// Repeats lib/halves.glsl, which reads another kernel's bindings.
+// The same function as in lib/halves.glsl, which reads the bindings of another kernel.
 uint samples_of_first_half(uint samples)
 {
     if (HALVES == HALVES_CONTIGUOUS)
@@ -45,7 +46,7 @@ uint samples_of_first_half(uint samples)
     return samples - samples / 2u;
 }
 
-// The sum of a half's radiance; `factor`: of a mean.
+// Returns the sum of a half-buffer's radiance. factor: converts a running mean into a sum.
 vec3 half_sum(uint first, uint digits, bool is_float, float factor)
 {
     vec3 sum;
@@ -57,7 +58,7 @@ vec3 half_sum(uint first, uint digits, bool is_float, float factor)
     return sum;
 }
 
-// The sums of both halves' radiance.
+// Returns the sums of both half-buffers' radiance.
 void radiance_sums(uint at, out vec3 a, out vec3 b)
 {
     uvec4 head = film_word(at);
@@ -67,8 +68,8 @@ void radiance_sums(uint at, out vec3 a, out vec3 b)
     b = half_sum(at + 1u + FILM_HALF_WORDS, head.w, is_float, factors.y);
 }
 
-// x: variance of the mean radiance, averaged over the three channels as struct film_aovs has it. y:
-// 0 where that is unknown.
+// Returns in x the variance of the mean radiance, averaged over the channels, as in struct
+// film_aovs; y: 0 if the variance is not known.
 vec2 variance_of(uint at, float samples)
 {
     float samples_a = float(samples_of_first_half(uint(samples)));
@@ -82,7 +83,7 @@ vec2 variance_of(uint at, float samples)
     return vec2((variance.r + variance.g + variance.b) / 3.0, 1.0);
 }
 
-// Returns how many of the `count` ascending numbers from `first` are at most `value`.
+// Returns how many of `count` ascending numbers, which begin at index `first`, are at most `value`.
 uint count_up_to(uint first, uint count, uint value)
 {
     uint low = 0u;
@@ -96,7 +97,7 @@ uint count_up_to(uint first, uint count, uint value)
     return low;
 }
 
-// The object's number plus 1 as in struct film_aovs.ids; 0: nothing.
+// Returns the object's index plus 1, as in struct film_aovs.ids; 0: nothing was hit.
 uint object_of(uvec4 ids)
 {
     if (ids.x == 0u)
@@ -112,13 +113,13 @@ uint object_of(uvec4 ids)
     return count_up_to(runs, push.instances + push.meshes, source);
 }
 
-// Colours for numbers from 1: the golden ratio's multiples are far apart from each other on the
-// circle of hues (Knuth 1973, section 6.4), and a hash varies the rest.
+// Returns a colour for a number from 1 on. Multiples of the golden ratio are far apart on the
+// circle of hues (Knuth 1973, section 6.4); a hash varies saturation and value.
 vec3 color_of_number(uint number)
 {
     uint hash = number * 2654435769u; // 2^32 / golden ratio
     uint mixed = (hash ^ hash >> 15u) * 2246822519u; // Collet's xxHash, its second prime
-    float hue = float(hash >> 8u) * 5.9604644775390625e-8 * 6.0; // of [0, 6)
+    float hue = float(hash >> 8u) * 5.9604644775390625e-8 * 6.0; // in [0, 6)
     float value = 0.6 + 0.4 * float(mixed >> 24u) / 255.0;
     float saturation = 0.45 + 0.4 * float(mixed >> 16u & 255u) / 255.0;
     vec3 pure = clamp(abs(mod(hue + vec3(0.0, 4.0, 2.0), 6.0) - 3.0) - 1.0, 0.0, 1.0);
@@ -134,7 +135,7 @@ vec4 shown_value(uint at, float samples)
 {
     if (SHOWN == SHOWN_ALBEDO)
         return vec4(aov_vector(at, AOV_ALBEDO) / samples, 1.0);
-    if (SHOWN == SHOWN_NORMAL) // black where nothing is
+    if (SHOWN == SHOWN_NORMAL) // black where nothing was hit
         return vec4(0.5 * (aov_vector(at, AOV_NORMAL) + aov_scalar(at, AOV_ALPHA)) / samples, 1.0);
     if (SHOWN == SHOWN_DEPTH)
         return vec4(vec3(aov_scalar(at, AOV_DEPTH), aov_scalar(at, AOV_ALPHA), 0.0) / samples, 1.0);

@@ -1,5 +1,6 @@
-// One thread makes one pixel of a linear picture of another size: a mean over the area where that
-// is smaller, interpolated between pixels where it is larger. A table says what along each side.
+// One thread computes one pixel of a linear image of another size: the mean over an area if the
+// image becomes smaller, an interpolation between pixels if it becomes larger. A table has the
+// weights along each axis.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -17,7 +18,7 @@ struct taps {
     uint count;
     uint step;
     float head;
-    float body; // body of each between head and tail
+    float body; // weight of each tap between head and tail
     float tail;
 };
 
@@ -52,7 +53,7 @@ vec4 mean_of_area(taps x, taps y)
     return sum;
 }
 
-// Interpolates between two taps along each side; where there is one, the other has no weight.
+// Interpolates between two taps along each axis; if there is only one tap, the other has weight 0.
 vec4 interpolate(taps x, taps y)
 {
     uint right = x.first + x.count - 1u;

@@ -1,5 +1,5 @@
-// One thread makes one pixel to look at, of one or two linear pictures of its size; or of a linear
-// picture that is kept for later.
+// One thread computes one pixel of the displayed image from one or two linear images of its size,
+// or one pixel of a linear image that is kept.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -20,7 +20,7 @@ layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block 
 
 const float PALETTE_LAST = 256.0;
 
-// The value, its weight gone, and that weight.
+// Returns the value divided by its weight, and the weight.
 vec4 picture_value(uint pixel, bool second)
 {
     vec4 value = load_left(pixel);
@@ -47,7 +47,7 @@ vec3 false_color(float value, float share)
     return share * srgb_from_linear(load_palette(uint(level * PALETTE_LAST + 0.5)).rgb);
 }
 
-// Display values.
+// Returns display values.
 vec3 color_of(vec4 value)
 {
     if (!(value.w > 0.0))
@@ -61,7 +61,7 @@ vec3 color_of(vec4 value)
     return SHOWN == SHOWN_ALBEDO ? srgb_from_linear(mean) : mean;
 }
 
-// The line between both sides: white beside black, which is seen on any picture.
+// Draws the line between both sides: a white and a black column, which are visible on any image.
 vec3 with_line(vec3 color, uint x)
 {
     if (x + 1u == push.split)

@@ -1,5 +1,6 @@
-// One thread starts one light path, that of a pixel's sample: on an emitter, in some direction.
-// Fills the queue of rays with the first slot of each sample whose path begins.
+// One thread starts one light path, the one that belongs to a pixel's sample, at a point of an
+// emitter and in a random direction. Fills the queue of rays with the first slot of each sample
+// whose light path has begun.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -12,8 +13,8 @@ layout(std430, set = 0, binding = BINDING_FILM) readonly buffer film_block {
     uvec4 film_words[];
 };
 
-// Returns the half of the film to which the sample of a slot counts. It follows from the number of
-// samples that its pixel has, which is that of all pixels.
+// Returns the half-buffer to which the contributions of a slot's light path are added. It depends
+// on the number of samples of the slot's pixel, which is the same for all pixels.
 uint half_of_slot(uint slot)
 {
     uint item = sample_of_slot(slot);
@@ -30,7 +31,8 @@ void main()
     if (valid) {
         light_start l = start_light_path(uniforms(slot, DIMENSION_LIGHT_PATH),
                                          uniforms(slot, DIMENSION_LIGHT_PATH + 1u));
-        // The throughput is 1 at its greatest, so that roulette sees what is left.
+        // The largest component of the throughput begins at 1, so that roulette compares it with
+        // the path's beginning.
         float scale = max(l.power.r, max(l.power.g, l.power.b));
         valid = l.valid && scale > 0.0 && is_finite(l.power);
         store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(l.origin), l.primitive));

@@ -1,5 +1,5 @@
-// One thread starts one path: its sample and pixel give the camera ray. Fills the queue of rays with
-// the first slot of each sample.
+// One thread starts one path: computes the camera ray of its pixel and sample. Fills the queue of
+// rays with the first slot of each sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -27,7 +27,7 @@ void main()
         u = uniforms(slot, DIMENSION_CAMERA);
     if (is_apart)
         u.xy = pixel_uniforms_2d(pixel, slot_sample(slot));
-#ifdef PLANTED_SLOT // tests of tests only: is a picture that depends on slots found?
+#ifdef PLANTED_SLOT // for tests of tests: is an image that depends on slots detected?
     u.x = fract(u.x + 0.5 * float(slot >> 8u & 1u));
 #endif
     vec2 inside = HAS(FEATURE_JITTER) ? filter_position(u.xy) : vec2(0.5);

@@ -1,12 +1,13 @@
-// One thread finds the nearest hit of one ray. Reads a queue of rays, writes the path's hit and
-// pushes its slot to the queue of surface hits or of misses.
+// One thread finds the nearest hit of one ray. Reads a queue of rays, stores the hit in the path's
+// record, and pushes the slot to a queue of surface hits or to that of misses.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/queue.glsl"
 #include "lib/suspend.glsl"
 
-// The class that shades a primitive: beside its geometry stands its material word.
+// Returns the class of the surface, which selects the kernel that shades it. The class is part of
+// the material word that is stored with the primitive.
 uint hit_class(uint primitive, uint instance)
 {
     bool is_shape = IS_SHAPE(primitive);
@@ -38,7 +39,7 @@ void main()
     bool done = trace_or_suspend(slot, valid, ray, hit);
 
     bool found = done && hit.primitive != NO_PRIMITIVE;
-#ifdef PLANTED_HOLES // tests of tests only: are rays missed that get through what is closed?
+#ifdef PLANTED_HOLES // for tests of tests: are rays that pass through closed surfaces detected?
     found = found && slot % 1024u != 0u;
 #endif
     if (found)

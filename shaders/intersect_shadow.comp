@@ -1,5 +1,5 @@
-// One thread tests whether anything stands between a surface and the sampled point on an emitter.
-// Reads the queue of shadow rays; where the way is free the contribution joins the path's radiance.
+// One thread tests whether a surface is between a vertex and the sampled point on an emitter. Reads
+// the queue of shadow rays; if there is none, adds the contribution to the path's radiance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -9,8 +9,8 @@
 #include "lib/radiance.glsl"
 #include "lib/suspend.glsl"
 
-// Returns the class (BY_EMITTER_*) that the light of a shadow ray counts to. `word` names what the
-// ray leads to.
+// Returns the class (BY_EMITTER_*) to which the light of a shadow ray belongs. `word` is the
+// primitive word of its target.
 uint emitter_of_connection(uint word)
 {
     if (word == PRIMITIVE_ENVIRONMENT || word == NO_PRIMITIVE)

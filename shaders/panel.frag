@@ -1,4 +1,5 @@
-// The triangles' colour, as opaque as the coverage that the atlas has there.
+// Computes the colour of the panel's triangles; its opacity is multiplied by the coverage in the
+// atlas.
 #version 450
 
 layout(location = 0) in vec2 atlas_uv;

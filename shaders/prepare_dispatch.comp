@@ -1,10 +1,11 @@
-// One thread a queue whose bit is set in push.queue: turns its count into indirect dispatches of
-// its consumer, in parts of push.part_items, and empties it for its producers.
+// One thread for each queue whose bit is set in push.queue: converts the queue's count into
+// indirect dispatches of its consumer, in parts of push.part_items, and empties the queue for its
+// producers.
 //
-// The hits of a queue of rays are as many as its rays at most: the same thread sets the dispatches
-// of the shading kernels to that, so that one such pass a bounce is enough. Where surfaces are
-// sorted by class, or rays may miss, a second pass, over the queues of hits, gives each kernel what
-// its own queue holds; their counts stay, since their consumers look at them.
+// A queue of rays has at most as many hits as rays. The same thread therefore sets the dispatches
+// of the shading kernels to the number of rays, so that one pass per bounce suffices. If surfaces
+// are sorted by class, or rays may miss, a second pass over the queues of hits gives each kernel
+// the count of its own queue. These counts remain, because the consumers read them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -28,7 +29,7 @@ void main()
         counters.queue[queue].count = 0u;
 
     bool rays = queue == QUEUE_RAYS || queue == QUEUE_RAYS + 1u;
-    // A wave that fills few slots may have its dispatches in smaller parts than one that fills all.
+    // A wave that uses few slots may have smaller dispatches than one that uses all.
     uint parts = min((frame.wave_slots + push.part_items - 1u) / push.part_items,
                      uint(DISPATCH_PARTS));
     for (uint part = 0u; part < parts; part++) {
@@ -43,7 +44,7 @@ void main()
         }
     }
     for (uint hits = QUEUE_SURFACE; rays && hits <= QUEUE_MISS; hits++) {
-        // Those of the bounce before.
+        // Counts the hits of the preceding bounce.
         if (hits < QUEUE_MISS)
             add_64(counters.surface_hits[hits - QUEUE_SURFACE], counters.queue[hits].count);
         counters.queue[hits].count = 0u;

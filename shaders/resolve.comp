@@ -1,4 +1,4 @@
-// One thread turns one pixel of the film into the means of its two half-buffers, and of its AOVs.
+// One thread converts one pixel of the film into the means of its two half-buffers and of its AOVs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -15,7 +15,7 @@ layout(std430, set = 0, binding = BINDING_RESOLVED) writeonly buffer resolved_bl
 
 const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 
-// The mean of a half of gpu_film_pixel, or of a class, at `at`.
+// Returns the mean of a half of gpu_film_pixel, or of a class; `at` is its first word.
 vec3 mean_of_bins(uint at, uint number, uint samples)
 {
     uint digits = film_words[at][2u + number], sums = at + 1u + FILM_HALF_WORDS * number;
@@ -25,7 +25,7 @@ vec3 mean_of_bins(uint at, uint number, uint samples)
     return mean;
 }
 
-// Returns the mean of a film that keeps floats: `factor` turns its values into sums.
+// Returns the mean of a film that keeps floats. factor: converts its values to sums.
 vec3 mean_of_floats(uint at, uint number, uint samples, float factor)
 {
     uint sums = at + 1u + FILM_HALF_WORDS * number;
@@ -34,7 +34,7 @@ vec3 mean_of_floats(uint at, uint number, uint samples, float factor)
     return samples > 0u ? kept / float(samples) * factor : vec3(0.0);
 }
 
-// The means of the layers' components `word` * 4 to + 3.
+// Returns the means of components 4 * word to 4 * word + 3 of the layers.
 vec4 mean_of_group(uint at, uint word, uint samples)
 {
     uint group = at + AOV_FILM_DIGITS_AT(AOVS) + word / FILM_GROUPS_A_WORD;

@@ -1,8 +1,8 @@
-// Ambient occlusion: one thread sends one shadow ray, cosine-weighted about the normal of the
-// surface that a camera ray has met, as far as frame.ao_distance. A sample is worth 1 where nothing
-// is in the way (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model", section 3, with
-// an obscurance of 1 at all distances that count). Reads the queue of surface hits. No material is
-// looked at.
+// Ambient occlusion: one thread sends one shadow ray of length frame.ao_distance, in a
+// cosine-weighted direction about the normal of the surface that a camera ray has hit. A sample has
+// the value 1 if nothing is hit (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model",
+// section 3, with an obscurance of 1 at all distances). Reads the queue of surface hits. Uses no
+// materials, except for AOVs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -15,7 +15,7 @@
 #include "lib/surface.glsl"
 #include "lib/texture.glsl"
 
-// For those who asked for it: the only ones to look at materials.
+// Stores the AOVs of the surface, if any are wanted; only they depend on materials.
 void store_surface(uint slot, surface s, uint primitive, uint instance, float t)
 {
     material m;
@@ -52,7 +52,8 @@ void main()
         vec4 u = uniforms(slot, bounce_dimension(0u, DIMENSION_BSDF));
         vec3 local = sample_cosine_hemisphere(u.xy);
         vec3 wi = normalize(basis_around(s.normal_shading) * local);
-        // Below the real surface, where an interpolated normal leans over, nothing is open.
+        // An interpolated normal may be tilted: directions below the geometric surface are
+        // occluded.
         shadow = dot(wi, s.normal_geometric) > 0.0;
         if (shadow) {
             vec3 from = offset_origin(s.position, s.error, s.normal_geometric, wi);

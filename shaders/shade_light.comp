@@ -1,6 +1,6 @@
-// One thread works on one surface hit of a light path: connects it to the camera (the queue of
+// One thread processes one surface hit of a light path: connects it to the camera (the queue of
 // shadow rays) and scatters the path (the queue of rays of the next bounce). Reads a queue of
-// surface hits, of all of them or of one class.
+// surface hits: of all surfaces, or of one class.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -12,9 +12,10 @@
 #include "lib/roulette.glsl"
 #include "lib/texture.glsl"
 
-// Two ratios of densities, from which weights are made: those with which shadow rays, and camera
-// paths that hit it, would find the emitter of this path, over the path's own. The factor of the
-// camera's side is missing. With it they are the inverses of the ratios of lib/bidir.glsl.
+// Two ratios of densities, from which MIS weights are computed: those with which shadow rays sample
+// the emitter of this path, and with which camera paths hit it, divided by the light path's own.
+// The factor of the camera's side is missing; with it they are the inverses of the ratios of
+// lib/bidir.glsl.
 struct ratios {
     float by_shadow_ray;
     float by_hit;
@@ -30,7 +31,7 @@ bool connect_camera(vertex v, ratios r, float scale, vec3 u)
     if (!(share > 0.0))
         return false;
     vec3 onwards = -c.direction;
-    // In the plane of the surface the cosine is 0, and the BSDF need not be finite.
+    // For directions in the plane of the surface the cosine is 0, and the BSDF may be infinite.
     if (dot(onwards, v.s.normal_geometric) == 0.0)
         return false;
     float pdf;
@@ -64,7 +65,7 @@ struct light_onwards {
     bool valid;
 };
 
-// Scatters the path: its throughput and ratios become those of the next vertex.
+// Scatters the path, and computes the throughput and the ratios of the next vertex.
 light_onwards scatter_light(inout vertex v, inout ratios r, bool passes, uint stack, vec4 u)
 {
     if (HAS(FEATURE_MEDIA) && passes) {

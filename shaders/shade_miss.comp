@@ -1,5 +1,5 @@
-// One thread adds what arrives from the environment and from suns along one ray that left the
-// scene. Reads the queue of misses.
+// One thread adds the radiance of the environment and of suns along one ray that left the scene.
+// Reads the queue of misses.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -11,8 +11,8 @@
 #include "lib/radiance.glsl"
 #include "lib/sun.glsl"
 
-// The weight of what a scattered ray has found, given the density with which it would have been
-// connected to, where light paths find it, too.
+// Returns the MIS weight of radiance that a scattered ray has found, if light paths may find it,
+// too. light_pdf: the density with which a shadow ray would have sampled this direction.
 float weight_of_light_paths(uint slot, vec3 direction, float bsdf_pdf, float light_pdf)
 {
     bool connects = sent_shadow_rays(bsdf_pdf) && light_pdf > 0.0;
@@ -24,8 +24,8 @@ float weight_of_light_paths(uint slot, vec3 direction, float bsdf_pdf, float lig
     return weight_of_camera_path(connects ? light_pdf / bsdf_pdf : 0.0, ratio);
 }
 
-// The weight of what a scattered ray has found, given the density with which it would have been
-// connected to.
+// Returns the MIS weight of radiance that a scattered ray has found. light_pdf: the density with
+// which a shadow ray would have sampled this direction.
 float weight_found(uint slot, vec3 direction, float bsdf_pdf, float light_pdf)
 {
     if (IS_BIDIR)
@@ -61,7 +61,7 @@ vec3 found_suns(uint slot, vec3 direction, float bsdf_pdf)
     return radiance;
 }
 
-// Returns the part of `added` that is due to `light`, where it was added for all of `radiance`.
+// Returns the part of `added` that comes from `light`, which is a part of `radiance`.
 vec3 part_of_light(vec3 added, vec3 light, vec3 radiance)
 {
     return mix(vec3(0.0), added * (light / radiance), greaterThan(radiance, vec3(0.0)));

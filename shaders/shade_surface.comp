@@ -1,6 +1,6 @@
-// One thread works on one surface hit: adds what the surface emits, connects it to an emitter (the
-// queue of shadow rays) and scatters the path, or both branches of one that splits (the queue of
-// rays of the next bounce). Reads the queue of surface hits, of all of them or of one class.
+// One thread processes one surface hit: adds the surface's emission, connects it to an emitter (the
+// queue of shadow rays) and scatters the path, or both branches of a path that splits (the queue of
+// rays of the next bounce). Reads a queue of surface hits: of all surfaces, or of one class.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,8 +1,8 @@
-// Whitted's recursion, one ray at a time: one thread works on one hit, or miss, of its slot's ray.
-// A hit adds emission and ambient light, sends a shadow ray to every light and goes on with the
-// reflected ray; the refracted one, where there are both, is put off on the slot's stack. What ends
-// is followed by the latest ray put off. Contributions of a slot thus come in one order, that of
-// the tree. Reads the queue of surface hits or, in another dispatch, that of misses.
+// Whitted's recursion, one ray at a time: one thread processes one hit, or miss, of its slot's ray.
+// A hit adds emission and ambient light, sends a shadow ray to every light and continues with the
+// reflected ray; if there is also a refracted ray, it is postponed on the slot's stack. When a ray
+// ends, the ray that was postponed last continues. So the contributions of a slot are added in the
+// order of the tree. Reads the queue of surface hits or, in another dispatch, that of misses.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -15,7 +15,7 @@
 #include "lib/texture.glsl"
 #include "lib/whitted.glsl"
 
-// Adds the environment's radiance, as shade_miss does.
+// Adds the environment's radiance as shade_miss does.
 void add_surroundings(vertex v, vec3 direction, uint stack)
 {
     if (HAS(FEATURE_MEDIA)) {
@@ -54,7 +54,8 @@ whitted_ray child(vertex v, vec3 direction, vec3 throughput, uint stack, uint de
     return r;
 }
 
-// The part of a camera ray's throughput that this one has, whatever the media on both ends.
+// Returns the fraction of a camera ray's throughput that this ray has, not counting the factors of
+// the media at both ends.
 float part_of_camera(vec3 throughput, uint medium_number)
 {
     float ratio = 1.0;
@@ -63,7 +64,7 @@ float part_of_camera(vec3 throughput, uint medium_number)
     return max_channel(throughput) * ratio * ratio;
 }
 
-// Follows the one ray or both that go on from here; false where none does.
+// Follows the reflected ray, the refracted ray or both; returns false if neither continues.
 bool scatter_rays(vertex v, whitted_surface w, uint stack, uint state)
 {
     uint depth = (state & 0xffffu) + 1u;

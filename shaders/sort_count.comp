@@ -1,4 +1,4 @@
-// One thread finds the key of one ray, keeps it, and counts the rays that have it.
+// One thread computes the key of one ray, stores it, and counts the rays with this key.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,16 +1,16 @@
-// One workgroup turns the counts of keys into the places at which their rays begin, and empties the
-// counts for the next sort. The sorted queue is dispatched as the one that was to be sorted.
+// One workgroup converts the counts of keys to the places at which their rays begin, and zeroes the
+// counts for the next sort. The sorted queue gets the dispatches of the unsorted one.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/sort.glsl"
 
 layout(constant_id = CONSTANT_WORKGROUP) const uint THREADS = 1u;
-shared uint totals[THREADS]; // rays of the keys of each thread
+shared uint totals[THREADS]; // number of rays in the keys of each thread
 
 void main()
 {
-    // Both are powers of two.
+    // SORT_KEYS and THREADS are powers of two.
     uint thread = gl_LocalInvocationID.x, keys = max(SORT_KEYS / THREADS, 1u);
     uint first = min(thread * keys, SORT_KEYS), end = min(first + keys, SORT_KEYS);
     uint total = 0u;

@@ -1,5 +1,5 @@
-// One thread puts one ray into its place of the sorted queue. Which of the rays that have the same key
-// comes first depends on scheduling.
+// One thread stores one ray at its place in the sorted queue. The order of rays with equal keys
+// depends on scheduling.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,6 +1,6 @@
-// Scattering of light paths. BSDFs are evaluated with the arguments that camera paths give them, so
-// that models that are not symmetric, and normals that are bent towards the viewer, have the same
-// values for both.
+// Scattering of light paths. BSDFs are evaluated with the same arguments as for camera paths, so
+// that asymmetric models, and normals that were bent towards the viewer, have the same values for
+// both kinds of path.
 #ifndef ADJOINT_GLSL
 #define ADJOINT_GLSL
 
@@ -8,7 +8,7 @@
 #include "lib/texture.glsl"
 #include "lib/vertex.glsl"
 
-// Returns the vertex as it is seen from a unit direction.
+// Returns the vertex as seen from the unit direction `viewer`.
 vertex seen_from(vertex v, vec3 viewer)
 {
     if (dot(viewer, v.s.normal_geometric) < 0.0) {
@@ -26,8 +26,9 @@ vertex seen_from(vertex v, vec3 viewer)
     return v;
 }
 
-// The BSDF times the cosine of v.view, for light that comes from there and goes to `onwards`, and
-// the density with which a path that comes from `onwards` is scattered to v.view.
+// Returns the BSDF times the cosine of v.view, for light that arrives from v.view and leaves in
+// direction `onwards`. pdf: the density with which a camera path that arrives from `onwards` is
+// scattered to v.view.
 vec3 eval_reversed(vertex v, vec3 onwards, out float pdf)
 {
     vertex other = seen_from(v, onwards);
@@ -39,8 +40,9 @@ vec3 eval_reversed(vertex v, vec3 onwards, out float pdf)
     return f;
 }
 
-// Returns whether a path that comes from `onwards` is scattered to v.view where one from v.view is
-// scattered to `onwards` by a Dirac delta: not if the normal was bent for either of them.
+// Returns whether delta scattering can be reversed: whether a path that arrives from `onwards`
+// leaves to v.view if one from v.view leaves to `onwards`. This is not so if the normal was bent
+// for either direction.
 bool is_reversible(vertex v, vec3 onwards)
 {
     if (!HAS(FEATURE_NORMALS) && !HAS(FEATURE_NORMAL_MAPS))
@@ -50,16 +52,16 @@ bool is_reversible(vertex v, vec3 onwards)
     return all(equal(n, v.frame[2])) && sides_agree(other, v.view, v.view * other.frame);
 }
 
-// Returns the factor by which a light path's BSDF is corrected for the shading normal (Veach 1997,
-// eq. 5.20), without the cosines with the shading normal itself: the ratio of the cosines of the
-// two directions with the geometric normal.
+// Returns the correction of a light path's BSDF for shading normals (Veach 1997, eq. 5.20), apart
+// from the cosines with the shading normal, which are part of the BSDF: the ratio of the two
+// directions' cosines with the geometric normal.
 float measure_ratio(vertex v, vec3 onwards)
 {
     return abs(dot(onwards, v.s.normal_geometric) / dot(v.view, v.s.normal_geometric));
 }
 
-// The light that goes through a principled base in a single direction, without the scale of
-// radiance.
+// Returns the weight of light that passes straight through a principled base, without the scaling
+// of radiance.
 vec3 principled_straight(vertex v)
 {
     principled p = principled_prepare(v.m, v.wo, v.eta);
@@ -71,9 +73,9 @@ vec3 principled_straight(vertex v)
     return through * p.base_layer;
 }
 
-// The factor on the weight of a perfectly specular sample that makes it one for light: radiance is
-// scaled by refraction, light is not, and layers that are not symmetric are as seen from
-// `onwards`. Reflection is symmetric.
+// Returns the factor that converts the weight of a delta sample of a camera path into that of a
+// light path. Refraction scales radiance, but not the flux of light paths; and asymmetric layers
+// must be evaluated as seen from `onwards`. Reflection is symmetric.
 vec3 delta_factor(vertex v, vec3 onwards, bool transmitted)
 {
     vertex other = seen_from(v, onwards);

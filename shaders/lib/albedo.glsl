@@ -1,8 +1,8 @@
-// Directional albedos, interpolated in tables of the materials' buffer (shared/albedo.h). How they
-// are computed and how far they are from the truth: render/tables/albedo_generate.c and
-// docs/materials.md.
+// Directional albedos, interpolated from tables in the materials' buffer (shared/albedo.h). For
+// their computation and accuracy see render/tables/albedo_generate.c and docs/materials.md.
 //
-// `tables` is albedos_begin(), the first word of the tables. mu is the cosine of wo.
+// `tables` is albedos_begin(), the index of the tables' first word. mu is the cosine between wo and
+// the normal.
 #ifndef ALBEDO_GLSL
 #define ALBEDO_GLSL
 
@@ -10,21 +10,21 @@
 #include "lib/microfacet.glsl"
 #include "shared/albedo.h"
 
-// Coordinates in [0, 1] along the axes. Albedos change over cosines of about `scale`, and with the
-// square root of that near 0.
+// The following functions return coordinates in [0, 1] along the tables' axes. Albedos vary with
+// cosines of about `scale`, and with the square root of the cosine near 0.
 float albedo_axis_mu(float mu, float scale)
 {
     return sqrt(mu * (1.0 + scale) / (mu + scale));
 }
 
-// alpha from SMALLEST_ALPHA to 1.
+// alpha is in [SMALLEST_ALPHA, 1].
 float albedo_axis_alpha(float alpha)
 {
     return clamp((sqrt(sqrt(alpha)) - 0.1) / 0.9, 0.0, 1.0);
 }
 
-// A place of a table in [0, 1], from one that rounding put beside it; of NaN, which clamp() may
-// return, 0: what is read then is in the table.
+// Clamps a coordinate of a table to [0, 1]. A NaN, which clamp() may return, becomes 0, so that
+// reads stay inside the table.
 float albedo_place(float at)
 {
     return at > 0.0 ? min(at, 1.0) : 0.0;
@@ -40,7 +40,8 @@ vec3 albedo_place(vec3 at)
     return vec3(albedo_place(at.xy), albedo_place(at.z));
 }
 
-// The cell of a table that contains a place in [0, 1] along each axis, and where in the cell it is.
+// Returns the cell of a table that contains a position with coordinates in [0, 1], and the position
+// in the cell.
 uvec2 albedo_cell(uvec2 size, vec2 at, out vec2 w)
 {
     vec2 cells = vec2(size);
@@ -67,46 +68,46 @@ float albedo_quad(uint first, uvec2 size, vec2 at)
     return mix(mix(v.x, v.y, w.x), mix(v.z, v.w, w.x), w.y);
 }
 
-// E1: of GGX with height-correlated masking that reflects everything.
+// Returns E1, the albedo of GGX with height-correlated masking and reflectance 1.
 float albedo_ggx(uint tables, float mu, float alpha)
 {
     float albedo = albedo_quad(tables + ALBEDO_GGX, uvec2(ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA),
                                vec2(albedo_axis_mu(mu, alpha), albedo_axis_alpha(alpha)));
-    return min(1.0, albedo); // nodes were raised
+    return min(1.0, albedo); // nodes were raised, so values may exceed 1
 }
 
-// The mean of Schlick's weight over what GGX reflects: reflectance f0 + (1 - f0) W has the albedo
-// E1 (f0 + (1 - f0) this).
+// Returns the mean of Schlick's weight W over the directions that GGX reflects, which is called w
+// here: a reflectance f0 + (1 - f0) W has the albedo E1 (f0 + (1 - f0) w).
 float albedo_schlick(uint tables, float mu, float alpha)
 {
     return albedo_quad(tables + ALBEDO_SCHLICK, uvec2(ALBEDO_SCHLICK_MU, ALBEDO_SCHLICK_ALPHA),
                        vec2(albedo_axis_mu(mu, alpha + 0.2), albedo_axis_alpha(alpha)));
 }
 
-// Before it is divided by max(1, albedo). 0.1 <= roughness <= 1.
+// Returns the albedo of the fibres before the division by max(1, albedo); roughness is in [0.1, 1].
 float albedo_charlie(uint tables, float mu, float roughness)
 {
     return albedo_quad(tables + ALBEDO_CHARLIE, uvec2(ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS),
                        vec2(albedo_axis_mu(mu, roughness), (roughness - 0.1) / 0.9));
 }
 
-// Burley's coat of weight 1.
+// Returns the albedo of Burley's coat of weight 1.
 float albedo_coat(uint tables, float mu, float gloss)
 {
     return albedo_quad(tables + ALBEDO_COAT, uvec2(ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS),
                        vec2(albedo_axis_mu(mu, 0.25), gloss));
 }
 
-// Returns the albedo of Burley's coat of weight 1 where its reflectance is that of index 1.5
-// instead of Schlick's.
+// Returns the albedo of Burley's coat of weight 1 with the Fresnel reflectance of index 1.5 instead
+// of Schlick's.
 float albedo_coat_exact(uint tables, float mu, float gloss)
 {
     return albedo_quad(tables + ALBEDO_COAT_EXACT, uvec2(ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS),
                        vec2(albedo_axis_mu(mu, 0.25), gloss));
 }
 
-// xyz: the coefficients, of powers of the roughness, of the albedo of Burley's subsurface
-// approximation; w: the albedo of his sheen.
+// Returns in xyz the coefficients of a polynomial in the roughness, the albedo of Burley's
+// subsurface approximation; in w the albedo of his sheen.
 vec4 albedo_diffuse(uint tables, float mu)
 {
     float position = albedo_place(albedo_axis_mu(mu, 0.2)) * float(ALBEDO_DIFFUSE_MU);
@@ -115,7 +116,7 @@ vec4 albedo_diffuse(uint tables, float mu)
     return mix(load_materials_float(first), load_materials_float(first + 1u), position - corner);
 }
 
-// Eight values of 16 bits a cell.
+// Interpolates in a table whose cells have eight values of 16 bits.
 float albedo_cube(uint first, uvec3 size, vec3 at)
 {
     vec3 w;
@@ -126,9 +127,9 @@ float albedo_cube(uint first, uvec3 size, vec3 at)
     return min(1.0, mix(middle.x, middle.y, w.z) * (ALBEDO_HIGHEST / 65535.0));
 }
 
-// The mean of fresnel_dielectric() over what GGX reflects. Along eta the axis is the fourth root of
-// |eta - 1| / (eta + 1); from inside, where reflection is total up to a cosine of c, it bends
-// around c on the axis of mu.
+// Returns the mean of fresnel_dielectric() over the directions that GGX reflects. The axis of eta
+// is the fourth root of |eta - 1| / (eta + 1). Seen from inside, where reflection is total for
+// cosines below c, the axis of mu is bent around c.
 float albedo_fresnel(uint tables, float mu, float alpha, float eta)
 {
     bool inside = eta < 1.0;
@@ -142,7 +143,7 @@ float albedo_fresnel(uint tables, float mu, float alpha, float eta)
                             sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0)))));
 }
 
-// Between two neighbours of the eight values of 16 bits of a word of four.
+// Interpolates between two adjacent values of the eight in a word of four.
 float albedo_run(uint word, uint left, float w)
 {
     uvec4 v = load_materials(word);
@@ -152,7 +153,8 @@ float albedo_run(uint word, uint left, float w)
     return mix(low, high, w);
 }
 
-// A table of such words, each a run of nodes along the first axis: values from 0 to 65535.
+// Interpolates in a table of such words, each a run of nodes along the first axis; returns 0 to
+// 65535.
 float albedo_runs(uint first, uvec3 size, vec3 at)
 {
     vec3 w;
@@ -167,7 +169,7 @@ float albedo_runs(uint first, uvec3 size, vec3 at)
     return mix(near, far, w.z);
 }
 
-// Coordinates along the axes of tables of interfaces that also refract.
+// Returns coordinates along the axes of the tables of interfaces that also refract.
 vec3 albedo_axes_glass(float mu, float alpha, float eta)
 {
     float root_k = sqrt(abs((eta - 1.0) * (eta + 1.0)));
@@ -176,8 +178,8 @@ vec3 albedo_axes_glass(float mu, float alpha, float eta)
                 sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0))));
 }
 
-// The energy that a rough interface between dielectrics reflects and lets through, together. The
-// table holds roots.
+// Returns the energy that a rough interface between dielectrics reflects and transmits in all. The
+// table has square roots.
 float albedo_glass(uint tables, float mu, float alpha, float eta)
 {
     vec3 axes = albedo_axes_glass(mu, alpha, eta);
@@ -189,8 +191,7 @@ float albedo_glass(uint tables, float mu, float alpha, float eta)
     return root * root;
 }
 
-// The energy that a rough interface reflects and lets through if it reflects only where it reflects
-// totally.
+// Does the same for a rough interface that reflects only where reflection is total.
 float albedo_clear(uint tables, float mu, float alpha, float eta)
 {
     float root = albedo_runs(tables + ALBEDO_CLEAR + (eta < 1.0 ? ALBEDO_CLEAR_SIDE : 0u),
@@ -200,10 +201,10 @@ float albedo_clear(uint tables, float mu, float alpha, float eta)
     return root * root;
 }
 
-// Returns the position of wo on the axes of anisotropic tables: roughness, anisotropy, azimuth.
-// `alpha_o` is the standard deviation of slopes along wo, and with it the scale on mu's axis. The
-// azimuth's axis is the angle half-way between that of wo and that of wo stretched to an isotropic
-// surface.
+// Returns the coordinates of wo along the axes of anisotropic tables: roughness, anisotropy and
+// azimuth. alpha_o is the standard deviation of slopes along wo, which determines the scale of the
+// axis of mu. The coordinate of the azimuth is the angle halfway between the azimuths of wo and of
+// wo stretched to an isotropic surface.
 vec3 albedo_axes_turned(vec3 wo, float roughness, float anisotropic, vec2 alpha, out float alpha_o)
 {
     vec2 azimuth = abs(wo.xy) * sqrt(alpha);
@@ -213,7 +214,7 @@ vec3 albedo_axes_turned(vec3 wo, float roughness, float anisotropic, vec2 alpha,
                 4.0 * atan_turns(azimuth.y, azimuth.x));
 }
 
-// Between two tables, each for one azimuth.
+// Interpolates between two tables of neighbouring azimuths.
 float albedo_slices(uint first, uvec4 size, vec4 at)
 {
     float position = albedo_place(at.w) * float(size.w);
@@ -224,7 +225,7 @@ float albedo_slices(uint first, uvec4 size, vec4 at)
                position - corner);
 }
 
-// E1 of anisotropic GGX.
+// Returns E1 of anisotropic GGX.
 float albedo_turned(uint tables, float mu, vec3 axes, float alpha_o)
 {
     return albedo_slices(tables + ALBEDO_TURNED,
@@ -233,9 +234,9 @@ float albedo_turned(uint tables, float mu, vec3 axes, float alpha_o)
                          vec4(albedo_axis_mu(mu, alpha_o), axes));
 }
 
-// A cosine that stands for all of wo.h over what anisotropic GGX reflects: the mean of
-// (1 - wo.h)^12 is that of it. Fresnel's reflectance for indices from 1.05 on, being concave in
-// that power, is at this cosine no less than its mean.
+// Returns a cosine that represents wo.h for all directions that anisotropic GGX reflects: its (1 -
+// cos)^12 equals the mean of (1 - wo.h)^12. For indices from 1.05 on the Fresnel reflectance is
+// concave in that power, so at this cosine it is at least its mean.
 float albedo_turned_cosine(uint tables, float mu, vec3 axes, float alpha_o)
 {
     return 1.0 - albedo_slices(tables + ALBEDO_SINE,
@@ -244,9 +245,9 @@ float albedo_turned_cosine(uint tables, float mu, vec3 axes, float alpha_o)
                                vec4(albedo_axis_mu(mu, alpha_o + 0.2), axes));
 }
 
-// The alpha of the isotropic interface that stands in for an anisotropic one seen from above
-// (mu = 1, where both axes count the same), from the horizon (where the slope along wo does) and
-// from between; at most 1, as tables are.
+// Returns the alpha, at most 1, of the isotropic interface that approximates an anisotropic one:
+// seen along the normal (mu = 1), where both axes count the same; from the horizon, where only the
+// slope along wo counts; and in between.
 float albedo_turned_stand_in(float mu, vec2 alpha, float alpha_o)
 {
     float along = alpha_o * alpha_o;
@@ -254,8 +255,8 @@ float albedo_turned_stand_in(float mu, vec2 alpha, float alpha_o)
     return sqrt(variance * inversesqrt(1.0 + variance * variance));
 }
 
-// The factor from the energy that the stand-in sends to both sides to that of the anisotropic
-// interface.
+// Returns the ratio of the energies that leave the anisotropic interface and its isotropic
+// approximation.
 float albedo_turned_glass(uint tables, float mu, vec3 axes, float roughness, float alpha_o,
                           float eta)
 {
@@ -278,10 +279,11 @@ float albedo_turned_glass(uint tables, float mu, vec3 axes, float roughness, flo
     return exp((mix(near, far, w.y) * (2.0 / 65535.0) - 1.0) * ALBEDO_TURNED_GLASS_LOG);
 }
 
-// The albedo of Burley's diffuse reflection with base colour 1, in closed form: with A = FD90 - 1 =
-// roughness (1 + wi.wo) - 1/2 and s = W(c_i), the integral of (1 + A s) (1 + A W(mu)) / pi over the
-// cosine-weighted hemisphere, through <wi.wo> = c_i mu, <(wi.wo)^2> = (c_i mu)^2 + (1 - c_i^2)
-// (1 - mu^2) / 2 and the moments of c^n (1 - c)^5: 1/42, 1/168, 1/504 for n = 1, 2, 3.
+// Returns the albedo of Burley's diffuse reflection with base colour 1, in closed form. With A =
+// FD90 - 1 = roughness (1 + wi.wo) - 1/2 and s = W(c_i), it is the integral of (1 + A s) (1 + A
+// W(mu)) / pi over the cosine-weighted hemisphere. It uses <wi.wo> = c_i mu, <(wi.wo)^2> = (c_i
+// mu)^2 + (1 - c_i^2) (1 - mu^2) / 2 and the moments of c^n (1 - c)^5: 1/42, 1/168, 1/504 for n =
+// 1, 2, 3.
 float albedo_burley(float mu, float roughness)
 {
     const float j1 = 1.0 / 42.0, j2 = 1.0 / 168.0, j3 = 1.0 / 504.0;

@@ -1,13 +1,14 @@
-// Reads materials, corners and textures: whether a surface is there where a ray meets it.
+// Opacity: decides whether a surface exists at the point where a ray hits it. Reads materials,
+// vertex attributes and textures.
 #ifndef ALPHA_GLSL
 #define ALPHA_GLSL
 
 #include "lib/random.glsl"
 #include "lib/texture.glsl"
 
-// The opacity where a ray meets a primitive: of its material, textures and vertex colours. A
-// triangle is met at the barycentric coordinates of its corners 1 and 2, a shape at a point, of
-// which they say what struct crossings says.
+// Returns the opacity at the point where a ray hits a primitive, from its material, textures and
+// vertex colours. The point on a triangle is given by the barycentric coordinates of corners 1 and
+// 2; that on a shape by `point`, with the data of struct crossings in place of the barycentrics.
 float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word)
 {
     surface s;
@@ -37,7 +38,7 @@ float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word
     return alpha;
 }
 
-// The probability that the surface is there: its opacity, or with a mask 0 or 1.
+// Returns the probability that the surface exists: its opacity or, with an alpha mask, 0 or 1.
 float alpha_probability(uint primitive, vec2 barycentrics, vec3 point, uint material_word)
 {
     uint at = material_at(material_word);
@@ -47,21 +48,21 @@ float alpha_probability(uint primitive, vec2 barycentrics, vec3 point, uint mate
     return is_masked ? (alpha >= cutoff ? 1.0 : 0.0) : alpha;
 }
 
-// The part of the hash that all decisions along one ray share. `is_shadow` tells a shadow ray from
-// the one that goes on, of the same bounce.
+// Returns the part of the hash key that all decisions along one ray share. is_shadow distinguishes
+// the shadow rays of a bounce from its scattered ray.
 uvec4 alpha_key(uint seed, uint pixel, uint sample_index, uint bounce, bool is_shadow)
 {
-    const uint apart = 0x80000000u; // from the dimensions of random_4d()
+    const uint apart = 0x80000000u; // keeps the key apart from the dimensions of random_4d()
     return pcg4d(uvec4(pixel, sample_index, apart | bounce << 1u | (is_shadow ? 1u : 0u), seed));
 }
 
-// Returns whether the surface is there. `crossing` stands for the place of decision: the
-// primitive's id, another one where the ray meets the same sphere again. A pure function, so that
-// the order in which a traversal meets surfaces decides nothing.
+// Returns whether the surface exists for this ray. `crossing` identifies the decision: it is the
+// primitive's id, or another number where the ray hits the same sphere a second time. The function
+// is pure, so the order in which a traversal finds surfaces does not matter.
 bool alpha_passes(uint primitive, vec2 barycentrics, vec3 point, uint material_word, uint crossing,
                   uvec4 key)
 {
-    // pcg4d() hardly mixes differences in the highest bits: these are given lower down, too.
+    // pcg4d() hardly mixes differences in the highest bits, so these are also added in lower ones.
     uint bits = pcg4d(key + uvec4(0u, 0u, crossing >> 16u, crossing)).x >> 8u;
     return float(bits) * 5.9604644775390625e-8 <
            alpha_probability(primitive, barycentrics, point, material_word);

@@ -1,12 +1,13 @@
-// Angles in turns, to a few roundings on every device: Vulkan lets atan() be off by 4096 units in
-// the last place and cos() by 2^-11, which is more than a texel of a large environment. Pure
-// functions.
+// Trigonometric functions of angles in turns, accurate to a few roundings on every device. Vulkan
+// permits errors of 4096 units in the last place for atan() and of 2^-11 for cos(), which is more
+// than a texel of a large environment. Pure functions.
 #ifndef ANGLE_GLSL
 #define ANGLE_GLSL
 
 #include "lib/numbers.glsl"
 
-// The sine of at most a quarter of a turn, by Taylor's series: the next term is below 6e-8 there.
+// Returns the sine of at most a quarter of a turn, by its Taylor series; the next term is below
+// 6e-8.
 float sin_small(float turns)
 {
     float t = turns * (2.0 * PI);
@@ -15,8 +16,8 @@ float sin_small(float turns)
     return t * (1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * rest));
 }
 
-// Cosine and sine of less than 2^22 turns, for all azimuths. By Taylor's series up to an eighth of a
-// turn, where the next terms are below 3e-8 and 2e-9.
+// Returns cosine and sine of an angle below 2^22 turns, which includes all azimuths. Taylor series
+// up to an eighth of a turn, whose next terms are below 3e-8 and 2e-9.
 vec2 cos_sin_turns(float turns)
 {
     float quarter = floor(4.0 * turns + 0.5);
@@ -31,8 +32,8 @@ vec2 cos_sin_turns(float turns)
     return quadrant >= 2 ? -v : v;
 }
 
-// The angle of (x, y) from the x axis, in [-1/2, 1/2]. Gregory's series of the arctangent of at
-// most tan(pi / 8), to which all others are brought; the next term is below 2e-8.
+// Returns the angle of (x, y) from the x axis, in [-1/2, 1/2]. The arguments are reduced to at most
+// tan(pi / 8), for which Gregory's series of the arctangent is used; the next term is below 2e-8.
 float atan_turns(float y, float x)
 {
     float low = min(abs(x), abs(y)), high = max(max(abs(x), abs(y)), 1e-37);

@@ -1,13 +1,12 @@
-// Pictures besides the radiance: what is stored of the first surface that a camera ray meets.
-// Writes the slot's record.
+// AOVs: stores the properties of the first surface that a camera ray hits in the slot's record.
 #ifndef AOV_GLSL
 #define AOV_GLSL
 
 #include "lib/material.glsl"
 #include "lib/surface.glsl"
 
-// The surface's colour: its base colour. Models without one: dielectrics are white, conductors have
-// their reflectance at right angles.
+// Returns the surface's colour: the base colour; white for dielectrics; the reflectance at normal
+// incidence for conductors.
 vec3 albedo_color(material m)
 {
     if (material_model(m) == MATERIAL_DIELECTRIC)
@@ -21,8 +20,9 @@ vec3 albedo_color(material m)
     return material_base_color(m);
 }
 
-// `m` and `s` as textures left them; t: distance of the hit. Both normals face the camera. Places
-// are stored in metres, positions from the flat scene's origin.
+// `m` and `s` are the material and surface after textures; t is the distance of the hit. Both
+// normals face the camera. Lengths are stored in metres, positions relative to the flat scene's
+// origin.
 void store_first_hit(uint slot, surface s, material m, uint primitive, uint instance, float t)
 {
     if (HAS_AOV(AOV_ALBEDO))

@@ -1,5 +1,5 @@
-// Reads what triangles' corners carry. Word offsets follow from the features; render/attributes.h
-// computes the same.
+// Reads the attributes of triangles' corners. The features determine the word offsets;
+// render/attributes.h computes the same.
 #ifndef ATTRIBUTES_GLSL
 #define ATTRIBUTES_GLSL
 

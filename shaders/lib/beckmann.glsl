@@ -1,5 +1,5 @@
-// Microfacet distributions beside GGX, Beckmann's and Phong's, with the masking functions that go
-// with them or are chosen in place of Smith's. Pure functions.
+// Microfacet distributions other than GGX: Beckmann's and Phong's, with their masking functions and
+// those that may replace Smith's. Pure functions.
 //
 // Directions are unit vectors of the local frame, z along the macroscopic normal, on its side; h is
 // a microfacet's normal. alpha is from 1e-4 on, and Walter et al. 2007 is "Microfacet Models for
@@ -28,7 +28,7 @@ float one_minus_exp(float x)
     return x < 0.25 ? series : 1.0 - exp(-x);
 }
 
-// (1 - x)^n without the rounding of 1 - x, which a large n would magnify; 0 for x >= 1.
+// Returns (1 - x)^n without the rounding of 1 - x, which a large n would amplify; 0 for x >= 1.
 float power_one_minus(float x, float n)
 {
     return x < 1.0 ? exp(n * log_one_minus(max(x, 0.0))) : 0.0;
@@ -39,14 +39,14 @@ float beckmann_d(vec3 h, float alpha)
 {
     float cos2 = h.z * h.z;
     float exponent = dot(h.xy, h.xy) / (cos2 * alpha * alpha);
-    // Beyond this exp underflows in single precision, and so may cos^4.
+    // For larger exponents exp() underflows in single precision, and cos^4 may, too.
     if (!(exponent < 87.0))
         return 0.0;
     return exp(-exponent) * INV_PI / (alpha * alpha * cos2 * cos2);
 }
 
-// Walter et al. 2007, eq. 30, (a_p + 2) / (2 pi) cos^a_p, with a_p = 2 / alpha^2 - 2: the exponent
-// whose highlight is as wide as Beckmann's (section 5.2).
+// Walter et al. 2007, eq. 30, (a_p + 2) / (2 pi) cos^a_p, with a_p = 2 / alpha^2 - 2, the exponent
+// whose highlight is as wide as that of Beckmann's distribution (section 5.2).
 float phong_d(vec3 h, float alpha)
 {
     float inverse = 1.0 / (alpha * alpha); // a_p / 2 + 1
@@ -77,14 +77,15 @@ float beckmann_lambda(vec3 w, float alpha)
 }
 
 // Smith's Lambda of Phong's distribution (Smith 1967, "Geometrical Shadowing of a Random Rough
-// Surface"): the integral of (m / cot(theta) - 1) P(m) over the slopes m beyond cot(theta). Slopes
-// are distributed as Student's t with 2 k = 2 / alpha^2 degrees of freedom, so that
+// Surface"): the integral of (m / cot(theta) - 1) P(m) over the slopes m beyond cot(theta). The
+// slopes have Student's t-distribution with 2 k = 2 / alpha^2 degrees of freedom, so that
 //   Lambda = c s^k / ((2 k - 1) x) - 1/2 + P_k,  P_k = c integral of (1 - y^2)^(k-1) over 0 ... x,
 //   x = cos(theta), s = 1 - x^2, c_k = Gamma(k + 1/2) / (sqrt(pi) Gamma(k)).
-// P comes from Wallace's approximation of Student's distribution by the normal one (1959, "Bounds
-// on Normal Approximations to Student's and the Chi-Square Distributions"), for k + 3 where it is
-// within 2e-4, and three steps of P_k = P_(k+1) - c_k x s^k / (2 k) (by parts); c from the
-// asymptotic series of c_k^2 for k + 3, within 1e-5.
+// P_(k+3) is computed by Wallace's approximation of Student's distribution by the normal
+// distribution (1959, "Bounds on Normal Approximations to Student's and the Chi-Square
+// Distributions"), which is within 2e-4 there, followed by three steps of P_k = P_(k+1) - c_k x s^k
+// / (2 k) (integration by parts). c_(k+3) is computed by the asymptotic series of its square,
+// within 1e-5.
 float phong_lambda(vec3 w, float alpha)
 {
     float x = w.z;
@@ -104,8 +105,8 @@ float phong_lambda(vec3 w, float alpha)
     return max(0.0, c * power / ((2.0 * k - 1.0) * x) - 0.5 * x * power * steps + (p - 0.5));
 }
 
-// Masking and shadowing of two directions on one side from their Lambdas: height-correlated (Heitz
-// 2014, eq. 99), or separable.
+// Returns masking and shadowing of two directions on the same side from their Lambdas:
+// height-correlated (Heitz 2014, eq. 99), or separable.
 float smith_g2(float lambda_o, float lambda_i, bool separable)
 {
     return separable ? 1.0 / ((1.0 + lambda_o) * (1.0 + lambda_i))
@@ -123,10 +124,10 @@ float rational_g1(vec3 w, float alpha)
 }
 
 // Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", eq. 19. His own k =
-// sqrt(2 / pi) alpha fits Smith's function for Beckmann's distribution; Karis 2013, "Real Shading
-// in Unreal Engine 4", takes k = alpha / 2, which meets GGX's G1 at grazing incidence, and for
-// delta lights (roughness + 1)^2 / 8. None of the three is below alpha / 2 where alpha =
-// roughness^2, so that this G1 is never above GGX's.
+// sqrt(2 / pi) alpha fits Smith's function for Beckmann's distribution. Karis 2013, "Real Shading
+// in Unreal Engine 4", uses k = alpha / 2, which equals the G1 of GGX at grazing incidence, and
+// (roughness + 1)^2 / 8 for delta lights. With alpha = roughness^2 none of the three is below alpha
+// / 2, so this G1 never exceeds that of GGX.
 float schlick_g1(vec3 w, float k)
 {
     return w.z / (w.z * (1.0 - k) + k);

@@ -2,22 +2,23 @@
 // emitter, shadow rays from camera paths to an emitter, and light paths that are connected to the
 // camera. Reads the uniform block.
 //
-// A path x_0 ... x_k begins on an emitter and ends at the camera. With B_j the density per solid
-// angle with which a camera path goes on from x_j to x_(j-1), F_j the one with which a light path
-// goes on from x_j to x_(j+1), p the one with which shadow rays from x_1 choose x_0, and E what
-// emission_density() gives, light paths find it more densely than shadow rays by
+// A path x_0 ... x_k begins on an emitter and ends at the camera. Let B_j be the density per solid
+// angle with which a camera path continues from x_j to x_(j-1); F_j the density with which a light
+// path continues from x_j to x_(j+1); p the density with which shadow rays from x_1 sample x_0; and
+// E the result of emission_density(). The density with which light paths find this path, divided by
+// that of shadow rays, is
 //
 //   E Q / p,   Q = I d^2 (F_1 ... F_(k-2)) / (B_2 ... B_(k-1)),
 //
-// and more densely than camera paths that hit x_0 by E Q / B_1: cosines cancel, and of the distances
-// only the one to the camera, d, remains. I is the solid angle that the image covers, in terms of
-// the direction's own pixel (image_extent()), since an image has as many light paths as pixels. So
-// Q grows by F_j / B_j from vertex to vertex, and no vertices are kept (after Georgiev 2012,
-// "Implementing Vertex Connection and Merging", section 4).
+// and divided by that of camera paths that hit x_0, it is E Q / B_1. Cosines cancel, and the only
+// distance that remains is d, the one to the camera. I is the solid angle that the image covers,
+// measured by the pixel in the path's own direction (image_extent()), because an image has as many
+// light paths as pixels. Q is multiplied by F_j / B_j at each vertex, so no vertices need to be
+// stored (after Georgiev 2012, "Implementing Vertex Connection and Merging", section 4).
 //
-// At a perfectly specular vertex F_j / B_j counts as 1: both are the same Dirac delta but for the
-// ratio of two cosines, and weights need only sum to 1. If the vertex next to the camera is
-// specular, light paths are not connected there, and Q is 0.
+// At a delta vertex F_j / B_j counts as 1: both are the same Dirac delta, up to the ratio of two
+// cosines, and the weights need only sum to 1. If the vertex next to the camera is a delta, light
+// paths are not connected there, and Q is 0.
 #ifndef BIDIR_GLSL
 #define BIDIR_GLSL
 
@@ -25,8 +26,7 @@
 
 #define IS_BIDIR (INTEGRATOR == INTEGRATOR_BIDIR)
 
-// Applies the chosen heuristic of multiple importance sampling to a ratio of two densities, as
-// mis_weight() does.
+// Applies the chosen MIS heuristic to a ratio of two densities, as mis_weight() does.
 float heuristic(float ratio)
 {
     if (MIS == MIS_POWER_ANY)
@@ -34,19 +34,19 @@ float heuristic(float ratio)
     return MIS == MIS_BALANCE ? ratio : ratio * ratio;
 }
 
-// Returns the weight of a contribution of a camera path. The arguments are ratios to its own
-// density: of the other strategy of camera paths (shadow rays or hitting the emitter), and of light
-// paths.
+// Returns the weight of a contribution of a camera path. The arguments are ratios to this path's
+// density: of the other strategy of camera paths (shadow rays, or hitting the emitter), and of
+// light paths.
 float weight_of_camera_path(float other, float of_light_paths)
 {
-#ifdef LIGHT_PATHS_ALONE // tests only: do light paths bring all that they can?
+#ifdef LIGHT_PATHS_ALONE // for tests: do light paths alone find all that they can?
     if (of_light_paths > 0.0)
         return 0.0;
 #endif
     return 1.0 / (1.0 + heuristic(other) + heuristic(of_light_paths));
 }
 
-// Returns the weight of a contribution of a light path. The arguments are ratios to its own
+// Returns the weight of a contribution of a light path. The arguments are ratios to this path's
 // density: of shadow rays, and of camera paths that hit the emitter.
 float weight_of_light_path(float by_shadow_ray, float by_hit)
 {
@@ -56,8 +56,8 @@ float weight_of_light_path(float by_shadow_ray, float by_hit)
     return 1.0 / (1.0 + heuristic(by_shadow_ray) + heuristic(by_hit));
 }
 
-// The number of pixels times what one of them covers about a unit direction from the camera: a
-// solid angle or, orthographic, an area. The camera's vectors are orthogonal.
+// Returns the number of pixels times the extent of one of them in a unit direction from the camera:
+// its solid angle, or its area for an orthographic camera. The camera's vectors are orthogonal.
 float image_extent(vec3 direction)
 {
     if (CAMERA == CAMERA_PANORAMIC) {
@@ -69,17 +69,18 @@ float image_extent(vec3 direction)
     return CAMERA == CAMERA_ORTHOGRAPHIC ? area : area * along * along * along;
 }
 
-// Q of a camera path at its first vertex, at this distance from the camera; as light paths see it,
-// the density with which it sees their last vertex is the inverse.
+// Returns Q of a camera path at its first vertex, at `distance` from the camera. Its inverse is the
+// density with which a light path's last vertex is connected to the camera.
 float first_ratio(vec3 direction, float distance)
 {
     float extent = image_extent(direction);
     return CAMERA == CAMERA_ORTHOGRAPHIC ? extent : extent * distance * distance;
 }
 
-// E / p of an emitter that is infinitely far in the unit direction `towards`. Light paths from it
-// begin, evenly, on a disc in front of the scene that is as wide as the scene's bounding sphere; so
-// E is p over the disc's area, and 0 at points that no ray from the disc reaches.
+// Returns E / p of an emitter that is infinitely far away in the unit direction `towards`. Its
+// light paths begin uniformly on a disc in front of the scene, as wide as the scene's bounding
+// sphere. So E is p divided by the disc's area; it is 0 at points that no ray from the disc
+// reaches.
 float reach_of_far(vec3 point, vec3 towards)
 {
     vec3 from_center = point - frame.scene_center;
@@ -90,7 +91,7 @@ float reach_of_far(vec3 point, vec3 towards)
     return reached ? 1.0 / (PI * square) : 0.0;
 }
 
-// Q at a vertex, as its predecessor left it.
+// Returns Q at a vertex, which was stored at its predecessor.
 float load_ratio(uint slot)
 {
     return uintBitsToFloat(load_path(slot, PATH_WEIGHTS).x);

@@ -1,5 +1,5 @@
-// The BSDF of a surface: of whichever model its material has. Pure but for the tables of
-// lib/albedo.glsl. See lib/bsdf_types.glsl for the frame and the conventions.
+// The BSDF of a surface, for all material models. Pure except for the tables of lib/albedo.glsl.
+// See lib/bsdf_types.glsl for the frame and the conventions.
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
@@ -27,7 +27,8 @@ bsdf_sample sample_mirror(material m, vec3 wo)
     return bsdf_sample(vec3(-wo.xy, wo.z), material_base_color(m), 0.0, true, false, true);
 }
 
-// BSDF * |wi.z| of all that is not a delta, and the density with which sample_bsdf() draws wi.
+// Returns BSDF * |wi.z| of all lobes that are not delta lobes, and the density with which
+// sample_bsdf() samples wi.
 vec3 eval_bsdf(material m, vec3 wo, vec3 wi, float eta, out float pdf)
 {
     uint model = material_model(m);

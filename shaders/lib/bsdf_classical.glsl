@@ -1,6 +1,6 @@
-// The models that papers and courses compare with: Phong, Blinn-Phong and Torrance-Sparrow
-// microfacets, each over a Lambert base. Pure. See lib/bsdf_types.glsl for the frame and the
-// conventions, docs/materials-classical.md for the formulas in one place and for their energy.
+// Models to which papers and courses compare theirs: Phong, Blinn-Phong and Torrance-Sparrow
+// microfacets, each over a Lambertian base. Pure. See lib/bsdf_types.glsl for the frame and the
+// conventions, docs/materials-classical.md for the formulas and their energy.
 #ifndef BSDF_CLASSICAL_GLSL
 #define BSDF_CLASSICAL_GLSL
 
@@ -8,8 +8,8 @@
 #include "lib/bsdf_dielectric.glsl"
 #include "lib/sampling.glsl"
 
-// The part of the BSDF that is the same for all wi: the colours of the two lobes, and the
-// probability of drawing the specular one.
+// The part of the BSDF that does not depend on wi: the colours of the two lobes, and the
+// probability of sampling the specular one.
 struct classical_parts {
     vec3 diffuse;  // albedo
     vec3 specular; // scale of the highlight
@@ -28,7 +28,7 @@ classical_parts classical_choose(vec3 diffuse, vec3 specular, float albedo_diffu
     return classical_parts(diffuse, specular, p);
 }
 
-// Leaves the diffuse or the specular lobe alone where the material is asked for that part.
+// Removes one of the two lobes if the material is restricted to the diffuse or the specular part.
 classical_parts classical_part(material m, classical_parts parts)
 {
     if (is_part(m, MATERIAL_DIFFUSE_PART))
@@ -43,8 +43,8 @@ vec3 classical_specular_color(material m)
     return min(material_specular_color(m), vec3(1.0));
 }
 
-// The lobes of Phong and Blinn-Phong: highlights reflect `specular` at most, and the base has the
-// rest.
+// Returns the lobes of Phong and Blinn-Phong: the highlight reflects at most `specular`, the base
+// the rest.
 classical_parts phong_parts(material m)
 {
     vec3 specular = classical_specular_color(m);
@@ -53,9 +53,9 @@ classical_parts phong_parts(material m)
                                               sum_of(specular)));
 }
 
-// Adds the base to a highlight of BSDF * wi.z = f and density pdf; the base's light passes
-// `through`. Densities are not mixed by mix(): some devices make cosine + p (pdf - cosine) of it,
-// which leaves nothing of a small pdf where p is 1.
+// Adds the base to a highlight with BSDF * wi.z = f and density pdf. `through` is the fraction of
+// the base's light that passes the highlight's layer. The densities are not combined by mix(): some
+// devices compute cosine + p (pdf - cosine), which loses a small pdf if p is 1.
 vec3 classical_sum(classical_parts parts, vec3 wi, vec3 through, vec3 f, inout float pdf)
 {
     float cosine = pdf_cosine_hemisphere(wi.z);
@@ -69,8 +69,8 @@ bsdf_sample classical_sample(vec3 wi, vec3 f, float pdf)
     return bsdf_sample(wi, valid ? f / pdf : vec3(0.0), pdf, false, false, valid);
 }
 
-// A direction of density (n + 1) / (2 pi) cos^n about z; the part of sampling that Phong's lobe and
-// Blinn's normals share. .w is 1 - z, precise where n is large.
+// Samples a direction with density (n + 1) / (2 pi) cos^n about z, for Phong's lobe and Blinn's
+// normals. w is 1 - z, which is accurate for large n.
 vec4 sample_cosine_power(float n, vec2 u)
 {
     float below = one_minus_exp(max(0.0, -log(1.0 - u.x) / (n + 1.0)));
@@ -86,7 +86,7 @@ vec3 mirrored(vec3 wo)
 }
 
 // Lafortune and Willems 1994, "Using the Modified Phong Reflectance Model for Physically Based
-// Rendering": kd / pi + ks (n + 2) / (2 pi) cos^n of the angle from the mirrored direction. The
+// Rendering": kd / pi + ks (n + 2) / (2 pi) cos^n of the angle from the mirror direction. The
 // cosine is 1 - |difference|^2 / 2.
 vec3 eval_phong(material m, vec3 wo, vec3 wi, out float pdf)
 {
@@ -117,14 +117,15 @@ bsdf_sample sample_phong(material m, vec3 wo, vec4 u)
 
 // --- Blinn-Phong --------------------------------------------------------------------------------
 
-// 1 / the integral of cos^n(theta / 2) cos(theta) over the hemisphere: the highlight reflects 1 at
-// normal incidence (Giesen 2009, "Phong and Blinn-Phong Normalization Factors").
+// Returns 1 / (the integral of cos^n(theta / 2) cos(theta) over the hemisphere): with this factor
+// the highlight reflects all light at normal incidence (Giesen 2009, "Phong and Blinn-Phong
+// Normalization Factors").
 float blinn_phong_normalization(float n)
 {
     return (n + 2.0) * (n + 4.0) / (8.0 * PI * (exp2(-0.5 * n) + n));
 }
 
-// kd / pi + ks normalization cos^n of the half vector's angle.
+// Evaluates kd / pi + ks normalization cos^n, with the cosine of the half vector.
 vec3 eval_blinn_phong(material m, vec3 wo, vec3 wi, out float pdf)
 {
     pdf = 0.0;
@@ -173,17 +174,17 @@ vec3 microfacet_fresnel(material m, float cos_theta, float eta)
     return fresnel_schlick(color, cos_theta);
 }
 
-// Returns whether the base gets what the microfacet between both directions does not reflect, so
-// that its BSDF is kd (1 - F(wo.h)), as in real-time renderers. That is reciprocal, but at grazing
-// angles it reflects light that the highlight has reflected already.
+// Returns whether the base receives the light that the microfacet between both directions does not
+// reflect, so that its BSDF is kd (1 - F(wo.h)), as in real-time renderers. This is reciprocal, but
+// at grazing angles it reflects light that the highlight has already reflected.
 bool is_uncoupled(material m)
 {
     return HAS_LOBE(LOBE_UNCOUPLED) && material_has(m, MATERIAL_UNCOUPLED);
 }
 
-// The base lies below: light enters and leaves through what the surface does not reflect.
-// Uncoupled, its albedo is taken from light along the normal, half of whose angle with wo is that
-// of wo and the microfacet.
+// The base lies below the microfacets: light enters and leaves it in proportion to what they do not
+// reflect. If the base is uncoupled, its albedo is computed for light along the normal; the angle
+// between wo and the microfacet's normal is then half of that between wo and the normal.
 classical_parts microfacet_parts(material m, vec3 wo, float eta)
 {
     vec3 reflected = microfacet_fresnel(m, wo.z, eta);
@@ -209,7 +210,7 @@ float microfacet_d(material m, vec3 h, float alpha)
     return ggx_d(h, vec2(alpha));
 }
 
-// G1 of the distribution, exact for GGX and Beckmann, and as good as for Phong.
+// Returns G1 of the distribution: exact for GGX and Beckmann, accurate for Phong.
 float microfacet_g1(material m, vec3 w, float alpha)
 {
     uint distribution = microfacet_distribution(m);
@@ -230,8 +231,9 @@ float microfacet_smith(material m, vec3 wo, vec3 wi, float alpha)
     return smith_g2(beckmann_lambda(wo, alpha), beckmann_lambda(wi, alpha), separable);
 }
 
-// The fit is to Beckmann's. With another distribution it would leave more area visible than a
-// surface has, and reflect up to 1.7 times the light; so no more is visible than by that one's G1.
+// The rational function is a fit to Beckmann's G1. With other distributions it would make more area
+// visible than a surface has, and reflect up to 1.7 times the light; so it is limited to the G1 of
+// the distribution.
 float microfacet_rational(material m, vec3 w, float alpha)
 {
     float g1 = rational_g1(w, alpha);
@@ -239,7 +241,7 @@ float microfacet_rational(material m, vec3 w, float alpha)
     return fits ? g1 : min(g1, microfacet_g1(m, w, alpha));
 }
 
-// k of the choices of Schlick's masking.
+// Returns k for the variants of Schlick's masking.
 float microfacet_schlick_k(material m, uint masking, float alpha)
 {
     const float SQRT_2_OVER_PI = 0.79788456080286535588;
@@ -251,7 +253,7 @@ float microfacet_schlick_k(material m, uint masking, float alpha)
     return 0.5 * alpha;
 }
 
-// G / wo.z; cos_h is the cosine of either direction with the microfacet's normal.
+// Returns G / wo.z; cos_h is the cosine between either direction and the microfacet's normal.
 float microfacet_masking(material m, vec3 wo, vec3 wi, float cos_h, float alpha)
 {
     uint masking = m.model_flags >> MATERIAL_MASKING_SHIFT & 7u;
@@ -270,10 +272,10 @@ float microfacet_masking(material m, vec3 wo, vec3 wi, float cos_h, float alpha)
     return microfacet_smith(m, wo, wi, alpha) / wo.z;
 }
 
-// Normals are drawn from GGX's visible ones whatever the distribution: GGX has the longest tail, so
-// that weights stay bounded. Where normals are drawn by D itself, that is the material's own: tan^2
-// = -alpha^2 log(1 - u) of Beckmann's, cos = (1 - u)^(1 / (a_p + 2)) of Phong's (Walter et al. 2007,
-// eqs. 28 and 31).
+// Visible normals are sampled by GGX whatever the distribution: GGX has the longest tail, so the
+// weights are bounded. If all normals are sampled by D, it is the material's own: tan^2 = -alpha^2
+// log(1 - u) for Beckmann, cos = (1 - u)^(1 / (a_p + 2)) for Phong (Walter et al. 2007, eqs. 28 and
+// 31).
 vec3 sample_microfacet_normal(material m, vec3 wo, float alpha, vec2 u)
 {
     uint distribution = microfacet_distribution(m);

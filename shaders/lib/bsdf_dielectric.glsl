@@ -1,6 +1,6 @@
-// Interfaces of dielectrics and conductors, smooth and rough. Pure but for the tables of
+// Interfaces of dielectrics and conductors, smooth and rough. Pure except for the tables of
 // lib/albedo.glsl. See lib/bsdf_types.glsl for the frame and the conventions,
-// docs/materials-classical.md for the formulas in one place.
+// docs/materials-classical.md for the formulas.
 #ifndef BSDF_DIELECTRIC_GLSL
 #define BSDF_DIELECTRIC_GLSL
 
@@ -10,8 +10,8 @@
 #include "lib/microfacet.glsl"
 #include "lib/random.glsl"
 
-// A refracted lobe is about alpha |eta - 1| wide, and directions are rounded to 2^-24. Narrower
-// ones than this are drawn as they are but not evaluated.
+// The minimum width of a refracted lobe that can be evaluated. A lobe is about alpha |eta - 1|
+// wide, and directions are rounded to 2^-24. Narrower lobes are sampled, but not evaluated.
 const float SMALLEST_REFRACTED_WIDTH = 7.62939453125e-6; // 2^-17
 
 float dielectric_alpha(material m)
@@ -35,15 +35,15 @@ bool is_thin(material m)
     return HAS_LOBE(LOBE_THIN) && material_has(m, MATERIAL_THIN);
 }
 
-// Nothing to see: the indices on both sides are the same but for what Vulkan's division may err
-// (2.5 units in the last place).
+// Returns whether the interface is invisible because the indices on both sides are equal, up to the
+// permitted error of Vulkan's division (2.5 units in the last place).
 bool is_index_matched(float eta)
 {
     return abs(eta - 1.0) <= GAMMA(6);
 }
 
-// The two faces of a thin slab and all that is reflected between them:
-// R + (1 - R)^2 R / (1 - R^2) = 2 R / (1 + R).
+// Returns the reflectance of a thin slab with two faces, including all reflections between them: R
+// + (1 - R)^2 R / (1 - R^2) = 2 R / (1 + R).
 float fresnel_slab(float cos_i, float eta)
 {
     float cos_t;
@@ -51,8 +51,8 @@ float fresnel_slab(float cos_i, float eta)
     return 2.0 * r / (1.0 + r);
 }
 
-// Reflection by GGX microfacets without their reflectance: D G2 / (4 wo.z), and the density of
-// reflecting about a drawn normal. wi.z > 0.
+// Evaluates reflection by GGX microfacets without their reflectance, D G2 / (4 wo.z), and the
+// density of reflecting about a sampled normal. Requires wi.z > 0.
 float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable, out float pdf)
 {
     vec2 alphas = vec2(alpha);
@@ -64,14 +64,15 @@ float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable,
     return visible * ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
 }
 
-// --- trying again --------------------------------------------------------------------------------
+// --- repeated tries -----------------------------------------------------------------------------
 
-// A sample that ends on another microfacet is drawn again. Were it absorbed, and what is left
-// weighted with 1 / `survival`, few paths within dense rough glass would carry all of the light.
+// The maximum number of tries. A sample that is shadowed by another microfacet is sampled again. If
+// it were absorbed instead, and the others were weighted by 1 / `survival`, few paths inside rough
+// glass would carry all the light.
 const int MICROFACET_TRIES = 32;
 
-// The chance that one of the tries survives over that of a single one, (1 - (1 - survival)^32) /
-// survival, without the difference.
+// Returns the probability that one of the tries survives, divided by that of a single try: (1 - (1
+// - survival)^32) / survival, computed without cancellation.
 float tries_scale(float survival)
 {
     float failed = 1.0 - survival;
@@ -83,7 +84,7 @@ float tries_scale(float survival)
     return product;
 }
 
-// Uniforms for the try after the one with u.
+// Returns the uniforms of the next try, from those of this one.
 vec4 try_again(vec4 u)
 {
     return to_uniforms(pcg4d(floatBitsToUint(u)));
@@ -94,18 +95,18 @@ bool dielectric_is_compensated(material m)
     return HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE);
 }
 
-// Tables, and thus the chance of survival, are known of height-correlated masking and of visible
-// normals.
+// Returns whether samples are tried again: the tables have the probability of survival only for
+// height-correlated masking and visible normals.
 bool dielectric_tries_again(material m)
 {
     return dielectric_is_compensated(m) && !is_separable(m) && NORMALS == NORMALS_VISIBLE;
 }
 
-// The albedo by which single scattering is divided, so that it also carries, in proportion, the
-// energy that further bounces between microfacets would send back and through: that of a lossless
-// interface (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models", eq.
-// 14 with F = 1, over both sides). As eta approaches 1 that is G1(wo), and the rest is the way
-// straight on.
+// Returns the albedo by which single scattering is divided. The result then includes, in
+// proportion, the energy that further scattering between microfacets would reflect and transmit, so
+// that the interface is lossless (Turquin 2019, "Practical Multiple Scattering Compensation for
+// Microfacet Models", eq. 14 with F = 1, over both sides). As eta approaches 1, this albedo
+// approaches G1(wo), and the remaining energy passes straight through.
 float dielectric_albedo(material m, float cos_o, float eta, float alpha)
 {
     if (!dielectric_is_compensated(m))
@@ -132,7 +133,8 @@ bsdf_sample sample_smooth_dielectric(vec3 wo, float eta, bool thin, float u)
                        true, true);
 }
 
-// Walter et al. 2007, eqs. 16, 17, 20, 21; thin: reflection, and its mirror image behind.
+// Walter et al. 2007, eqs. 16, 17, 20, 21. thin: reflection, and its mirror image on the other
+// side.
 vec3 eval_rough_dielectric(vec3 wo, vec3 wi, float eta, float alpha, bool thin, bool separable,
                            out float pdf)
 {
@@ -164,8 +166,8 @@ vec3 eval_rough_dielectric(vec3 wo, vec3 wi, float eta, float alpha, bool thin, 
     return vec3(visible * ggx_g1(wi, alphas) / refraction_divisor(eta));
 }
 
-// One try; `unshadowed` is the part of it that no other microfacet is in the way of, or with
-// normals drawn by D the weight in its place.
+// Makes one try. `unshadowed` is the probability that no other microfacet shadows it; if normals
+// are sampled by D, it is a weight instead.
 bsdf_sample try_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, bool separable,
                                  vec4 u, out float unshadowed)
 {
@@ -226,8 +228,8 @@ bsdf_sample sample_rough_dielectric(material m, vec3 wo, float eta, float alpha,
     if (!s.specular) {
         vec3 f = eval_dielectric(m, wo, s.wi, eta, s.pdf);
         s.valid = s.pdf > 0.0;
-        // Then the weight depends on the normal, which is not the same again from rounded
-        // directions.
+        // With normals sampled by D the weight depends on the normal, which cannot be recomputed
+        // exactly from rounded directions.
         if (NORMALS == NORMALS_NDF)
             s.weight = s.valid ? f / s.pdf : vec3(0.0);
     }
@@ -247,8 +249,8 @@ bsdf_sample sample_dielectric(material m, vec3 wo, float eta, vec4 u)
     return s;
 }
 
-// The complex index of a conductor is against vacuum; its ior is none of its own but makes `eta`
-// tell the index outside.
+// The complex index of a conductor is relative to vacuum. A conductor has no ior of its own, so
+// `eta` gives the index outside.
 vec3 conductor_reflectance(material m, float cos_theta, float eta)
 {
     float outside = material_ior(m) / eta;
@@ -256,9 +258,9 @@ vec3 conductor_reflectance(material m, float cos_theta, float eta)
                              material_conductor_k(m) / outside);
 }
 
-// The factor of single scattering that adds the energy of further bounces between microfacets: 1 +
-// F0 (1 - E1) / E1 (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet
-// Models", eqs. 14 to 16).
+// Returns the factor on single scattering that adds the energy of further scattering between
+// microfacets: 1 + F0 (1 - E1) / E1 (Turquin 2019, "Practical Multiple Scattering Compensation for
+// Microfacet Models", eqs. 14 to 16).
 vec3 conductor_compensation(material m, float cos_o, float eta, float alpha)
 {
     if (!HAS_LOBE(LOBE_COMPENSATE) || !material_has(m, MATERIAL_COMPENSATE))

@@ -1,13 +1,13 @@
 // The principled model: Burley 2012 and 2015 with the layers of glTF's extensions. Formulas,
-// sources and deviations: docs/materials.md, whose names the code keeps. Reads the tables of
-// lib/albedo.glsl; else pure. See lib/bsdf_types.glsl for the frame and the conventions.
+// sources and deviations are in docs/materials.md, whose names the code uses. Pure except for the
+// tables of lib/albedo.glsl. See lib/bsdf_types.glsl for the frame and the conventions.
 #ifndef BSDF_PRINCIPLED_GLSL
 #define BSDF_PRINCIPLED_GLSL
 
 #include "lib/principled.glsl"
 #include "lib/sampling.glsl"
 
-// --- lobes: each gives BSDF * |wi.z| and its own density -----------------------------------------
+// --- lobes: each returns BSDF * |wi.z| and its own density ---------------------------------------
 
 vec3 eval_fibres(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
@@ -20,7 +20,7 @@ vec3 eval_fibres(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
     return p.fibre_color * (g * wi.z / max(1.0, largest));
 }
 
-// GTR1 (Burley 2012, eq. 4 and appendix B.2), without the difference in a^2 cos^2 + sin^2.
+// GTR1 (Burley 2012, eq. 4 and appendix B.2); a^2 cos^2 + sin^2 is computed without cancellation.
 float gtr1_d(vec3 h, float a)
 {
     float a2 = a * a;
@@ -43,14 +43,14 @@ float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
         return f * eval_ggx_reflection(wo, wi, h, p.coat_alpha, p.separable, pdf);
     precise float d = gtr1_d(h.xyz, p.coat_alpha);
     pdf = d * h.z / (4.0 * h.w);
-    // G1 / (4 wo.z wi.z) wi.z, of alpha 1/4.
+    // G1 / (4 wo.z wi.z) wi.z, with alpha = 1/4.
     precise float g =
         ggx_g1(wi, vec2(0.25)) / (2.0 * (wo.z + ggx_stretched_length(wo, vec2(0.25))));
     return f * d * g;
 }
 
-// A density of visible normals, in terms of the direction, as it is drawn: where what does not
-// survive is drawn again, in proportion to what survives.
+// Converts a density of visible normals into that of the sampled direction. If shadowed samples are
+// tried again, it is proportional to the probability of not being shadowed.
 float principled_tried(principled p, float visible, float unshadowed)
 {
     return principled_tries_again(p) ? unshadowed * p.tries_scale : visible;
@@ -74,15 +74,15 @@ vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out precise fl
     return reflected * unshadowed;
 }
 
-// Returns whether what goes through the base is an exact direction, or one so narrowly spread that
-// single precision does not resolve it (as in lib/bsdf_dielectric.glsl).
+// Returns whether light passes through the base in a single direction, or in directions that single
+// precision does not distinguish (as in lib/bsdf_dielectric.glsl).
 bool principled_through_is_delta(principled p)
 {
     return p.is_delta || p.eta == 1.0 ||
            (!p.thin && min(p.alpha.x, p.alpha.y) * abs(p.eta - 1.0) < SMALLEST_REFRACTED_WIDTH);
 }
 
-// Walter et al. 2007, eqs. 16, 17 and 21, of radiance.
+// Walter et al. 2007, eqs. 16, 17 and 21, for radiance.
 vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
     pdf = 0.0;
@@ -97,7 +97,8 @@ vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out precise float pdf)
         return vec3(0.0);
     vec3 reflected, through;
     vec2 probabilities;
-    // Both cosines are passed, since near total reflection one determines little about the other.
+    // Both cosines are passed, because near total reflection neither can be computed accurately
+    // from the other.
     principled_interface(p, cos_o, cos_i, fresnel_refracted(cos_o, cos_i, p.eta), reflected,
                          through, probabilities);
     float jacobian = p.eta * p.eta * cos_i / length2;
@@ -110,7 +111,7 @@ vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out precise float pdf)
     return f;
 }
 
-// The reflection, turned to the other side.
+// Evaluates the thin-walled base's transmission: its reflection, mirrored to the other side.
 vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
     pdf = 0.0;
@@ -134,7 +135,7 @@ vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out precise float pdf)
     return through * unshadowed;
 }
 
-// Evaluates the diffuse lobe without the weight of the layers above and `below`.
+// Evaluates the diffuse lobe without the weights of the layers above and without `below`.
 vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
     pdf = pdf_cosine_hemisphere(wi.z);
@@ -158,7 +159,7 @@ vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out precise
     return f;
 }
 
-// --- all of them ---------------------------------------------------------------------------------
+// --- all lobes -----------------------------------------------------------------------------------
 
 vec3 eval_principled_reflection(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
@@ -220,8 +221,9 @@ vec3 eval_principled(material m, vec3 wo, vec3 wi, float eta, out precise float 
     return eval_prepared(principled_prepare(m, wo, eta), wo, wi, pdf);
 }
 
-// One try of a direction of the base: in a delta's case complete, else with wi alone. It survives
-// other microfacets where `chance`, uniform in [0, 1), is below `unshadowed`.
+// Makes one try to sample the base. The sample is complete if it is a delta; otherwise only wi is
+// set. It survives masking by other microfacets if `chance`, uniform in [0, 1), is below
+// `unshadowed`.
 bsdf_sample try_base(principled p, vec3 wo, vec4 u, out float chance, out precise float unshadowed)
 {
     precise bsdf_sample s = bsdf_absorbed();

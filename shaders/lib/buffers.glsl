@@ -1,5 +1,5 @@
-// Owns the bindings. All reads of scene data and path state go through load_*(), which is an SSBO
-// read or a texel fetch of the same four words by specialization.
+// Owns the bindings. All reads of scene data and path state use load_*(), which is specialized to
+// read a storage buffer or to fetch the same four words as a texel.
 #ifndef BUFFERS_GLSL
 #define BUFFERS_GLSL
 
@@ -17,8 +17,8 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
     gpu_frame frame;
 };
 
-// READABLE(name, binding, access, texel feature, further parts, the first of them): uvec4
-// load_name(uint index), index in units of four words.
+// READABLE(name, binding, access, texel feature, number of further parts, index of the first one)
+// defines uvec4 load_name(uint index), with an index in units of four words.
 #define READABLE(name, number, access, feature, parts, first)                                      \
     layout(std430, set = 0, binding = number) access buffer name##_block {                         \
         uvec4 name##_words[];                                                                      \
@@ -57,11 +57,11 @@ STATE(paths, BINDING_PATHS)
 STATE(shadow_rays, BINDING_SHADOW_RAYS)
 STATE(radiance, BINDING_RADIANCE)
 
-// One buffer for both: Vulkan lets a device take as few as 4 storage buffers at once, and shading
-// writes to paths, shadow rays and radiance besides.
+// All queues share one buffer: Vulkan permits devices with only 4 storage buffers per stage, and
+// shading also writes to paths, shadow rays and radiance.
 layout(std430, set = 0, binding = BINDING_QUEUES) buffer queues_block {
     gpu_counters counters;
-    uint queue_slots[]; // wave_slots for each queue that is needed
+    uint queue_slots[]; // wave_slots entries for each queue that is needed
 };
 
 void store_path(uint slot, uint word, uvec4 value)
@@ -74,7 +74,7 @@ uvec4 load_path(uint slot, uint word)
     return load_paths(slot * PATH_WORDS + word);
 }
 
-// A slot has LIGHT_RAYS shadow rays.
+// A slot has room for LIGHT_RAYS shadow rays.
 void store_shadow_ray(uint slot, uint ray, uint word, uvec4 value)
 {
     shadow_rays_words[(slot * LIGHT_RAYS + ray) * SHADOW_WORDS + word] = value;
@@ -85,9 +85,9 @@ uvec4 load_shadow_ray(uint slot, uint ray, uint word)
     return load_shadow_rays((slot * LIGHT_RAYS + ray) * SHADOW_WORDS + word);
 }
 
-// A wave takes 2^sample_shift samples of each of its items, which are pixels next to each other.
-// Where tiles have sample counts of their own, the host lists them behind the last queue: the
-// pixels, then the sample that each begins with.
+// A wave takes 2^sample_shift samples of each of its items. Items are consecutive pixels; if tiles
+// have sample counts of their own, the host lists the items behind the last queue: first the
+// pixels, then the first sample number of each.
 uint listed(uint row, uint item)
 {
     return queue_slots[(uint(bitCount(QUEUES)) + row) * frame.wave_slots + item];
@@ -103,7 +103,8 @@ uint item_first_sample(uint item)
     return HAS(FEATURE_TILES) ? listed(1u, item) : push.first_sample;
 }
 
-// A sample has one slot, or with FEATURE_SPLIT_LOBES one for each branch of its path, side by side.
+// Returns the slots of a sample: one, or with FEATURE_SPLIT_LOBES one for each branch of its path;
+// they are adjacent.
 uint slots_a_sample()
 {
     return HAS(FEATURE_SPLIT_LOBES) ? 1u << frame.split_lobes : 1u;
@@ -119,9 +120,9 @@ uint sample_of_slot(uint slot)
     return HAS(FEATURE_SPLIT_LOBES) ? slot >> frame.split_lobes : slot;
 }
 
-// Moves the dimensions of a branch's random numbers away from those of the sample's other branches:
-// by multiples of 2^32 over the golden ratio, which stay far from each other (Knuth 1973, section
-// 6.4).
+// Returns an offset that separates the dimensions of a branch's random numbers from those of the
+// sample's other branches. Offsets are multiples of 2^32 divided by the golden ratio, which are far
+// apart (Knuth 1973, section 6.4).
 uint slot_stream(uint slot)
 {
     if (!HAS(FEATURE_SPLIT_LOBES))
@@ -129,7 +130,7 @@ uint slot_stream(uint slot)
     return (slot & (slots_a_sample() - 1u)) * 0x9e3779b9u;
 }
 
-// The image pixel and the sample number that a slot of this wave works on.
+// Return the pixel of the image and the sample number of a slot.
 uint slot_pixel(uint slot)
 {
     return item_pixel(sample_of_slot(slot) >> push.sample_shift);
@@ -141,10 +142,10 @@ uint slot_sample(uint slot)
     return item_first_sample(item >> push.sample_shift) + (item & ((1u << push.sample_shift) - 1u));
 }
 
-// A slot's record of the radiance's buffer: the radiance, then AOVs.
+// The record of a slot in the radiance buffer: the radiance, then AOVs.
 const uint SLOT_WORDS = AOV_SLOT_WORDS(AOVS);
 
-// Component by component, at places that are constants. See shared/aov.h.
+// Stores one component; `place` must be a constant. See shared/aov.h.
 void store_aov_float(uint slot, uint place, float value)
 {
     radiance_words[slot * SLOT_WORDS + 1u + (place >> 2u)][place & 3u] = floatBitsToUint(value);
@@ -187,8 +188,7 @@ bool is_finite(vec3 v)
     return all(notEqual(exponent, uvec3(0x7f800000u)));
 }
 
-// Counts a contribution that is left out, marks its sample, and keeps what is needed to reproduce
-// it.
+// Counts a contribution that is left out, marks its sample, and records the data that reproduce it.
 void report_nonfinite(uint slot, uint site)
 {
     radiance_words[slot * SLOT_WORDS].w = floatBitsToUint(1.0);

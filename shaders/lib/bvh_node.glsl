@@ -5,8 +5,9 @@
 #define BVH_LEAF 0x80000000u
 #define BVH_LEAF_SHAPE 0x40000000u
 #define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | 0x20000000u)
-#define BVH_LEAF_INDEX 0x1fffffffu // number of a shape or an instance
-// A leaf of triangles: how many come after the first one, above the bits of that one's index.
+#define BVH_LEAF_INDEX 0x1fffffffu // index of a shape or an instance
+// One triangle more in a leaf's word, which holds the number of triangles after the first one in
+// the bits above the first one's index.
 #define BVH_LEAF_ONE_MORE (1u << LEAF_INDEX_BITS)
 #define BVH_LEAF_MORE (BVH_LEAF_SHAPE - BVH_LEAF_ONE_MORE)
 #define BVH_LEAF_TRIANGLE (BVH_LEAF_ONE_MORE - 1u)
@@ -16,7 +17,7 @@
 #include "lib/bvh_node_float.glsl"
 #include "lib/bvh_node_quantised.glsl"
 
-// One comparator of a sorting network.
+// A comparator of a sorting network.
 void order(inout int a, inout int b)
 {
     int low = min(a, b);
@@ -31,11 +32,12 @@ uint child_word(uvec4 children, int key)
     return (key & 2) != 0 ? high : low;
 }
 
-// Tests the ray, clipped to (0, t_max), against the four children of node `index`: the bits of each
-// one's entry distance, or BVH_MISS.
+// Tests the ray, clipped to (0, t_max), against the boxes of the four children of node `index`.
+// Returns the bits of the entry distances; BVH_MISS for boxes that the ray misses.
 //
-// Distances of boxes behind the origin are clamped to 0, so that their bits order like integers;
-// integer minima and maxima are cheaper than float ones where those have to mind NaN.
+// The distance of a box that begins behind the origin is clamped to 0, so that the bits of all
+// distances have the order of integers. Integer minima and maxima are cheaper than those of floats,
+// which must handle NaN on some devices.
 ivec4 bvh_test_children(bvh_ray ray, uint index, float t_max, out uvec4 children)
 {
     if (NODES == NODES_FLOAT)

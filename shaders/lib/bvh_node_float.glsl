@@ -6,12 +6,12 @@
 #include "lib/buffers.glsl"
 #include "lib/bvh_ray.glsl"
 
-// Does what bvh_test_children() promises.
+// Implements bvh_test_children().
 //
-// Conservative: the distance t of a plane is off by 7 roundings of itself, 5 for the reciprocal
-// (2.5 ulp by the Vulkan specification), 2 for the arithmetic. The triangle test's own perturbation
-// of the ray is relative to where the triangle ends, which may be far behind the origin: hence a
-// part of the larger of a slab's two distances.
+// The test is conservative: the distance t of a plane has an error of 7 roundings of itself, 5 of
+// the reciprocal (2.5 ulp by the Vulkan specification) and 2 of the arithmetic. In addition, the
+// triangle test perturbs the ray relative to the far end of the triangle, which may be far behind
+// the origin; so the margin is a fraction of the larger of the two distances of a slab.
 ivec4 test_float_children(bvh_ray ray, uint index, float t_max, out uvec4 children)
 {
     uint first = index * 8u;
@@ -19,7 +19,7 @@ ivec4 test_float_children(bvh_ray ray, uint index, float t_max, out uvec4 childr
     ivec4 nearest = ivec4(0);
     ivec4 farthest = ivec4(floatBitsToInt(t_max));
     for (uint axis = 0u; axis < 3u; axis++) {
-        // Words 1 to 3 are the lower planes, 4 to 6 the upper ones.
+        // Words 1 to 3 have the lower planes, words 4 to 6 the upper ones.
         uint low = first + 1u + axis;
         uint near_word = low + (ray.negative[axis] ? 3u : 0u);
         uint far_word = low + (ray.negative[axis] ? 0u : 3u);

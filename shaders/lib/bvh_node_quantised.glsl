@@ -5,13 +5,14 @@
 #include "lib/buffers.glsl"
 #include "lib/bvh_ray.glsl"
 
-// Does what bvh_test_children() promises.
+// Implements bvh_test_children().
 //
-// Conservative: with plane p = node origin + q * scale, t = q * (scale * inverse) + (node origin -
-// ray origin) * inverse is off by less than 16 roundings of |node origin - ray origin| * |inverse|
-// + 255 * scale * |inverse|: 5 for the reciprocal (2.5 ulp by the Vulkan specification), at most 4
-// for the arithmetic, the rest for the triangle test's own perturbation of the ray. The slabs are
-// widened by that much (after Ize 2013, "Robust BVH Ray Traversal").
+// The test is conservative. For the plane p = node origin + q * scale, the distance t = q * (scale
+// * inverse) + (node origin - ray origin) * inverse has an error of less than 16 roundings of |node
+// origin - ray origin| * |inverse| + 255 * scale * |inverse|: 5 of the reciprocal (2.5 ulp by the
+// Vulkan specification), at most 4 of the arithmetic, the rest for the perturbation of the ray by
+// the triangle test. The slabs are widened by that much (after Ize 2013, "Robust BVH Ray
+// Traversal").
 ivec4 test_quantised_children(bvh_ray ray, uint index, float t_max, out uvec4 children)
 {
     uvec4 head = load_nodes(index * 4u);

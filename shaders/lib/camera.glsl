@@ -11,8 +11,9 @@ struct camera_ray {
     vec3 direction; // unit
 };
 
-// The direction that a panorama shows at a point of the picture, (-1, 1) its upper left corner: the
-// convention of scene/core/environment.h with the camera's axes, forward for +X, up for +Y.
+// Returns the direction that a panorama shows at a point of the image, whose upper left corner is
+// (-1, 1). The convention is that of scene/core/environment.h in the camera's frame, with forward
+// in place of +X and up in place of +Y.
 vec3 panorama_direction(vec2 at)
 {
     vec2 longitude = cos_sin_turns(0.5 * at.x);
@@ -21,7 +22,8 @@ vec3 panorama_direction(vec2 at)
     return latitude.x * level + latitude.y * frame.camera_up;
 }
 
-// Returns the origin of the pinhole's ray: the camera, or a nearer point that is precise.
+// Returns the origin of the pinhole's ray: the camera's position, or for a far camera a point near
+// the scene, which is more precise.
 vec3 start_of_ray(vec2 at)
 {
     if (!HAS(FEATURE_FAR_CAMERA))
@@ -30,16 +32,16 @@ vec3 start_of_ray(vec2 at)
            frame.camera_start * (at.x * frame.camera_right - at.y * frame.camera_up);
 }
 
-// With FEATURE_FAR_CAMERA, returns the distance from the camera of the point at distance t on its
-// ray.
+// With FEATURE_FAR_CAMERA, returns the distance from the camera of the point at distance t along
+// its ray.
 float distance_from_camera(vec3 direction, float t)
 {
     return t + frame.camera_start / dot(direction, frame.camera_forward);
 }
 
-// The ray from a point of the aperture to where the pinhole's ray of this point of the image meets
-// the plane in focus (Cook, Porter, Carpenter 1984, "Distributed Ray Tracing", section 4.2). `from`
-// is the origin of the pinhole's ray; `direction` has a component of 1 along the line of sight.
+// Returns the ray from a point of the aperture to the point at which the pinhole's ray meets the
+// plane in focus (Cook, Porter, Carpenter 1984, "Distributed Ray Tracing", section 4.2). `from` is
+// the origin of the pinhole's ray; `direction` has a component of 1 along the line of sight.
 camera_ray ray_through_lens(vec3 from, vec3 direction, vec2 u)
 {
     vec2 on_lens = frame.lens_radius * sample_aperture(u, frame.lens_blades, frame.lens_rotation);
@@ -50,7 +52,8 @@ camera_ray ray_through_lens(vec3 from, vec3 direction, vec2 u)
                       normalize(direction - offset / frame.focus_distance));
 }
 
-// `at`: from (-1, -1), the picture's upper left corner, to (1, 1). `u_lens`: used with a lens only.
+// at: position in the image, from (-1, -1), the upper left corner, to (1, 1). u_lens: used only
+// with a lens.
 camera_ray make_camera_ray(vec2 at, vec2 u_lens)
 {
     if (CAMERA == CAMERA_PANORAMIC)

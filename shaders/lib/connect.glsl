@@ -11,8 +11,8 @@
 #include "lib/split.glsl"
 #include "lib/vertex.glsl"
 
-// The density with which light paths would have found what a shadow ray in the unit direction `wi`
-// finds, over that of the shadow ray (lib/bidir.glsl).
+// Returns the density with which light paths sample the path that a shadow ray in the unit
+// direction `wi` completes, divided by the density of the shadow ray (lib/bidir.glsl).
 float light_path_ratio(vertex v, vec3 wi, light_sample l)
 {
     float ratio = v.ratio;
@@ -24,15 +24,15 @@ float light_path_ratio(vertex v, vec3 wi, light_sample l)
     return ratio > 0.0 ? ratio * emission_over_pdf(v, wi, l) : 0.0;
 }
 
-// The BSDF of material m times the cosine, and the weight of a shadow ray there against the rays
-// that m scatters.
+// Returns the BSDF of material m times the cosine. weight: the MIS weight of the shadow ray against
+// scattered rays of m.
 vec3 eval_connection(vertex v, material m, vec3 local, light_sample l, out float weight)
 {
     float pdf;
     vec3 f = eval_bsdf(m, v.wo, local, v.eta, pdf);
     pdf = pdf_onwards(m, v.wo, local, v.eta, pdf);
     if (HAS(FEATURE_MIN_DENSITY) && pdf < frame.min_density)
-        pdf = 0.0; // no path goes on there
+        pdf = 0.0; // paths do not continue in this direction
     weight = 1.0;
     if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
         weight = mis_weight(l.pdf, pdf);
@@ -42,7 +42,8 @@ vec3 eval_connection(vertex v, material m, vec3 local, light_sample l, out float
     return f;
 }
 
-// Where the path splits: both parts, each weighted against the branch that has it.
+// For a vertex at which the path splits: returns the sum over both parts, each weighted against the
+// branch that samples it.
 vec3 eval_split_connection(vertex v, vec3 local, light_sample l)
 {
     float weight_d, weight_s;
@@ -51,8 +52,8 @@ vec3 eval_split_connection(vertex v, vec3 local, light_sample l)
     return d * weight_d + s * weight_s;
 }
 
-// Writes the shadow ray number `ray` to a sampled point of an emitter; false when there is nothing
-// to connect.
+// Stores shadow ray `ray` to a sampled point of an emitter. Returns false if it would contribute
+// nothing.
 bool connect_sample(vertex v, vec3 origin, uint ray, light_sample l)
 {
     surface s = v.s;
@@ -88,7 +89,8 @@ bool connect_sample(vertex v, vec3 origin, uint ray, light_sample l)
     return true;
 }
 
-// One shadow ray to each lamp; those that have nothing to carry carry nothing.
+// Sends a shadow ray to each lamp. Rays that would contribute nothing are stored with contribution
+// 0.
 bool connect_all_lamps(vertex v, receiver r)
 {
     bool any_ray = false;
@@ -102,7 +104,7 @@ bool connect_all_lamps(vertex v, receiver r)
     return any_ray;
 }
 
-// Writes the vertex's shadow rays; false when there is none. `u`: of one emitter, see
+// Stores the vertex's shadow rays; false if there are none. u: selects one emitter, see
 // sample_light().
 bool connect_light(vertex v, vec4 u)
 {

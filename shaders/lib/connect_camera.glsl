@@ -1,5 +1,5 @@
-// Where the camera sees a point from: the ray back to it, and the pixel that gets what arrives.
-// Reads the uniform block.
+// How the camera sees a point: the ray to it, and the pixel whose filter covers its image. Reads
+// the uniform block.
 #ifndef CONNECT_CAMERA_GLSL
 #define CONNECT_CAMERA_GLSL
 
@@ -8,15 +8,15 @@
 #include "lib/camera.glsl"
 
 struct camera_sight {
-    vec3 target;    // where the camera's ray to the point begins
-    vec3 direction; // unit, of that ray
+    vec3 target;    // origin of the camera ray to the point
+    vec3 direction; // unit direction of that ray
     float distance; // from the camera
-    vec2 at;        // in the picture, as in make_camera_ray()
+    vec2 at;        // position in the image, as in make_camera_ray()
     bool valid;
 };
 
-// Inverse of make_camera_ray() with a lens or a pinhole. `from`: the point, from where the line of
-// sight begins.
+// The inverse of make_camera_ray() for cameras with a lens or a pinhole. `from`: the point relative
+// to the beginning of the line of sight.
 camera_sight see_in_perspective(vec3 from, vec2 u_lens)
 {
     camera_sight c;
@@ -58,7 +58,7 @@ camera_sight see_in_parallel(vec3 from)
     return c;
 }
 
-// Inverse of panorama_direction().
+// The inverse of panorama_direction().
 camera_sight see_all_around(vec3 from)
 {
     camera_sight c;
@@ -72,7 +72,7 @@ camera_sight see_all_around(vec3 from)
     return c;
 }
 
-// u_lens: chooses the point of the lens.
+// u_lens: selects the point on the lens.
 camera_sight see_from_camera(vec3 point, vec2 u_lens)
 {
     vec3 from = point - frame.camera_position;
@@ -83,8 +83,8 @@ camera_sight see_from_camera(vec3 point, vec2 u_lens)
     return see_in_perspective(from, u_lens);
 }
 
-// The pixel filter's density at an offset from the pixel's centre, 1 a pixel's area; what
-// filter_position() draws from.
+// Returns the density of the pixel filter at an offset from the pixel's centre, per area of one
+// pixel; filter_position() samples this density.
 float filter_density(vec2 offset)
 {
     float scale = 1.0 / (frame.filter_radius * frame.filter_radius);
@@ -106,17 +106,17 @@ float filter_density(vec2 offset)
     return scale * 0.25;
 }
 
-// Chooses one of the pixels whose filter covers a point of the picture, in proportion to the
-// filter's density there. Returns the sum of the densities, which scales what that pixel gets; 0:
-// there is none.
+// Selects one of the pixels whose filters cover a point of the image, in proportion to the filters'
+// densities there. Returns the sum of these densities, by which the contribution to the pixel is
+// scaled; 0: there is no such pixel.
 float choose_pixel(vec2 at, float u, out uint pixel)
 {
     vec2 size = vec2(frame.width, frame.height);
-    vec2 place = 0.5 * (at + 1.0) * size - 0.5; // pixels' centres are whole numbers
+    vec2 place = 0.5 * (at + 1.0) * size - 0.5; // pixels' centres are integers
     float radius = frame.filter_radius;
     vec2 low = max(ceil(place - radius), vec2(0.0));
     vec2 high = min(floor(place + radius), size - 1.0);
-    // Written so that what is not a number covers nothing.
+    // The condition is false if a bound is NaN.
     bool covers = all(lessThanEqual(low, high));
     float columns = high.x - low.x + 1.0;
     float count = covers ? columns * (high.y - low.y + 1.0) : 0.0;
@@ -132,7 +132,8 @@ float choose_pixel(vec2 at, float u, out uint pixel)
         float row = floor((i + 0.5) / columns);
         vec2 chosen = low + vec2(i - row * columns, row);
         float density = filter_density(place - chosen);
-        // The last one that has any density is left for rounding.
+        // Because of rounding, the last pixel with a positive density may not be reached by the
+        // sum.
         if (density > 0.0 && !found)
             pixel = uint(chosen.y) * frame.width + uint(chosen.x);
         found = found || left < density;

@@ -1,4 +1,4 @@
-// Specialization constants: everything that is fixed per scene and device.
+// Specialization constants: values that are fixed for a scene and a device.
 #ifndef CONSTANTS_GLSL
 #define CONSTANTS_GLSL
 
@@ -42,7 +42,7 @@ layout(constant_id = CONSTANT_ACCUMULATION) const uint ACCUMULATION = ACCUMULATI
 layout(constant_id = CONSTANT_ROUNDING) const uint ROUNDING_MODE = ROUNDING_NEAREST;
 layout(constant_id = CONSTANT_STACK_SHARED) const uint STACK_SHARED = 0u;
 
-// Constant-folded: an absent feature's code is gone.
+// A constant expression: the code of a feature that is off is removed.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)
 #define HAS_GEOMETRY(geometry) ((GEOMETRY & (geometry)) != 0u)
 #define HAS_SDF(operation) ((SDF & (operation)) != 0u)
@@ -50,8 +50,8 @@ layout(constant_id = CONSTANT_STACK_SHARED) const uint STACK_SHARED = 0u;
 #define HAS_EMITTER(emitters) ((EMITTERS & (emitters)) != 0u)
 #define HAS_AOV(aovs) ((AOVS & (aovs)) != 0u)
 
-// The bound of one rounding, as in Higham 2002, section 2.2: half a unit in the last place of 1, or
-// all of it where sums and products need not be rounded to the nearest.
+// The bound of one relative rounding error, as in Higham 2002, section 2.2: half a unit in the last
+// place of 1, or a whole one if the device does not promise to round sums and products to nearest.
 #define ROUNDING_OF_NEAREST 5.9604644775390625e-8
 #define ROUNDING_OF_ANY 1.1920928955078125e-7
 #define IS_NEAREST (ROUNDING_MODE == ROUNDING_NEAREST)

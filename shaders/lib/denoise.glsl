@@ -1,4 +1,4 @@
-// Owns the bindings of the denoiser's kernels, and says which pixel a thread works on.
+// Owns the bindings of the denoiser's kernels, and assigns pixels to threads.
 #ifndef DENOISE_GLSL
 #define DENOISE_GLSL
 
@@ -43,8 +43,8 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform denoise_block {
         name##_words[pixel] = floatBitsToUint(value);                                              \
     }
 
-// Squares of pixels, in each row by row: neighbours in x are neighbours in a subgroup, neighbours
-// in y are in the cache. False for threads beyond the picture.
+// Workgroups process squares of pixels, row by row: neighbours in x are neighbours in a subgroup,
+// and neighbours in y are in the cache. Returns false for threads outside the image.
 bool find_pixel(out uvec2 pixel)
 {
     uint across = (denoise.now.width + DENOISE_TILE - 1u) / DENOISE_TILE;
@@ -65,7 +65,7 @@ bool is_inside(ivec2 pixel)
     return all(lessThan(uvec2(pixel), uvec2(denoise.now.width, denoise.now.height)));
 }
 
-// The index of a neighbour, or of the pixel itself where that would be beyond the picture.
+// Returns the index of a neighbour, or of the pixel itself if the neighbour is outside the image.
 uint neighbour_index(ivec2 pixel, ivec2 offset, out bool inside)
 {
     ivec2 at = pixel + offset;
@@ -73,7 +73,8 @@ uint neighbour_index(ivec2 pixel, ivec2 offset, out bool inside)
     return pixel_index(uvec2(inside ? at : pixel));
 }
 
-// Written out: some drivers do not unroll loops, which cost more than what is in them.
+// Written out, because some drivers do not unroll loops, and the overhead of the loop exceeds the
+// cost of its body.
 #define DENOISE_ROW_3(tap, y) tap(-1, y) tap(0, y) tap(1, y)
 #define DENOISE_SQUARE_3(tap) DENOISE_ROW_3(tap, -1) DENOISE_ROW_3(tap, 0) DENOISE_ROW_3(tap, 1)
 #define DENOISE_ROW_5(tap, y) tap(-2, y) tap(-1, y) tap(0, y) tap(1, y) tap(2, y)

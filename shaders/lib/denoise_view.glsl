@@ -1,11 +1,12 @@
-// Rays of the film's camera through pixels, and where points were in the history's picture. As
-// lib/camera.glsl, for a pinhole. Pure functions.
+// Rays of the film's camera through pixels, and positions of points in the history's image. Equals
+// lib/camera.glsl for a pinhole. Pure functions.
 #ifndef DENOISE_VIEW_GLSL
 #define DENOISE_VIEW_GLSL
 
 #include "lib/angle.glsl"
 
-// A place in the image from (-1, -1), the upper left corner, to (1, 1). `at`: in pixels.
+// Returns the position in the image of `at` (in pixels), from (-1, -1), the upper left corner, to
+// (1, 1).
 vec2 picture_place(gpu_denoise_view view, vec2 at)
 {
     return 2.0 * at / vec2(view.width, view.height) - 1.0;
@@ -22,7 +23,7 @@ vec3 panorama_ray(gpu_denoise_view view, vec2 place)
 struct view_ray {
     vec3 origin;
     vec3 direction; // unit
-    float cosine;   // to the line of sight
+    float cosine;   // cosine of the angle to the line of sight
 };
 
 view_ray ray_through(gpu_denoise_view view, vec2 at)
@@ -38,8 +39,8 @@ view_ray ray_through(gpu_denoise_view view, vec2 at)
                     inversesqrt(length_squared));
 }
 
-// A function of the depth t along such a ray that is linear over the image of a plane: the inverse
-// of the depth measured along the line of sight; without perspective the depth itself.
+// Returns a function of the depth t along such a ray that is linear over the image of a plane: the
+// inverse of the depth along the line of sight; without perspective the depth itself.
 float guide_depth(gpu_denoise_view view, float t, float cosine)
 {
     return view.kind == CAMERA_ORTHOGRAPHIC ? t : 1.0 / (t * cosine);
@@ -50,9 +51,9 @@ float ray_depth(gpu_denoise_view view, float guide, float cosine)
     return view.kind == CAMERA_ORTHOGRAPHIC ? guide : 1.0 / (guide * cosine);
 }
 
-// Relative: how much the length of rays to a plane that faces the camera changes within a pixel.
-// With x and y at distance 1 it is (1 + x^2 + y^2)^(1/2), whose relative derivative is
-// (x dx + y dy) / (1 + x^2 + y^2).
+// Returns the relative change, within one pixel, of the length of rays to a plane that faces the
+// camera. For a plane at distance 1 and a point (x, y) in it the length is (1 + x^2 + y^2)^(1/2),
+// whose relative derivative is (x dx + y dy) / (1 + x^2 + y^2).
 float ray_length_change(gpu_denoise_view view, vec2 at)
 {
     if (view.kind != CAMERA_PERSPECTIVE)
@@ -62,8 +63,9 @@ float ray_length_change(gpu_denoise_view view, vec2 at)
     return dot(here, 2.0 * half_size / vec2(view.width, view.height)) / (1.0 + dot(here, here));
 }
 
-// Projects a point (or, far away, a direction from the camera) into the picture, in pixels, with
-// its depth as guides store it. Returns false if it is behind the camera or has no projection.
+// Projects a point (or, infinitely far away, a direction from the camera) into the image: its
+// position in pixels, and its depth as the guides store it. Returns false if it is behind the
+// camera or has no projection.
 bool project(gpu_denoise_view view, vec3 point, bool is_direction, out vec2 at, out float guide)
 {
     vec3 to = is_direction ? point : point - view.position;

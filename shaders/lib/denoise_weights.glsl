@@ -6,18 +6,18 @@
 const float SIGMA_LUMINANCE = 4.0;
 const uint NORMAL_SQUARINGS = 7u; // a power of 2^7 = 128
 
-// The B3 spline at a distance of 0, 1 or 2 steps.
+// Returns the B3 spline's weight at a distance of 0, 1 or 2 steps.
 float spline(int distance)
 {
     return distance == 0 ? 0.375 : distance == 1 ? 0.25 : 0.0625;
 }
 
-// Relative error of a depth: a few roundings each of the ray, its hit and the sum over samples,
-// 16 * 2^-24 together.
+// The relative error of a depth, 16 * 2^-24: a few roundings each for the ray, its hit and the sum
+// over samples.
 const float DEPTH_ROUNDING = 9.5367431640625e-7;
 
-// BT.709, of what the filter weighs by. Its square times any number of samples stays finite: what
-// is brighter counts as that bright.
+// The maximum luminance (BT.709) by which the filter weighs: its square times any number of samples
+// is finite. Brighter light counts as this bright.
 const float LUMINANCE_MOST = 1e14;
 float luminance(vec3 light)
 {
@@ -34,8 +34,8 @@ bool is_sky(vec4 guide)
     return dot(guide.xyz, guide.xyz) == 0.0;
 }
 
-// Equation (4). The environment has no normal: by `least`, 1, it is like everything, and its depth
-// distinguishes it from surfaces.
+// Equation (4). The environment has no normal; with least = 1 it is similar to everything, and only
+// its depth distinguishes it from surfaces.
 float normal_weight(vec3 a, vec3 b, float least)
 {
     float weight = max(dot(a, b), least);
@@ -44,8 +44,8 @@ float normal_weight(vec3 a, vec3 b, float least)
     return weight;
 }
 
-// The place of a surface's depth: its change to the next pixel in x and y, and how far the mean of
-// jittered samples may be from the depth in the pixel's middle.
+// The depth of a surface around a pixel: its change to the next pixel in x and in y, and a bound on
+// the difference between the mean depth of jittered samples and the depth at the pixel's centre.
 struct depth_plane {
     vec4 guide;
     vec2 slope;
@@ -54,21 +54,21 @@ struct depth_plane {
     float least_normal;
 };
 
-// `length_change`: ray_length_change().
+// length_change: the result of ray_length_change().
 depth_plane make_plane(vec4 guide, vec2 slope, float length_change)
 {
     bool sky = is_sky(guide);
     float jitter = abs(slope.x) + abs(slope.y) + length_change * guide.w;
-    // Depths of surfaces are normal numbers, those of the sky are 0: any tolerance tells them
-    // apart.
+    // Depths of surfaces are normal numbers, that of the sky is 0: any tolerance distinguishes
+    // them.
     return depth_plane(guide, slope, sky ? 1e-37 : jitter, DEPTH_ROUNDING * guide.w,
                        sky ? 1.0 : 0.0);
 }
 
-// Returns the similarity of the surfaces of two pixels. The exponent is that of equation (3), but
-// for a deviation from the plane rather than from the depth: on a slope seen at a grazing angle the
-// filter reaches as far as on one that faces the camera. `further`: other terms of the exponent. 0
-// for pixels without samples, and for dissimilar ones.
+// Returns the similarity of the surfaces of two pixels; 0 for pixels without samples. The exponent
+// is that of equation (3), but for the deviation from the plane instead of the depth: so on a slope
+// seen at a grazing angle the filter reaches as far as on a surface that faces the camera. further:
+// other terms of the exponent.
 float surface_weight(depth_plane plane, vec4 other, vec2 offset, float further)
 {
     float expected = dot(plane.slope, offset);
@@ -79,16 +79,17 @@ float surface_weight(depth_plane plane, vec4 other, vec2 offset, float further)
            exp(-(deviation / tolerance + further));
 }
 
-// Returns the factor of a difference of luminances in the exponent of equation (5). Without
-// variance no difference is small.
+// Returns the factor of a luminance difference in the exponent of equation (5). Without variance
+// every difference is large.
 float luminance_scale(float variance)
 {
     return variance > 0.0 ? 1.0 / (SIGMA_LUMINANCE * sqrt(variance)) : 3.0e38;
 }
 
-// The mix lambda f + (1 - lambda) p of an estimate f that is biased by b, and of one without bias, of
-// variance V, has the error lambda^2 b^2 + (1 - lambda)^2 V: least with lambda = V / (V + b^2), and
-// there below both. `bias` is b^2, or less than 0 where chance explains it.
+// Returns the best weight lambda in lambda f + (1 - lambda) p, where f is an estimate with bias b,
+// and p is unbiased with variance V. The error lambda^2 b^2 + (1 - lambda)^2 V is least for lambda
+// = V / (V + b^2), and is then below both b^2 and V. `bias` is b^2; it is below 0 if chance
+// explains it.
 float best_part(float variance, float bias)
 {
     return bias > 0.0 ? variance / (variance + bias) : 1.0;

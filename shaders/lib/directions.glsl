@@ -1,25 +1,25 @@
-// Ways to choose the direction in which a path goes on that ask little or nothing of the surface,
-// to compare with the BSDF's own. What is drawn is weighted by BSDF * |cos| / density, and the
-// density stands in the weights of multiple importance sampling: every way converges to the same
-// picture.
+// Strategies for sampling the next direction of a path that use little or no information about the
+// surface, for comparison with BSDF sampling. A sample is weighted by BSDF * |cos| / density, and
+// its density is used in MIS weights, so the image converges to the same result with every
+// strategy.
 //
-// - What the surface sends through itself is looked for as well: where its material transmits
-//   other than perfectly, hemispheres are mirrored to the other side half of the time.
-// - Perfectly specular directions are found by the BSDF's sampling alone. A material of nothing
-//   else is sampled so; one that has other parts besides goes on in either way, half of the time
-//   each, and the density is that of the mixture (Veach and Guibas 1995, the one-sample model).
+// - If a material transmits other than as a delta, transmitted light is sampled, too: hemispheres
+// are mirrored to the other side with probability 1/2.
+// - Delta lobes can only be sampled by the BSDF. Materials that consist of them are sampled that
+// way. Materials that also have other lobes use either strategy with probability 1/2, and the
+// density is that of the mixture (Veach and Guibas 1995, the one-sample model).
 #ifndef DIRECTIONS_GLSL
 #define DIRECTIONS_GLSL
 
 #include "lib/bsdf.glsl"
 #include "lib/sampling.glsl"
 
-// The lobe about the mirrored direction leaves out what is far from it: so much of the cosine is
-// mixed in, for weights that are bounded (Hesterberg 1995, "Weighted Average Importance Sampling
-// and Defensive Mixture Distributions").
+// The power cosine about the mirror direction has little density far from it. This fraction of the
+// samples uses the cosine instead, so that weights are bounded (Hesterberg 1995, "Weighted Average
+// Importance Sampling and Defensive Mixture Distributions").
 const float DEFENSIVE_PART = 0.125;
 
-// Returns whether something but perfectly specular light goes through.
+// Returns whether the material transmits light other than as a delta.
 bool transmits(material m)
 {
     uint model = material_model(m);
@@ -31,7 +31,7 @@ bool transmits(material m)
     return model == MATERIAL_PRINCIPLED && principled_does;
 }
 
-// Returns the fraction of the scattered light that is left to the BSDF's sampling.
+// Returns the probability of sampling the BSDF.
 float part_by_bsdf(material m, vec3 wo, float eta)
 {
     uint model = material_model(m);
@@ -57,7 +57,7 @@ float part_by_bsdf(material m, vec3 wo, float eta)
     return 0.0;
 }
 
-// Densities per solid angle on the whole sphere; below the surface that of the lobe may not be 0.
+// Returns the density per solid angle. Below the surface the density of the lobe need not be 0.
 float pdf_one_side(vec3 wo, vec3 wi)
 {
     float cosine = pdf_cosine_hemisphere(max(wi.z, 0.0));
@@ -98,7 +98,8 @@ vec3 sample_direction(bool through, vec3 wo, vec4 u)
     return wi;
 }
 
-// The density with which a path goes on into wi, from that of the BSDF's sampling.
+// Returns the density with which a path continues in direction wi, given the density of BSDF
+// sampling.
 float pdf_onwards(material m, vec3 wo, vec3 wi, float eta, float bsdf_pdf)
 {
     if (DIRECTIONS == DIRECTIONS_BSDF)
@@ -106,7 +107,7 @@ float pdf_onwards(material m, vec3 wo, vec3 wi, float eta, float bsdf_pdf)
     return mix(pdf_direction(transmits(m), wo, wi), bsdf_pdf, part_by_bsdf(m, wo, eta));
 }
 
-// Replaces sample_bsdf(). u_part chooses between the BSDF's sampling and the other way.
+// Replaces sample_bsdf(). u_part selects between BSDF sampling and the other strategy.
 bsdf_sample sample_onwards(material m, vec3 wo, float eta, vec4 u, float u_part)
 {
     float part = part_by_bsdf(m, wo, eta);

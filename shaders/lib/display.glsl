@@ -1,5 +1,4 @@
-// Functions that the kernels of the displayed image share. Owns the bindings of their linear
-// images.
+// Functions shared by the kernels of the displayed image. Owns the bindings of their linear images.
 #ifndef DISPLAY_GLSL
 #define DISPLAY_GLSL
 
@@ -19,7 +18,7 @@ layout(push_constant) uniform push_block {
     gpu_display_push push;
 };
 
-// WORDS(name, binding): uvec4 name_word(uint index).
+// WORDS(name, binding) defines uvec4 name_word(uint index).
 #define WORDS(name, number)                                                                        \
     layout(std430, set = 0, binding = number) readonly buffer name##_block {                       \
         uvec4 name##_words[];                                                                      \
@@ -32,7 +31,7 @@ layout(push_constant) uniform push_block {
         return name##_words[index];                                                                \
     }
 
-// PICTURE(name, binding): vec4 load_name(uint pixel).
+// PICTURE(name, binding) defines vec4 load_name(uint pixel).
 #define PICTURE(name, number)                                                                      \
     WORDS(name, number)                                                                            \
     vec4 load_##name(uint pixel)                                                                   \
@@ -40,8 +39,8 @@ layout(push_constant) uniform push_block {
         return uintBitsToFloat(name##_word(pixel));                                                \
     }
 
-// Column and row of an item of a picture. Whole numbers are divided slowly where vectors of them
-// cannot be: the quotient by floats is wrong by 1 at most, as rows are fewer than 2^22.
+// Returns the column and row of an item of an image. Some devices divide integers slowly; the
+// quotient of floats has an error of at most 1 here, because there are fewer than 2^22 rows.
 uvec2 place_of(uint item, uint width)
 {
     uint row = uint(float(item) / float(width));

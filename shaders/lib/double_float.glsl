@@ -1,7 +1,7 @@
-// Sums and products with what rounding took from them: an unevaluated sum of two floats, x the
-// nearer one to the value (Dekker 1971; Ogita, Rump and Oishi 2005). Pure functions. `precise`
-// forbids to contract or reorder, which Vulkan's correctly rounded +, - and * make exact. Products
-// must stay below 1e34: their factors are split by 4097.
+// Sums and products with their rounding errors, as an unevaluated sum of two floats; x is the float
+// nearest to the value (Dekker 1971; Ogita, Rump and Oishi 2005). Pure functions. `precise` forbids
+// contraction and reordering; together with Vulkan's correctly rounded +, - and * the results are
+// exact. Products must stay below 1e34, because factors are multiplied by 4097 to split them.
 #ifndef DOUBLE_FLOAT_GLSL
 #define DOUBLE_FLOAT_GLSL
 
@@ -14,7 +14,7 @@ vec2 exact_sum(float a, float b)
     return vec2(sum, lost);
 }
 
-// Into halves of 12 bits at most, whose products are exact (Dekker 1971, section 5).
+// Splits a float into halves of at most 12 bits, whose products are exact (Dekker 1971, section 5).
 vec2 split_float(float a)
 {
     precise float scaled = 4097.0 * a;
@@ -32,8 +32,8 @@ vec2 exact_product(float a, float b)
     return vec2(product, lost);
 }
 
-// sum + term, for sums of several terms (Ogita, Rump and Oishi 2005, algorithm 4.4, less the last
-// rounding).
+// Adds a term to a sum of several terms (Ogita, Rump and Oishi 2005, algorithm 4.4, without the
+// final rounding).
 vec2 add_exactly(vec2 sum, vec2 term)
 {
     vec2 s = exact_sum(sum.x, term.x);
@@ -53,7 +53,7 @@ vec2 multiply(vec2 a, vec2 b)
     return renormalise(vec2(p.x, lost));
 }
 
-// To about 2^-46 of the terms' sizes.
+// The error is about 2^-46 of the terms.
 vec2 dot_exactly(vec3 a, vec3 b)
 {
     vec2 sum = exact_product(a.x, b.x);

@@ -1,4 +1,4 @@
-// Emission that a surface sends back along the path that has met it.
+// Adds the emission of a surface that a path has hit.
 #ifndef EMISSION_GLSL
 #define EMISSION_GLSL
 
@@ -8,7 +8,7 @@
 #include "lib/radiance.glsl"
 #include "lib/vertex.glsl"
 
-// Emission as seen by the path, weighted against next-event estimation.
+// Adds the emission, with the MIS weight against next-event estimation.
 void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float bsdf_pdf)
 {
     float weight = 1.0, shadow_ratio = 0.0;
@@ -25,7 +25,7 @@ void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float b
         }
     }
     if (IS_BIDIR) {
-        // What the camera sees itself, light paths do not bring it.
+        // Light paths do not find emission that the camera sees directly.
         float light_ratio = 0.0;
         if (push.bounce > 0u && v.ratio > 0.0)
             light_ratio = v.ratio * emission_density(v.primitive, v.s.material, v.m);

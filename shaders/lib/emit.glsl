@@ -1,5 +1,5 @@
-// The beginning of light paths: a point on an emitter, chosen by power, and a direction; and the
-// density with which that happens.
+// The first vertex of light paths: a point on an emitter, selected by power, and a direction; and
+// the densities of both.
 #ifndef EMIT_GLSL
 #define EMIT_GLSL
 
@@ -8,15 +8,16 @@
 #include "lib/ray_offset.glsl"
 #include "lib/vertex.glsl"
 
-// E of lib/bidir.glsl for a point of a surface: the density of choosing it, a unit area, and one of
-// the directions, a unit of projected solid angle: those of a cosine lobe on either side. 0 where no
-// light path begins.
+// Returns E of lib/bidir.glsl for a point of a surface: the density per unit of area of selecting
+// it, times the density per unit of projected solid angle of the direction, which is a cosine lobe
+// on either side. 0 if no light path begins there.
 float emission_density(uint primitive, uint word, material m)
 {
     if (IS_SHAPE(primitive)) {
         uint index = primitive & ~PRIMITIVE_SHAPE;
         uint kind = load_shapes(index * SHAPE_WORDS + 1u).w >> SHAPE_KIND_SHIFT;
-        // Shadow rays do not see all of a shape that may be not there: is_found_by_chance().
+        // Shadow rays do not sample all points of a shape with opacity below 1: see
+        // is_found_by_chance().
         bool may_be_absent = HAS(FEATURE_ALPHA) && (word & MATERIAL_WORD_ALPHA) != 0u;
         if (may_be_absent || IS_KIND(kind, SHAPE_KIND_PLANE) || IS_KIND(kind, SHAPE_KIND_SDF))
             return 0.0;
@@ -24,7 +25,8 @@ float emission_density(uint primitive, uint word, material m)
     return material_pick_density(m) * 0.5 * INV_PI;
 }
 
-// The versine of the cone that a light without extent sends light into: all around, or a spot's.
+// Returns the versine of the cone into which a delta light emits: a spot light's, or all
+// directions.
 float emission_versine(uint light)
 {
     uint at = lights_begin() + light * LIGHT_WORDS;
@@ -33,7 +35,7 @@ float emission_versine(uint light)
     return is_spot ? min(w3.y / w3.x, 2.0) : 2.0;
 }
 
-// E / p of lib/bidir.glsl for a point that a shadow ray was sent to in the unit direction `wi`.
+// Returns E / p of lib/bidir.glsl for a point that a shadow ray in the unit direction `wi` samples.
 float emission_over_pdf(vertex v, vec3 wi, light_sample l)
 {
     bool is_far = HAS_EMITTER(EMITTERS_LIGHTS | EMITTER_ENVIRONMENT) && l.infinite;
@@ -48,15 +50,17 @@ float emission_over_pdf(vertex v, vec3 wi, light_sample l)
 struct light_start {
     vec3 origin;
     vec3 direction;
-    vec3 power;     // radiance over E, or what corresponds to it
-    uint primitive; // that it starts on, or NO_PRIMITIVE
-    // What light_ratios() needs: the cosine at a surface and E; 0 and the density of the direction
-    // from a point; or for what is infinitely far -A and A / p, A being the area of the disc.
+    vec3 power;     // radiance / E, or the corresponding quantity of other emitters
+    uint primitive; // primitive on which the path starts, or NO_PRIMITIVE
+    // Arguments of light_ratios(). On a surface: the cosine, and E. At a point: 0, and the density
+    // of the direction. Infinitely far away: -A, and A / p, where A is the area of the disc; for a
+    // delta light, 0 in place of A / p.
     float first, second;
     bool valid;
 };
 
-// A point uniformly on a shape, which is asked for one from its centre, where nothing is hidden.
+// Returns a uniformly distributed point on a shape. A shape as seen from its own centre has no
+// hidden part, so all of it is sampled.
 vec3 sample_whole_shape(shape_record shape, vec2 u, out vec2 at)
 {
     at = vec2(0.0);
@@ -77,7 +81,7 @@ vec3 sample_whole_shape(shape_record shape, vec2 u, out vec2 at)
     return shape.center + p.from_center;
 }
 
-// u: the point; u_direction: the direction x, y; its side.
+// u: the point; u_direction: direction x, y, and its side.
 void start_on_surface(vec2 u, vec4 u_direction, inout light_start l)
 {
     bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) && IS_SHAPE(l.primitive);
@@ -106,8 +110,9 @@ void start_on_surface(vec2 u, vec4 u_direction, inout light_start l)
     l.power = radiance / l.second;
 }
 
-// On the disc before the scene. `pdf`: of the choice and the direction; 0: of the choice alone, of a
-// single direction.
+// Starts on the disc in front of the scene. pdf: the probability of selecting the emitter times, if
+// it is not a delta light, the density per solid angle of the direction. density: the disc's area /
+// pdf; 0 for a delta light, which camera paths cannot hit.
 void start_far(vec3 towards, vec3 radiance, float pdf, float density, vec2 u, inout light_start l)
 {
     float area = PI * frame.scene_radius * frame.scene_radius;
@@ -121,7 +126,7 @@ void start_far(vec3 towards, vec3 radiance, float pdf, float density, vec2 u, in
     l.valid = pdf > 0.0;
 }
 
-// A light without extent, or a sun.
+// Starts at a delta light, or at a sun.
 void start_at_light(vec2 u, vec2 u_direction, inout light_start l)
 {
     uint light = l.primitive & ~PRIMITIVE_LIGHT;
@@ -159,8 +164,8 @@ void start_at_light(vec2 u, vec2 u_direction, inout light_start l)
     l.valid = w1.w > 0.0;
 }
 
-// u: which emitter; point on it x, y; more of the first. u_direction: direction x, y, or the place
-// on the disc; side.
+// u: emitter; point on it x, y; more bits of the first. u_direction: direction x, y (or the point
+// on the disc); side.
 light_start start_light_path(vec4 u, vec4 u_direction)
 {
     light_start l;
@@ -182,8 +187,9 @@ light_start start_light_path(vec4 u, vec4 u_direction)
     return l;
 }
 
-// At a light path's first vertex: the densities with which a shadow ray from there, and a camera
-// path that goes on from there with the density 1, would find the emitter, over E.
+// At the first vertex of a light path after the emitter: returns the densities with which a shadow
+// ray from there would sample the emitter, and with which a camera path that continues from there
+// with density 1 would hit it, both divided by E.
 vec2 light_ratios(vertex v, uint from, float distance, float first, float second)
 {
     if (first < 0.0)

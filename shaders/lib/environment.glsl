@@ -1,4 +1,4 @@
-// The environment: constant radiance, or a latitude-longitude image, sampled by importance. Reads
+// The environment: constant radiance, or a latitude-longitude image with importance sampling. Reads
 // the environment's buffer, see render/tables/environment_table.h.
 #ifndef ENVIRONMENT_GLSL
 #define ENVIRONMENT_GLSL
@@ -11,9 +11,9 @@ uvec2 environment_size()
     return uvec2(frame.environment_size & 0xffffu, frame.environment_size >> 16u);
 }
 
-// Index of the texel in which a unit direction of the image lies; see scene/core/environment.h for
-// the convention. By the arctangent of the distance from the axis, since near a pole the height
-// says little.
+// Returns the index of the texel that contains a unit direction of the image; see
+// scene/core/environment.h for the convention. The latitude is the arctangent of the distance from
+// the axis, because near a pole the height is inaccurate.
 uint environment_texel(vec3 direction, uvec2 size)
 {
     float u = 0.5 + atan_turns(direction.z, direction.x);
@@ -22,7 +22,7 @@ uint environment_texel(vec3 direction, uvec2 size)
     return texel.y * size.x + texel.x;
 }
 
-// 1 - cos of an angle of at most half a turn; does not cancel.
+// Returns 1 - cos of an angle of at most half a turn, without cancellation.
 float versine_turns(float turns)
 {
     float s = sin_small(0.5 * turns);
@@ -31,28 +31,28 @@ float versine_turns(float turns)
 
 // --- cells between the centres of texels ---------------------------------------------------------
 
-// A place in a cell. Rows of cells are counted from the zenith, or from the nearer pole, from which
-// small angles have all their digits; then `part` is, too.
+// A position in a cell. Rows of cells are counted from the zenith, or from the nearer pole, so that
+// small angles from it are accurate; `part` is then measured from that pole, too.
 struct environment_place {
     uvec2 cell;
     vec2 part;  // fraction of the way to the right and to the next row, by angle
     float down; // fraction of the way to the next row, by solid angle
 };
 
-// 1 - cos of the angle between the nearer pole and nodes of a row.
+// Returns 1 - cos of the angle between the nearer pole and the nodes of a row.
 float node_versine(uint row, uint height)
 {
     return versine_turns(0.5 * clamp((float(row) - 0.5) / float(height), 0.0, 1.0));
 }
 
-// Returns the position within a row of cells, from its upper end, by the distance from the pole in
-// texels.
+// Returns the fraction of the way through a row of cells, from the edge nearer to the pole;
+// `texels` is the distance from that pole in texels.
 float cell_part(float texels, uint row)
 {
     return clamp(row == 0u ? 2.0 * texels : texels + 0.5 - float(row), 0.0, 1.0);
 }
 
-// The place of a unit direction of the image.
+// Returns the position in cells of a unit direction of the image.
 environment_place environment_place_of(vec3 direction, uvec2 size)
 {
     environment_place p;
@@ -90,8 +90,8 @@ environment_cell load_environment_cell(uvec2 cell, uvec2 size)
     return c;
 }
 
-// Returns the luminances at the corners above frame.environment_floor, by which a cell is sampled:
-// upper left and right, lower left and right.
+// Returns the luminances of a cell's corners that exceed frame.environment_floor, by which the cell
+// is sampled: upper left, upper right, lower left, lower right.
 vec4 cell_luminances(environment_cell c)
 {
     vec3 weights = vec3(0.2126, 0.7152, 0.0722) * frame.environment; // BT.709
@@ -106,20 +106,20 @@ vec3 cell_radiance(environment_cell c, vec2 part)
                mix(c.lower_left.rgb, c.lower_right.rgb, part.x), part.y);
 }
 
-// The density per solid angle at a place of a cell.
+// Returns the density per solid angle at a position in a cell.
 float cell_density(environment_cell c, vec4 luminances, float right, float down)
 {
     vec2 across = mix(luminances.xz, luminances.yw, right);
     float mean = 0.25 * (luminances.x + luminances.y + luminances.z + luminances.w);
-    // In this order nothing underflows that a device may flush.
+    // This order of operations avoids underflow, which some devices flush to 0.
     return mean > 0.0 ? c.upper_left.a * (mix(across.x, across.y, down) / mean) : 0.0;
 }
 
 // -------------------------------------------------------------------------------------------------
 
-// Radiance that arrives from a unit direction, without the factor on all, and the density per solid
-// angle with which sample_environment() chooses it: that of the texel's or cell's own probability,
-// as it is after rounding.
+// Returns the radiance that arrives from a unit direction, without the factor of the whole image;
+// and in w the density per solid angle with which sample_environment() samples it. The density is
+// that of the rounded probability of the texel or cell.
 vec4 load_environment_at(vec3 direction)
 {
     float c = frame.environment_cos, s = frame.environment_sin;
@@ -134,7 +134,7 @@ vec4 load_environment_at(vec3 direction)
                 cell_density(cell, cell_luminances(cell), place.part.x, place.down));
 }
 
-// The radiance that arrives from a unit direction.
+// Returns the radiance that arrives from a unit direction.
 vec3 environment_radiance(vec3 direction)
 {
     if (!HAS(FEATURE_ENVIRONMENT_IMAGE))
@@ -144,8 +144,8 @@ vec3 environment_radiance(vec3 direction)
 
 // --- sampling ------------------------------------------------------------------------------------
 
-// Words of one level of a table of `count` thresholds: a word of the level below for each of four
-// components.
+// Returns the number of words in one level of a table of `count` thresholds. Each component of a
+// word has a word of the level below.
 uint table_level_words(uint count, uint level)
 {
     uint shift = 2u * level + 2u;
@@ -165,8 +165,8 @@ uint table_words(uint count)
     return words;
 }
 
-// The last of `count` bins whose threshold is at most u.x, of the table that begins at word `at`;
-// where u is in it, from 0 to 1. u.y: the next 16 bits of u.x.
+// Returns the last of `count` bins whose threshold is at most u.x, in the table that begins at word
+// `at`. within: position of u in the bin, from 0 to 1. u.y: the 16 bits that follow u.x.
 uint search_table(uint at, uint count, uvec2 u, out float within)
 {
     uint bin = 0u, low = 0u, high = 0xffffffffu;
@@ -183,15 +183,16 @@ uint search_table(uint at, uint count, uvec2 u, out float within)
     return bin;
 }
 
-// A uniform of 24 bits and another with the bits that it lacks, as 32 bits and 16 more. The
-// greatest number of 32 bits stands for the end of a table.
+// Combines a uniform number of 24 bits with another one that supplies further bits, into 32 bits
+// and 16 more. The greatest number of 32 bits is not returned, because it marks the end of a table.
 uvec2 long_uniform(float u, float extra)
 {
     uint more = uint(extra * 16777216.0);
     return uvec2(min(uint(u * 16777216.0) << 8u | more >> 16u, 0xfffffffeu), more & 0xffffu);
 }
 
-// A unit direction of the image by 1 - cos of its angle from a pole, and by its longitude.
+// Returns the unit direction of the image with this 1 - cos of the angle from a pole, and this
+// longitude.
 vec3 environment_direction(bool below, float versine, float turns)
 {
     float radius = sqrt(versine * (2.0 - versine));
@@ -199,10 +200,11 @@ vec3 environment_direction(bool below, float versine, float turns)
     return vec3(around.x, below ? versine - 1.0 : 1.0 - versine, around.y);
 }
 
-// `within` parts of the way through a texel, evenly by solid angle.
+// Returns a direction in a texel; `within` are fractions of the way through it, uniform by solid
+// angle.
 vec3 direction_in_texel(uvec2 texel, vec2 within, uvec2 size)
 {
-    // Measured from the nearer pole, where small angles have all their digits.
+    // Angles are measured from the nearer pole, so that small ones are accurate.
     bool below = 2u * texel.y >= size.y;
     uint row = below ? size.y - 1u - texel.y : texel.y;
     float part = below ? 1.0 - within.y : within.y;
@@ -212,9 +214,9 @@ vec3 direction_in_texel(uvec2 texel, vec2 within, uvec2 size)
                                  (float(texel.x) + within.x) / float(size.x) - 0.5);
 }
 
-// Inverts the distribution on [0, 1] whose density is linear, from `first` to `last` before it is
-// normalised: the root of first x + (last - first) x^2 / 2 = u (first + last) / 2 in the form that
-// does not cancel.
+// Samples the distribution on [0, 1] with linear density, proportional to `first` at 0 and to
+// `last` at 1, by inversion: solves first x + (last - first) x^2 / 2 = u (first + last) / 2 without
+// cancellation.
 float sample_linear(float u, float first, float last)
 {
     float total = first + last;
@@ -222,7 +224,8 @@ float sample_linear(float u, float first, float last)
     return min(u / (a + sqrt(mix(a * a, b * b, u))), 1.0);
 }
 
-// A direction in a cell by its density, from two uniforms: how far down it is, then across.
+// Samples a direction in a cell in proportion to the cell's density, by two uniforms: first the
+// position in the vertical direction, then in the horizontal one. Returns the density.
 float sample_environment_cell(uvec2 cell, vec2 within, uvec2 size, out vec3 direction,
                               out vec3 radiance)
 {
@@ -243,9 +246,9 @@ float sample_environment_cell(uvec2 cell, vec2 within, uvec2 size, out vec3 dire
     return cell_density(c, l, right, down);
 }
 
-// A direction by the luminance of the image, from two uniforms and two more with the bits that they
-// lack: first a row, then a texel or cell of it, by inversion, which keeps the order of stratified
-// numbers. Returns the density per solid angle; 0 where there is nothing to connect to.
+// Samples a direction in proportion to the image's luminance, by two uniforms and two more with
+// further bits: first a row, then a texel or cell in it, both by inversion, which preserves
+// stratification. Returns the density per solid angle; 0 if there is nothing to sample.
 float sample_environment(vec2 u, vec2 u_extra, out vec3 direction, out vec3 radiance)
 {
     uvec2 size = environment_size(), bin;

@@ -1,4 +1,4 @@
-// Places a sample in or around its pixel by sampling the pixel filter: all samples then have the
+// Samples the pixel filter: places a sample in or around its pixel, so that all samples have the
 // same weight.
 #ifndef FILTER_GLSL
 #define FILTER_GLSL
@@ -6,7 +6,7 @@
 #include "lib/angle.glsl"
 #include "lib/buffers.glsl"
 
-// Density 1 - |x| in [-1, 1], by its inverse distribution function.
+// Density 1 - |x| in [-1, 1], by inversion.
 vec2 sample_tent(vec2 u)
 {
     vec2 t = 2.0 * u - 1.0;
@@ -14,8 +14,8 @@ vec2 sample_tent(vec2 u)
     return sign(t) * (1.0 - sqrt(rest));
 }
 
-// Density exp(-9/2 r^2) in the unit disc: a standard deviation of a third of the radius. By Box and
-// Muller 1958, cut off at the radius, beyond which lie exp(-9/2) = 1.1 %.
+// Density exp(-9/2 r^2) in the unit disc, a Gaussian whose standard deviation is a third of the
+// radius (Box and Muller 1958). It is truncated at the radius; exp(-9/2) = 1.1 % would be beyond.
 vec2 sample_gaussian(vec2 u)
 {
     float r = sqrt(-2.0 / 9.0 * log(1.0 - u.x * 0.98889100346175773));
@@ -28,9 +28,9 @@ float sample_blackman_harris(float u)
 {
     const vec4 a = vec4(0.35875, 0.48829, 0.14128, 0.01168) / 0.35875;
     float t = abs(2.0 * u - 1.0);
-    // The integral of w from 0 to x is t. A polynomial in y, which a normal deviate is about
-    // proportional to (fitted to the inverse function: it is t to 6e-5), then one step of Newton's
-    // method: 1.2e-7.
+    // Solves (integral of w from 0 to x) = t. y is roughly proportional to a normal deviate. A
+    // polynomial in y, fitted to the inverse function, has an error of 6e-5 in t; one step of
+    // Newton's method reduces it to 1.2e-7.
     float y = sqrt(-log((1.0 - t) * (1.0 + t)));
     float x = 2.89964926e-4;
     x = x * y - 2.3637407e-3;
@@ -46,7 +46,7 @@ float sample_blackman_harris(float u)
     return u < 0.5 ? -x : x;
 }
 
-// In pixels, from the pixel's upper left corner; u in [0, 1)^2.
+// Returns the position in pixels from the pixel's upper left corner; u is in [0, 1)^2.
 vec2 filter_position(vec2 u)
 {
     if (FILTER == FILTER_TENT)
@@ -56,7 +56,7 @@ vec2 filter_position(vec2 u)
     if (FILTER == FILTER_BLACKMAN_HARRIS)
         return 0.5 + frame.filter_radius *
                          vec2(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
-    return 0.5 + frame.filter_radius * (2.0 * u - 1.0); // exactly u with a radius of 0.5
+    return 0.5 + frame.filter_radius * (2.0 * u - 1.0); // exactly u if the radius is 0.5
 }
 
 #endif

@@ -4,12 +4,12 @@
 
 #include "lib/angle.glsl"
 
-// Reflectance of unpolarised light at a dielectric of relative index eta = n_t / n_i (Born and Wolf
-// 1999, section 1.5.2, eqs. 21), between a direction of cosine cos_i and the refracted one of
-// cos_t.
+// Returns the reflectance for unpolarised light of a dielectric with relative index eta = n_t / n_i
+// (Born and Wolf 1999, section 1.5.2, eqs. 21), given the cosines of the incident and the refracted
+// direction.
 //
-// With k = eta^2 - 1 and g = eta cos_t, g^2 = k + cos_i^2, and the amplitudes' differences are
-// written as products, since subtracting loses everything as eta approaches 1:
+// With k = eta^2 - 1 and g = eta cos_t, g^2 = k + cos_i^2. Differences of the amplitudes are
+// written as products, because subtraction would cancel all digits as eta approaches 1:
 //   r_s = (cos_i - g) / (cos_i + g)             = -k / (cos_i + g)^2
 //   r_p = (eta^2 cos_i - g) / (eta^2 cos_i + g) = k (cos_i (cos_i + g) - 1) /
 //                                                 ((cos_i + g) (eta^2 cos_i + g))
@@ -25,8 +25,8 @@ float fresnel_refracted(float cos_i, float cos_t, float eta)
     return min(1.0, 0.5 * (r_s * r_s + r_p * r_p));
 }
 
-// The reflectance of a dielectric, from 0 <= cos_i <= 1 alone. cos_t >= 0; it is 0, and the
-// reflectance 1, from the angle of total internal reflection on.
+// Returns the reflectance of a dielectric for 0 <= cos_i <= 1. cos_t >= 0; from the angle of total
+// internal reflection on, cos_t is 0 and the reflectance 1.
 float fresnel_dielectric(float cos_i, float eta, out float cos_t)
 {
     float k = (eta - 1.0) * (eta + 1.0);
@@ -56,12 +56,13 @@ vec3 fresnel_schlick(vec3 f0, float cos_theta)
     return f0 + (1.0 - f0) * schlick_weight(cos_theta);
 }
 
-// Reflectance of unpolarised light at a conductor of index eta + i k relative to the medium in
-// front (Born and Wolf 1999, section 14.4, with u and v there called a and b here: eqs. 23 and 24):
+// Returns the reflectance for unpolarised light of a conductor with index eta + i k relative to the
+// medium in front (Born and Wolf 1999, section 14.4, eqs. 23 and 24, whose u and v are called a and
+// b here):
 //   (a + i b)^2 = (eta + i k)^2 - sin^2
 //   R_s = ((a - cos)^2 + b^2) / ((a + cos)^2 + b^2)
 //   R_p = R_s ((a cos - sin^2)^2 + b^2 cos^2) / ((a cos + sin^2)^2 + b^2 cos^2)
-// The smaller of a^2 and b^2 comes from a b = eta k rather than from a difference.
+// The smaller of a^2 and b^2 is computed from a b = eta k, not from a difference.
 vec3 fresnel_conductor(float cos_theta, vec3 eta, vec3 k)
 {
     float c = clamp(cos_theta, 0.0, 1.0);
@@ -74,7 +75,7 @@ vec3 fresnel_conductor(float cos_theta, vec3 eta, vec3 k)
     vec3 a = sqrt(mix(smaller, larger, a_larger));
     vec3 b2 = mix(larger, smaller, a_larger);
     vec3 denominator = (a + c) * (a + c) + b2;
-    // Zero only where nothing is there, eta = 1 and k = 0, seen at cos = 0.
+    // The denominator is 0 only for eta = 1 and k = 0 at cos = 0, where there is no interface.
     vec3 r_s = mix(vec3(0.0), ((a - c) * (a - c) + b2) / denominator,
                    greaterThan(denominator, vec3(0.0)));
     vec3 minus = a * c - s2;
@@ -88,11 +89,11 @@ vec3 fresnel_conductor(float cos_theta, vec3 eta, vec3 k)
 // section 7.6.1, eqs. 1 to 13) of amplitudes r12 and r23,
 //   R = (r12^2 + r23^2 + 2 r12 r23 V cos(phi)) / (1 + r12^2 r23^2 + 2 r12 r23 V cos(phi)),
 // phi = 4 pi n2 cos_2 thickness / wavelength, at the dominant wavelengths of Rec. 709's primaries.
-// V = exp(-(phi sigma / wavelength)^2 / 2) is what is left of a fringe over a Gaussian band whose
-// full width at half maximum is the mean distance of the three, 74 nm. Belcour and Barla 2017, "A
-// Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence", integrate the
-// series over measured responses; this keeps 0 <= R <= 1 and costs one cosine. For highest = true
-// the fringes are as bright as any thickness makes them.
+// V = exp(-(phi sigma / wavelength)^2 / 2) is the visibility of fringes over a Gaussian band whose
+// full width at half maximum is the mean distance of the three wavelengths, 74 nm. Belcour and
+// Barla 2017, "A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence",
+// integrate the series over measured responses; this model keeps 0 <= R <= 1 and costs one cosine.
+// With highest = true the fringes have the greatest brightness of all thicknesses.
 vec3 fresnel_film(float cos_1, float n2, vec3 n3, float thickness, bool highest)
 {
     const vec3 wavelength = vec3(611.4, 549.1, 464.2);
@@ -118,7 +119,8 @@ vec3 fresnel_film(float cos_1, float n2, vec3 n3, float thickness, bool highest)
     return clamp(0.5 * (s + p), 0.0, 1.0);
 }
 
-// The real index that reflects f0 at normal incidence; of f0 = 1 what single precision resolves.
+// Returns the real index that reflects f0 at normal incidence; for f0 = 1, the greatest index that
+// single precision resolves.
 vec3 index_of_f0(vec3 f0)
 {
     vec3 root = sqrt(min(f0, vec3(0.9999)));

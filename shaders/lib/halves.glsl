@@ -1,5 +1,5 @@
-// Divides samples between the two half-buffers from which the error is estimated, and gives each
-// its sequence and its number there. `render/film.c` has the same rule.
+// Divides samples between the two half-buffers, from which the error is estimated: the sequence of
+// a sample, and its index in that sequence. render/film.c implements the same rule.
 #ifndef HALVES_GLSL
 #define HALVES_GLSL
 
@@ -7,8 +7,8 @@
 
 struct sequence_place {
     uint sequence; // 0 or 1
-    uint index;    // index of the sample in it
-    uint count;    // samples that are planned for it; 0: not known
+    uint index;    // index of the sample in the sequence
+    uint count;    // samples planned for the sequence; 0: not known
 };
 
 sequence_place place_in_sequence(uint sample_index)
@@ -16,13 +16,15 @@ sequence_place place_in_sequence(uint sample_index)
     if (HALVES == HALVES_CONTIGUOUS)
         return sequence_place(0u, sample_index, frame.samples);
     uint parity = sample_index & 1u;
-    // The second half of a single sample has none, but may get more than was planned.
+    // With a single sample, none is planned for the second half, but it may receive more samples
+    // than planned.
     uint count = max(frame.samples / 2u + (frame.samples & ~parity & 1u), min(frame.samples, 1u));
     return sequence_place(parity, sample_index >> 1u, count);
 }
 
-// The half, 0 or 1, that gets a pixel's next sample where the film has `samples` of that pixel. It
-// does not follow from the sample's index: a film that was emptied begins with half 0 again.
+// Returns the half, 0 or 1, that receives a pixel's next sample if the film has `samples` samples
+// of that pixel. It does not depend on the sample's number: an emptied film begins with half 0
+// again.
 uint half_of_sample(uint samples)
 {
     if (HALVES == HALVES_CONTIGUOUS)
@@ -30,8 +32,8 @@ uint half_of_sample(uint samples)
     return samples & 1u;
 }
 
-// Returns which of a pixel's next `count` samples a half gets when the film has `samples`: from x
-// to before y, in steps of z.
+// Returns which of a pixel's next `count` samples a half receives if the film has `samples`
+// samples: from x to before y, in steps of z.
 uvec3 samples_of_half(uint samples, uint count, uint number)
 {
     if (HALVES == HALVES_CONTIGUOUS) {

@@ -1,15 +1,15 @@
-// Reads instances: what leads from the world to a shared mesh's own space and back.
+// Reads instances: the transforms between the world and the space of a shared mesh.
 #ifndef INSTANCE_GLSL
 #define INSTANCE_GLSL
 
 #include "lib/buffers.glsl"
 #include "lib/primitive.glsl"
 
-// The transform from the world to the mesh's space: first what is subtracted, then a matrix by its
-// rows. In this order nothing is lost where an instance is small and far from the world's origin.
+// The transform from the world to the mesh's space: first a subtraction, then a matrix. In this
+// order no digits are lost if an instance is small and far from the world's origin.
 struct instance_inverse {
     vec3 place;
-    mat3 rows; // its columns are the matrix's rows
+    mat3 rows; // rows of the matrix, as columns of this one
 };
 
 uint instance_at(uint instance)
@@ -26,7 +26,7 @@ instance_inverse load_instance_inverse(uint instance)
     return instance_inverse(vec3(x.w, y.w, z.w), mat3(x.xyz, y.xyz, z.xyz));
 }
 
-// Its root's node, its material's word or NO_MATERIAL, its id, INSTANCE_*.
+// Returns the node of the tree's root, the material word or NO_MATERIAL, the id, and INSTANCE_*.
 uvec4 load_instance_words(uint instance)
 {
     return load_shapes(instance_at(instance) + 6u);
@@ -40,8 +40,8 @@ uint instance_material(uint instance, uint word)
     return own != NO_MATERIAL ? own : word;
 }
 
-// Returns the instance that the slot's ray starts on or has hit: a part of the path's record if
-// there are instances.
+// Returns the instance that a slot's ray starts on or has hit. The path's record has it only if the
+// scene has instances.
 uint path_hit_instance(uint slot)
 {
     return HAS_GEOMETRY(GEOMETRY_INSTANCES) ? load_path(slot, PATH_INSTANCE).x : NO_INSTANCE;

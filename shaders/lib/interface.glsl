@@ -1,11 +1,11 @@
-// Going from one medium into another: which ones, and with which indices of refraction.
+// Transitions between media: the media on both sides of a surface, and their indices of refraction.
 #ifndef INTERFACE_GLSL
 #define INTERFACE_GLSL
 
 #include "lib/vertex.glsl"
 
-// An interface that disperses leaves one channel of those that the path carries, with the index of
-// refraction of that one (KHR_materials_dispersion: green has the nominal index).
+// At a dispersive interface, keeps one of the channels that the path carries, and returns the index
+// of refraction for that channel (KHR_materials_dispersion: green has the nominal index).
 float disperse(inout vec3 throughput, medium m, float u)
 {
     if (!(m.dispersion > 0.0))
@@ -24,8 +24,9 @@ float disperse(inout vec3 throughput, medium m, float u)
     return m.ior + half_spread * (float(channel) - 1.0);
 }
 
-// Finds the media on the two sides of a surface that bounds one, and attenuates the path on its way
-// here. Returns false where the surface changes nothing and the path passes.
+// Finds the media on both sides of a surface that bounds a medium, and attenuates the path's
+// throughput along the ray that has hit it. Returns false if the surface changes nothing, so that
+// the path passes through it.
 bool find_media(inout vertex v, uint stack, float distance, float u_dispersion)
 {
     bool bounds = v.m.medium != 0u;
@@ -42,7 +43,7 @@ bool find_media(inout vertex v, uint stack, float distance, float u_dispersion)
     }
     medium beyond = load_medium(v.media.beyond);
     if (HAS_LOBE(LOBE_DISPERSION) && v.media.here != v.media.beyond) {
-        // One of both: two that disperse would need two indices of one channel.
+        // Only one of the two media disperses: two would need two indices for one channel.
         if (here.dispersion > beyond.dispersion)
             here.ior = disperse(v.throughput, here, u_dispersion);
         else

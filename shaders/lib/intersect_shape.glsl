@@ -1,17 +1,18 @@
-// Ray tests of analytic shapes. Pure functions. t is in units of the direction's length; a negative
-// t is no hit.
+// Ray tests of analytic shapes. Pure functions. t is in units of the direction's length; it is
+// negative if there is no hit.
 #ifndef INTERSECT_SHAPE_GLSL
 #define INTERSECT_SHAPE_GLSL
 
 #include "lib/intersect_solid.glsl"
 
-// Both roots of the quadratic in the form that does not cancel: the discriminant from the closest
-// point to the centre, the second root from the product of the roots (Haines, Günther and
+// Computes both roots of the quadratic without cancellation: the discriminant from the point
+// closest to the centre, the second root from the product of the roots (Haines, Günther and
 // Akenine-Möller 2019, Ray Tracing Gems, chapter 7).
 //
-// A ray that starts on this very sphere has one root at 0 exactly; only the other one counts, and
-// only where it is more than rounding, so that no rounding decides whether the ray leaves. Of
-// spheres smaller than their place's rounding, where it starts tells more than where it goes.
+// A ray that starts on this sphere has one root that is exactly 0. Only the other root counts, and
+// only if it exceeds the rounding error, so that rounding does not decide whether the ray leaves.
+// If the sphere is smaller than the rounding error of its position, the side on which the ray
+// starts is more reliable than its direction.
 float intersect_sphere(vec3 origin, vec3 direction, vec3 center, float radius, bool starts_here)
 {
     vec3 f = origin - center;
@@ -41,7 +42,7 @@ float intersect_disc(vec3 origin, vec3 direction, vec3 center, vec3 normal, floa
     return dot(from_center, from_center) <= radius * radius ? t : -1.0;
 }
 
-// Coordinates of positions go so far.
+// Hits on planes are limited to positions with coordinates up to this.
 const float PLANE_REACH = 1e18;
 
 float intersect_plane(vec3 origin, vec3 direction, vec3 point, vec3 normal)
@@ -51,9 +52,9 @@ float intersect_plane(vec3 origin, vec3 direction, vec3 point, vec3 normal)
     return t * max(speed.x, max(speed.y, speed.z)) <= PLANE_REACH ? t : -1.0;
 }
 
-// The parallelogram center + a u + b v, a and b from -1 to 1, which are returned in `at`. By
-// Cramer's rule from f + t d = a u + b v (as Möller and Trumbore 1997), so that edges are decided
-// without division.
+// Tests the parallelogram center + a u + b v with a and b from -1 to 1, which are returned in `at`.
+// Cramer's rule for f + t d = a u + b v (as Möller and Trumbore 1997) decides hits at edges without
+// division.
 float intersect_quad(vec3 origin, vec3 direction, vec3 center, vec3 u, vec3 v, out vec2 at)
 {
     vec3 f = origin - center;

@@ -1,17 +1,17 @@
-// Ray tests of boxes, cylinders and tubes. Pure functions.
+// Ray tests of boxes, cylinders and open cylinders. Pure functions.
 //
-// A ray that starts on one of these leaves it for good or goes through it, and rounding must not
-// decide which. Where it starts it is on every face that is as near as that point may be wrong:
-// going out of one of them it meets nothing, and none of them is what it meets going in. A ray is
-// moved to the side that it goes to when it starts (lib/ray_offset.glsl), which decides where its
-// direction is too close to a face's to tell.
+// A ray that starts on such a shape either leaves it for good or passes through it, and rounding
+// must not decide which. The ray starts on each face whose distance is within the error of the
+// starting point. A ray that leaves through one of these faces hits nothing; a ray that enters does
+// not hit any of them. When a ray starts, its origin is moved to the side to which it goes
+// (lib/ray_offset.glsl); that side decides if the direction is too close to parallel to a face.
 #ifndef INTERSECT_SOLID_GLSL
 #define INTERSECT_SOLID_GLSL
 
 #include "lib/constants.glsl"
 
-// The crossings of a ray with a shape, in order along it: distances, negative if there is none, and
-// the data that a hit record keeps of the place for load_shape_surface().
+// The crossings of a ray with a shape, in order along the ray: distances, which are negative if
+// there is no crossing, and the data that a hit record keeps for load_shape_surface().
 struct crossings {
     float first, second;
     vec2 first_at, second_at;
@@ -20,13 +20,13 @@ struct crossings {
 const float SMALLEST_NORMAL = 1.17549435e-38;
 const float FARTHEST = 3e38;
 
-// Roundings of a coordinate along a face's normal, by which an origin on the face may be off: twice
-// what surface.error says there, of which the origin was moved by once.
+// Bound, in roundings of a coordinate along a face's normal, on the distance of an origin from the
+// face on which it is: twice surface.error, because the origin was moved by that error once.
 #define ORIGIN_ROUNDINGS GAMMA(48)
 // A bound of the rounding error of the cosine between a direction and a normal, relative to 1.
 #define SLOPE_ROUNDINGS GAMMA(16)
 
-// The part of a ray that is within the faces tested so far, and the faces that end it.
+// The part of the ray inside all faces tested so far, and the faces at its ends.
 struct interval {
     float near, far;
     float near_face, far_face;
@@ -48,21 +48,22 @@ void interval_cut(inout interval i, float near, float near_face, float far, floa
     i.far = sooner ? far : i.far;
 }
 
-// A ray that starts on a face at a height above it, of which only the sign is used, and rises as
-// fast: whether it leaves. `slope_error`: what is too little to tell.
+// Returns whether a ray leaves the face on which it starts. `height` is that of its origin above
+// the face, of which only the sign is used; `rise` is its speed away from the face; below
+// slope_error the speed is not significant.
 bool leaves_face(float height, float rise, float slope_error)
 {
     return rise > (height > 0.0 ? -slope_error : slope_error);
 }
 
-// The slab |x . normal| <= half_width: the ray is at `along` and goes on by `rise`. Its faces are
-// `face` and -face.
+// Clips to the slab |x . normal| <= half_width: the ray's position is `along`, its speed `rise`.
+// The faces are numbered `face` and -face.
 void cut_slab(inout interval i, float along, float rise, float half_width, float bound,
               float slope_error, bool starts_here, float face)
 {
     float side = rise < 0.0 ? -1.0 : 1.0;
     float speed = abs(rise);
-    float at = along * side; // as if the ray rose
+    float at = along * side; // mirrored so that the ray rises
     float near = (-half_width - at) / speed;
     float far = (half_width - at) / speed;
     if (speed < SMALLEST_NORMAL) {
@@ -93,7 +94,7 @@ crossings interval_ends(interval i)
     return c;
 }
 
-// A box's unit axes, and half of its edges along them. The third one is at right angles to both.
+// Unit axes of a box, and half of its edges along them. The third axis is perpendicular to both.
 struct box_frame {
     vec3 axis[3];
     vec3 half_edges;
@@ -109,7 +110,7 @@ box_frame box_frame_of(vec3 half_edge, vec3 other, float third)
     return b;
 }
 
-// Faces are numbered by their axis, 1 to 3, with the sign of the side.
+// Faces have the number of their axis, 1 to 3, with the sign of the side.
 crossings intersect_box(vec3 origin, vec3 direction, vec3 center, box_frame b, bool starts_here)
 {
     vec3 f = origin - center;
@@ -125,14 +126,14 @@ crossings intersect_box(vec3 origin, vec3 direction, vec3 center, box_frame b, b
     return interval_ends(i);
 }
 
-// A ray and a cylinder without end.
+// A ray and an infinite cylinder.
 struct round_ray {
     vec3 f;          // from the axis to the origin
-    vec3 d;          // the direction, less what is along the axis
+    vec3 d;          // the direction, without its component along the axis
     float a, b;      // d.d, -f.d
     vec2 t;          // distances of the crossings, in order
-    bool misses;     // or leaves
-    bool is_along;   // the axis: it is inside or outside for good
+    bool misses;     // or the ray leaves the cylinder
+    bool is_along;   // parallel to the axis: the ray is always inside or always outside
 };
 
 round_ray intersect_round(vec3 f, vec3 d, float radius, float bound, vec3 speeds, bool starts_here)
@@ -151,10 +152,11 @@ round_ray intersect_round(vec3 f, vec3 d, float radius, float bound, vec3 speeds
     float discriminant = radius * radius - dot(closest, closest);
     r.misses = !(discriminant >= 0.0) && !on_side;
     if (on_side) {
-        // The normal is as uncertain as the distance is, of the radius.
+        // The uncertainty of the normal is that of the distance, relative to the radius.
         float slope_error = SLOPE_ROUNDINGS * dot(abs(f), speeds) +
                             min(bound / max(away, radius), 1.0) * away * sqrt(r.a);
-        // Rays leave a cylinder that is hardly thicker than that unless they are certain not to.
+        // If the radius is hardly greater than the error bound, a ray leaves the cylinder unless it
+        // certainly enters it.
         r.misses = leaves_face(8.0 * bound > radius ? bound : away - radius, -r.b, slope_error);
         c = min(c, 0.0);
     }
@@ -173,15 +175,15 @@ round_ray intersect_round(vec3 f, vec3 d, float radius, float bound, vec3 speeds
     return r;
 }
 
-// A bound of the error of a point on a cylinder's side, to which `f` leads from the axis, at a
-// height along it.
+// Returns a bound on the error of a point on a cylinder's side; `f` is the vector from the axis to
+// the point, at this height along the axis.
 float side_bound(vec3 f, vec3 reach, float radius, float height)
 {
     float away = max(length(f), SMALLEST_NORMAL);
     return ORIGIN_ROUNDINGS * (dot(abs(f), reach) / away + radius + abs(height));
 }
 
-// Face 0 is the side; 1 and -1 are the caps at the end of the half axis and at the other.
+// Face 0 is the side; face 1 is the cap at the end of the half axis, face -1 the opposite one.
 crossings intersect_cylinder(vec3 origin, vec3 direction, vec3 center, vec3 half_axis, float radius,
                              bool starts_here)
 {
@@ -206,7 +208,7 @@ crossings intersect_cylinder(vec3 origin, vec3 direction, vec3 center, vec3 half
     return interval_ends(i);
 }
 
-// The side alone.
+// Tests the side only.
 crossings intersect_tube(vec3 origin, vec3 direction, vec3 center, vec3 half_axis, float radius,
                          bool starts_here)
 {

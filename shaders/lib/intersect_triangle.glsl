@@ -1,13 +1,13 @@
 // Watertight ray-triangle intersection (Woop, Benthin, Wald 2013). Pure functions.
 //
-// Edge functions of an edge shared by two triangles are exact negatives of each other, because
-// a * b - c * d rounds alike in both (`precise` forbids contraction), so no ray slips through
-// between them. Zero counts as inside. The original's fallback to double precision is left out: it
-// changes which of two neighbours is hit, not whether one is.
+// The edge functions of an edge shared by two triangles are exact negatives of each other, because
+// a * b - c * d is rounded in the same way in both (`precise` forbids contraction); so no ray
+// passes between the triangles. Zero counts as inside. The fallback to double precision of the
+// original is omitted: it affects which of two neighbours is hit, not whether one is hit.
 #ifndef INTERSECT_TRIANGLE_GLSL
 #define INTERSECT_TRIANGLE_GLSL
 
-// The ray's own frame: its longest component becomes z, and x and y are sheared to 0.
+// The ray's own frame: its longest component becomes z, and a shear makes x and y 0.
 struct triangle_frame {
     bool swap_x, swap_y; // exchange z with x, or with y
     vec3 shear;          // x/z, y/z, 1/z of the direction

@@ -1,12 +1,13 @@
-// Spheres whose equation needs more digits than a float has: a ground of 1e6 m, seen from a man's
-// height, is 1e12 m^2 less 1e12 m^2. Pure functions.
+// Intersection with spheres whose equation needs more than single precision: for a ground of radius
+// 1e6 m, seen from a height of 2 m, it is the difference of two numbers of 1e12 m^2. Pure
+// functions.
 #ifndef LARGE_SPHERE_GLSL
 #define LARGE_SPHERE_GLSL
 
 #include "lib/double_float.glsl"
 
-// A sphere seen from a point, without rounding: from its centre to the point high + low; all
-// lengths in a unit, a power of two, in which their squares neither overflow nor underflow.
+// A sphere relative to a point, without rounding: high + low is the vector from its centre to the
+// point. Lengths are in a power-of-two unit in which their squares neither overflow nor underflow.
 struct exact_sphere {
     vec3 high, low;
     float radius;
@@ -39,9 +40,10 @@ float sphere_height(vec3 point, vec3 center, float radius)
     return s.unit * (sphere_power(s).x / (length(s.high) + s.radius));
 }
 
-// Both crossings in ascending order; false where there are none. A ray that starts on this very
-// sphere starts on the side that it goes to, by more than the rounding of where it starts: from
-// outside it goes away, and from inside there is one crossing ahead.
+// Returns both crossings in ascending order; false if there are none. A ray that starts on this
+// sphere is known to start on the side to which it goes, because its origin was moved by more than
+// the rounding error. So a ray that starts outside leaves, and one that starts inside has one
+// crossing ahead.
 bool intersect_large_sphere(vec3 origin, vec3 direction, vec3 center, float radius,
                             bool starts_here, out vec2 t)
 {

@@ -4,8 +4,9 @@
 
 #include "lib/sampling.glsl"
 
-// A point of an aperture of radius 1, uniform over its area: a disc, or a regular polygon with its
-// corners on the circle, the first one at the angle `rotation` (radians, from right to up).
+// Returns a uniformly distributed point of an aperture of radius 1: a disc, or a regular polygon
+// whose corners are on the circle, the first one at the angle `rotation` (radians, from right to
+// up).
 vec2 sample_aperture(vec2 u, uint blades, float rotation)
 {
     if (blades == 0u)

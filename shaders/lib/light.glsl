@@ -1,6 +1,5 @@
-// Next-event estimation: sampling a point on an emitter or a delta light, and the density
-// with which that would have happened. sample_light and pdf_light must agree for the weights of MIS
-// to sum to one.
+// Next-event estimation: samples a point on an emitter or a delta light, and returns the density of
+// that sample. sample_light and pdf_light must agree, so that MIS weights sum to one.
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 
@@ -19,29 +18,30 @@
 #include "lib/surface.glsl"
 #include "lib/triangle.glsl"
 
-// How far the sampled point is, for what is lost on the way.
+// Returns the distance of the sampled point, for attenuation on the way to it.
 float light_distance(light_sample l)
 {
     bool is_infinite = HAS_EMITTER(EMITTER_SUNS | EMITTER_ENVIRONMENT) && !l.delta && l.infinite;
     return is_infinite ? 3.4e38 : length(l.to_light);
 }
 
-// An emitter, and the probability with which it was chosen, where its material or its record does
-// not say.
+// The selected emitter and its selection probability, which is used if neither the emitter's
+// material nor its record has it.
 struct light_choice {
     uint primitive;
     float pick;
-    bool of_lamp; // of those of a lamp that was not chosen itself: records do not say
+    bool of_lamp; // selected within one lamp, so records do not have the probability
 };
 
-// Returns the solid angle of a triangle that is sampled by it; 0 if it is sampled by area, as those
-// are whose corners are rounded.
+// Returns the solid angle of a triangle that is sampled by solid angle; 0 if it is sampled by area,
+// as are triangles whose corners are rounded.
 float solid_angle_of(seen_triangle seen, triangle_record t)
 {
     return IS_SMALL(t.word) ? 0.0 : solid_angle_of(seen);
 }
 
-// Returns the density of a point of an emitter that is sampled by solid angle; 0 for others.
+// Returns the density of a point on an emitter that is sampled by solid angle; 0 for other
+// emitters.
 float density_by_solid_angle(vec3 origin, uint primitive, float pick_density)
 {
     float area = 0.0, solid_angle = 0.0;
@@ -62,8 +62,9 @@ float density_by_solid_angle(vec3 origin, uint primitive, float pick_density)
     return solid_angle > 0.0 ? pick_density * area / solid_angle : 0.0;
 }
 
-// Density per solid angle with which sample_light() would have chosen a point of an emitter from
-// `origin`, given its distance, the cosine there and, for a sphere, its radius and centre.
+// Returns the density per solid angle with which sample_light() samples a point of an emitter as
+// seen from `origin`, given the point's distance, the cosine at the emitter and, for a sphere, its
+// radius and centre.
 float pdf_light_at(vec3 origin, float distance, float cos_light, float radius, vec3 center,
                    uint primitive, float pick_density)
 {
@@ -78,7 +79,8 @@ float pdf_light_at(vec3 origin, float distance, float cos_light, float radius, v
     return pdf_area_to_solid_angle(pick_density, distance, cos_light);
 }
 
-// The same for the unit `direction`, given the surface that it hits at `distance`.
+// Returns the same density for the unit direction `direction`, in which the ray hits the surface
+// `s` at `distance`.
 float pdf_light(vec3 origin, vec3 direction, float distance, surface s, uint primitive,
                 float pick_density)
 {
@@ -108,8 +110,8 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     }
 }
 
-// Scales the emission of a sampled primitive by its textures, and by its opacity: on average, since
-// the shadow ray does not test the emitter that it is sent to.
+// Multiplies the emission of a sampled primitive by its textures and by its opacity. The latter is
+// correct on average, because the shadow ray does not test the emitter at its end.
 void texture_light(vec3 origin, inout light_sample l)
 {
     vec3 point = origin + l.to_light;
@@ -126,9 +128,9 @@ void texture_light(vec3 origin, inout light_sample l)
         l.radiance *= alpha_probability(l.primitive, l.barycentrics, point, l.material);
 }
 
-// The part of a spot's intensity that goes into the unit direction `from_light`
-// (KHR_lights_punctual): clamp((cos - cos_outer) / (cos_inner - cos_outer), 0, 1)^2, by 1 - cos,
-// which does not cancel where the cone is narrow.
+// Returns the fraction of a spot light's intensity in the unit direction `from_light`
+// (KHR_lights_punctual): clamp((cos - cos_outer) / (cos_inner - cos_outer), 0, 1)^2. It is computed
+// from 1 - cos, which avoids cancellation if the cone is narrow.
 float spot_falloff(vec3 direction, vec3 from_light, float scale, float offset)
 {
     float cos_theta = dot(direction, from_light);
@@ -139,8 +141,8 @@ float spot_falloff(vec3 direction, vec3 from_light, float scale, float offset)
     return falloff * falloff;
 }
 
-// The part of a light's intensity that a distance of `part` ranges leaves, besides the square of
-// the distance (KHR_lights_punctual, "Range Property").
+// Returns the factor of a light's intensity at a distance of `part` ranges, in addition to the
+// square of the distance (KHR_lights_punctual, "Range Property").
 float range_window(float part)
 {
     float square = part * part;
@@ -188,13 +190,13 @@ void sample_point_light(vec3 origin, uint index, light_choice choice, vec2 u, in
             l.radiance *= profile_intensity(w4.w, w1.xyz, uintBitsToFloat(w4.xyz),
                                             -l.to_light / distance);
     }
-    // A point that the light is in has no direction to it.
+    // At the light's own position there is no direction to it.
     l.pdf = distance2 > 0.0 ? l.pdf : 0.0;
 }
 
 void sample_environment_light(float pick, vec2 u, inout light_sample l)
 {
-    // Bits beyond those of u for the environment's texels: of no consequence for stratification.
+    // Further bits below those of u, for the environment's texels; they need not be stratified.
     uvec4 more = pcg4d(uvec4(floatBitsToUint(u), 0u, 0u));
     vec3 direction;
     vec2 low = vec2(more.xy >> 8u) * 5.9604644775390625e-8;
@@ -203,9 +205,9 @@ void sample_environment_light(float pick, vec2 u, inout light_sample l)
     l.infinite = true;
 }
 
-// One of frame.emitter_count bins of the alias table, and where in it, by two uniforms: one alone
-// has too few bits for bins that are many, or that are shared unequally. u = (x, y) stands for the
-// number x + 2^-24 y, which has 48.
+// Selects one of frame.emitter_count bins of the alias table, and a position in it, by two
+// uniforms: one alone has too few bits if bins are many or very unequal. u = (x, y) represents the
+// number x + 2^-24 y, which has 48 bits.
 uint choose_bin(vec2 u, out float within)
 {
     uvec2 bits = uvec2(u * 16777216.0);
@@ -219,8 +221,8 @@ uint choose_bin(vec2 u, out float within)
     return high << 8 | low >> 24;
 }
 
-// Chooses an emitter: in proportion to its power by the alias table (Walker 1977; Vose 1991), any
-// with the same probability, or by the tree.
+// Selects an emitter: in proportion to power by the alias table (Walker 1977; Vose 1991), with
+// equal probability, or by the light tree.
 light_choice choose_light(receiver r, vec2 u)
 {
     if (CHOOSES_BY_PLACE) {
@@ -234,7 +236,7 @@ light_choice choose_light(receiver r, vec2 u)
     return light_choice(own ? emitter.y : emitter.z, 1.0 / float(frame.emitter_count), false);
 }
 
-// A point on an emitter. A pdf of 0 means that there is nothing to connect to.
+// Samples a point on an emitter. A pdf of 0 means that no emitter can be connected to.
 light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
 {
     light_sample l;
@@ -246,7 +248,8 @@ light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
     l.infinite = false;
     l.material = 0u;
     l.barycentrics = vec2(0.0);
-    // Where no emitter sends anything, the word names none: there is no record to read.
+    // If no emitter can contribute, the word is not that of a primitive, so there is no record to
+    // read.
     if (CHOOSES_BY_PLACE) {
         if (!(choice.pick > 0.0))
             return l;
@@ -266,19 +269,19 @@ light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
         sample_point_light(origin, l.primitive & ~PRIMITIVE_LIGHT, choice, u, l);
     if (is_environment)
         sample_environment_light(choice.of_lamp ? 1.0 : frame.environment_pick, u, l);
-#ifdef PLANTED_PDF_FACTOR // tests of tests only: is an estimator that is wrong by so much found?
+#ifdef PLANTED_PDF_FACTOR // for tests of tests: is an estimator with this error detected?
     l.pdf *= PLANTED_PDF_FACTOR;
 #endif
     return l;
 }
 
-// `u`: which emitter; point on it x, y; more of the first.
+// u: emitter; point on it x, y; more bits of the first.
 light_sample sample_light(receiver r, vec4 u)
 {
     return sample_emitter(r.position, choose_light(r, u.xw), u.yz);
 }
 
-// Samples a point on a lamp, for the choice that connects to each lamp. u.xy: point on the emitter;
+// Samples a point on a lamp, when each lamp has its own shadow ray. u.xy: point on the emitter;
 // u.zw: choice of an emitter of the lamp.
 light_sample sample_lamp(receiver r, uint lamp, vec4 u)
 {
@@ -287,13 +290,15 @@ light_sample sample_lamp(receiver r, uint lamp, vec4 u)
     return sample_emitter(r.position, light_choice(primitive, probability, true), u.xy);
 }
 
-// Returns whether light from behind may go on to the viewer: by the material's word.
+// Returns, from the material's word, whether light from behind the surface may continue to the
+// viewer.
 bool is_lit_from_both_sides(uint material)
 {
     return (material >> MATERIAL_CLASS_SHIFT & MATERIAL_CLASS_MASK) == CLASS_TRANSMISSIVE;
 }
 
-// Where a ray comes from, as a receiver: by the primitive that it starts on, and its instance.
+// Returns the origin of a ray as a receiver, from the primitive and the instance on which the ray
+// starts.
 receiver receiver_of(vec3 origin, vec3 direction, uint primitive, uint instance)
 {
     bool is_shape = IS_SHAPE(primitive);
@@ -317,8 +322,9 @@ receiver receiver_of(vec3 origin, vec3 direction, uint primitive, uint instance)
                     is_lit_from_both_sides(material));
 }
 
-// The density of choosing the point of an emitter that a ray met, a unit area. `m` is its material,
-// whose pick density is not 0; the ray starts on primitive `from` of an instance, or of none.
+// Returns the density per unit of area with which the point of an emitter that a ray has hit would
+// be selected. `m` is the emitter's material, whose pick density is not 0. The ray starts on
+// primitive `from` of an instance, or of no instance.
 float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, uint from,
                       uint from_instance)
 {
@@ -326,8 +332,8 @@ float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, u
                     (HAS_EMITTER(EMITTER_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
     uint index = primitive & ~PRIMITIVE_SHAPE;
     if (LIGHT_CHOICE == LIGHT_CHOICE_POWER) {
-        // All emitters of a material have one density, except convex shapes, of which only the
-        // visible part is sampled.
+        // All emitters with the same material have the same density, except convex shapes, of which
+        // only the visible part is sampled.
         if (HAS_EMITTER(EMITTERS_CONVEX) && is_shape)
             return shape_density(load_shape(index), m, 1.0, origin);
         return material_pick_density(m);

@@ -1,19 +1,19 @@
-// Choosing an emitter by what it may send to a point, down a tree (Conty Estevez and Kulla 2018;
-// see render/tables/light_tree.h). Reads the emitters' buffer.
+// Selection of an emitter by a bound on its contribution to a point, by descending a tree (Conty
+// Estevez and Kulla 2018; see render/tables/light_tree.h). Reads the emitters' buffer.
 #ifndef LIGHT_TREE_GLSL
 #define LIGHT_TREE_GLSL
 
 #include "lib/buffers.glsl"
 #include "lib/surface.glsl"
 
-// The point of a surface that emitters send light to.
+// The point of a surface that receives light.
 struct receiver {
     vec3 position;
-    vec3 normal;    // unit, on the side that is lit; 0: any direction counts
-    bool two_sided; // light from behind counts, too
+    vec3 normal;    // unit, on the side that receives light; 0: all directions count
+    bool two_sided; // light from behind the surface counts, too
 };
 
-// cos and sin of max(a - b, 0), angles in [0, pi].
+// Returns cos and sin of max(a - b, 0) for angles in [0, pi].
 float cos_difference(float sin_a, float cos_a, float sin_b, float cos_b)
 {
     return cos_a > cos_b ? 1.0 : cos_a * cos_b + sin_a * sin_b;
@@ -29,9 +29,9 @@ float sin_from_cos(float cosine)
     return sqrt(max(0.0, 1.0 - cosine * cosine));
 }
 
-// The most that the emitters of a child may send to the receiver, as far as their bounds say
-// (Pharr, Jakob, Humphreys 2023, section 12.6.3), by the two words of four at `at`. Distances
-// below the radius of the bounds count as that.
+// Returns a bound on the contribution of a child's emitters to the receiver, according to their
+// bounds (Pharr, Jakob, Humphreys 2023, section 12.6.3), whose two words begin at `at`. Distances
+// below the radius of the bounds count as that radius.
 float light_importance(uint at, receiver r)
 {
     vec4 sphere = load_emitters_float(at);
@@ -41,7 +41,7 @@ float light_importance(uint at, receiver r)
     float cos_e = float(word.y >> 16u & 0x7fffu) * (2.0 / LIGHT_COS_E_SCALE) - 1.0;
     vec3 to_point = r.position - sphere.xyz;
     float distance2 = dot(to_point, to_point), radius2 = sphere.w * sphere.w;
-    // Under half of which angle the bounds are seen.
+    // Half the angle at which the bounds are seen.
     bool outside = distance2 > radius2;
     float sin2_b = outside ? radius2 / distance2 : 0.0;
     float sin_b = sqrt(sin2_b);
@@ -63,16 +63,16 @@ float light_importance(uint at, receiver r)
     float cos_received = cos_difference(sin_from_cos(cos_n), cos_n, sin_b, cos_b);
     if (r.normal != vec3(0.0))
         importance *= max(0.0, cos_received);
-    // A point at which there is a delta light: any finite share will do.
+    // At the position of a delta light the bound is infinite; any finite value suffices.
     return importance * uintBitsToFloat(word.z) / max(max(distance2, radius2), 1.17549435e-38);
 }
 
-// How the two children of a pair share what comes to it. The less probable one comes first: the
-// other takes what rounding leaves.
+// How the two children of a pair share their parent's probability. The less probable child comes
+// first; the other one receives the remainder, so that rounding loses nothing.
 struct light_fork {
-    float smaller; // its probability; 0 where both are 0, too
-    uint first;    // number of the child it belongs to
-    bool dark;     // neither sends anything
+    float smaller; // probability of the less probable child; 0 also if both are 0
+    uint first;    // index of that child
+    bool dark;     // neither child contributes
 };
 
 light_fork light_fork_at(uint at, receiver r)
@@ -82,15 +82,16 @@ light_fork light_fork_at(uint at, receiver r)
     return light_fork(min(a, b) / sum, a <= b ? 0u : 1u, !(sum > 0.0));
 }
 
-// A number in [0, 1) of 48 bits, in the upper ones of 64, by two uniforms.
+// Returns a number of 48 bits, in the upper bits of 64, from two uniforms in [0, 1).
 uvec2 number_of(vec2 u)
 {
     uvec2 bits = uvec2(u * 16777216.0);
     return uvec2(bits.x << 8u | bits.y >> 16u, bits.y << 16u);
 }
 
-// Returns whether `number`, which is below `width`, is in the first part of it, of this probability
-// (at most 1/2); moves on to what the number is of that part or of the rest, and their width.
+// Returns whether `number`, which is below `width`, is in the first part, which has this
+// probability (at most 1/2). Subtracts the beginning of the selected part from the number, and sets
+// the width to that of the part.
 bool take_first(inout uvec2 number, inout float width, float probability)
 {
     float part = width * probability;
@@ -112,9 +113,9 @@ uint light_pair_at(uint pair)
     return LIGHT_TREE_WORDS + pair * LIGHT_PAIR_WORDS;
 }
 
-// Goes down from a child of the tree to one emitter below it, by a number in a part of this width:
-// returns the word of its primitive. The width becomes that of the emitter's part. Where none sends
-// anything it is 0, and the word is the number of a pair, which names no emitter.
+// Descends from a child of the tree to one emitter, by a number below `width`; returns the
+// emitter's primitive word. The width becomes the emitter's share of it. If no emitter contributes,
+// the width becomes 0, and the word is the index of a pair, not that of a primitive.
 uint choose_below(uint child, receiver r, uvec2 number, inout float width)
 {
     while ((child & LIGHT_LEAF) == 0u) {
@@ -131,8 +132,8 @@ uint choose_below(uint child, receiver r, uvec2 number, inout float width)
     return child & ~LIGHT_LEAF;
 }
 
-// Follows a trail from one of its levels, where it is at this child, to its end: what choose_below()
-// makes of the width.
+// Follows the trail of an emitter from this child, at this level, to its end, and returns the width
+// with which choose_below() would end there.
 float width_below(uint child, uint level, uvec4 trail, receiver r, float width)
 {
     for (; level < trail.z; level++) {
@@ -148,8 +149,8 @@ float width_below(uint child, uint level, uvec4 trail, receiver r, float width)
     return width;
 }
 
-// Chooses an emitter by two uniforms; returns the word of its primitive and the probability, which
-// is 0 where no emitter sends anything.
+// Selects an emitter by two uniforms. Returns its primitive word and its probability, which is 0 if
+// no emitter contributes.
 uint choose_from_tree(receiver r, vec2 u, out float probability)
 {
     uvec4 head = load_emitters(0u);
@@ -157,7 +158,7 @@ uint choose_from_tree(receiver r, vec2 u, out float probability)
     uvec2 number = number_of(u);
     float width = 1.0;
     if (share >= 1.0 || (share > 0.0 && take_first(number, width, share))) {
-        // Alias bins by what is left of the number.
+        // Selects an alias bin by the rest of the number.
         float place = min(float(number.x) * 2.3283064365386963e-10 / share, 0.99999994) *
                       float(head.w);
         uvec4 bin = load_emitters(head.z + uint(place));
@@ -169,7 +170,8 @@ uint choose_from_tree(receiver r, vec2 u, out float probability)
     return primitive;
 }
 
-// The probability with which choose_from_tree() chooses emitter number `emitter`, a surface.
+// Returns the probability with which choose_from_tree() selects the emitter with this index, which
+// is a surface.
 float probability_in_tree(receiver r, uint emitter)
 {
     uvec4 head = load_emitters(0u);
@@ -179,7 +181,7 @@ float probability_in_tree(receiver r, uint emitter)
     return width_below(head.x, 0u, trail, r, 1.0 - load_emitters_float(1u).x);
 }
 
-// Chooses an emitter of a lamp by two uniforms, likewise.
+// Selects an emitter of a lamp by two uniforms, in the same way.
 uint choose_in_lamp(uint lamp, receiver r, vec2 u, out float probability)
 {
     uvec4 own = load_emitters(load_emitters(1u).y + lamp);
@@ -187,8 +189,8 @@ uint choose_in_lamp(uint lamp, receiver r, vec2 u, out float probability)
     return choose_below(own.x, r, number_of(u), probability);
 }
 
-// The probability with which choose_in_lamp() chooses emitter number `emitter`, a surface, when it
-// is asked for the lamp that this is of.
+// Returns the probability with which choose_in_lamp() selects the emitter with this index, which is
+// a surface, when called for the emitter's lamp.
 float probability_in_lamp(receiver r, uint emitter)
 {
     uvec4 trail = load_emitters(load_emitters(0u).y + emitter);

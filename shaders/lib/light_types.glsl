@@ -1,4 +1,4 @@
-// A point of an emitter that was chosen to connect to.
+// A sampled point on an emitter.
 #ifndef LIGHT_TYPES_GLSL
 #define LIGHT_TYPES_GLSL
 
@@ -6,15 +6,17 @@
 #include "lib/material.glsl"
 
 struct light_sample {
-    vec3 to_light;  // from the reference point to the sampled one
-    float pdf;      // per solid angle at the reference point, the choice of the emitter included
+    vec3 to_light;  // from the reference point to the sampled point
+    float pdf;      // per solid angle at the reference point, including the selection of the
+                    // emitter
     vec3 radiance;
     uint primitive;
-    bool delta; // a delta light: nothing else finds it, so that its weight is 1; `radiance` is the
-                // irradiance of a surface that faces it, and `pdf` that of the choice alone
-    bool infinite;     // infinitely far, whatever the length of to_light
-    uint material;     // word of a primitive's
-    vec2 barycentrics; // the point on a triangle; on a shape see struct crossings
+    bool delta; // a delta light: no other strategy finds it, so its MIS weight is 1; `radiance` is
+                // then the irradiance of a surface that faces it, and `pdf` the selection
+                // probability
+    bool infinite;     // infinitely far away, whatever the length of to_light
+    uint material;     // material word of a primitive
+    vec2 barycentrics; // of the point on a triangle; for a shape see struct crossings
 };
 
 float pdf_area_to_solid_angle(float density, float distance, float cos_light)
@@ -22,9 +24,10 @@ float pdf_area_to_solid_angle(float density, float distance, float cos_light)
     return cos_light > 0.0 ? density * distance * distance / cos_light : 0.0;
 }
 
-// A point chosen uniformly by area: the vector to it and its surface normal give the density.
-// `density`: of choosing the emitter and a point on it, a unit area. By power it is the same for
-// all of one material, boxes and cylinders aside, so that no lookup is needed to weight a hit.
+// Completes a point that was sampled uniformly by area: its density per solid angle follows from
+// the vector to it and its normal. density: the density per unit of area of selecting the emitter
+// and the point. With selection by power it is the same for all emitters of a material except boxes
+// and cylinders, so MIS weights of hits need no table lookup.
 void finish_area_sample(inout light_sample l, vec3 to_light, vec3 normal, material m, float density)
 {
     float distance = length(to_light);

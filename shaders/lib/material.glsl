@@ -1,11 +1,11 @@
-// Reads materials: what a surface is made of.
+// Reads materials.
 #ifndef MATERIAL_GLSL
 #define MATERIAL_GLSL
 
 #include "lib/material_header.glsl"
 
-// The groups of parameters as they are in the buffer, or after textures scaled them. What no code
-// asks for is never read.
+// A material's parameters in groups, as they are in the buffer, or multiplied by textures. Groups
+// that no code uses are never read.
 struct material {
     uint model_flags;
     uint first_texture;
@@ -24,7 +24,7 @@ bool material_has(material m, uint flag)
     return (m.model_flags & flag) != 0u;
 }
 
-// A parameter, to be read or written: a function would have to copy the material.
+// Macros for access to parameters: functions would copy the material.
 #define material_base_color(m) (m).group[GROUP_BASE].rgb
 #define material_emission(m) (m).group[GROUP_EMISSION].rgb
 #define material_pick_density(m) (m).group[GROUP_EMISSION].a
@@ -57,7 +57,7 @@ bool material_has(material m, uint flag)
 
 #define LOAD_GROUP(number) m.group[number] = load_materials_float(at + 1u + uint(number))
 
-// `word` is a material word: what a primitive carries.
+// word: a material word, which each primitive has.
 material load_material(uint word)
 {
     uint at = material_at(word);

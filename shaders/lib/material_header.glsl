@@ -1,11 +1,11 @@
-// Reads the header of the materials' buffer (struct gpu_material_header): the word of four at which
-// each section begins, and what all paths begin with.
+// Reads the header of the materials' buffer (struct gpu_material_header): the words at which
+// sections begin, and the initial medium of camera paths.
 #ifndef MATERIAL_HEADER_GLSL
 #define MATERIAL_HEADER_GLSL
 
 #include "lib/buffers.glsl"
 
-// Returns the beginning of the material in a primitive's word.
+// Returns the beginning of the material that a primitive's material word refers to.
 uint material_at(uint word)
 {
     return MATERIAL_HEADER_WORDS + (word & MATERIAL_INDEX_MASK) * MATERIAL_WORDS;
@@ -31,7 +31,8 @@ uint albedos_begin()
     return load_materials(0u).w;
 }
 
-// The stack of media that camera rays start in, and the index of refraction there.
+// Returns the stack of media in which camera rays start. camera_ior() is the index of refraction
+// there.
 uint camera_media()
 {
     return load_materials(1u).x;
@@ -42,7 +43,7 @@ float camera_ior()
     return uintBitsToFloat(load_materials(1u).y);
 }
 
-// Returns the beginning of the suns, and their number.
+// Returns the beginning and the number of the suns.
 uvec2 suns_range()
 {
     return load_materials(1u).zw;

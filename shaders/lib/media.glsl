@@ -1,11 +1,11 @@
-// Which medium a path is in, where closed surfaces nest and overlap. Reads the media's section of
-// the materials' buffer.
+// Determines the medium in which a path is, where closed surfaces are nested or overlap. Reads the
+// media's section of the materials' buffer.
 //
 // A path carries a stack of the media whose surfaces it has entered and not left: up to four
-// numbers of 8 bits in a word, the latest lowest, 0 for none. Numbers are given in ascending order
-// of priority (render/tables/shading_tables.c), so that the medium that is there is the highest
-// number (after Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images"); with none it is
-// air.
+// numbers of 8 bits in a word, the latest in the lowest bits; 0 is none. Media are numbered in
+// ascending order of priority (render/tables/shading_tables.c), so the medium at a point is the one
+// with the highest number in the stack (after Schmidt and Budge 2002, "Simple Nested Dielectrics in
+// Ray Traced Images"). An empty stack means air.
 #ifndef MEDIA_GLSL
 #define MEDIA_GLSL
 
@@ -33,7 +33,7 @@ uint media_enter(uint stack, uint number)
     return stack << 8u | number;
 }
 
-// Removes the latest entry of this number; *found: there was one.
+// Removes the latest entry with this number. *found: whether there was one.
 uint media_leave(uint stack, uint number, out bool found)
 {
     found = false;
@@ -59,21 +59,21 @@ medium load_medium(uint number)
     return medium(words.rgb, words.a, load_materials_float(at + 1u).y);
 }
 
-// The part of light that passes through this length of a medium (Beer and Lambert). An extinction
-// so large that the product is infinite transmits nothing, but all at distance 0.
+// Returns the fraction of light that passes through this length of a medium (Beer and Lambert). If
+// the product of extinction and length is infinite, nothing is transmitted, except at distance 0.
 vec3 transmittance(medium m, float distance)
 {
     return exp(-m.extinction * distance);
 }
 
-// The media that a surface separates for a ray that hits it, and the ray's stack on the other side.
+// The media on both sides of a surface that a ray has hit, and the ray's stack on the far side.
 struct media_interface {
-    uint here, beyond;  // media
+    uint here, beyond;  // medium numbers: on the ray's side, and on the far side
     uint stack_beyond;
-    bool lost; // the stack was full, or had no such medium to leave
+    bool lost; // the stack was full, or did not have the medium that was left
 };
 
-// `number`: the medium inside of the surface, not 0; `front`: the ray came from outside.
+// number: the medium inside the surface, not 0; front: the ray arrives from outside.
 media_interface media_cross(uint stack, uint number, bool front)
 {
     media_interface i;
@@ -86,7 +86,7 @@ media_interface media_cross(uint stack, uint number, bool front)
         bool found;
         i.stack_beyond = media_leave(stack, number, found);
         i.lost = !found;
-        // Inside of something that was never entered: of an open mesh.
+        // The ray is inside a surface that it has not entered: the mesh is open.
         i.here = max(i.here, number);
         i.beyond = media_current(i.stack_beyond);
     }

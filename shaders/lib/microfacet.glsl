@@ -12,9 +12,9 @@
 
 const float SMALLEST_ALPHA = 1e-4;
 
-// Density of normals, per solid angle and projected area:
+// Density of normals, per solid angle and unit of macroscopic area:
 //   D = 1 / (pi alpha_x alpha_y t^2), t = (h.x / alpha_x)^2 + (h.y / alpha_y)^2 + h.z^2
-// (Burley 2012, eq. 13). Small sines come from h.x and h.y, never from 1 - h.z^2.
+// (Burley 2012, eq. 13). Small sines are computed from h.x and h.y, not from 1 - h.z^2.
 float ggx_d(vec3 h, vec2 alpha)
 {
     vec2 slope = h.xy / alpha;
@@ -22,14 +22,14 @@ float ggx_d(vec3 h, vec2 alpha)
     return INV_PI / (alpha.x * alpha.y * t * t);
 }
 
-// sqrt((alpha_x w.x)^2 + (alpha_y w.y)^2 + w.z^2): |w.z| (1 + 2 Lambda).
+// Returns sqrt((alpha_x w.x)^2 + (alpha_y w.y)^2 + w.z^2), which is |w.z| (1 + 2 Lambda).
 float ggx_stretched_length(vec3 w, vec2 alpha)
 {
     return length(vec3(alpha * w.xy, w.z));
 }
 
-// Smith's Lambda (Heitz 2014, eqs. 72 and 86), (sqrt(1 + t) - 1) / 2 without the difference;
-// infinite at w.z = 0.
+// Returns Smith's Lambda (Heitz 2014, eqs. 72 and 86): (sqrt(1 + t) - 1) / 2, computed without
+// cancellation; infinite at w.z = 0.
 float ggx_lambda(vec3 w, vec2 alpha)
 {
     vec2 tangential = alpha * w.xy;
@@ -45,9 +45,10 @@ float ggx_g1(vec3 w, vec2 alpha)
     return 2.0 * cos_theta / (cos_theta + ggx_stretched_length(w, alpha));
 }
 
-// Masking and shadowing. On the same side: height-correlated, 1 / (1 + Lambda_o + Lambda_i) (Heitz
-// 2014, eq. 99), or separable, G1 G1. On opposite sides always separable, as in Walter et al. 2007,
-// eq. 23: what is high for one direction is low for the other. Not both of wo.z and wi.z may be 0.
+// Masking and shadowing of two directions. On the same side: height-correlated, 1 / (1 + Lambda_o +
+// Lambda_i) (Heitz 2014, eq. 99), or separable, G1 G1. On opposite sides always separable, as in
+// Walter et al. 2007, eq. 23: points that are high for one direction are low for the other. wo.z
+// and wi.z must not both be 0.
 float ggx_g2(vec3 wo, vec3 wi, vec2 alpha, bool separable)
 {
     float cos_o = abs(wo.z);
@@ -59,10 +60,11 @@ float ggx_g2(vec3 wo, vec3 wi, vec2 alpha, bool separable)
     return 2.0 * cos_o * cos_i / (cos_o * length_i + cos_i * length_o);
 }
 
-// A normal seen from wo, wo.z >= 0, with pdf_ggx_vndf(): reflecting the stretched wo about normals
-// of a hemisphere gives a uniform spherical cap (Dupuy and Benyoub 2023, listing 3). u.x in [0, 1)
-// chooses the height in the cap, u.y the azimuth. The cap's point c is never formed: of 1 - c.z and
-// 1 + c.z, and of h.z = c.z + k, none is a difference.
+// Samples a normal visible from wo, wo.z >= 0, with density pdf_ggx_vndf(). Reflecting the
+// stretched wo about the normals of a hemisphere gives directions that are uniform in a spherical
+// cap (Dupuy and Benyoub 2023, listing 3). u.x in [0, 1) selects the height in the cap, u.y the
+// azimuth. The point c of the cap is not computed, because 1 - c.z, 1 + c.z and h.z = c.z + k can
+// be computed without differences.
 vec3 sample_ggx_vndf(vec3 wo, vec2 alpha, vec2 u)
 {
     vec3 stretched = normalize(vec3(alpha * wo.xy, wo.z));
@@ -74,23 +76,24 @@ vec3 sample_ggx_vndf(vec3 wo, vec2 alpha, vec2 u)
     return normalize(vec3(alpha * tangential, height));
 }
 
-// Per solid angle of h: G1(wo) max(0, wo.h) D(h) / wo.z (Heitz 2018, eq. 3). Of the reflected
-// direction it is this over 4 wo.h.
+// Returns the density per solid angle of h: G1(wo) max(0, wo.h) D(h) / wo.z (Heitz 2018, eq. 3).
+// The density of the reflected direction is this divided by 4 wo.h.
 float pdf_ggx_vndf(vec3 wo, vec3 h, vec2 alpha)
 {
     return 2.0 * max(0.0, dot(wo, h)) * ggx_d(h, alpha) /
            (abs(wo.z) + ggx_stretched_length(wo, alpha));
 }
 
-// A normal of the density D(h) h.z itself, whatever wo sees of it: tan^2 = alpha^2 u / (1 - u)
-// (Walter et al. 2007, eqs. 35 and 36), stretched.
+// Samples a normal with density D(h) h.z, independently of wo: tan^2 = alpha^2 u / (1 - u) (Walter
+// et al. 2007, eqs. 35 and 36), then stretched.
 vec3 sample_ggx_ndf(vec2 alpha, vec2 u)
 {
     float radius = sqrt(u.x / (1.0 - u.x));
     return normalize(vec3(alpha * radius * cos_sin_turns(u.y), 1.0));
 }
 
-// The setting `normals` chooses between both: a normal, and its density per solid angle of h.
+// Samples a normal by the strategy of the setting `normals`; returns it and its density per solid
+// angle of h.
 vec3 sample_ggx_normal(vec3 wo, vec2 alpha, vec2 u)
 {
     if (NORMALS == NORMALS_NDF)
@@ -98,15 +101,16 @@ vec3 sample_ggx_normal(vec3 wo, vec2 alpha, vec2 u)
     return sample_ggx_vndf(wo, alpha, u);
 }
 
-// The density with which a normal is drawn, for `visible`, that of visible normals, at hand; both
-// are over the same measure, of which a normal's solid angle has the part `scale`.
+// Returns the density with which a normal is sampled by that strategy. `visible` is the density of
+// visible normals, which the caller has. scale: the solid angle of h per unit of the densities'
+// common measure.
 float pdf_ggx_drawn(float visible, vec3 h, vec2 alpha, float scale)
 {
     return NORMALS == NORMALS_NDF ? ggx_d(h, alpha) * h.z * scale : visible;
 }
 
-// The weight f / density of a sample of a drawn normal, without its reflectance: G2 / G1(wo) where
-// normals are drawn from the visible ones, G2 wo.h / (wo.z h.z) where they are drawn from all.
+// Returns the weight f / density of a sample, without reflectance: G2 / G1(wo) if visible normals
+// are sampled, G2 wo.h / (wo.z h.z) if all normals are.
 float ggx_drawn_weight(vec3 wo, vec3 wi, vec3 h, vec2 alpha, bool separable)
 {
     float g2 = ggx_g2(wo, wi, alpha, separable);
@@ -115,24 +119,25 @@ float ggx_drawn_weight(vec3 wo, vec3 wi, vec3 h, vec2 alpha, bool separable)
     return g2 / ggx_g1(wo, alpha);
 }
 
-// Density of reflecting about a visible normal, per solid angle of the reflected direction:
-// pdf_ggx_vndf() / (4 wo.h), in which wo.h cancels.
+// Returns the density of reflecting about a visible normal, per solid angle of the reflected
+// direction: pdf_ggx_vndf() / (4 wo.h), in which wo.h cancels.
 float pdf_ggx_reflection(vec3 wo, vec3 h, vec2 alpha)
 {
     return 0.5 * ggx_d(h, alpha) / (abs(wo.z) + ggx_stretched_length(wo, alpha));
 }
 
-// Directions are rounded, so that their lengths are not quite 1. Where they nearly cancel that
-// turns their sum, by more than a narrow highlight's width when wo.z is small. Both half-vectors
-// are freed of it to first order by what is known of unit vectors: (a + b).(a - b) = |a|^2 - |b|^2.
+// The lengths of rounded directions differ from 1. If two directions nearly cancel, this changes
+// the direction of their sum, by more than the width of a narrow highlight if wo.z is small. Both
+// half vectors below are corrected to first order by an identity of unit vectors: (a + b).(a - b) =
+// |a|^2 - |b|^2 = 0.
 
-// The normal between two directions on the same side, and in .w its cosine with either of them,
-// which is half of the length of their sum. 0 where they are opposite to single precision.
+// Returns the normal halfway between two directions on the same side, and in w its cosine with
+// either of them, half the length of their sum. 0 if they are opposite in single precision.
 vec4 reflection_half_vector(vec3 wo, vec3 wi)
 {
     vec3 sum = wo + wi;
     vec3 difference = wo - wi;
-    // sum^2 + difference^2 = 4: a small difference means that nothing cancels.
+    // sum^2 + difference^2 = 4, so if the difference is small, the sum does not cancel.
     sum -= difference * (dot(sum, difference) / max(1.0, dot(difference, difference)));
     float length2 = dot(sum, sum);
     if (!(length2 > 0.0))
@@ -141,9 +146,9 @@ vec4 reflection_half_vector(vec3 wo, vec3 wi)
     return vec4(sum / l, 0.5 * l);
 }
 
-// The microfacet's normal that refracts wo into wi on the other side, h.z > 0, times the length of
-// wo + eta wi (Walter et al. 2007, eq. 16). The near-cancelling part is subtracted first, where
-// that is exact, so that eta may be close to 1.
+// Returns the microfacet normal that refracts wo to wi on the other side, h.z > 0, multiplied by
+// the length of wo + eta wi (Walter et al. 2007, eq. 16). The part that nearly cancels is
+// subtracted first, where the subtraction is exact, so eta may be close to 1.
 vec3 refraction_half_vector(vec3 wo, vec3 wi, float eta)
 {
     vec3 h = (wo + wi) + (eta - 1.0) * wi;
@@ -153,7 +158,7 @@ vec3 refraction_half_vector(vec3 wo, vec3 wi, float eta)
     return h.z < 0.0 ? -h : h;
 }
 
-// wo refracted about h, for cos_i = wo.h and cos_t of fresnel_dielectric().
+// Refracts wo about h; cos_i is wo.h, and cos_t comes from fresnel_dielectric().
 vec3 refract_about(vec3 wo, vec3 h, float eta, float cos_i, float cos_t)
 {
     return normalize((cos_i / eta - cos_t) * h - wo / eta);

@@ -1,4 +1,4 @@
-// Numbers of mathematics.
+// Mathematical constants.
 #ifndef NUMBERS_GLSL
 #define NUMBERS_GLSL
 

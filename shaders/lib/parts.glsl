@@ -1,10 +1,11 @@
-// The parts of long buffers: what is beyond the range of a storage buffer. Owns their bindings.
+// The parts of long buffers beyond the range of a storage buffer. Owns their bindings.
 #ifndef PARTS_GLSL
 #define PARTS_GLSL
 
 #include "lib/constants.glsl"
 
-// The further parts of all buffers with lower numbers: of the bits below, the sum of the nibbles.
+// The total number of further parts of the buffers with lower numbers: the sum of the nibbles of
+// `bits`.
 #define PARTS_BELOW(bits)                                                                          \
     (PARTS_OF(bits, 0u) + PARTS_OF(bits, 1u) + PARTS_OF(bits, 2u) + PARTS_OF(bits, 3u) +           \
      PARTS_OF(bits, 4u) + PARTS_OF(bits, 5u) + PARTS_OF(bits, 6u) + PARTS_OF(bits, 7u))
@@ -32,7 +33,7 @@ PART(13)
 PART(14)
 PART(15)
 
-// Loads from part `part` if there are that many.
+// Loads from part `part` if the buffer has that many parts.
 #define LOAD_PART(number)                                                                          \
     if (PARTS_BELOW(PARTS) > uint(number)) {                                                       \
         if (part == uint(number))                                                                  \

@@ -1,12 +1,12 @@
-// Places a sample in its pixel's filter if the sampler does not do so.
+// Places a sample in its pixel's filter, in ways other than the sampler's.
 #ifndef PIXEL_SAMPLING_GLSL
 #define PIXEL_SAMPLING_GLSL
 
 #include "lib/sampler.glsl"
 
-// The stratum of a sample, among n x n. Each half-buffer goes through all of them before it comes
-// to any again, in an order that is drawn anew for each pixel, half and round: so every sample
-// lies in any stratum with the same probability, however many there are, and the halves stay
+// Returns the stratum of a sample, among n x n. Each half-buffer visits all strata before it visits
+// any again, in a random order that differs between pixels, halves and rounds. So every sample is
+// in each stratum with the same probability for any number of samples, and the halves are
 // independent.
 uvec2 pixel_stratum(uint pixel, uint sample_index, uint n)
 {
@@ -18,8 +18,8 @@ uvec2 pixel_stratum(uint pixel, uint sample_index, uint n)
     return uvec2(stratum % n, stratum / n);
 }
 
-// Two uniforms in [0, 1), multiples of 2^-24, for filter_position(). In whole numbers: a stratum's
-// points stay in it.
+// Returns two uniforms in [0, 1), multiples of 2^-24, for filter_position(). They are computed with
+// integers, so that the points of a stratum do not leave it.
 vec2 pixel_uniforms_2d(uint pixel, uint sample_index)
 {
     uvec2 inside = pcg4d(uvec4(pixel, sample_index, DIMENSION_PIXEL, frame.seed)).xy >> 8u;

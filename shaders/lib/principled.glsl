@@ -1,4 +1,4 @@
-// Everything of the principled model that depends on a material and on wo alone: the weights of the
+// The parts of the principled model that depend only on the material and on wo: the weights of the
 // layers and the probabilities of the lobes. Part of lib/bsdf_principled.glsl.
 #ifndef PRINCIPLED_GLSL
 #define PRINCIPLED_GLSL
@@ -14,48 +14,51 @@ struct principled {
     float roughness;
     vec2 alpha;
     vec2 turn; // cosine and sine of the tangent's rotation
-    float eta; // 1 where the indices match
+    float eta; // 1 if the indices match
     float metallic;
-    float transmission; // times 1 - metallic
-    vec3 f0;            // f0 of the dielectric, as asked for
-    float f0_index;     // f0 by eta
+    float transmission; // multiplied by 1 - metallic
+    vec3 f0;            // reflectance of the dielectric at normal incidence
+    float f0_index;     // reflectance at normal incidence that follows from eta
     float specular_weight;
-    bool is_mixed; // Fresnel's equations and Schlick's, times the specular colour
+    bool is_mixed; // mixes Fresnel's equations and Schlick's approximation, times the specular
+                   // colour
     vec3 specular_scale; // the specular colour
-    vec3 f0_metal;       // f0 of Schlick's Fresnel
-    float film; // iridescence; 0 where the film's index is below the medium's in front
+    vec3 f0_metal;       // f0 of the metal's Schlick reflectance
+    float film; // iridescence; 0 if the film's index is below that of the medium in front
     float film_index;
     float film_thickness;
     vec3 compensation; // M
     vec3 through_compensation; // M_t
-    bool tries_again;          // where a sample of the base ends on another microfacet
-    float tries_scale;         // factor on the base's density then
-    float reflects_more;       // the part of what Fresnel's equations let through that reflects
-    vec3 tint;         // tint of what goes through
+    bool tries_again;          // samples of the base that another microfacet shadows are tried
+                               // again
+    float tries_scale;         // factor on the base's density due to the tries
+    float reflects_more;       // the reflected fraction of the light that Fresnel's equations
+                               // transmit
+    vec3 tint;         // tint of transmitted light
     bool is_delta;
     bool thin;
     bool separable;
-    bool is_gltf; // mixed as glTF's appendix B says, not as Burley does
-    // Diffuse, and what it is weighted with.
+    bool is_gltf; // mixed as in glTF's appendix B, not as by Burley
+    // The diffuse part, and its weights.
     vec3 below; // (1 - metallic) (1 - transmission) K
     vec3 sheen;
     float sheen_layer; // B
     float subsurface;
     float diffuse_transmission;
     float albedo_diffuse; // E_d(wo)
-    // Layers above.
+    // The layers above.
     vec3 fibre_color;
     float fibre_roughness;
     float fibre_albedo; // E_charlie(wo)
-    float fibre_layer;  // what is over the fibres lets through: 1, or C
+    float fibre_layer;  // fraction that the layer above the fibres transmits: 1, or C
     float coat;
     float coat_alpha; // alpha of D
     bool coat_ggx;
     bool coat_delta;
     bool coat_exact;
-    float coat_layer; // what is over the coat lets through: S, or 1
+    float coat_layer; // fraction that the layer above the coat transmits: S, or 1
     float base_layer; // S C
-    // Lobes are chosen with these probabilities.
+    // The probabilities of selecting the lobes.
     float p_fibre, p_coat, p_base, p_diffuse, p_through;
     uint tables;
 };
@@ -70,7 +73,7 @@ float mean_channel(vec3 v)
     return (v.r + v.g + v.b) * (1.0 / 3.0);
 }
 
-// Into, or with `back` out of, the frame of the turned tangent.
+// Transforms a direction into the frame of the rotated tangent, or with `back` out of it.
 vec3 principled_turn(principled p, vec3 w, bool back)
 {
     if (!HAS_LOBE(LOBE_ANISOTROPIC))
@@ -90,7 +93,7 @@ bool principled_is_gltf(material m)
     return HAS_LOBE(LOBE_GLTF) && (!HAS_LOBE(LOBE_BURLEY) || material_has(m, MATERIAL_GLTF_LAYERS));
 }
 
-// E_d, of base colour 1.
+// Returns E_d for base colour 1.
 float principled_albedo_diffuse(principled p, float mu)
 {
     float albedo = 1.0;
@@ -104,9 +107,9 @@ float principled_albedo_diffuse(principled p, float mu)
     return albedo;
 }
 
-// `reflectance`, of a surface of reflectance f0 at normal incidence, seen through the film. The
-// film lies on the side of the lower index; from the other side what is reflected is the same for
-// the refracted direction.
+// Returns `reflectance`, of a surface with reflectance f0 at normal incidence, as changed by the
+// film. The film is on the side with the lower index; seen from the other side, the reflectance is
+// that of the refracted direction.
 vec3 principled_film(principled p, float cos_o, float cos_t, vec3 f0, vec3 reflectance,
                      bool highest)
 {
@@ -117,7 +120,7 @@ vec3 principled_film(principled p, float cos_o, float cos_t, vec3 f0, vec3 refle
     return reflectance + p.film * (film - reflectance);
 }
 
-// F_w, for the exact Fresnel reflectance of eta.
+// Returns F_w; `exact` is the Fresnel reflectance for eta.
 vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, bool highest)
 {
     precise vec3 f = exact + (p.f0 - p.f0_index) * ((1.0 - exact) / (1.0 - p.f0_index));
@@ -126,14 +129,14 @@ vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, 
     return principled_film(p, cos_o, cos_t, p.f0, clamp(f, 0.0, 1.0), highest);
 }
 
-// R_metal at normal incidence.
+// Returns R_metal at normal incidence.
 vec3 principled_reflects(principled p)
 {
     return HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed ? p.specular_scale * p.f0_metal
                                                       : p.base_color;
 }
 
-// R_metal without the compensation, of Schlick's reflectance or of its mean.
+// Returns R_metal without compensation, from Schlick's reflectance or its mean.
 vec3 principled_metal(principled p, float cos_o, float cos_t, vec3 schlick)
 {
     if (HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed)
@@ -148,26 +151,28 @@ vec3 principled_f0_metal(principled p)
 
 bool principled_tries_again(principled p)
 {
-    if (NORMALS == NORMALS_NDF) // the chance of survival is known of visible ones
+    if (NORMALS == NORMALS_NDF) // the tables have the probability of survival only for visible
+                                // normals
         return false;
     return HAS_LOBE(LOBE_TRANSMISSION) && HAS_LOBE(LOBE_COMPENSATE) && HAS_LOBE(LOBE_ROUGH) &&
            p.tries_again;
 }
 
-// The part of a reflectance or an albedo that is missing beneath the interface: in glTF the
+// Returns the part of a reflectance or an albedo that is missing below the interface: in glTF the
 // greatest channel, so that coloured reflection leaves white light (KHR_materials_specular).
 vec3 principled_whitened(principled p, vec3 reflected)
 {
     return p.is_gltf ? vec3(max_channel(reflected)) : reflected;
 }
 
-// The reflectance and transmittance of the base's interface at a microfacet, for cos_o = wo.h, the
-// refracted direction's cosine and Fresnel's reflectance: R, and (1 - metallic) transmission tint
-// (1 - F_t); and the probabilities with which both are drawn. Neither is one minus the other, which
-// would cancel where it is small.
+// Returns the reflectance and the transmittance of the base's interface at a microfacet: R, and (1
+// - metallic) transmission tint (1 - F_t); and the probabilities of sampling either. Arguments are
+// cos_o = wo.h, the cosine of the refracted direction, and the Fresnel reflectance. Neither result
+// is computed as one minus the other, which would cancel if it is small.
 //
-// Here and in lib/bsdf_principled.glsl what is stored or returned is `precise`: else a compiler may
-// regroup sums and products, and round them in another way where it knows that a lobe is not there.
+// Here and in lib/bsdf_principled.glsl all values that are stored or returned are `precise`.
+// Otherwise a compiler could regroup sums and products, and round them differently depending on
+// which lobes exist.
 void principled_interface(principled p, float cos_o, float cos_t, float exact,
                           out precise vec3 reflected, out vec3 through,
                           out precise vec2 probabilities)
@@ -218,7 +223,8 @@ void prepare_fibres(inout precise principled p, material m, float mu)
     p.p_fibre = mean_channel(p.fibre_color) * albedo;
 }
 
-// Schlick's reflectance of index 1.5 (Burley 2012, section 5.4), or that of Fresnel's equations.
+// Returns Schlick's reflectance for index 1.5 (Burley 2012, section 5.4), or that of Fresnel's
+// equations.
 float coat_fresnel(principled p, float cosine)
 {
     if (HAS_LOBE(LOBE_EXACT_COAT) && p.coat_exact) {
@@ -271,13 +277,13 @@ void prepare_coat(inout precise principled p, material m, float mu)
     p.p_coat = p.coat_layer * albedo;
 }
 
-// The dielectric's reflectance at normal incidence: that of the index, scaled and tinted.
+// Sets the dielectric's reflectance at normal incidence: that of the index, scaled and tinted.
 void prepare_dielectric(inout precise principled p, material m, float eta)
 {
     p.eta = is_index_matched(eta) ? 1.0 : eta;
     p.f0_index = fresnel_f0(p.eta);
     vec3 tint = mix(vec3(1.0), burley_tint(p.base_color), material_specular_tint(m));
-    // Left at 1/2 and untinted, the factor is 1 and the curve exactly that of the index.
+    // With specular = 1/2 and no tint, the factor is 1 and the curve is exactly that of the index.
     p.f0 = min(vec3(1.0),
                p.f0_index * (2.0 * material_specular(m) * tint * material_specular_color(m)));
     p.specular_weight = material_specular_weight(m);
@@ -289,16 +295,16 @@ void prepare_dielectric(inout precise principled p, material m, float eta)
         p.f0 = p.f0_index * p.specular_scale;
     }
     if (HAS_LOBE(LOBE_IRIDESCENCE)) {
-        // ior over eta is the index on the other side.
+        // ior / eta is the index of the medium on the other side.
         p.film_index = material_film_ior(m) / material_ior(m) * (p.eta < 1.0 ? 1.0 / p.eta : p.eta);
         p.film_thickness = material_film_thickness(m);
         p.film = p.film_index >= 1.0 ? material_iridescence(m) : 0.0;
     }
 }
 
-// Albedos that depend on the microfacets' slopes alone: E1, the means over reflected directions of
-// Fresnel's reflectance (an upper bound, where the surface is anisotropic) and of Schlick's weight,
-// and a cosine that stands for theirs.
+// Returns albedos that depend only on the slopes of the microfacets: E1; the means over reflected
+// directions of the Fresnel reflectance (an upper bound if the surface is anisotropic) and of
+// Schlick's weight; and a cosine at which these functions have about their means.
 vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
 {
     float cos_t;
@@ -315,7 +321,8 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
         e.z = schlick_weight(cosine);
         e.w = cosine;
         e.y = fresnel_dielectric(cosine, max(p.eta, 1.05), cos_t);
-        // Seen from inside: no more than Schlick's curve from the angle of total reflection on.
+        // Seen from inside, the value is at most that of Schlick's curve which begins at the angle
+        // of total reflection.
         float critical = sqrt(max(0.0, (1.0 - p.eta) * (1.0 + p.eta)));
         float beyond = schlick_weight((cosine - critical) / (1.0 - critical));
         if (p.eta < 1.0)
@@ -333,10 +340,10 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
     return e;
 }
 
-// Maps an interface's reflectance F, as moved and seen through a film, to a number from 0
-// (Fresnel's) to 1 (F = 1): 1 - F is treated as a fraction of the light that Fresnel's equations
-// transmit. Without a film that is exact. Otherwise the fraction is fitted, by least squares over
-// cosines from total reflection on.
+// Expresses the reflectance F of an interface with modified reflectance or a film by a number from
+// 0 (Fresnel's equations) to 1 (F = 1): 1 - F as a fraction of the light that Fresnel's equations
+// transmit. Without a film this is exact. Otherwise the fraction is a least-squares fit over
+// cosines beyond total reflection.
 vec3 principled_moved(principled p)
 {
     vec3 moved = (p.f0 - p.f0_index) / (1.0 - p.f0_index);
@@ -356,8 +363,8 @@ vec3 principled_moved(principled p)
     return 1.0 - product / square;
 }
 
-// The albedos of an interface that transmits and loses nothing, with Fresnel's reflectance and
-// without reflection but where it is total.
+// Returns the albedos of a lossless transmitting interface: with Fresnel's reflectance, and if only
+// total reflection reflects.
 vec2 principled_albedo_lossless(principled p, material m, vec3 wo, float alpha)
 {
     float anisotropic = material_anisotropic(m);
@@ -374,15 +381,16 @@ vec2 principled_albedo_lossless(principled p, material m, vec3 wo, float alpha)
     return min(vec2(1.0), factor * vec2(albedo_glass(p.tables, wo.z, alpha, p.eta), clear));
 }
 
-// The albedo, a channel, of such an interface with this material's reflectance. It is linear in
-// that: between that of Fresnel's and E1, which is that of F = 1, and between that and one without
-// reflection by the specular weight. e1 is E1.
+// Returns the albedo, per channel, of such an interface with this material's reflectance. It is
+// linear in the reflectance: between the albedo for Fresnel's reflectance and E1, which is that for
+// F = 1; and, by the specular weight, between this value and the albedo without reflection. e1 is
+// E1.
 vec3 principled_albedo_through(principled p, material m, vec3 wo, float alpha, float e1)
 {
     if (p.thin)
         return vec3(e1);
     vec2 lossless = principled_albedo_lossless(p, m, wo, alpha);
-    // The specular colour scales reflection but where it is total, as the specular weight does.
+    // The specular colour scales reflection except total reflection, like the specular weight.
     if (HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed && !(p.film > 0.0))
         return mix(vec3(lossless.y), vec3(lossless.x), p.specular_weight * p.specular_scale);
     vec3 albedo = lossless.x + principled_moved(p) * (e1 - lossless.x);
@@ -391,11 +399,12 @@ vec3 principled_albedo_through(principled p, material m, vec3 wo, float alpha, f
     return albedo;
 }
 
-// Sets how the base is sampled, and sampled again, if transmission loses no energy. Reflection is
-// as probable as Fresnel's equations say, as a mean over the channels, except where transmission is
-// tinted or something else reflects, too: then a fraction of the light that they transmit is
-// reflected as well, so that seen from above both have the weights of their means. The probability
-// that a try survives is linear in that probability, as the albedo is.
+// Sets how the base is sampled, and sampled again, if transmission loses no energy. The probability
+// of reflection is that of Fresnel's equations, averaged over the channels. If transmission is
+// tinted or something else reflects, too, it is greater: a fraction of the light that Fresnel's
+// equations transmit is reflected as well, so that for light from above the weights of both are
+// those of their means. The probability that a try survives is linear in the probability of
+// reflection, like the albedo.
 void prepare_tries(inout precise principled p, vec3 albedo, float e1)
 {
     float f0 = p.specular_weight * mean_channel(p.f0);
@@ -408,7 +417,7 @@ void prepare_tries(inout precise principled p, vec3 albedo, float e1)
     p.tries_scale = tries_scale(min(1.0, mix(mean_channel(albedo), e1, p.reflects_more)));
 }
 
-// E_dielectric; and in `albedo` that of all that the interface sends back or through.
+// Returns E_dielectric; `albedo` becomes the albedo of reflection and transmission together.
 vec3 prepare_interface(inout precise principled p, material m, vec3 wo, float alpha,
                        out precise vec3 albedo)
 {
@@ -466,8 +475,8 @@ void prepare_diffuse(inout precise principled p, material m, float mu)
     p.p_through = p.base_layer * p.diffuse_transmission * mean_channel(p.below * rest);
 }
 
-// Leaves the lobes of the part that the material is asked for. As in perfectly specular ones, there
-// is nothing to evaluate in the specular lobes of the diffuse part.
+// Keeps only the lobes of the part to which the material is restricted. If that is the diffuse
+// part, there is nothing to evaluate in the specular lobes, as for delta lobes.
 void prepare_part(inout precise principled p, material m)
 {
     if (is_part(m, MATERIAL_DIFFUSE_PART)) {

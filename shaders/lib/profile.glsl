@@ -1,6 +1,6 @@
 // Photometric profiles: the relative intensity of a light by direction (scene/sky/ies.h). Reads the
-// materials' buffer. A profile begins with a word of its counts of vertical and horizontal angles;
-// then, four in a word, those angles in degrees and the rows of values.
+// materials' buffer. A profile begins with a word that has the numbers of vertical and horizontal
+// angles; there follow, four in a word, these angles in degrees, and the rows of values.
 #ifndef PROFILE_GLSL
 #define PROFILE_GLSL
 
@@ -38,9 +38,9 @@ float profile_row(uint at, uint first, uint v, uint next, float part)
     return low + part * (load_profile_value(at, first + next) - low);
 }
 
-// Relative intensity into the unit direction `from_light`. `axis` is where the vertical angle is 0,
-// and the plane at 0 degrees contains x; horizontal angles grow counter-clockwise as seen against
-// the axis.
+// Returns the relative intensity in the unit direction `from_light`. `axis` is the direction with
+// vertical angle 0; the half-plane with horizontal angle 0 contains x. Horizontal angles increase
+// counter-clockwise as seen against the axis.
 float profile_intensity(uint at, vec3 axis, vec3 x, vec3 from_light)
 {
     uvec4 head = load_materials(at);
@@ -49,7 +49,7 @@ float profile_intensity(uint at, vec3 axis, vec3 x, vec3 from_light)
     vec3 y = cross(x, axis);
     vec2 across = vec2(dot(from_light, x), dot(from_light, y));
     float vertical = 360.0 * atan_turns(length(across), dot(from_light, axis));
-    // Rounding must not push what is at an end beyond it.
+    // Rounding must not exclude angles at the ends of the range.
     float first = load_profile_value(at, 0u);
     float last = load_profile_value(at, vertical_count - 1u);
     const float margin = 2e-4;

@@ -11,9 +11,10 @@ shared uint queue_reserved;
 shared uint queue_base;
 #endif
 
-// The item of the consumed queue that this thread works on; at least item_count() for threads past
-// the end. Interleaving spreads neighbouring workgroups over the queue: a driver that gives each
-// CPU thread one contiguous range of workgroups then balances its threads.
+// Returns the item of the consumed queue that this thread processes; at least item_count() for
+// threads beyond the end. Items are interleaved, so that neighbouring workgroups are spread over
+// the queue: drivers that give each CPU thread a contiguous range of workgroups then balance their
+// threads.
 uint item_index()
 {
     uint group = gl_WorkGroupID.x;
@@ -25,8 +26,9 @@ uint item_index()
     return push.first_item + group * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
 }
 
-// Returns the number of items of the consumed queue within this part of the dispatch. Queues of
-// hits are complete when they are consumed; prepare_dispatch has kept the counts of the others.
+// Returns the number of items of the consumed queue in this part of the dispatch. The counts of the
+// queues of hits are final when they are consumed; prepare_dispatch has saved the counts of the
+// other queues.
 uint item_count()
 {
     bool hits = push.queue >= QUEUE_SURFACE && push.queue <= QUEUE_MISS;
@@ -35,7 +37,7 @@ uint item_count()
     return min(items, push.first_item + push.part_items);
 }
 
-// Queues that this scene does not need have no memory: those above move down.
+// Queues that the scene does not need have no memory, so those with higher numbers move down.
 uint queue_index(uint queue, uint item)
 {
     uint row = uint(bitCount(QUEUES & ((1u << queue) - 1u)));
@@ -47,12 +49,12 @@ uint queue_slot(uint queue, uint item)
     return queue_slots[queue_index(queue, item)];
 }
 
-// Appends `slot` where `wanted`. All threads of the workgroup must call it together: in uniform
-// control flow, to which SPIR-V's rules (2.11, "Uniform Control Flow") bring a workgroup back at the
-// merge block of an `if` or a loop that none of it leaves by a return. Hence functions from main()
-// down to here have no early returns, which tests/kernels/portable.py checks, and the number that
-// the elected thread of a subgroup got can be broadcast. The order of a queue is not deterministic;
-// nothing may depend on it.
+// Appends `slot` if `wanted`. All threads of the workgroup must call it in uniform control flow, so
+// that the result for the elected thread of a subgroup can be broadcast. By SPIR-V's rules (2.11,
+// "Uniform Control Flow") a workgroup is in uniform control flow at the merge block of an `if` or a
+// loop, unless some thread has left it by a return. Hence functions from main() down to this one
+// have no early returns, which tests/kernels/portable.py checks. The order of a queue is not
+// deterministic; nothing may depend on it.
 void queue_push(uint queue, uint slot, bool wanted)
 {
 #ifdef BALLOT

@@ -1,14 +1,13 @@
-// Adds contributions to the radiance of slots, and to what is kept of it besides: the layers of its
-// parts, what each class of --error-by brings, and the brightest contribution. Writes the slot's
-// record.
+// Adds contributions to the radiance of slots and to the related AOVs: its parts, the contributions
+// of each class of --error-by, and the brightest contribution. Writes the slot's record.
 #ifndef RADIANCE_GLSL
 #define RADIANCE_GLSL
 
 #include "lib/buffers.glsl"
 #include "lib/primitive.glsl"
 
-// Adds a contribution by the number of scattering events on its way: in the kernels that find
-// emitters this is the number of the bounce; shadow rays are traced in the bounce after the one
+// Adds a contribution to the part that belongs to its number of scattering events. In kernels that
+// find emitters this is the index of the bounce; shadow rays are traced in the bounce after the one
 // that spawned them.
 void add_part(uint slot, vec3 contribution)
 {
@@ -20,8 +19,9 @@ void add_part(uint slot, vec3 contribution)
         add_aov_vector(slot, AOV_INDIRECT, contribution);
 }
 
-// Scales a contribution down to the largest component that is allowed. Counts that, and the
-// luminance (BT.709) that is lost: whole numbers of CLAMP_UNITS a limit, whose sum has no order.
+// Scales a contribution down so that its largest component does not exceed the limit. Counts that,
+// and the luminance (BT.709) that is lost: in integer units of limit / CLAMP_UNITS, so that the sum
+// does not depend on the order.
 vec3 clamp_contribution(vec3 contribution)
 {
     float largest = max(contribution.r, max(contribution.g, contribution.b));
@@ -43,7 +43,7 @@ vec3 clamp_contribution(vec3 contribution)
 
 // --- by class ------------------------------------------------------------------------------------
 
-// `number`: of the class, from 0, over all that are asked for (shared/aov.h).
+// number: index of the class among all requested ones (shared/aov.h).
 void add_to_class(uint slot, uint number, vec3 contribution)
 {
     uint word = slot * SLOT_WORDS + AOV_SLOT_CLASSES_AT(AOVS) + number;
@@ -63,20 +63,21 @@ void add_to_classes(uint slot, vec3 contribution, uint emitter)
         add_to_class(slot, AOV_EMITTERS_AT(AOVS) + emitter, contribution);
 }
 
-// Returns the class (BY_EMITTER_*) that a surface's emission counts to.
+// Returns the class (BY_EMITTER_*) to which a surface's emission belongs.
 uint emitter_of_primitive(uint primitive)
 {
     return IS_SHAPE(primitive) ? BY_EMITTER_SHAPES : BY_EMITTER_TRIANGLES;
 }
 
-// Counts to the class `to` what was counted to `from`, though another emitter brought it.
+// Moves a contribution from class `from` to class `to`, because another emitter than assumed was
+// its source.
 void move_to_emitter(uint slot, uint from, uint to, vec3 contribution)
 {
     add_to_class(slot, AOV_EMITTERS_AT(AOVS) + from, -contribution);
     add_to_class(slot, AOV_EMITTERS_AT(AOVS) + to, contribution);
 }
 
-// The luminance (BT.709), with the same bits in all kernels.
+// Returns the luminance (BT.709), with the same bits in all kernels.
 float brightness(vec3 radiance)
 {
     precise float sum = 0.2126 * radiance.r + 0.7152 * radiance.g + 0.0722 * radiance.b;
@@ -94,14 +95,16 @@ void keep_brightest(uint slot, vec3 contribution, uint site, uint emitter)
 
 // -------------------------------------------------------------------------------------------------
 
-// Adds to the slot's radiance, in the order of the dispatches, unless the sum would not be finite.
-// w marks that something was dropped. `emitter`: BY_EMITTER_*, what the light comes from. Returns
-// what was added.
+// Adds to the slot's radiance, in the order of the dispatches. If the sum would not be finite,
+// drops the contribution, which w records. emitter: BY_EMITTER_* of the source. Returns the value
+// that was added.
 vec3 add_radiance(uint slot, vec3 contribution, uint site, uint emitter)
 {
     if (HAS(FEATURE_CLAMP))
         contribution = clamp_contribution(contribution);
-    vec4 radiance = uintBitsToFloat(radiance_words[slot * SLOT_WORDS]); // maybe just written
+    vec4 radiance = uintBitsToFloat(radiance_words[slot * SLOT_WORDS]); // may be written just
+                                                                        // before, so it is not read
+                                                                        // as a texel
     vec3 sum = radiance.rgb + contribution;
     if (!is_finite(sum)) {
         report_nonfinite(slot, site);

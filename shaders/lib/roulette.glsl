@@ -1,20 +1,22 @@
-// Ending paths without bias.
+// Russian roulette: ends paths without bias.
 #ifndef ROULETTE_GLSL
 #define ROULETTE_GLSL
 
 #include "lib/media.glsl"
 #include "lib/random.glsl"
 
-// Takes the place of the pixel's number where all pixels share a random number. Every pixel's
-// number is less.
+// Replaces the pixel's number if all pixels share a random number; greater than every pixel's
+// number.
 const uint NO_PIXEL = 0xffffffffu;
 
-// Russian roulette (Arvo and Kirk 1990): a survivor's throughput is divided by its probability to
-// survive, which follows from the throughput or is constant, for each path by itself or for all
-// pixels of a sample number at once. Their common depth depends on (seed, sample) alone.
+// Russian roulette (Arvo and Kirk 1990): the throughput of a survivor is divided by its probability
+// of survival. This follows from the throughput or is constant, independently for each path, or
+// with one decision for all pixels of a sample number. The depth at which these end depends only on
+// (seed, sample).
 //
 // Refraction into a medium of index n divides the throughput by n^2, and refraction out of it
-// multiplies it by n^2: `scale` undoes the division here, so that it does not end paths in glass.
+// multiplies it by n^2. `scale` undoes the division, so that paths in glass do not end because of
+// it.
 bool survives_roulette(uint slot, inout vec3 throughput, float scale, float u)
 {
     if (!HAS(FEATURE_ROULETTE) || ROULETTE == ROULETTE_OFF ||
@@ -31,7 +33,7 @@ bool survives_roulette(uint slot, inout vec3 throughput, float scale, float u)
     return u < survival;
 }
 
-// (n / n of the camera's medium)^2
+// Returns (index here / index of the camera's medium)^2.
 float roulette_scale(float ior)
 {
     float ratio = ior / camera_ior();

@@ -1,4 +1,4 @@
-// The uniforms of a path, by the sampler that was chosen: see docs/sampling.md.
+// The uniforms of a path, from the chosen sampler: see docs/sampling.md.
 #ifndef SAMPLER_GLSL
 #define SAMPLER_GLSL
 
@@ -7,13 +7,13 @@
 #include "lib/halves.glsl"
 #include "lib/random.glsl"
 
-// --- permutations that are drawn at random -------------------------------------------------------
+// --- random permutations -------------------------------------------------------------------------
 
-// Owen's scrambling (1995) of fractions whose digits stand in reverse, the first one in bit 0: each
-// bit is flipped or not by what is below it alone. Of the kind of Laine and Karras 2011,
-// "Stratified sampling for stochastic transparency", but with as many random words as make all
-// flips of the first three digits independent; theirs, with one, leaves eight of the 128
-// combinations twice as likely or worse.
+// Owen's scrambling (1995) of fractions with reversed digits, the first digit in bit 0: whether a
+// bit is flipped depends only on the bits below it. It is similar to Laine and Karras 2011,
+// "Stratified sampling for stochastic transparency", but uses enough random words to make all flips
+// of the first three digits independent; their single word makes eight of the 128 combinations at
+// least twice as probable.
 uvec4 scramble(uvec4 x, uvec4 key)
 {
     uvec4 other = key >> 16u | key << 16u;
@@ -26,10 +26,10 @@ uvec4 scramble(uvec4 x, uvec4 key)
     return x ^ x * 0x53a22864u;
 }
 
-// The place of `i` in a permutation of 0 .. count - 1: multiplications and shifts that can be
-// undone in as many bits as `count` needs, again until the result is one of them (Kensler 2013,
-// "Correlated multi-jittered sampling"). Eight rounds leave chi-square tests of pairs nothing to
-// find.
+// Returns the position of `i` in a random permutation of 0 .. count - 1: invertible multiplications
+// and shifts of as many bits as `count` needs, repeated until the result is below `count` (Kensler
+// 2013, "Correlated multi-jittered sampling"). With eight rounds, chi-square tests of pairs find no
+// deviation.
 uint permute(uint i, uint count, uint key)
 {
     if (count < 2u)
@@ -53,12 +53,13 @@ uint permute(uint i, uint count, uint key)
 
 // --- Sobol's sequence ----------------------------------------------------------------------------
 
-// Polynomials over GF(2) are words of their coefficients. The digits of n in base p, lowest first:
-// point n of Niederreiter's sequence (1988, "Low-discrepancy and low-dispersion sequences") for p,
-// in reverse as scramble() wants it. Sobol's (1967) differs from it by a fixed permutation of each
-// digit by those before, which Owen's scrambling swallows, so no direction numbers are needed.
-// Since p(x)^2 = p(x^2), dividing by the powers of p that halve the number of digits is a handful
-// of shifts for all parts of the word at once: n = q p + r becomes q x^e + r.
+// Polynomials over GF(2) are words of their coefficients. The functions below return the digits of
+// n in base p, with the lowest first: point n of Niederreiter's sequence (1988, "Low-discrepancy
+// and low-dispersion sequences") for p, with reversed bits as scramble() needs. Sobol's sequence
+// (1967) differs from it by a fixed permutation of each digit that depends on the digits before it.
+// Owen's scrambling makes that difference irrelevant, so no direction numbers are needed. Because
+// p(x)^2 = p(x^2), division by the powers of p that halve the number of digits takes a few shifts
+// for all parts of the word at once: n = q p + r becomes q x^e + r.
 
 // p = x + 1
 uint digits_1(uint n)
@@ -103,19 +104,19 @@ uint digits_3(uint n)
     return n ^ q ^ q << 1u;
 }
 
-// Four dimensions of a point of the sequence, which is shuffled and scrambled by the keys (Burley
-// 2020, "Practical hash-based Owen scrambling"): shuffled differently, the sequences of different
-// dimension numbers go together as if they were independent.
+// Returns four dimensions of a point of the sequence, which is shuffled and scrambled by the keys
+// (Burley 2020, "Practical hash-based Owen scrambling"). Different shuffles make sequences with
+// different dimension numbers independent of each other.
 vec4 sobol_4d(uint index, uvec4 keys)
 {
-    // One more step of pcg4d().
+    // A further step of pcg4d().
     uint order = keys.x + keys.y * keys.w;
     uint n = bitfieldReverse(scramble(uvec4(bitfieldReverse(index)), uvec4(order)).x);
     uvec4 digits = uvec4(n, digits_1(n), digits_2(n), digits_3(n));
     return to_uniforms(bitfieldReverse(scramble(digits, keys)));
 }
 
-// Each pixel has a sequence of its own.
+// Each pixel has its own sequence.
 vec4 sobol(uint pixel, sequence_place place, uint dimension)
 {
     return sobol_4d(place.index, pcg4d(uvec4(pixel, ~place.sequence, dimension, frame.seed)));
@@ -123,7 +124,7 @@ vec4 sobol(uint pixel, sequence_place place, uint dimension)
 
 // --- blue noise ----------------------------------------------------------------------------------
 
-#define TILE_BITS 8u // bits of the coordinates in a tile of pixels that share one sequence
+#define TILE_BITS 8u // bits of the coordinates in a tile of pixels, which share one sequence
 
 uint spread_bits(uint x)
 {
@@ -132,12 +133,13 @@ uint spread_bits(uint x)
     return (x | x << 1u) & 0x5555u;
 }
 
-// One sequence for a tile of pixels, dealt out along a Z curve: pixels that are close have points
-// that complete each other, so that errors of neighbours differ and the eye averages them (Ahmed
-// and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical
-// ordering of pixels"). The shuffling of sobol_4d() is theirs, in base 2. A pixel has a block of
-// the sequence that holds the samples planned; where their number is not known, or when there are
-// more, further ones, each of another sequence: of 1, 1, 2, 4, ... points where it is not known.
+// A tile of pixels shares one sequence, whose points are assigned along a Z curve: points of
+// neighbouring pixels complement each other, so that neighbours' errors differ and the eye averages
+// them (Ahmed and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via
+// hierarchical ordering of pixels"). The shuffling of sobol_4d() is theirs, in base 2. A pixel has
+// a block of the sequence, with as many points as samples are planned. Further samples use blocks
+// of other sequences; if the number of samples is not known, the blocks have 1, 1, 2, 4, ...
+// points.
 vec4 blue_noise(uint pixel, sequence_place place, uint dimension)
 {
     uint bits, block, index;
@@ -161,12 +163,12 @@ vec4 blue_noise(uint pixel, sequence_place place, uint dimension)
 
 // --- strata --------------------------------------------------------------------------------------
 
-#define STRATA_MAX 0xfffe0001u // 65535^2: beyond, columns x rows may not fit
+#define STRATA_MAX 0xfffe0001u // 65535^2: for more, columns x rows may overflow
 
 // Returns a point of multi-jittered sampling (Chiu, Shirley and Wang 1994) in cell `cell` of a grid
-// of columns x rows. The column of the cell is divided into `rows` strata and its row into
-// `columns`; one permutation for all columns and one for all rows (Kensler 2013) choose the cell's
-// stratum of each. `jitter` is the place within it.
+// of columns x rows. The cell's column is divided into `rows` strata, and its row into `columns`
+// strata; one random permutation for all columns and one for all rows (Kensler 2013) assign the
+// strata to cells. `jitter` is the position in the stratum.
 vec2 stratum_point(uint cell, uint columns, uint rows, uvec2 keys, vec2 jitter)
 {
     uint column = cell % columns, row = cell / columns;
@@ -176,9 +178,9 @@ vec2 stratum_point(uint cell, uint columns, uint rows, uvec2 keys, vec2 jitter)
     return min(u, 16777215.0) * 5.9604644775390625e-8;
 }
 
-// Components x and y are a point of one set of strata, z and w of another. Where the samples do not
-// fill the cells, cells at random stay empty. Samples beyond those planned have strata of their
-// own; where their number is not known, all are independent.
+// Components x and y are a point of one set of strata, z and w of another. If the samples do not
+// fill all cells, random cells remain empty. Samples beyond the planned number have their own
+// strata; if the number is not known, all samples are independent.
 vec4 stratified(uint pixel, uint sample_index, sequence_place place, uint dimension)
 {
     vec4 independent = random_4d(frame.seed, pixel, sample_index, dimension);
@@ -199,9 +201,9 @@ vec4 stratified(uint pixel, uint sample_index, sequence_place place, uint dimens
 
 // --- a linear congruential generator -------------------------------------------------------------
 
-// For comparison. The Tiny Encryption Algorithm (Wheeler and Needham 1994) in eight rounds makes
-// the seed, as Zafar, Olano and Curtis 2010 propose; then four steps of the generator of Numerical
-// Recipes (1992, section 7.1), anew for each dimension number.
+// For comparison. The seed comes from eight rounds of the Tiny Encryption Algorithm (Wheeler and
+// Needham 1994), as Zafar, Olano and Curtis 2010 propose. Then four steps of the generator of
+// Numerical Recipes (1992, section 7.1) follow, with a new seed for each dimension number.
 vec4 random_lcg(uint pixel, uint sample_index, uint dimension)
 {
     uvec2 v = uvec2(pixel, sample_index);
@@ -222,7 +224,8 @@ vec4 random_lcg(uint pixel, uint sample_index, uint dimension)
 
 // --- fractions of sines --------------------------------------------------------------------------
 
-// The sine of any float, in radians. Its turns are a sum of two floats, 1 / (2 pi) being one, too.
+// Returns the sine of any float, in radians. Its number of turns is a sum of two floats, as is 1 /
+// (2 pi).
 float sine_of(float radians)
 {
     const vec2 inverse = vec2(0.159154937, 6.42063832e-09);
@@ -231,9 +234,10 @@ float sine_of(float radians)
     return cos_sin_turns(fract(turns.x) + fract(rest)).y;
 }
 
-// For comparison: fract(43758.5453 sin(12.9898 x + 78.233 y + ...)), which tutorials on shaders
-// pass on from each other. A product of that size has steps of 2^-8 where the sine is near 1, and
-// what is near in the argument stays near: it is neither uniform nor independent (docs/sampling.md).
+// For comparison: fract(43758.5453 sin(12.9898 x + 78.233 y + ...)), which is passed on among
+// tutorials on shaders. A product of that size is a multiple of 2^-8 if the sine is near 1, and
+// similar arguments have similar results: the numbers are neither uniform nor independent
+// (docs/sampling.md).
 vec4 random_sine(uint pixel, uint sample_index, uint dimension)
 {
     vec4 place = vec4(pixel % frame.width, pixel / frame.width, sample_index, frame.seed);
@@ -261,8 +265,8 @@ vec4 pixel_uniforms(uint pixel, uint sample_index, uint dimension)
     return random_4d(frame.seed, pixel, sample_index, dimension);
 }
 
-// Four uniforms in [0, 1) of the slot's pixel and sample, for one use of them (DIMENSION_*). Any
-// dimension number will do. Components x and y, and z and w, are stratified together.
+// Returns four uniforms in [0, 1) for the slot's pixel and sample, for one use (DIMENSION_*). Any
+// dimension number is possible. Components x and y are stratified together, and so are z and w.
 vec4 uniforms(uint slot, uint dimension)
 {
     return pixel_uniforms(slot_pixel(slot), slot_sample(slot), dimension + slot_stream(slot));

@@ -1,12 +1,12 @@
-// Warps of uniforms to directions and points. Pure functions.
+// Maps uniforms to directions and points. Pure functions.
 #ifndef SAMPLING_GLSL
 #define SAMPLING_GLSL
 
 #include "lib/angle.glsl"
 #include "lib/constants.glsl"
 
-// Two vectors that complete the unit vector n to an orthonormal basis (Duff et al. 2017,
-// "Building an Orthonormal Basis, Revisited", listing 3).
+// Returns the unit vector n and two vectors that complete it to an orthonormal basis (Duff et al.
+// 2017, "Building an Orthonormal Basis, Revisited", listing 3).
 mat3 basis_around(vec3 n)
 {
     float s = n.z >= 0.0 ? 1.0 : -1.0;
@@ -16,7 +16,7 @@ mat3 basis_around(vec3 n)
                 vec3(b, s + n.y * n.y * a, -n.y), n);
 }
 
-// Uniform on the unit disc, by polar coordinates.
+// Uniform in the unit disc, by polar coordinates.
 vec2 sample_disc(vec2 u)
 {
     return sqrt(u.x) * cos_sin_turns(u.y);
@@ -34,7 +34,7 @@ float pdf_cosine_hemisphere(float cos_theta)
     return cos_theta * INV_PI;
 }
 
-// Uniform about +z, by height.
+// Uniform in the hemisphere about +z, by height.
 vec3 sample_hemisphere(vec2 u)
 {
     return vec3(sqrt(u.x * (2.0 - u.x)) * cos_sin_turns(u.y), 1.0 - u.x);
@@ -54,9 +54,9 @@ vec2 sample_triangle(vec2 u)
     return vec2(root * (1.0 - u.y), root * u.y);
 }
 
-// Weight of the first of two techniques by the heuristic that was chosen (Veach 1997, section
-// 9.2.2): the power heuristic (eq. 9.13) with exponent 2 or another, written so that powers cannot
-// overflow, or the balance heuristic (eq. 9.8).
+// Returns the MIS weight of the first of two strategies by the chosen heuristic (Veach 1997,
+// section 9.2.2): the power heuristic (eq. 9.13) with exponent 2 or another, written so that powers
+// cannot overflow, or the balance heuristic (eq. 9.8).
 float mis_weight(float pdf, float other_pdf)
 {
     float ratio = other_pdf / pdf;

@@ -30,7 +30,7 @@ ray_onwards scatter(inout vertex v, vec3 direction, bool passes, uint stack, vec
     if (HAS(FEATURE_MEDIA) && b.transmitted)
         r.media = v.media.stack_beyond;
     v.throughput *= b.weight;
-    // Diracs have no density, and go on.
+    // Delta samples have no density, and continue.
     if (HAS(FEATURE_MIN_DENSITY) && r.valid && r.pdf > 0.0 && r.pdf < frame.min_density) {
         atomicAdd(counters.sparse, 1u);
         r.valid = false;
@@ -38,7 +38,8 @@ ray_onwards scatter(inout vertex v, vec3 direction, bool passes, uint stack, vec
     return r;
 }
 
-// Q of lib/bidir.glsl for the next vertex. `pdf` is 0 for Dirac deltas, and where the path passes.
+// Returns Q of lib/bidir.glsl for the next vertex. `pdf` is 0 for delta samples, and if the path
+// passes through the surface.
 float ratio_onwards(vertex v, vec3 direction, float pdf, bool passes)
 {
     if (push.bounce == 0u)
@@ -52,8 +53,8 @@ float ratio_onwards(vertex v, vec3 direction, float pdf, bool passes)
     return reversed > 0.0 ? v.ratio * (reversed / pdf) : 0.0;
 }
 
-// Takes the path on in the slot v.slot; false where it ends. `stack`: of media, as it comes here;
-// u_roulette: whether it survives.
+// Continues the path in slot v.slot; false if it ends. stack: media before the surface; u_roulette:
+// decides whether the path survives.
 bool go_on(vertex v, vec3 direction, bool passes, uint stack, vec4 u, float u_part,
            float u_roulette)
 {

@@ -1,5 +1,5 @@
-// Signed distance fields: evaluates programs of shared/sdf.h. Shapes are those of Quilez
-// ("Distance functions", 2013 ff.) and of Hart 1996 where sdf.h names no other.
+// Signed distance fields: evaluates programs of shared/sdf.h. Shapes are those of Quilez ("Distance
+// functions", 2013 ff.) and of Hart 1996 unless sdf.h names another source.
 #ifndef SDF_GLSL
 #define SDF_GLSL
 
@@ -8,8 +8,9 @@
 #include "lib/primitive.glsl"
 #include "shared/sdf.h"
 
-// Rounds of loops so far: drivers may limit those of an invocation. Where lanes are masked
-// (lavapipe) the loops within operations go round once for each instruction, whatever it is.
+// Number of loop iterations so far, because drivers may limit those of an invocation. On drivers
+// that mask lanes (lavapipe) the loops of all operations count once for each instruction, whatever
+// the instruction is.
 uint sdf_rounds = 0u;
 const uint SDF_INNER_LOOPS = (HAS_SDF(SDF_BIT(SDF_METABALLS)) ? 1u : 0u) +
                              (HAS_SDF(SDF_BIT(SDF_MANDELBULB)) ? 1u : 0u) +
@@ -18,10 +19,10 @@ const uint SDF_INNER_LOOPS = (HAS_SDF(SDF_BIT(SDF_METABALLS)) ? 1u : 0u) +
                              (HAS_SDF(SDF_BIT(SDF_PYRAMID)) ? 1u : 0u);
 
 struct sdf_field {
-    vec4 to_object[3]; // linear part; what is subtracted before
+    vec4 to_object[3]; // linear part, and the vector that is subtracted before
     vec3 low, high;    // its box
     uint first, count; // instructions
-    float scale;       // metres of the world a metre
+    float scale;       // world lengths per metre of the field
     float magnitude;
 };
 
@@ -59,8 +60,8 @@ vec3 sdf_origin(sdf_field f)
     return vec3(f.to_object[0].w, f.to_object[1].w, f.to_object[2].w);
 }
 
-// A bound of the rounding error of a program's value: 16 roundings of the largest coordinate, found
-// by comparison with double precision (tests/kernels/test_sdf.c).
+// Returns a bound on the rounding error of a program's value: 16 roundings of the largest
+// coordinate. This was found by comparison with double precision (tests/kernels/test_sdf.c).
 float sdf_error(sdf_field f)
 {
     return GAMMA(16) * max(f.magnitude, 1e-30);
@@ -73,7 +74,7 @@ float max3(vec3 v)
     return max(v.x, max(v.y, v.z));
 }
 
-// The distance to a corner from the distances along the axes.
+// Returns the distance to a corner from the distances along the axes.
 float corner(vec3 q)
 {
     return length(max(q, 0.0)) + min(max3(q), 0.0);
@@ -150,7 +151,7 @@ float sdf_gyroid(const vec3 p, const vec3 a, const vec4 b)
     return abs(x.y * y.x + y.y * z.x + z.y * x.x) / (a.x * b.x) - a.y;
 }
 
-// Adds one ball: returns the sum, and the distance to the nearest ball's reach.
+// Adds one ball: returns the sum, and the distance to the nearest ball.
 vec2 sdf_ball(const vec3 p, const vec4 ball, const vec2 sums)
 {
     vec3 v = p - ball.xyz;
@@ -177,8 +178,9 @@ float sdf_mandelbulb(const vec3 p, const vec3 a, const vec4 b)
         float around = a.x * atan_turns(z.x, z.z);
         float scale = pow(max(r, 1e-37), a.x - 1.0);
         vec2 up = cos_sin_turns(polar - floor(polar + 0.5));
-        // Around the pole the map stretches by sin(n theta) / sin(theta) what the radius's part
-        // stretches by 1, at most by n; so next to it, where rounding would say.
+        // The map stretches by 1 along the radius, and by sin(n theta) / sin(theta) around the
+        // pole, which is at most n. That bound is used near the pole, where the quotient would be
+        // dominated by rounding.
         float across = length(z.xz);
         float turning = r * abs(up.y) / max(across, 1e-37);
         float stretch = 64.0 * across > r ? clamp(turning, 1.0, a.x) : a.x;
@@ -294,13 +296,13 @@ vec3 sdf_mirror(const vec3 p, const vec3 a, const vec4 b)
     return mix(abs(p), p, equal(a, vec3(0.0)));
 }
 
-// --- the machine ---------------------------------------------------------------------------------
+// --- the stack machine ---------------------------------------------------------------------------
 
 vec4 sdf_places[SDF_POINTS_MAX];       // saved points and factors
-float sdf_pending[SDF_DISTANCES_MAX + 1]; // distances below the last one
+float sdf_pending[SDF_DISTANCES_MAX + 1]; // distances below the top of the stack
 
-// Evaluates operations up to SDF_PYRAMID but metaballs. The driver leaves out those that the scene
-// lacks.
+// Evaluates operations up to SDF_PYRAMID, except metaballs. The driver removes those that the scene
+// does not use.
 float sdf_shape(uint op, vec3 p, vec3 a, vec4 b)
 {
     float d = 0.0;
@@ -335,7 +337,7 @@ float sdf_shape(uint op, vec3 p, vec3 a, vec4 b)
     return d;
 }
 
-// Balls stand in words of their own; `at` is the first.
+// The balls are in words after the instruction; `at` is the first one.
 float sdf_balls(uint at, uint count, vec3 p, vec3 a)
 {
     vec2 sums = SDF_NO_BALLS;
@@ -345,7 +347,8 @@ float sdf_balls(uint at, uint count, vec3 p, vec3 a)
     return sdf_metaballs(sums, a);
 }
 
-// The last distance, after an operation on it; `below` is the one before.
+// Returns the distance after an operation on the last one, or on the last two; `below` is the one
+// before the last.
 float sdf_change(uint op, float below, float last, float k, float width)
 {
     float d = last;
@@ -364,7 +367,7 @@ float sdf_change(uint op, float below, float last, float k, float width)
     return d;
 }
 
-// The point and the factor that operations from SDF_TRANSFORM to SDF_MIRROR go on with.
+// Returns the point and the factor after an operation from SDF_TRANSFORM to SDF_MIRROR.
 vec4 sdf_move(uint op, vec4 place, vec3 a, vec4 b, vec4 c, vec4 d)
 {
     vec4 moved = place;
@@ -382,9 +385,9 @@ vec4 sdf_move(uint op, vec4 place, vec3 a, vec4 b, vec4 c, vec4 d)
 #define SDF_MOVING                                                                                 \
     (SDF_BIT(SDF_TRANSFORM) | SDF_BIT(SDF_REPEAT) | SDF_BIT(SDF_TWIST) | SDF_BIT(SDF_MIRROR))
 
-// The value of the program at a point of the field's own space. The body is replaced by the scene's
-// programs themselves where they are short enough, calls of the functions above with constants
-// (render/sdf_inline.c): this one reads them.
+// Returns the value of a program at a point in the field's own space. This body interprets the
+// program. If the scene's programs are short enough, render/sdf_inline.c replaces it by calls of
+// the functions above with constants.
 float sdf_value(const uint first, const uint count, const vec3 point)
 {
     vec4 place = vec4(point, 1.0);

@@ -5,15 +5,16 @@
 #include "lib/sdf.glsl"
 #include "lib/trace_types.glsl"
 
-// A ray in a field's own space. Distances along it are metres of the field from where it enters the
-// box, so that their rounding, and that of points, is the box's and not that of the way to it.
+// A ray in a field's own space. Distances along it are metres of the field from where the ray
+// enters the box, so that their rounding errors are relative to the box, not to the distance of the
+// ray's origin.
 struct sdf_ray {
     vec3 entry, direction; // unit
-    float begin, end;      // where it enters and leaves the box, metres from its origin
-    float per_metre;       // t a metre
+    float begin, end;      // distances from the origin to where the ray enters and leaves the box
+    float per_metre;       // units of t per metre
 };
 
-// The box is widened by the rounding of the origin and of the distances.
+// The box is enlarged by the rounding errors of the origin and of the distances.
 sdf_ray sdf_ray_create(trace_ray ray, sdf_field f, float t_max)
 {
     sdf_ray r;
@@ -23,7 +24,7 @@ sdf_ray sdf_ray_create(trace_ray ray, sdf_field f, float t_max)
     float metres = length(along);
     r.direction = along / metres;
     r.per_metre = 1.0 / metres;
-    // A direction of 0 becomes one that takes 1e30 metres a metre.
+    // A direction component of 0 is replaced by 1e-30.
     vec3 steep = mix(r.direction, vec3(1e-30), lessThan(abs(r.direction), vec3(1e-30)));
     float margin = GAMMA(16) * (max3(abs(origin)) + f.magnitude);
     vec3 low = (f.low - origin - margin) / steep;
@@ -35,19 +36,19 @@ sdf_ray sdf_ray_create(trace_ray ray, sdf_field f, float t_max)
     return r;
 }
 
-// A ray that has just left a surface is within its own rounding up to this distance, in errors of
-// the field.
+// Up to this distance, in multiples of the field's error, a ray that has just left a surface is
+// inside its own rounding error.
 const float SDF_NEAR = 64.0;
 
-// Goes on from `march` to the nearest crossing of the surface of shape `index` before t_max: its
-// distance in t, or a negative number. False when the budget of iterations ended first; `march`
-// says where: metres since the ray entered the box, with the sign of the side that it is on; 0:
-// begins. When done, march is 0 again.
+// Marches from `march` to the nearest crossing of the surface of shape `index` before t_max;
+// returns its distance in t, or a negative number. Returns false if the iteration budget is used up
+// before; `march` is then the position reached: metres from where the ray entered the box, with the
+// sign of the field there. It is 0 at the beginning, and when the march is complete.
 //
-// The surface is met where the distance on that side is below what rounding may have made of it, so
-// every step is longer than that and all marches end. Rays that start on this very shape do so from
-// beyond that (load_sdf_surface). At creases and on fractals they may not: while they are near, the
-// surface is met only where the distance is of the other sign for certain.
+// The surface is reached when the distance, on the ray's side, is below its rounding error. So
+// every step is longer than that, and all marches end. Rays that start on this shape start at a
+// greater distance (load_sdf_surface). At creases and on fractals this may fail; near their origin,
+// such rays therefore reach the surface only where the sign of the distance certainly differs.
 bool march_sdf(trace_ray ray, uint index, float t_max, inout float march, inout uint iterations,
                out float t)
 {

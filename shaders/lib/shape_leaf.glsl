@@ -7,8 +7,8 @@
 #include "lib/shape_record.glsl"
 #include "lib/trace_types.glsl"
 
-// Makes the first crossing of a shape with alpha the one where the shape is there: a ray that
-// passes the near side may meet the far one, which is another place of decision.
+// For shapes with alpha, moves to the first crossing at which the surface exists. If the ray passes
+// through the near side, it may hit the far side, for which the decision is independent.
 void cross_where_there(trace_ray ray, shape_record shape, uint primitive, inout crossings c)
 {
     const uint far_side = 0x80000000u;
@@ -23,8 +23,8 @@ void cross_where_there(trace_ray ray, shape_record shape, uint primitive, inout 
     c.first_at = c.second_at;
 }
 
-// Returns false if the budget of iterations ended on the way through a distance field: `march` is
-// then the position reached.
+// Returns false if the iteration budget was used up inside a distance field; `march` is then the
+// position reached.
 bool intersect_shape_leaf(trace_ray ray, uint index, inout float march, inout uint iterations,
                           inout trace_hit best)
 {

@@ -1,4 +1,4 @@
-// Sampling points on shapes that emit, and the density with which that happens.
+// Samples points on emissive shapes, and returns the density of the samples.
 #ifndef SHAPE_LIGHT_GLSL
 #define SHAPE_LIGHT_GLSL
 
@@ -10,22 +10,23 @@
 #include "lib/solid_angle.glsl"
 #include "lib/surface.glsl"
 
-// 1 - cos of the half-angle under which a sphere is seen, from sin^2 of it; does not cancel.
+// Returns 1 - cos of the half-angle at which a sphere is seen, from sin^2 of that angle, without
+// cancellation.
 float sphere_cone(float sin2_max)
 {
     return sin2_max / (1.0 + sqrt(max(0.0, 1.0 - sin2_max)));
 }
 
-// Density per solid angle of a direction that reaches a sphere from outside it: uniform in the
-// cone.
+// Returns the density per solid angle of a direction to a sphere from outside it: uniform in the
+// cone that it fills.
 float pdf_sphere_cone(float radius, float sin2_max, float pick_density)
 {
     float pick = pick_density * 4.0 * PI * radius * radius;
     return pick / (2.0 * PI * sphere_cone(sin2_max));
 }
 
-// sin^2 of the half-angle under which a sphere is seen: below 1 from outside. Where that is closer
-// to 1 than a float can represent, its equation decides.
+// Returns sin^2 of the half-angle at which a sphere is seen; below 1 for points outside. If it is
+// closer to 1 than a float can represent, the sphere's equation decides.
 float sphere_sin2(vec3 point, vec3 center, float radius)
 {
     vec3 to_center = center - point;
@@ -55,7 +56,7 @@ float shape_area(shape_record shape)
     return area;
 }
 
-// How large a shape's outline is, seen along a unit direction from far away.
+// Returns the area of a shape's outline, seen along a unit direction from far away.
 float shape_area_seen(shape_record shape, vec3 direction)
 {
     float area = PI * shape.radius * shape.radius;
@@ -78,22 +79,23 @@ float shape_area_seen(shape_record shape, vec3 direction)
 
 #define EMITTERS_CONVEX (EMITTER_BOXES | EMITTER_CYLINDERS)
 
-// Boxes and closed cylinders that emit.
+// Returns whether the shape is a box or a closed cylinder; these may emit.
 bool is_convex_light(uint kind)
 {
     return (HAS_EMITTER(EMITTER_BOXES) && kind == SHAPE_KIND_BOX) ||
            (HAS_EMITTER(EMITTER_CYLINDERS) && kind == SHAPE_KIND_CYLINDER);
 }
 
-// The part of such a shape that a point sees. From outside, a shape hides its sides that face away;
-// from inside nothing.
+// The visible part of such a shape. Seen from outside, sides that face away are hidden; seen from
+// inside, none.
 struct shape_sight {
     bool is_outside;
-    vec3 areas;  // areas of a box's faces across each axis; of a cylinder's side and caps
-    vec3 place;  // of the place, from the centre: along a box's axes; from a cylinder's axis, unit
-    float along; // a cylinder's axis
-    float arc;   // half of the angle round the axis that is seen of a cylinder's side from outside,
-                 // in turns
+    vec3 areas;  // visible areas: of a box's faces across each axis; of a cylinder's side and caps
+    vec3 place;  // position of the point relative to the centre: along a box's axes; from a
+                 // cylinder's axis, unit
+    float along; // position along a cylinder's axis
+    float arc;   // half of the visible angle around the axis of a cylinder's side, in turns, for
+                 // points outside
 };
 
 shape_sight box_sight(shape_record shape, vec3 origin)
@@ -123,7 +125,7 @@ shape_sight cylinder_sight(shape_record shape, vec3 origin)
     bool sees_cap = abs(sight.along) > half_height;
     sight.is_outside = sees_side || sees_cap;
     sight.place = sees_side ? across / away : vec3(0.0);
-    // acos(radius / away), which does not cancel near the side.
+    // acos(radius / away), without cancellation near the side.
     sight.arc = sees_side ? atan_turns(sqrt((away - radius) * (away + radius)), radius) : 0.0;
     float cap = PI * radius * radius;
     sight.areas = vec3(8.0 * PI * half_height * radius * sight.arc, sees_cap ? cap : 0.0, 0.0);
@@ -132,7 +134,8 @@ shape_sight cylinder_sight(shape_record shape, vec3 origin)
     return sight;
 }
 
-// The part that a point sees of a shape of any kind; only boxes and cylinders have sides to hide.
+// Returns the part of a shape of any kind that is visible from a point; only boxes and cylinders
+// hide sides of their own.
 shape_sight sight_of_shape(shape_record shape, vec3 origin)
 {
     shape_sight sight;
@@ -145,7 +148,7 @@ shape_sight sight_of_shape(shape_record shape, vec3 origin)
     return sight;
 }
 
-// The area of a shape that shadow rays from `origin` are sent to.
+// Returns the area of a shape at which shadow rays from `origin` are aimed.
 float shape_area_visible(shape_record shape, vec3 origin)
 {
     if (HAS_EMITTER(EMITTERS_CONVEX) && is_convex_light(shape.kind))
@@ -153,8 +156,8 @@ float shape_area_visible(shape_record shape, vec3 origin)
     return shape_area(shape);
 }
 
-// The density of choosing a point of a shape, a unit area of what is seen of it: of one that is
-// chosen with the probability `pick`, or by power, of which its material knows.
+// Returns the density, per unit of visible area, of selecting a point of a shape: from the
+// selection probability `pick`, or, if emitters are selected by power, from its material.
 float shape_density(shape_record shape, material m, float pick, vec3 origin)
 {
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
@@ -165,8 +168,8 @@ float shape_density(shape_record shape, material m, float pick, vec3 origin)
     return density;
 }
 
-// A point chosen uniformly on what is seen of a shape: relative to its centre, with the outwards
-// normal there, and what a hit record would keep of it (struct crossings).
+// A point sampled uniformly on the visible part of a shape: relative to the centre, with the
+// outward normal, and the data that a hit record would have (struct crossings).
 struct shape_point {
     vec3 from_center;
     vec3 normal;
@@ -184,8 +187,8 @@ shape_point sample_quad(shape_record shape, vec3 origin, vec2 u, out float solid
     return shape_point(at.x * shape.axis + at.y * shape.other, quad_normal(shape), at);
 }
 
-// The axis by the first uniform, what is left of which serves again: from inside, for the face's
-// sign as well.
+// The first uniform selects the axis; its remainder is used again: for points inside, to select the
+// sign of the face as well.
 shape_point sample_box(shape_record shape, vec3 origin, vec2 u)
 {
     box_frame b = box_frame_of(shape.axis, shape.other, shape.radius);
@@ -214,7 +217,7 @@ vec3 around(vec3 x, vec3 y, float turns)
     return v.x * x + v.y * y;
 }
 
-// The point of a side where `pick` of all of it are below.
+// Returns the point of a cylinder's side that has a fraction `pick` of the visible side below it.
 shape_point side_point(shape_record shape, vec3 outwards, float pick, float side)
 {
     float along = min(2.0 * pick / side - 1.0, 1.0);
@@ -228,7 +231,7 @@ shape_point sample_tube(shape_record shape, vec2 u)
     return side_point(shape, around(basis[0], basis[1], u.y), u.x * side, side);
 }
 
-// The side, then its caps, by the first uniform.
+// The first uniform selects the side or one of the caps.
 shape_point sample_cylinder(shape_record shape, vec3 origin, vec2 u)
 {
     shape_sight sight = cylinder_sight(shape, origin);
@@ -270,16 +273,16 @@ shape_point sample_shape(shape_record shape, vec3 origin, vec2 u, out float soli
 
 #define EMITTERS_SOLID (EMITTERS_CONVEX | EMITTER_TUBES)
 
-// Returns whether a tube itself is between a point on it and another one. Shadow rays do not ask:
-// what they are sent to is not in their way.
+// Returns whether an open cylinder hides a point on it from another point. Shadow rays do not test
+// this, because they ignore the shape at their end.
 bool hides_itself(shape_record tube, vec3 point, vec3 towards)
 {
     float t = intersect_tube(point, towards, tube.center, tube.axis, tube.radius, true).first;
     return t > 0.0 && t < 1.0;
 }
 
-// Samples a sphere: from outside uniformly in the cone that it fills, to its near side; from inside
-// by area.
+// Samples a sphere: seen from outside, uniformly in the cone that it fills, on its near side; from
+// inside, by area.
 void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, float density, vec2 u,
                          inout light_sample l)
 {
@@ -337,9 +340,9 @@ void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light
     }
 }
 
-// Returns whether a point of a shape that emits is one that no shadow ray from `origin` is sent to,
-// so that what finds it by chance counts in full: on shapes that nothing is aimed at, and behind
-// the near side of those that are not everywhere there.
+// Returns whether a point of an emissive shape is never sampled by shadow rays from `origin`, so
+// that a scattered ray that hits it has an MIS weight of 1: on shapes that cannot be sampled, and
+// behind the near side of those with opacity below 1.
 bool is_found_by_chance(vec3 origin, uint primitive, surface s)
 {
     bool by_chance = false;

@@ -1,4 +1,4 @@
-// Reads shapes' records, and finds where rays cross them.
+// Reads the records of shapes, and finds the crossings of rays with them.
 #ifndef SHAPE_RECORD_GLSL
 #define SHAPE_RECORD_GLSL
 
@@ -12,9 +12,9 @@ struct shape_record {
     vec3 center;
     float radius;
     vec3 axis;
-    vec3 other; // where the scene has kinds that need it
+    vec3 other; // loaded if the scene has kinds of shapes that need it
     uint kind;
-    uint word; // material
+    uint word; // material word
 };
 
 shape_record load_shape(uint index)
@@ -33,7 +33,7 @@ shape_record load_shape(uint index)
     return shape;
 }
 
-// Loads `other` where it is a direction that only textures use.
+// Loads `other` for shapes where it is a direction that only textures need.
 vec3 load_shape_across(uint index)
 {
     return load_shapes_float(index * SHAPE_WORDS + 2u).yzw;
@@ -44,8 +44,7 @@ crossings crossing_at(float t)
     return crossings(t, -1.0, vec2(0.0), vec2(0.0));
 }
 
-// Distance fields are met elsewhere (lib/sdf_march.glsl). `starts_here`: the ray starts on this
-// very shape.
+// Distance fields are handled by lib/sdf_march.glsl. starts_here: the ray starts on this shape.
 crossings cross_shape(vec3 origin, vec3 direction, shape_record shape, bool starts_here)
 {
     crossings c = crossing_at(-1.0);
@@ -58,7 +57,7 @@ crossings cross_shape(vec3 origin, vec3 direction, shape_record shape, bool star
             c.second = met && t.x > 0.0 ? t.y : -1.0;
         } else {
             c.first = intersect_sphere(origin, direction, shape.center, shape.radius, starts_here);
-            // The roots' sum is twice the distance of the point nearest to the centre.
+            // The sum of both roots is twice the distance to the point nearest to the centre.
             if (HAS(FEATURE_ALPHA) && !starts_here)
                 c.second = 2.0 * dot(shape.center - origin, direction) / dot(direction, direction) -
                            c.first;

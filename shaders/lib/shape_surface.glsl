@@ -1,4 +1,4 @@
-// The point of a shape that a hit record stands for.
+// The surface point of a hit on a shape.
 #ifndef SHAPE_SURFACE_GLSL
 #define SHAPE_SURFACE_GLSL
 
@@ -8,24 +8,27 @@
 #include "lib/surface_types.glsl"
 
 // --- parametrisations ----------------------------------------------------------------------------
-// A picture has u to its right and v downwards, and reads from outside or from the front.
+// The texture's u increases to the right and its v downwards, as seen from outside or from the
+// front.
 
-// Texture coordinates of a sphere, of the direction from its centre: the picture goes round it once
-// and reads from outside; its middle faces +z of the world, its top +y.
+// Returns texture coordinates on a sphere, from the direction `n` from its centre. The image goes
+// around the sphere once, and is upright as seen from outside; its middle is at +z of the world,
+// its top at +y.
 vec2 sphere_uv(vec3 n)
 {
     return vec2(0.5 + atan_turns(n.x, n.z), 2.0 * atan_turns(length(n.xz), n.y));
 }
 
-// The unit tangent along which u grows; at the poles, where there is none, any direction.
+// Returns the unit tangent in the direction of increasing u; at the poles, where it is undefined,
+// an arbitrary tangent.
 vec3 sphere_tangent(vec3 n)
 {
     float across = length(n.xz);
     return across > 0.0 ? vec3(n.z, 0.0, -n.x) / across : vec3(1.0, 0.0, 0.0);
 }
 
-// Texture coordinates of a disc. It shows the image's inscribed circle; u grows along the first
-// axis of basis_around(), v against the second.
+// Returns texture coordinates on a disc, which shows the inscribed circle of the image. u increases
+// along the first axis of basis_around(), v against the second.
 vec2 disc_uv(mat3 basis, vec3 from_center, float radius)
 {
     return 0.5 + 0.5 / radius * vec2(dot(from_center, basis[0]), -dot(from_center, basis[1]));
@@ -48,8 +51,8 @@ void place_on_disc(shape_record shape, inout surface s)
         s.tangent = vec4(basis[0], 1.0);
 }
 
-// A plane has a picture for every square metre; `center` is a lower left corner of one, its lower
-// edge along `right`.
+// A plane shows an image on every square metre. `center` is the lower left corner of one of them,
+// and their lower edges are along `right`.
 void place_on_plane(vec3 right, inout surface s)
 {
     vec3 f = (s.position - s.center) * frame.metre;
@@ -57,8 +60,8 @@ void place_on_plane(vec3 right, inout surface s)
     s.tangent = vec4(right, 1.0);
 }
 
-// A quad: u along its first edge, the top of the picture at the end of the second. a and b as of
-// intersect_quad().
+// A quad: u increases along the first edge; the top of the image is at the end of the second. `at`:
+// a and b of intersect_quad().
 void place_on_quad(shape_record shape, vec2 at, inout surface s)
 {
     s.uv0 = vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y);
@@ -66,8 +69,9 @@ void place_on_quad(shape_record shape, vec2 at, inout surface s)
         s.tangent = vec4(normalize(shape.axis), 1.0);
 }
 
-// A box: a picture for each face. With axes along x, y and z the sides show it upright, the top with
-// its upper edge at -z, the bottom at +z. `along`: the point's place along the box's axes.
+// A box shows an image on each face. If the axes are x, y and z, the sides show it upright, the top
+// with its upper edge at -z, the bottom with its upper edge at +z. along: coordinates of the point
+// along the axes.
 void place_on_box(box_frame b, float face, vec3 along, inout surface s)
 {
     int k = int(abs(face)) - 1;
@@ -81,10 +85,10 @@ void place_on_box(box_frame b, float face, vec3 along, inout surface s)
     s.tangent = vec4(right_sign * b.axis[right], 1.0);
 }
 
-// A cylinder: the side has one picture, which begins at `across`, reads from outside and has its top
-// at the end of the half axis. Each cap shows a picture's largest circle, the top one with its upper
-// edge towards `across`, the bottom one with its lower edge, as if they were folded away from the
-// front.
+// A cylinder: the side shows one image, which begins at `across`, is upright as seen from outside,
+// and has its top at the end of the half axis. Each cap shows the inscribed circle of an image, the
+// top one with its upper edge towards `across`, the bottom one with its lower edge, as if both were
+// folded away from the front.
 void place_on_cylinder(shape_record shape, vec3 across, float face, float along, inout surface s)
 {
     float half_height = length(shape.axis);
@@ -104,7 +108,7 @@ void place_on_cylinder(shape_record shape, vec3 across, float face, float along,
 
 // --- points --------------------------------------------------------------------------------------
 
-// A point of a plane through the shape's centre, from one near it.
+// Sets a point on a plane through the shape's centre, from a point near that plane.
 void surface_of_plane(vec3 point, vec3 normal, inout surface s)
 {
     s.normal_geometric = normal;
@@ -115,34 +119,34 @@ void surface_of_plane(vec3 point, vec3 normal, inout surface s)
 
 void surface_of_sphere(vec3 point, float radius, inout surface s)
 {
-    // Rounding leaves nothing but the centre of the smallest spheres, far from the origin.
+    // For the smallest spheres far from the origin, rounding may leave only the centre.
     vec3 f = point - s.center;
     s.normal_geometric = dot(f, f) > 0.0 ? normalize(f) : vec3(0.0, 1.0, 0.0);
     s.radius = radius;
     if (HAS_GEOMETRY(GEOMETRY_LARGE_SPHERES)) {
-        // Moved onto the sphere: what is left is the rounding of the sum, of the height, and what
-        // double precision of sorts rounds.
+        // Moves the point onto the sphere. The remaining error is the rounding of the sum and of
+        // the height, and that of the double-float arithmetic.
         vec3 height = sphere_height(point, s.center, radius) * s.normal_geometric;
         s.position = point - height;
         s.error = GAMMA(2) * abs(s.position) + GAMMA(12) * abs(height) +
                   2.8421709e-14 * radius * abs(s.normal_geometric);
     } else {
-        // Projected back onto the sphere: what is left is the rounding of normalize (4), scaling
-        // and addition.
+        // Projects the point back onto the sphere. The remaining error is the rounding of normalize
+        // (4), scaling and addition.
         s.position = s.center + radius * s.normal_geometric;
         s.error = GAMMA(7) * (abs(s.center) + radius * abs(s.normal_geometric));
     }
 }
 
-// A bound of the error of points that were moved by `shift` to a face at `distance` from the
-// centre: the distance of the point from the centre along the normal has 10 roundings, among them
-// those of the normal, and that of the face 8.
+// Returns a bound on the error of points that were moved by `shift` to a face at `distance` from
+// the centre. The distance of the point from the centre along the normal has 10 roundings,
+// including those of the normal; that of the face has 8.
 vec3 error_of_face(vec3 point, vec3 center, vec3 shift, vec3 normal, float distance)
 {
     return GAMMA(16) * (abs(point) + abs(center) + abs(shift)) + GAMMA(8) * distance * abs(normal);
 }
 
-// The axis of the face that a point is on, where nobody kept it.
+// Returns the axis of the face on which a point is, if the hit record does not have it.
 int box_face_at(vec3 along, vec3 half_edges)
 {
     vec3 height = abs(along) - half_edges;
@@ -154,7 +158,7 @@ vec3 along_box(box_frame b, vec3 f)
     return vec3(dot(f, b.axis[0]), dot(f, b.axis[1]), dot(f, b.axis[2]));
 }
 
-// A point that rounding put beyond an edge is moved back to it.
+// If rounding has moved the point beyond an edge, it is moved back.
 void surface_of_box(vec3 point, shape_record shape, float face, inout surface s)
 {
     box_frame b = box_frame_of(shape.axis, shape.other, shape.radius);
@@ -172,7 +176,7 @@ void surface_of_box(vec3 point, shape_record shape, float face, inout surface s)
         place_on_box(b, face, moved, s);
 }
 
-// `along`: of the point that was moved to the surface, on the axis.
+// along: position along the axis of the point on the surface.
 void surface_of_cylinder(vec3 point, shape_record shape, float face, out float along,
                          inout surface s)
 {
@@ -181,7 +185,8 @@ void surface_of_cylinder(vec3 point, shape_record shape, float face, out float a
     vec3 f = point - s.center;
     float height = dot(f, n);
     vec3 across = f - height * n;
-    across -= dot(across, n) * n; // of needles the first one's rounding is not little
+    across -= dot(across, n) * n; // corrects the rounding error of the first, which is large for
+                                  // thin cylinders
     float away = length(across);
     vec3 outwards = away > 0.0 ? across / away : basis_around(n)[0];
     along = clamp(height, -half_height, half_height);
@@ -213,7 +218,7 @@ void surface_of_quad(shape_record shape, vec2 at, inout surface s)
     s.error = GAMMA(7) * (abs(s.center) + abs(u) + abs(v));
 }
 
-// The normal outwards where a ray that starts on a shape does so.
+// Returns the outward normal at the point where a ray starts on a shape.
 vec3 shape_normal_at(shape_record shape, vec3 point)
 {
     vec3 normal = shape.axis; // normal of discs and planes
@@ -238,8 +243,8 @@ vec3 shape_normal_at(shape_record shape, vec3 point)
     return normal;
 }
 
-// `at`: what the hit record keeps besides the distance, see struct crossings. Shapes have one set of
-// texture coordinates, and no colours.
+// at: the data that the hit record has besides the distance, see struct crossings. Shapes have one
+// set of texture coordinates, and no vertex colours.
 surface load_shape_surface(uint index, vec3 point, vec2 at)
 {
     shape_record shape = load_shape(index);

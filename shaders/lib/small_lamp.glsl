@@ -1,6 +1,6 @@
-// Lamps of triangles that are small for where they are, in coordinates of their own: there is known
-// what the scene's coordinates do not tell, which of their triangles hides which. So a point of such
-// a lamp is hidden by the lamp itself when it is sampled, and its shadow ray ignores the lamp.
+// Lamps of triangles that are small relative to their coordinates. Their own coordinates determine
+// which triangle hides which, for which the scene's coordinates are too coarse. So occlusion by the
+// lamp itself is tested when a point on it is sampled, and the shadow ray ignores the lamp.
 #ifndef SMALL_LAMP_GLSL
 #define SMALL_LAMP_GLSL
 
@@ -24,15 +24,14 @@ small_triangle load_small_triangle(uint place)
                           w0.w, w1.w, w2.w);
 }
 
-// The number of a lamp: of its first triangle.
+// Returns the number of a lamp, which is that of its first triangle.
 uint small_lamp_of(uint place)
 {
     return load_shapes(frame.small_triangles + place * SMALL_TRIANGLE_WORDS).w;
 }
 
-// Returns whether a triangle lies in the plane through `point`, as its neighbours on a flat side of
-// the lamp do: 16 roundings of the coordinates at most are error, see in_plane() in
-// lib/traverse.glsl.
+// Returns whether a triangle is in the plane through `point`, like its neighbours on a flat side of
+// the lamp. At most 16 roundings of the coordinates are error; see in_plane() in lib/traverse.glsl.
 bool lies_in_plane(vec3 normal, vec3 point, small_triangle t)
 {
     vec3 size = abs(t.v0) + abs(t.edge1) + abs(t.edge2) + abs(point);
@@ -41,9 +40,8 @@ bool lies_in_plane(vec3 normal, vec3 point, small_triangle t)
     return all(lessThanEqual(abs(heights), vec3(GAMMA(16) * dot(abs(normal), size))));
 }
 
-// Returns whether its own lamp hides a point of a small triangle from what lies in the direction
-// `way`, which need not have any length. The point is given by the triangle's barycentric
-// coordinates.
+// Returns whether a point of a small triangle is hidden by its own lamp in the direction `way`, of
+// any length. The point is given by the triangle's barycentric coordinates.
 bool is_hidden_by_lamp(uint place, vec2 b, vec3 way)
 {
     small_triangle own = load_small_triangle(place);
@@ -62,15 +60,15 @@ bool is_hidden_by_lamp(uint place, vec2 b, vec3 way)
     return hidden;
 }
 
-// Returns whether a triangle, if it is small, is hidden by its own lamp: other triangles ask shadow
-// rays.
+// Returns whether a triangle is small and hidden by its own lamp. For other triangles shadow rays
+// test this.
 bool is_hidden_by_lamp(triangle_record t, vec2 b, vec3 way)
 {
     bool is_small = IS_SMALL(t.word);
     return is_hidden_by_lamp(is_small ? t.emitter : 0u, b, way) && is_small;
 }
 
-// Number of a triangle among the emitters.
+// Returns the index of a triangle among the emitters.
 uint emitter_of(triangle_record t)
 {
     bool is_small = IS_SMALL(t.word);

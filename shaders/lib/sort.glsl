@@ -1,8 +1,8 @@
-// Owns the order in which rays are traced where they are sorted: by the octant of the direction, then
-// by the cell of the origin along Morton's curve (Morton 1966), so that rays that are side by side
-// meet the same nodes. Three kernels sort a queue by counting (Knuth 1973, section 5.2, algorithm D):
-// sort_count, sort_scan, sort_scatter. They write the sorted queue in place of the other queue of
-// rays, which is empty until shading fills it. Owns their counts and places, too.
+// Sorts rays before they are traced: by the octant of the direction, then by the cell of the origin
+// along Morton's curve (Morton 1966), so that neighbouring rays visit the same nodes. Three kernels
+// sort a queue by counting (Knuth 1973, section 5.2, algorithm D): sort_count, sort_scan and
+// sort_scatter. They write the sorted queue to the other queue of rays, which is empty until
+// shading fills it. Owns the counts and places, too.
 #ifndef SORT_GLSL
 #define SORT_GLSL
 
@@ -14,13 +14,13 @@ layout(std430, set = 0, binding = BINDING_SORT) buffer sort_block {
 
 const uint SORT_CELLS = 1u << SORT_CELL_BITS;
 
-// The queue that has the rays of `queue` when they are sorted.
+// Returns the queue that receives the rays of `queue` in sorted order.
 uint sorted_queue(uint queue)
 {
     return 2u * QUEUE_RAYS + 1u - queue;
 }
 
-// Puts two zeros between any two bits of a cell's number.
+// Inserts two zeros between neighbouring bits of a cell's coordinate.
 uint spread_bits(uint number)
 {
     uint spread = 0u;
@@ -29,8 +29,8 @@ uint spread_bits(uint number)
     return spread;
 }
 
-// Rays from beyond the scene's bounds count to the cells at their border. Whatever a float is, and
-// whatever a device makes of it, the key is below SORT_KEYS.
+// Rays from outside the scene's bounds count to the nearest cells. For any float, including NaN,
+// and on any device, the key is below SORT_KEYS.
 uint sort_key(vec3 origin, vec3 direction)
 {
     uint key = 0u;
@@ -43,14 +43,15 @@ uint sort_key(vec3 origin, vec3 direction)
     return key;
 }
 
-// A ray's key is kept where its hit will be: computed twice, it might not be the same.
+// Stores a ray's key where its hit will be stored later: if it were computed twice, the results
+// might differ.
 void store_key(uint slot, uint key)
 {
     store_path(slot, PATH_HIT, uvec4(key, 0u, 0u, NO_PRIMITIVE));
 }
 
-// Within the keys whatever is there: `render order of kernels` leaves out the barrier that keeps hits
-// from being written first.
+// The key is valid whatever was stored: the test `render order of kernels` leaves out the barrier
+// that prevents hits from being written first.
 uint load_key(uint slot)
 {
     return load_path(slot, PATH_HIT).x & (SORT_KEYS - 1u);

@@ -1,16 +1,17 @@
-// Adds contributions to any pixel of the film, by atomic operations: for an includer that owns the
-// film's binding as film_words[], a buffer of uvec4 that it may write. Takes two dispatches with a
-// barrier between: in the first all splats claim their digits, in the second they are added. Then
-// neither their order nor how they are shared between dispatches changes a bit of the film. Nothing
-// else may add to these pixels meanwhile. A splat is no sample: nothing is counted.
+// Adds contributions to arbitrary pixels of the film by atomic operations. The including kernel
+// owns the film's binding as film_words[], a writable buffer of uvec4. Two dispatches with a
+// barrier between them are necessary: in the first all splats claim their digits, in the second
+// they are added. Then neither their order nor their division into dispatches changes the bits of
+// the film. No other kernel may add to these pixels at the same time. A splat is not a sample, so
+// no samples are counted.
 #ifndef SPLAT_GLSL
 #define SPLAT_GLSL
 
 #include "lib/film_sums.glsl"
 
-// Marks the digits of a contribution to half `number`, 0 or 1, of the pixel whose record begins at
-// `at`, and empties the bins that are left below. Several threads may do that at once: nothing is
-// added while digits rise, and emptying twice is emptying.
+// Marks the digits of a contribution to half-buffer `number`, 0 or 1, of the pixel whose record
+// begins at `at`, and empties bins whose digits have become too low. Several threads may do this at
+// the same time, because nothing is added while digits rise, and a bin may be emptied twice.
 void splat_claim(uint at, uint number, vec3 value)
 {
     uint bits = film_digit_bit(value.r, 0u) | film_digit_bit(value.g, 1u) |
@@ -28,7 +29,7 @@ void splat_claim(uint at, uint number, vec3 value)
     }
 }
 
-// Adds to one bin, whose low word is number `word` of a sum's.
+// Adds to one bin of a sum; `word` is the index of the bin's low word.
 void splat_to_bin(uint sum, uint word, uvec2 slice)
 {
     if (slice == uvec2(0u))
@@ -39,7 +40,7 @@ void splat_to_bin(uint sum, uint word, uvec2 slice)
         atomicAdd(film_words[sum][word + 1u], high);
 }
 
-// Adds a contribution that was claimed. Channels that are not finite bring nothing.
+// Adds a contribution whose digits were claimed. Channels that are not finite add nothing.
 void splat(uint at, uint number, vec3 value)
 {
     uint digits = film_words[at][2u + number];

@@ -1,36 +1,36 @@
-// Two scattered paths at a vertex, one diffuse and one specular, at the first frame.split_lobes
-// vertices of a path: the lobes of a material that has both are split into
+// Splits paths: at the first frame.split_lobes vertices of a path, two rays are scattered, a
+// diffuse and a specular one. The lobes of a material that has both are divided into
 //
 //   f = f_d + f_s    d: Lambert, subsurface, sheen, fibres, diffuse transmission
 //                    s: reflection and refraction by microfacets, coat, Phong's and Blinn's lobes
 //
-// and the integral of f L cos into one of each part, which have a sample each, of density p_d and
-// p_s (Arvo and Kirk 1990 call that splitting). So the choice of a lobe adds no variance, and no
+// and the integral of f L cos into one for each part. Each has its own sample, with densities p_d
+// and p_s ("splitting", Arvo and Kirk 1990). So the selection of a lobe adds no variance, and no
 // weight is divided by its probability.
 //
-// Each part is estimated by shadow rays, too. By the multi-sample model (Veach 1997, eq. 9.4) the
-// estimate of part i is w_i L f_i cos / p_i for what its branch finds and (1 - w_i) L f_i cos / p_l
-// for what the shadow ray finds, with weights w_i of p_i against p_l alone: the other branch draws
-// no sample of this part. One shadow ray serves both parts,
+// Shadow rays sample each part, too. By the multi-sample model (Veach 1997, eq. 9.4) the estimate
+// of part i is w_i L f_i cos / p_i for the part's branch, and (1 - w_i) L f_i cos / p_l for the
+// shadow ray. The weights w_i compare p_i and p_l only, because the other branch does not sample
+// this part. One shadow ray serves both parts,
 //
 //   L cos (f_d (1 - w_d) + f_s (1 - w_s)) / p_l,
 //
-// and what a branch finds is weighted by its own density, which stands in the path's record as
-// ever. Lobes that are perfectly specular have no density, and a weight of 1.
+// and the contribution of a branch is weighted by the branch's own density, which the path's record
+// has as usual. Delta lobes have no density, and a weight of 1.
 //
-// The diffuse branch stays in the slot of the vertex. The specular one goes on in a slot of its own
-// among the 2^split_lobes that the sample has: at vertex n, half of what is left to the slot.
+// The diffuse branch stays in the slot of the vertex. The specular one continues in another of the
+// 2^split_lobes slots of the sample: at each vertex, a branch passes half of its slots on.
 #ifndef SPLIT_GLSL
 #define SPLIT_GLSL
 
 #include "lib/sampler.glsl"
 #include "lib/scatter.glsl"
 
-// Tested on its own, so that the code that it excludes is removed.
+// A separate macro, so that compilers remove the excluded code.
 #define CAN_SPLIT (HAS(FEATURE_SPLIT_LOBES) && HAS_LOBE(LOBES_OF_TWO_PARTS))
 
-// Returns whether this path splits at the vertex that is being shaded, with material m. A part that
-// is black ends its branch.
+// Returns whether the path splits at the vertex that is being shaded, with material m. If a part is
+// black, its branch ends.
 bool splits_lobes(material m)
 {
     uint model = material_model(m);
@@ -44,7 +44,7 @@ uint branch_slot(uint slot)
     return slot + (slots_a_sample() >> (push.bounce + 1u));
 }
 
-// Takes the specular branch on in the slot `branch`; false where it ends.
+// Continues the specular branch in slot `branch`; returns false if it ends.
 bool go_on_specular(vertex v, uint branch, vec3 direction, uint stack)
 {
     v.slot = branch;

@@ -1,17 +1,18 @@
-// The stack of a traversal: the nodes that are put off. CPU drivers keep it in a private array.
-// Where compilers would hold that in registers, and find an entry by comparing its index with each
-// of them, the first STACK_SHARED entries of each thread are in the memory that the workgroup
-// shares, and those beyond, which few rays need, in an array too long for registers.
+// The stack of a traversal, which holds postponed nodes. On CPU drivers it is a private array. Some
+// GPU compilers would keep such an array in registers, and compare an index with each entry; there
+// the first STACK_SHARED entries of each thread are in shared memory, and the others, which few
+// rays need, in an array too long for registers.
 #ifndef STACK_GLSL
 #define STACK_GLSL
 
 #include "lib/constants.glsl"
 
 #define IS_STACK_SHARED (STACK_SHARED > 0u)
-// The sentinel, and one that a branch-free push may overwrite.
+// One for the sentinel, and one that a branch-free push may overwrite.
 const uint STACK_LENGTH = STACK_ENTRIES + 2u;
 const bool STACK_FITS_SHARED = STACK_LENGTH <= STACK_SHARED;
-// Mesa's compiler for AMD's GPUs (22.3) makes registers of arrays of up to 256 bytes.
+// In 32-bit words: Mesa's compiler for AMD GPUs (22.3) keeps arrays of up to 256 bytes in
+// registers.
 #define LONGEST_IN_REGISTERS 64u
 const uint STACK_BEYOND = STACK_LENGTH - STACK_SHARED;
 const uint STACK_LONG = STACK_BEYOND > LONGEST_IN_REGISTERS ? STACK_BEYOND : LONGEST_IN_REGISTERS + 1u;
@@ -22,7 +23,8 @@ layout(constant_id = CONSTANT_WORKGROUP) const uint STACK_THREADS = 1u;
 const uint STACK_SHARED_WORDS = IS_STACK_SHARED ? STACK_SHARED * STACK_THREADS : 1u;
 
 uint stack_private[STACK_PRIVATE];
-shared uint stack_shared[STACK_SHARED_WORDS]; // the threads' entries 0, then their entries 1, ...
+shared uint stack_shared[STACK_SHARED_WORDS]; // entry 0 of all threads, then entry 1 of all
+                                              // threads, and so on
 
 uint stack_word(uint entry)
 {

@@ -1,5 +1,4 @@
-// Counts what traversals do: of all rays where FEATURE_STEPS asks for it, of camera rays where
-// AOV_STEPS does.
+// Counts the steps of traversals: of all rays with FEATURE_STEPS, of camera rays with AOV_STEPS.
 #ifndef STEPS_GLSL
 #define STEPS_GLSL
 
@@ -15,14 +14,14 @@
 #define COUNTS_STEPS (HAS(FEATURE_STEPS) || HAS_AOV(AOV_STEPS))
 #endif
 
-// Counts steps of this thread's ray.
+// The steps of this thread's ray.
 struct trace_steps {
     uint nodes, primitives;
 };
 
 trace_steps steps;
 
-// 64 bits, of which the atomics have halves.
+// Adds to a counter of 64 bits by atomic operations on its halves.
 void add_steps(uint which, uint amount)
 {
     uint before = atomicAdd(counters.steps[which][0], amount);
@@ -30,8 +29,8 @@ void add_steps(uint which, uint amount)
         atomicAdd(counters.steps[which][1], 1u);
 }
 
-// Adds the steps of all threads of the subgroup, which call it together: those without a ray have
-// none. `which`: STEPS_CLOSEST or STEPS_SHADOW.
+// Adds the steps of all threads of the subgroup, which must call it together; threads without a ray
+// have none. which: STEPS_CLOSEST or STEPS_SHADOW.
 void count_steps(const uint which)
 {
 #ifdef BALLOT
@@ -49,8 +48,8 @@ void count_steps(const uint which)
     }
 }
 
-// Adds this thread's steps to the picture of them, if it traced a camera ray. What a traversal that
-// was suspended did before is there already.
+// Adds this thread's steps to AOV_STEPS if it has traced a camera ray. If the traversal was
+// suspended before, the AOV has its earlier steps already.
 void store_steps(uint slot, bool valid)
 {
     if (valid && push.bounce == 0u)

@@ -1,25 +1,26 @@
 // Directional lights with an angular diameter: cones of constant radiance around a direction. Pure
-// functions. A cone is given by its versine, 1 - cos of half the diameter, which keeps its digits
-// where the cone is narrow.
+// functions. A cone is given by its versine, 1 - cos of its half-angle, which is accurate for
+// narrow cones.
 #ifndef SUN_GLSL
 #define SUN_GLSL
 
 #include "lib/sampling.glsl"
 
-// The radiance of a cone whose irradiance on a surface that faces it is given: the integral of the
-// cosine over the cone is pi sin^2.
+// Returns the radiance of a cone that has this irradiance on a surface facing it: the integral of
+// the cosine over the cone is pi sin^2.
 vec3 sun_radiance(vec3 irradiance, float versine)
 {
     return irradiance / (PI * versine * (2.0 - versine));
 }
 
-// Per solid angle, in the cone.
+// Returns the density per solid angle inside the cone.
 float pdf_sun(float versine)
 {
     return 1.0 / (2.0 * PI * versine);
 }
 
-// Uniform in the cone around the unit `axis`, which points to the sun. Returns the density.
+// Samples a direction uniformly in the cone around the unit vector `axis`, which points to the sun.
+// Returns the density.
 float sample_sun(vec3 axis, float versine, vec2 u, out vec3 direction)
 {
     float one_minus_cos = u.x * versine;

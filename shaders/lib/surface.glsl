@@ -1,4 +1,4 @@
-// Reads geometry: the point that a hit record stands for.
+// Reads geometry: the surface point of a hit.
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 
@@ -21,19 +21,19 @@ vec3 decode_normal(uint encoded)
     return normalize(v);
 }
 
-// Unit, whatever the scale.
+// Returns a unit vector, even if squares of the components overflow or underflow.
 vec3 normalize_any(vec3 v)
 {
     vec3 a = abs(v);
     return normalize(v / max(max(a.x, a.y), max(a.z, 1e-30)));
 }
 
-// The transform of a triangle. Directions are rotated before they are interpolated, as those of
+// The transform of a triangle. Directions are transformed before they are interpolated, as those of
 // triangles in world space were.
 struct placement {
-    bool exists;            // else it is in the world itself
+    bool exists;            // false: the triangle is in world space
     instance_inverse inverse;
-    mat3 rows;              // rows of the way to the world, as columns
+    mat3 rows;              // rows of the matrix to world space, as columns
     uvec4 words;
 };
 
@@ -64,11 +64,11 @@ vec3 place_tangent(placement p, vec3 tangent)
     return tangent;
 }
 
-// Takes a surface from the mesh's space to the world's, with the geometric normal, which faces the
-// same side; a reflection keeps the outside outside. Exact is the transform to the mesh's space, in
-// which rays are tested; so the position's error is that of a ray that starts there and is taken
-// back: both transforms' rounding counts, as far as it moves the point off the surface (after
-// Pharr, Jakob, Humphreys 2023, section 6.8.4).
+// Transforms a surface point from the mesh's space to world space. The geometric normal faces the
+// same side; under reflections, too, the outside stays outside. The transform to the mesh's space,
+// in which rays are tested, counts as exact. So the error of the position is that of a ray that
+// starts there and is transformed back: the rounding errors of both transforms, as far as they move
+// the point off the surface (after Pharr, Jakob, Humphreys 2023, section 6.8.4).
 void place_point(placement p, inout surface s)
 {
     vec3 along = s.position * p.rows;
@@ -88,7 +88,7 @@ void place_point(placement p, inout surface s)
         s.material = p.words.y;
 }
 
-// The tangents' word of a triangle at barycentric coordinates b.
+// Decodes a triangle's word of tangents, interpolated at barycentric coordinates b.
 vec4 decode_tangent(uvec4 word, vec3 b, placement p)
 {
     vec3 corners[3];
@@ -103,7 +103,7 @@ vec4 decode_tangent(uvec4 word, vec3 b, placement p)
     return vec4(unit, is_negative ? -1.0 : 1.0);
 }
 
-// Interpolated by differences, so that large coordinates that differ little keep their digits.
+// Interpolates differences, so that large coordinates with small differences stay accurate.
 vec2 load_uv(uint at, vec2 b)
 {
     vec4 low = load_attributes_float(at);
@@ -124,7 +124,7 @@ vec4 load_color(uint at, vec2 b)
            b.y * decode_color(last.x, last.y);
 }
 
-// Loads the attributes of the corners but normals, at barycentric coordinates b of corners 1 and 2.
+// Loads the attributes of corners except normals, at barycentric coordinates b of corners 1 and 2.
 void load_corner_attributes(uint index, vec2 b, placement p, inout surface s)
 {
     uint at = index * ATTRIBUTE_WORDS;
@@ -143,7 +143,7 @@ void load_corner_attributes(uint index, vec2 b, placement p, inout surface s)
                                           : vec4(basis_around(s.normal_shading)[0], 1.0);
 }
 
-// For those who ask for no tangents.
+// For callers that need no tangents.
 void load_corner_attributes(uint index, vec2 b, inout surface s)
 {
     load_corner_attributes(index, b, load_placement(NO_INSTANCE), s);
@@ -180,7 +180,7 @@ surface load_triangle_surface(uint index, vec2 uv, uint instance)
     return s;
 }
 
-// `t` and `uv` of the hit; `instance` is that of the primitive, or NO_INSTANCE.
+// t, uv: of the hit; instance: that of the primitive, or NO_INSTANCE.
 surface load_surface(vec3 origin, vec3 direction, float t, vec2 uv, uint primitive, uint instance)
 {
     bool is_shape = IS_SHAPE(primitive);
@@ -189,7 +189,7 @@ surface load_surface(vec3 origin, vec3 direction, float t, vec2 uv, uint primiti
         s = load_triangle_surface(primitive, uv, instance);
     if (is_shape)
         s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, origin + t * direction, uv);
-    // Both sides of a surface reflect and emit: face the viewer.
+    // Both sides of a surface reflect and emit, so the normal is turned to the viewer.
     s.front = dot(s.normal_geometric, direction) <= 0.0;
     if (!s.front)
         s.normal_geometric = -s.normal_geometric;

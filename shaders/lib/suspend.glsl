@@ -1,4 +1,5 @@
-// Owns the buffer of suspended traversals: what trace() needs to go on in a later dispatch.
+// Owns the buffer of suspended traversals: the state with which trace() continues in a later
+// dispatch.
 #ifndef SUSPEND_GLSL
 #define SUSPEND_GLSL
 
@@ -49,7 +50,7 @@ void resume(uint slot, out trace_state state, out trace_hit hit)
         stack_store(i, suspended_words[base + SUSPENDED_HEADER + i]);
 }
 
-// The key of alpha's decisions for the ray of a slot.
+// Returns the key of alpha's decisions for the ray of a slot.
 uvec4 ray_alpha(uint slot, bool is_shadow)
 {
     if (!HAS(FEATURE_ALPHA))
@@ -58,8 +59,9 @@ uvec4 ray_alpha(uint slot, bool is_shadow)
                      push.bounce, is_shadow);
 }
 
-// Traces from the start, or from where a suspended ray was left; true when it is done. What is left
-// over is saved and queued (FEATURE_SUSPEND), or else counted: the wave's results are void then.
+// Traces a ray from its start, or continues a suspended one; returns true when it is complete. An
+// incomplete traversal is saved and queued (FEATURE_SUSPEND); without that feature it is counted,
+// and the results of the wave are void.
 bool trace_or_suspend(uint slot, bool valid, trace_ray ray, inout trace_hit hit)
 {
     trace_state state;

@@ -1,4 +1,4 @@
-// Reads textures: what they make of a material and of its shading normal.
+// Reads textures, and applies them to a material and its shading normal.
 #ifndef TEXTURE_GLSL
 #define TEXTURE_GLSL
 
@@ -9,7 +9,7 @@
 // --- one texture ---------------------------------------------------------------------------------
 
 struct texture_record {
-    uint texels; // word of four
+    uint texels; // index of the first word of four
     ivec2 size;
     uint flags;
     vec3 row_s, row_t;
@@ -32,7 +32,7 @@ uint texture_group(uint flags)
     return flags >> TEXTURE_GROUP_SHIFT & 15u;
 }
 
-// Two texels of halves, or one of floats, are a word of four.
+// A word of four holds two texels of halves, or one of floats.
 vec4 load_texel(texture_record t, ivec2 place)
 {
     uint index = uint(place.y) * uint(t.size.x) + uint(place.x);
@@ -46,9 +46,9 @@ vec4 load_texel(texture_record t, ivec2 place)
     return is_float ? uintBitsToFloat(word) : texel;
 }
 
-// A coordinate to where it lies in the picture, [0, 1]. x - floor(x) is exact in single precision
-// for x >= 0 and off by at most 2^-25 below, so that what counts is how finely the coordinate
-// itself is resolved: in steps of 2^-4 at 1e6.
+// Maps a coordinate into the image, [0, 1]. In single precision, x - floor(x) is exact for x >= 0,
+// and has an error of at most 2^-25 for x < 0. So the accuracy is limited by the coordinate's own
+// resolution: steps of 2^-4 at 1e6.
 float wrap_coordinate(float x, uint mode)
 {
     if (mode == TEXTURE_WRAP_CLAMP)
@@ -60,7 +60,7 @@ float wrap_coordinate(float x, uint mode)
     return x - floor(x);
 }
 
-// The texel beside the picture's edge, of a place at most one beyond it.
+// Returns the index of the texel for a position that may be one texel outside the image.
 int wrap_texel(int i, int size, uint mode)
 {
     if (mode == TEXTURE_WRAP_REPEAT)
@@ -68,12 +68,12 @@ int wrap_texel(int i, int size, uint mode)
     return clamp(i, 0, size - 1);
 }
 
-// Bilinear between the centres of texels, or the texel that contains the place.
+// Bilinear interpolation between the centres of texels, or the value of the nearest texel.
 vec4 filter_texture(texture_record t, vec2 uv0, vec2 uv1)
 {
     vec2 uv = (t.flags & TEXTURE_UV1) != 0u ? uv1 : uv0;
     vec2 st = vec2(dot(t.row_s, vec3(uv, 1.0)), dot(t.row_t, vec3(uv, 1.0)));
-    // Coordinates are finite, but a transform may overflow.
+    // Coordinates are finite, but their transform may overflow.
     if (!is_finite(vec3(st, 0.0)))
         st = vec2(0.0);
     uvec2 mode = uvec2(t.flags >> TEXTURE_WRAP_S_SHIFT, t.flags >> TEXTURE_WRAP_T_SHIFT) & 3u;
@@ -91,13 +91,13 @@ vec4 filter_texture(texture_record t, vec2 uv0, vec2 uv1)
     return mix(top, bottom, f.y);
 }
 
-// Texture number `index` of the scene.
+// index: the texture's index in the scene.
 vec4 sample_texture(uint index, vec2 uv0, vec2 uv1)
 {
     return filter_texture(load_texture(textures_begin() + index * TEXTURE_WORDS), uv0, uv1);
 }
 
-// --- scaling parameters by texels ----------------------------------------------------------------
+// --- parameters scaled by textures ---------------------------------------------------------------
 
 float texel_channel(vec4 texel, uint channel)
 {
@@ -105,8 +105,8 @@ float texel_channel(vec4 texel, uint channel)
     return (channel & 1u) != 0u ? pair.y : pair.x;
 }
 
-// The parameters of a group, scaled as the flags say. Emission may be scaled up; all else would
-// leave its range, so that values of HDR pictures above 1 count as 1.
+// Scales the parameters of a group as the flags say. Texels above 1, from HDR images, count as 1,
+// so that parameters stay in their ranges; only emission may be scaled up.
 vec4 scale_group(vec4 group, uint flags, vec4 texel)
 {
     if (HAS(FEATURE_TEXELS_FLOAT) && texture_group(flags) != GROUP_EMISSION)
@@ -120,10 +120,11 @@ vec4 scale_group(vec4 group, uint flags, vec4 texel)
     return group;
 }
 
-// The orthonormal frame of a unit normal and the tangent nearest to the given one; left-handed
-// where the bitangent's sign is negative. Any tangent where the given one is along the normal, as
-// far as rounding can tell. Orthogonalised twice: once leaves an error that grows as the two get
-// closer (Giraud, Langou, Rozloznik 2005, "The loss of orthogonality in the Gram-Schmidt process").
+// Returns the orthonormal frame of a unit normal and the tangent nearest to the given one; it is
+// left-handed if the bitangent's sign is negative. If the given tangent is parallel to the normal,
+// up to rounding, the tangent is arbitrary. The tangent is orthogonalised twice, because a single
+// step leaves an error that grows as tangent and normal get closer (Giraud, Langou, Rozloznik 2005,
+// "The loss of orthogonality in the Gram-Schmidt process").
 mat3 tangent_frame(vec3 n, vec4 tangent)
 {
     vec3 t = tangent.xyz - dot(tangent.xyz, n) * n;
@@ -134,7 +135,7 @@ mat3 tangent_frame(vec3 n, vec4 tangent)
     return mat3(t, tangent.w * cross(n, t), n);
 }
 
-// A tangent-space normal about the shading normal. One that says nothing leaves it.
+// Sets the shading normal from a tangent-space normal. A texel without a direction changes nothing.
 void perturb_normal(vec4 texel, float scale, inout surface s)
 {
     vec3 local = texel.xyz * 2.0 - 1.0;
@@ -144,8 +145,8 @@ void perturb_normal(vec4 texel, float scale, inout surface s)
         s.normal_shading = normalize(turned);
 }
 
-// KHR_materials_anisotropy: red and green are the direction in (tangent, bitangent), which the
-// rotation turns further; blue scales the strength.
+// KHR_materials_anisotropy: red and green are the direction in (tangent, bitangent), to which the
+// material's rotation is added; blue scales the strength.
 void turn_anisotropy(vec4 texel, inout material m)
 {
     vec2 direction = texel.xy * 2.0 - 1.0;
@@ -154,7 +155,7 @@ void turn_anisotropy(vec4 texel, inout material m)
         material_anisotropic_rotation(m) += atan_turns(direction.y, direction.x);
 }
 
-// Vertex colours scale base colour and opacity; of unlit surfaces what they show.
+// Vertex colours scale base colour and opacity; for unlit surfaces they scale the colour to show.
 void apply_color(vec4 color, inout material m)
 {
     bool unlit = material_has(m, MATERIAL_UNLIT);
@@ -163,8 +164,7 @@ void apply_color(vec4 color, inout material m)
         material_emission(m) *= color.rgb;
 }
 
-// Groups are selected by constant numbers, because a variable index would put all groups into
-// memory.
+// Groups are selected by constant indices: a variable index would place all groups in memory.
 #define PICK_GROUP(number) picked = group == number ? m.group[number] : picked
 #define PUT_GROUP(number) m.group[number] = group == number ? scaled : m.group[number]
 
@@ -196,7 +196,7 @@ void scale_material(uint flags, vec4 texel, inout material m)
     PUT_GROUP(GROUP_CONDUCTOR_K);
 }
 
-// Makes of a material and its surface what textures and colours say at this point.
+// Applies textures and vertex colours to the material and surface at this point.
 void apply_textures(inout material m, inout surface s)
 {
     if (HAS(FEATURE_COLORS))
@@ -217,8 +217,8 @@ void apply_textures(inout material m, inout surface s)
     }
 }
 
-// A group of parameters as textures leave it, where no more of the material is asked for. The
-// number is to be a constant.
+// Returns a group of parameters scaled by textures, for callers that need only that group. The
+// index must be a constant.
 vec4 textured_group(material m, uint group, vec2 uv0, vec2 uv1)
 {
     vec4 result = m.group[group];
@@ -238,25 +238,25 @@ vec3 textured_emission(material m, surface s)
 
 // --- the shading frame ---------------------------------------------------------------------------
 
-// The shading normal, bent to where the surface could reflect: its mirror direction r of wo lies on
-// the side of the geometric normal ng that wo is on, which normals of maps and interpolated ones
-// may miss. Otherwise what is reflected is lost, and a normal that faces away has no hemisphere at
+// Bends the shading normal so that the surface could reflect: the mirror direction r of wo must be
+// on the same side of the geometric normal ng as wo. Interpolated normals and normal maps may
+// violate this; reflected light would be lost, and a normal that faces away has no hemisphere at
 // all.
 //
-// The bent normal is the half vector of wo and of r pulled up to the horizon (Keller et al. 2017,
-// "The Iray Light Transport Simulation and Rendering System", appendix A.3, with the projection
-// along ng in place of that along the shading normal, which may be tangential). With h unit,
-// dot(h, ng) = low >= 0 and dot(wo, ng) > 0, n = normalize(wo + h) has
+// The bent normal is the half vector of wo and of r raised to the horizon (Keller et al. 2017, "The
+// Iray Light Transport Simulation and Rendering System", appendix A.3, with the projection along ng
+// in place of that along the shading normal, which may be tangential). If h is a unit vector,
+// dot(h, ng) = low >= 0 and dot(wo, ng) > 0, then n = normalize(wo + h) has
 //   dot(n, wo) = (1 + dot(h, wo)) / |wo + h| > 0, since h = -wo would be below the surface;
 //   dot(n, ng) = (low + dot(wo, ng)) / |wo + h| > 0;
-//   and h for its mirror direction, above the surface.
-// In single precision, too: an error e of the sum turns n by e / |wo + h| and its mirror direction
-// by twice that, where |wo + h| >= dot(wo + h, ng) >= 2 low; so low^2 = e is enough, and e is less
-// than 32 roundings. Never is more asked for than the mirror direction of ng itself has (as in
-// Cycles' ensure_valid_specular_reflection()), so that ng is never bent, and is the answer for a
-// viewer that is as low as that.
-// No energy is made: BSDFs reflect at most 1 about any normal that faces wo, and directions below
-// the surface are refused.
+//   and h as its mirror direction, above the surface.
+// This holds in single precision, too: an error e of the sum turns n by e / |wo + h| and its mirror
+// direction by twice that, where |wo + h| >= dot(wo + h, ng) >= 2 low. So low^2 = e is sufficient,
+// and e is less than 32 roundings. `low` is never greater than for the mirror direction of ng
+// itself (as in Cycles' ensure_valid_specular_reflection()), so ng is never bent, and is the result
+// for a viewer as low as that.
+// No energy is gained: BSDFs reflect at most 1 about any normal that faces wo, and directions below
+// the surface are rejected.
 vec3 bend_normal(vec3 ns, vec3 ng, vec3 wo)
 {
     float low = sqrt(GAMMA(32));
@@ -271,16 +271,16 @@ vec3 bend_normal(vec3 ns, vec3 ng, vec3 wo)
     return normalize(wo + normalize(normalize(along) + low * ng));
 }
 
-// Tangent, bitangent and shading normal: orthonormal, and left-handed where the bitangent's sign is
-// negative. `wo` points to the viewer. Lambert surfaces keep their normal: they reflect alike to
-// all sides.
+// Returns tangent, bitangent and shading normal: orthonormal, and left-handed if the bitangent's
+// sign is negative. `wo` points to the viewer. Lambertian surfaces keep their normal, because they
+// reflect equally in all directions.
 mat3 shading_frame(surface s, material m, vec3 wo)
 {
     vec3 n = s.normal_shading;
     if ((HAS(FEATURE_NORMALS) || HAS(FEATURE_NORMAL_MAPS)) &&
         material_model(m) != MATERIAL_LAMBERT)
         n = bend_normal(n, s.normal_geometric, wo);
-    // Only where it matters, so that leaving it out changes no bit elsewhere.
+    // Applied only if needed, so that other surfaces keep their bits.
     bool turned = material_model(m) == MATERIAL_PRINCIPLED && material_anisotropic(m) > 0.0;
     if (HAS_LOBE(LOBE_ANISOTROPIC) && turned)
         return tangent_frame(n, s.tangent);

@@ -1,12 +1,13 @@
-// Tone curves from linear radiance to display values: those of image/tone.c, which gives their
+// Tone curves from linear radiance to display values: the curves of image/tone.c, which names their
 // sources, in single precision. Pure functions.
 #ifndef TONE_GLSL
 #define TONE_GLSL
 
 #include "shared/display.h"
 
-// Negative values and NaN become 0, infinity the greatest float. By bit pattern: drivers may assume
-// that floats are finite; those of negative ones and of NaN are above infinity's.
+// Negative values and NaN become 0; infinity becomes the greatest float. Tests the bit pattern,
+// because drivers may assume that floats are finite. The patterns of negative values and of NaN are
+// above that of infinity.
 float clean(float value)
 {
     uint bits = floatBitsToUint(value);
@@ -18,14 +19,15 @@ vec3 clean(vec3 rgb)
     return vec3(clean(rgb.r), clean(rgb.g), clean(rgb.b));
 }
 
-// Both sides of the fraction halved, so that the greatest floats do not overflow.
+// Both sides of the fraction are halved, so that the greatest floats do not overflow.
 vec3 tone_reinhard(vec3 rgb)
 {
     vec3 half_rgb = 0.5 * rgb;
     return half_rgb / (0.5 + dot(vec3(0.2126, 0.7152, 0.0722), half_rgb));
 }
 
-// Above 1, where displays end, from 7.3 on: greater values may be taken for 16.
+// The curve exceeds 1, where displays end, for values above 7.3, so greater values may be replaced
+// by 16.
 vec3 tone_aces(vec3 rgb)
 {
     vec3 x = min(rgb, vec3(16.0));
@@ -42,20 +44,20 @@ const float AGX_SLOPE = 2.4;
 const float AGX_BEND = 1.5;
 const float AGX_PIVOT = AGX_STOPS_BELOW / (AGX_STOPS_BELOW + AGX_STOPS_ABOVE);
 const float AGX_GREY = pow(AGX_MIDDLE_GREY, 1.0 / AGX_POWER);
-// s of agx_half_sigmoid() below and above middle grey.
+// The scale s of agx_half_sigmoid() below middle grey, and above it.
 const float AGX_TOE = AGX_SLOPE * AGX_PIVOT /
     pow(pow(AGX_SLOPE * AGX_PIVOT / AGX_GREY, AGX_BEND) - 1.0, 1.0 / AGX_BEND);
 const float AGX_SHOULDER = AGX_SLOPE * (1.0 - AGX_PIVOT) /
     pow(pow(AGX_SLOPE * (1.0 - AGX_PIVOT) / (1.0 - AGX_GREY), AGX_BEND) - 1.0, 1.0 / AGX_BEND);
 
-// u^1.5 by a root: exact at 0, where logarithms end.
+// u^1.5 is computed with a square root, which is exact at 0, where logarithms are infinite.
 float agx_half_sigmoid(float x, float scale)
 {
     float u = AGX_SLOPE * x / scale;
     return scale * u / pow(1.0 + u * sqrt(u), 1.0 / AGX_BEND);
 }
 
-// The ends of the logarithm's span are the ends of the curve: everything beyond looks like them.
+// Values beyond the ends of the logarithmic range are mapped to the ends of the curve.
 float agx_curve(float value)
 {
     float lowest = AGX_MIDDLE_GREY * exp2(-AGX_STOPS_BELOW);
@@ -88,7 +90,7 @@ vec3 tone_map(const uint tone, vec3 rgb)
     return rgb;
 }
 
-// IEC 61966-2-1, 5.2, of values in [0, 1].
+// IEC 61966-2-1, 5.2, for values in [0, 1].
 vec3 srgb_from_linear(vec3 linear)
 {
     vec3 curve = 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055;

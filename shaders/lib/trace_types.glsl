@@ -1,4 +1,4 @@
-// A ray to trace, and what it has met so far.
+// A ray to trace, and its nearest hit so far.
 #ifndef TRACE_TYPES_GLSL
 #define TRACE_TYPES_GLSL
 
@@ -7,12 +7,13 @@
 struct trace_ray {
     vec3 origin;
     vec3 direction;
-    uint ignore_a, ignore_b; // primitive words: where it starts, and what it is sent to
-    uint start_instance;     // instance of the first one; the second one is in the world
+    uint ignore_a, ignore_b; // primitive words: that on which the ray starts, and its target
+    uint start_instance;     // instance of the first one; the second one is always in world space
     uvec4 alpha; // key of the random decisions at blended surfaces: see lib/alpha.glsl
 };
 
-// The ray of threads that have none: the records of a slot may be another thread's, or unused.
+// Returns the ray for threads that have none: their slot's records may be unused, or another
+// thread's.
 trace_ray no_ray()
 {
     return trace_ray(vec3(0.0), vec3(0.0, 0.0, 1.0), NO_PRIMITIVE, NO_PRIMITIVE, NO_INSTANCE,
@@ -23,8 +24,8 @@ struct trace_hit {
     float t;        // distance so far, in units of the direction's length
     vec2 uv;
     uint primitive; // NO_PRIMITIVE: none
-    uint id;        // decides between equal distances, so that the BVH's shape does not
-    uint instance;  // decides before it: the world itself comes first
+    uint id;        // decides between hits at equal distance, so that the BVH does not matter
+    uint instance;  // decides first: primitives in world space before those of instances
 };
 
 void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id,

@@ -14,18 +14,18 @@
 #include "lib/trace_types.glsl"
 #include "lib/triangle.glsl"
 
-// The plane of the triangle that a ray starts on. Its coplanar neighbours cannot be hit either:
-// their distance is 0 and must not become more by rounding, which is some epsilon times the
-// triangle's size. In the space of the triangle: an instance's own, where it is of one.
+// The plane of the triangle on which a ray starts. Coplanar neighbours of the triangle cannot be
+// hit either: their distance is 0, and rounding, which may be a multiple of the triangle's size,
+// must not make it greater. The plane is in the space of the triangle, which may be an instance's.
 struct left_plane {
     vec3 normal; // not normalised
     bool exists;
-    vec3 point; // with instances
-    uint id;    // id of the triangle, where one may be in several places
-    uint target_id; // id of the primitive that the ray is sent to
+    vec3 point; // used with instances
+    uint id;    // id of the triangle, which may be in several leaves
+    uint target_id; // id of the ray's target
     bool target_is_small;
-    uint target_lamp; // then the lamp that it is of
-    vec3 target_normal, target_point; // with small triangles; the normal is 0 where there is none
+    uint target_lamp; // the lamp of the target, if it is a small triangle
+    vec3 target_normal, target_point; // used with small triangles; the normal is 0 if there is none
 };
 
 left_plane load_left_plane(uint primitive, uint target)
@@ -51,9 +51,9 @@ left_plane load_left_plane(uint primitive, uint target)
     return plane;
 }
 
-// Returns whether a corner lies in the plane through the ray's origin. Of its computed height at
-// most 16 roundings of the coordinates are error: 7 by which the origin was moved off the surface,
-// 4 of the normal, 5 of the difference and the dot product.
+// Returns whether a corner is in the plane through the ray's origin. At most 16 roundings of the
+// coordinates are error in its computed height: 7 by which the origin was moved off the surface, 4
+// of the normal, 5 of the difference and the dot product.
 bool in_plane(left_plane plane, vec3 origin, vec3 corner)
 {
     float height = dot(plane.normal, corner - origin);
@@ -62,20 +62,19 @@ bool in_plane(left_plane plane, vec3 origin, vec3 corner)
 
 bool leaves_triangle(left_plane plane, vec3 origin, vec3 v0, vec3 v1, vec3 v2)
 {
-    // On its way to an instance's space an origin loses more: there the triangle's own corner is
-    // asked.
+    // Transforming an origin to an instance's space adds errors, so a corner of the triangle is
+    // used instead.
     vec3 from = HAS_GEOMETRY(GEOMETRY_INSTANCES) ? plane.point : origin;
     return plane.exists && in_plane(plane, from, v0) && in_plane(plane, from, v1) &&
            in_plane(plane, from, v2);
 }
 
-// The state of a traversal that is not finished.
+// The state of an incomplete traversal.
 struct trace_state {
-    uint current; // node, or leaf word, or BVH_EMPTY: done
-    uint depth;   // entries on the stack, the sentinel included
-    float march;  // how far the ray has got through the distance field of the leaf in hand; 0: not
-                  // begun
-    uint instance; // in whose tree it is, or NO_INSTANCE
+    uint current; // node, leaf word, or BVH_EMPTY if the traversal is complete
+    uint depth;   // entries on the stack, including the sentinel
+    float march;  // progress through the current leaf's distance field; 0: not begun
+    uint instance; // instance whose tree is traversed, or NO_INSTANCE
 };
 
 void trace_begin(out trace_state state)
@@ -84,17 +83,17 @@ void trace_begin(out trace_state state)
     state = trace_state(0u, 1u, 0.0, NO_INSTANCE);
 }
 
-// Marks the end of an instance's part of the stack: then the traversal is in the world again.
+// A marker on the stack at the end of an instance's entries: the traversal returns to world space.
 #define BVH_LEAVE 0xfffffffeu
 
-// The ray as the tree in hand sees it. Directions keep their length in the world, so that distances
-// are the same in all spaces.
+// The ray in the space of the current tree. Its direction is not normalised after the transform, so
+// distances are the same in all spaces.
 struct trace_space {
     vec3 origin;
     bvh_ray box_ray;
     triangle_frame frame;
     uint instance;
-    uint material; // word in place of the triangles' own, or NO_MATERIAL
+    uint material; // word that replaces the triangles' own, or NO_MATERIAL
 };
 
 trace_space world_space(trace_ray ray)
@@ -103,7 +102,7 @@ trace_space world_space(trace_ray ray)
                        triangle_frame_create(ray.direction), NO_INSTANCE, NO_MATERIAL);
 }
 
-// An instance's space, with the root of its tree; or with NO_INSTANCE the world.
+// Returns the space of an instance and the root of its tree; for NO_INSTANCE world space.
 trace_space enter_space(trace_ray ray, uint instance, out uint root)
 {
     bool is_world = instance == NO_INSTANCE;
@@ -116,8 +115,8 @@ trace_space enter_space(trace_ray ray, uint instance, out uint root)
                        instance, is_world ? NO_MATERIAL : words.y);
 }
 
-// Returns whether a hit does not count: one on the primitive that the ray starts on, or on the one
-// that it is sent to.
+// Returns whether a hit is ignored: if it is on the primitive on which the ray starts, or on the
+// ray's target.
 bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint id)
 {
     bool duplicates = HAS_GEOMETRY(GEOMETRY_DUPLICATES);
@@ -128,14 +127,13 @@ bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint
     return starts_here || ends_here;
 }
 
-// The greatest rotation of a plane's small triangles by rounding, as the sine of an angle: see
-// SMALL_TOLERANCE in flatten.c.
+// The maximum rotation of the plane of small triangles by rounding, as the sine of an angle: see
+// SMALL_TOLERANCE in flatten_lamps.c.
 #define PARALLEL_TOLERANCE (1.0 / 1024.0)
 
-// Returns whether a triangle lies in the plane of the one that a shadow ray is sent to, which it
-// cannot hide from the ray: small triangles lie beside their neighbours in a plane, each moved as a
-// whole by the roundings of its first corner, half an ulp a coordinate. As much as two roundings
-// let it be off.
+// Returns whether a triangle is in the plane of a shadow ray's target, and so cannot hide it.
+// Rounding moves each small triangle as a whole, by half an ulp per coordinate of its first corner,
+// so that coplanar neighbours differ by up to two roundings.
 bool is_beside_target(left_plane plane, triangle_record t)
 {
     float height = dot(plane.target_normal, t.v0 - plane.target_point);
@@ -144,7 +142,7 @@ bool is_beside_target(left_plane plane, triangle_record t)
     return abs(height) <= GAMMA(2) * rounding && length(turn) <= PARALLEL_TOLERANCE;
 }
 
-// The key by which alpha decides whether a triangle is met: it differs between instances.
+// Returns the key with which alpha decides whether a triangle is hit; it differs between instances.
 uint crossing_of(uint id, uint instance)
 {
     if (HAS_GEOMETRY(GEOMETRY_INSTANCES))
@@ -167,7 +165,7 @@ void intersect_triangle_leaf(trace_ray ray, trace_space space, left_plane plane,
         hit = intersect_small_triangle(space.frame, space.origin, v0, triangle.edge1,
                                        triangle.edge2, t, uv);
 #ifdef ANY_HIT
-    // Small ones are in the world, not in an instance.
+    // Small triangles are in world space, not in an instance.
     bool any_is_small = plane.target_is_small || IS_SMALL(triangle.word);
     if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && any_is_small && space.instance == NO_INSTANCE)
         hit = hit && !is_beside_target(plane, triangle);
@@ -189,11 +187,12 @@ void intersect_triangle_leaf(trace_ray ray, trace_space space, left_plane plane,
     accept_hit(best, hit, t, uv, index, triangle.id, space.instance);
 }
 
-// Chooses the next node among the children that the ray enters and pushes the others. `keys` are
-// the entry distances' bits, or BVH_MISS; `top` is the stack's top, popped when there is no child.
-// Branch-free: every push is written, and the depth says which ones count.
+// Selects the next node among the children that the ray enters, and pushes the others. `keys` are
+// the bits of the entry distances, or BVH_MISS; `top` is the top of the stack, which is popped if
+// no child is entered. Branch-free: every push is written, and the depth determines which ones
+// count.
 #ifdef ANY_HIT
-// The first hit will do: in the children's own order, which saves the sorting.
+// The first hit suffices, so children are visited in their own order, without sorting.
 uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
 {
     uint next = BVH_EMPTY;
@@ -209,7 +208,7 @@ uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
     return none ? top : next;
 }
 #else
-// Nearest first. The child's number takes the place of the distance's lowest two bits.
+// The nearest child comes first. The child's index replaces the lowest two bits of the distance.
 uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
 {
     for (int i = 0; i < 4; i++)
@@ -231,8 +230,8 @@ uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
 }
 #endif
 
-// Goes on until the traversal is done or `iterations` reaches the budget. Both loops count
-// together, since a driver may limit the iterations of all loops of an invocation.
+// Continues until the traversal is complete or `iterations` reaches the budget. Both loops share
+// one count, because a driver may limit the iterations of all loops of an invocation together.
 void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout uint iterations)
 {
     uint root = 0u;
@@ -265,14 +264,15 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
             bool leaf_done = true;
             if (is_shape)
                 leaf_done = intersect_shape_leaf(ray, index, march, iterations, best);
-            // One triangle a round: lanes with one-triangle leaves do not wait for the others.
+            // One triangle per iteration, so that lanes with leaves of one triangle do not wait for
+            // the others.
             bool more = (current & BVH_LEAF_MORE) != 0u && is_triangle;
             uint next = more ? current - BVH_LEAF_ONE_MORE + 1u : top;
             if (is_space) {
                 bool enters = current != BVH_LEAVE;
                 space = enter_space(ray, enters ? index : NO_INSTANCE, root);
                 stack_store(depth, BVH_LEAVE);
-                depth += enters ? 2u : 0u; // one of them is taken back below
+                depth += enters ? 2u : 0u; // one of them is removed below
                 next = enters ? root : top;
             }
             if (COUNTS_STEPS)

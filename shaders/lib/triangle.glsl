@@ -7,14 +7,14 @@
 // A struct gpu_triangle, unpacked.
 struct triangle_record {
     vec3 v0, v1, v2;
-    vec3 edge1, edge2; // from v0 to the others
+    vec3 edge1, edge2; // from v0 to v1 and v2
     uint id;
-    uint word; // material
-    uint emitter; // or IS_SMALL: its place among the small triangles
+    uint word; // material word
+    uint emitter; // emitter index; if IS_SMALL, its index among the small triangles
 };
 
-// True where a triangle with this material word has exact edges, and its corners are rounded. A
-// macro, so that what is constant remains one where it is asked.
+// Whether a triangle with this material word has exact edges, while its corners are rounded. A
+// macro, so that constant arguments give constant results.
 #define IS_SMALL(word)                                                                             \
     (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && ((word)&MATERIAL_WORD_EDGES) != 0u)
 
@@ -41,7 +41,7 @@ triangle_record load_triangle(uint index)
     return t;
 }
 
-// The largest component of an edge: products of smaller ones may underflow.
+// Returns the largest component of the edges, because products of smaller ones may underflow.
 float triangle_size(triangle_record t)
 {
     vec3 a = max(abs(t.edge1), abs(t.edge2));

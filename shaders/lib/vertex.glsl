@@ -1,4 +1,4 @@
-// A point on a path where a surface is met, and what may be asked of it.
+// A vertex of a path, and functions of it.
 #ifndef VERTEX_GLSL
 #define VERTEX_GLSL
 
@@ -6,31 +6,31 @@
 #include "lib/media.glsl"
 #include "lib/surface.glsl"
 
-// The vertex of a path: everything that it is shaded from.
+// All data from which a vertex of a path is shaded.
 struct vertex {
     uint slot;
     uint primitive;
-    uint instance; // its instance, or NO_INSTANCE
+    uint instance; // instance, or NO_INSTANCE
     surface s;
     material m;
     mat3 frame; // tangent, bitangent, shading normal
-    vec3 wo;    // local
+    vec3 wo;    // in the local frame
     vec3 throughput;
     media_interface media; // with FEATURE_MEDIA
     float eta;             // see lib/bsdf_types.glsl
-    // With INTEGRATOR_BIDIR only:
-    vec3 view;   // wo in the world
+    // The following are valid with INTEGRATOR_BIDIR only.
+    vec3 view;   // wo in world space
     float ratio; // Q of lib/bidir.glsl
 };
 
-// The medium on the side that `direction` points to.
+// Returns the medium on the side to which `direction` points.
 uint medium_towards(vertex v, vec3 direction)
 {
     return dot(direction, v.s.normal_geometric) > 0.0 ? v.media.here : v.media.beyond;
 }
 
-// A direction in the local frame, of which the shading normal and the real surface say the same: on
-// which side it is. Otherwise light would leak through.
+// Returns whether a direction is on the same side of the shading normal as of the geometric normal.
+// Otherwise light would leak through the surface.
 bool sides_agree(vertex v, vec3 direction, vec3 local)
 {
     float side = dot(direction, v.s.normal_geometric);

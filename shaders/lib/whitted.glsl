@@ -1,6 +1,6 @@
-// Whitted 1980, "An Improved Illumination Model for Shaded Display" (shown in 1979): what a surface
-// is made of in his terms, and the stack of rays that a path has still to follow. Owns that stack,
-// which lies behind the shadow rays in their buffer.
+// Whitted 1980, "An Improved Illumination Model for Shaded Display" (shown in 1979): a surface in
+// terms of his model, and the stack of rays that a path has yet to follow. Owns that stack, which
+// follows the shadow rays in their buffer.
 #ifndef WHITTED_GLSL
 #define WHITTED_GLSL
 
@@ -13,23 +13,23 @@
 struct whitted_surface {
     vec3 diffuse;   // kd
     vec3 highlight; // ks
-    float exponent; // exponent of the highlight
+    float exponent; // of the highlight
     vec3 reflected; // kr
-    vec3 refracted; // kt, the scale of radiance by refraction included
-    vec3 onwards;   // the refracted direction, local
+    vec3 refracted; // kt, including the scaling of radiance by refraction
+    vec3 onwards;   // refracted direction in the local frame
 };
 
-// --- what our models are in these terms ---------------------------------------------------------
+// --- our material models in these terms ----------------------------------------------------------
 
-// Phong's exponent for GGX or Beckmann of this alpha: 2 / alpha^2 - 2 for their normals (Walter et
-// al. 2007, section 5.2), of which a lobe about the mirrored direction has a quarter (Fisher and
-// Woo 1994, "R.E versus N.H Specular Highlights").
+// Returns the Phong exponent for GGX or Beckmann with this alpha. Their normals have about the
+// exponent 2 / alpha^2 - 2 (Walter et al. 2007, section 5.2); a lobe about the mirror direction has
+// a quarter of that (Fisher and Woo 1994, "R.E versus N.H Specular Highlights").
 float exponent_of_alpha(float alpha)
 {
     return clamp(0.5 / (alpha * alpha) - 0.5, 0.0, 1e6);
 }
 
-// Adds an interface's reflection by its roughness: smooth ones mirror, rough ones have a highlight.
+// Adds an interface's reflection: smooth interfaces mirror, rough ones have a highlight.
 void whitted_gloss(inout whitted_surface w, vec3 reflectance, float alpha)
 {
     if (is_delta(alpha)) {
@@ -40,8 +40,8 @@ void whitted_gloss(inout whitted_surface w, vec3 reflectance, float alpha)
     }
 }
 
-// Smooth or not, what is refracted stays sharp. `through` is what passes where nothing is
-// reflected.
+// Adds refraction, which is sharp even if the interface is rough. `through` is the transmittance
+// without reflection.
 void whitted_interface(inout whitted_surface w, vec3 wo, vec3 reflectance, vec3 through, float eta,
                        bool thin)
 {
@@ -64,7 +64,7 @@ void whitted_dielectric(inout whitted_surface w, material m, vec3 wo, float eta)
     whitted_interface(w, wo, vec3(is_index_matched(eta) ? 0.0 : r), vec3(1.0), eta, thin);
 }
 
-// Metals mirror even where they are rough, and have a highlight besides.
+// Metals mirror even if they are rough, and have a highlight in addition.
 void whitted_metal(inout whitted_surface w, vec3 reflectance, float alpha)
 {
     w.reflected += reflectance;
@@ -141,8 +141,8 @@ whitted_surface whitted_surface_of(material m, vec3 wo, float eta)
 
 // --- lights -------------------------------------------------------------------------------------
 
-// The far field of an emissive primitive, as if all of it were at its centre: radiance times what
-// of its area faces here, over the square of the distance.
+// The far field of an emissive primitive, as if it were concentrated at its centre: radiance times
+// the projected area, divided by the squared distance.
 light_sample center_of_triangle(vec3 origin, uint index)
 {
     triangle_record t = load_triangle(index);
@@ -161,8 +161,8 @@ light_sample center_of_triangle(vec3 origin, uint index)
     return l;
 }
 
-// The point where the way to the centre of a solid meets it stands for the centre behind it: nothing
-// is there between.
+// For a solid, the point where the line to its centre meets its surface represents the centre, so
+// that the shape itself is not in the way.
 light_sample center_of_shape(vec3 origin, uint index)
 {
     shape_record shape = load_shape(index);
@@ -183,8 +183,8 @@ light_sample center_of_shape(vec3 origin, uint index)
     return l;
 }
 
-// The light of the emitter with this number, with the irradiance of a surface that faces it in
-// `radiance`; a pdf of 0 where there is none.
+// Returns the light of the emitter with this index; `radiance` is the irradiance of a surface that
+// faces it. pdf is 0 if there is no such emitter.
 light_sample whitted_light(vec3 origin, uint number)
 {
     light_sample l;
@@ -221,8 +221,8 @@ light_sample whitted_light(vec3 origin, uint number)
     return l;
 }
 
-// Writes a shadow ray to each light; false when none is needed. With one alone, none is written
-// that carries nothing.
+// Stores a shadow ray to each light; returns false if none is needed. If there is a single light, a
+// ray without contribution is not stored.
 bool whitted_lights(vertex v, whitted_surface w)
 {
     surface s = v.s;
@@ -254,19 +254,20 @@ bool whitted_lights(vertex v, whitted_surface w)
     return any_light;
 }
 
-// --- rays to follow -----------------------------------------------------------------------------
+// --- rays of the tree ----------------------------------------------------------------------------
 
-// If two rays continue, one that carries less than this is not followed (Hall and Greenberg 1983,
-// "A Testbed for Realistic Image Synthesis"): trees would double with every depth. A ray that
-// continues alone is followed whatever it carries.
+// If two rays continue, one whose weight is less than this is dropped (Hall and Greenberg 1983, "A
+// Testbed for Realistic Image Synthesis"); otherwise trees would double in size with each level. A
+// ray that continues alone is followed whatever its weight.
 const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits distinguish
 
-// A ray of the tree: it is `depth` scattering events from the camera, and below it `pending` others
-// wait on the stack. Both in a word that stands where paths have the density of their direction.
+// A ray of the tree: it is `depth` scattering events from the camera, and `pending` other rays are
+// below it on the stack. Both numbers are in the word that holds the density of the direction in
+// other integrators.
 struct whitted_ray {
     vec3 origin;
     uint ignore;
-    uint instance; // instance of `ignore`
+    uint instance; // instance of the ignored primitive
     vec3 direction;
     uint depth;
     uint pending;
@@ -287,8 +288,8 @@ void follow(uint slot, whitted_ray r)
     store_path_start_instance(slot, r.instance);
 }
 
-// The stack of a slot has an entry for each depth: a ray waits for its sibling's whole tree, and at
-// each depth one at most.
+// The stack of a slot has one entry for each depth, because a ray waits while its sibling's whole
+// tree is traced, and at most one ray waits at each depth.
 uint pending_word(uint slot, uint entry)
 {
     uint first = HAS(FEATURE_NEE) ? frame.wave_slots * LIGHT_RAYS : 0u;
@@ -305,7 +306,7 @@ void put_off(uint slot, whitted_ray r)
         shadow_rays_words[at + SHADOW_INSTANCE] = uvec4(r.instance, 0u, 0u, 0u);
 }
 
-// The latest ray that was put off becomes the slot's.
+// The ray that was postponed last becomes the slot's ray.
 void take_up(uint slot, uint pending)
 {
     uint at = pending_word(slot, pending - 1u);

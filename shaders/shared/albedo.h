@@ -1,10 +1,9 @@
-// The tables of directional albedos: sizes and places. Read by C and by GLSL;
-// render/tables/albedo_generate.c fills them at build time, lib/albedo.glsl says what is on their
-// axes.
+// The tables of directional albedos: their sizes and offsets. Read by C and by GLSL.
+// render/tables/albedo_generate.c fills them at build time; lib/albedo.glsl describes their axes.
 #ifndef LAMPYRIS_SHARED_ALBEDO_H
 #define LAMPYRIS_SHARED_ALBEDO_H
 
-// Cells, not nodes: a cell holds the values at its corners, so that one read suffices.
+// Numbers of cells, not nodes: a cell holds the values at its corners, so that one read suffices.
 #define ALBEDO_GGX_MU 32u
 #define ALBEDO_GGX_ALPHA 32u
 #define ALBEDO_SCHLICK_MU 32u
@@ -17,9 +16,9 @@
 #define ALBEDO_FRESNEL_MU 24u
 #define ALBEDO_FRESNEL_ALPHA 24u
 #define ALBEDO_FRESNEL_ETA 24u
-// Interfaces that also refract, seen from the side of the lower index and from the other one.
-// These are finer: words of four hold the eight nodes around ALBEDO_RUN cells along mu, at one node
-// along each other axis. Counts along mu are multiples of it.
+// Interfaces that also refract, seen from the side with the lower index and from the other side.
+// These tables are finer. A word of four holds the eight nodes around ALBEDO_RUN cells along mu, at
+// one node of each other axis; sizes along mu are multiples of ALBEDO_RUN.
 #define ALBEDO_RUN 7u
 #define ALBEDO_GLASS_MU 28u
 #define ALBEDO_GLASS_ALPHA 40u
@@ -30,8 +29,9 @@
 #define ALBEDO_CLEAR_MU 28u
 #define ALBEDO_CLEAR_ALPHA 20u
 #define ALBEDO_CLEAR_ETA 24u
-// Anisotropic ones last: they are there only where some material is, and of those the interfaces
-// that also refract, again in runs: for each side, node of eta and of the azimuth one table.
+// The tables for anisotropy come last, because they are uploaded only if some material is
+// anisotropic. Those of interfaces that also refract have runs, too: one table for each side, node
+// of eta and node of the azimuth.
 #define ALBEDO_TURNED_MU 24u
 #define ALBEDO_TURNED_ROUGHNESS 12u
 #define ALBEDO_TURNED_ASPECT 8u
@@ -46,21 +46,22 @@
 #define ALBEDO_TURNED_GLASS_AZIMUTH 6u
 #define ALBEDO_TURNED_GLASS_ETA 6u
 
-// The value of 65535 in tables of 16 bits: nodes of 1 may be raised too.
+// The value that 65535 stands for in tables of 16 bits: above 1, because nodes may be raised.
 #define ALBEDO_HIGHEST 1.015625
-// Logarithms of anisotropic over isotropic albedos of glass: 0 and 65535 stand for minus and plus
-// this. Their roughness begins at the first value, their axis of eta ends at the second.
+// Logarithms of the quotient of the anisotropic and the isotropic albedo of glass: 0 stands for
+// minus this, 65535 for plus this. The two values below are the first one of their axis of
+// roughness, and the last one of their axis of eta.
 #define ALBEDO_TURNED_GLASS_LOG 4.0
 #define ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST 0.1
 #define ALBEDO_TURNED_GLASS_ETA_LAST 0.95
 
-// First words of four, from the beginning of the tables.
+// Offsets in words of four, from the beginning of the tables.
 #define ALBEDO_GGX 0u
 #define ALBEDO_SCHLICK (ALBEDO_GGX + ALBEDO_GGX_MU * ALBEDO_GGX_ALPHA)
 #define ALBEDO_CHARLIE (ALBEDO_SCHLICK + ALBEDO_SCHLICK_MU * ALBEDO_SCHLICK_ALPHA)
 #define ALBEDO_COAT (ALBEDO_CHARLIE + ALBEDO_CHARLIE_MU * ALBEDO_CHARLIE_ROUGHNESS)
 #define ALBEDO_DIFFUSE (ALBEDO_COAT + ALBEDO_COAT_MU * ALBEDO_COAT_GLOSS) // nodes, not cells
-#define ALBEDO_COAT_EXACT (ALBEDO_DIFFUSE + ALBEDO_DIFFUSE_MU + 1u)       // as ALBEDO_COAT
+#define ALBEDO_COAT_EXACT (ALBEDO_DIFFUSE + ALBEDO_DIFFUSE_MU + 1u)       // layout of ALBEDO_COAT
 #define ALBEDO_FRESNEL (ALBEDO_COAT_EXACT + ALBEDO_COAT_MU * ALBEDO_COAT_GLOSS)
 #define ALBEDO_FRESNEL_SIDE (ALBEDO_FRESNEL_MU * ALBEDO_FRESNEL_ALPHA * ALBEDO_FRESNEL_ETA)
 #define ALBEDO_WORDS_ISOTROPIC (ALBEDO_FRESNEL + 2u * ALBEDO_FRESNEL_SIDE) // outside, then inside

@@ -2,43 +2,48 @@
 #ifndef LAMPYRIS_SHARED_MATERIAL_H
 #define LAMPYRIS_SHARED_MATERIAL_H
 
-// Models.
+// The models of materials.
 #define MATERIAL_LAMBERT 0u     // two-sided
 #define MATERIAL_MIRROR 1u      // perfect, of reflectance base_color, two-sided
 #define MATERIAL_PRINCIPLED 2u  // Burley 2012 and 2015, with the layers of glTF's extensions
-#define MATERIAL_DIELECTRIC 3u  // smooth, rough or thin, of one index of refraction
-#define MATERIAL_CONDUCTOR 4u   // smooth or rough, of a complex index (eta, k) a channel
+#define MATERIAL_DIELECTRIC 3u  // smooth, rough or thin, with one index of refraction
+#define MATERIAL_CONDUCTOR 4u   // smooth or rough, with a complex index (eta, k) for each channel
 #define MATERIAL_PHONG 5u       // Lambert + modified Phong (Lafortune and Willems 1994)
 #define MATERIAL_BLINN_PHONG 6u // Lambert + normalised Blinn-Phong
-#define MATERIAL_MICROFACET 7u  // Lambert + Cook-Torrance / Torrance-Sparrow, D, G and F by choice
+#define MATERIAL_MICROFACET 7u  // Lambert + Cook-Torrance / Torrance-Sparrow with selectable D, G
+                                // and F
 #define MATERIAL_MODEL_COUNT 8u
 #define MATERIAL_MODEL_MASK 0xfu
 
 // Flags, in the same word as the model.
-#define MATERIAL_ALPHA_MASK (1u << 4)  // opaque from opacity = alpha_cutoff on, else not there
-#define MATERIAL_ALPHA_BLEND (1u << 5) // there with probability opacity
+#define MATERIAL_ALPHA_MASK (1u << 4)  // opaque if opacity >= alpha_cutoff, else absent
+#define MATERIAL_ALPHA_BLEND (1u << 5) // exists with probability `opacity`
 #define MATERIAL_THIN (1u << 6)        // thin-walled: a sheet without an inside
-// Clearcoat is GGX of clearcoat_roughness and full strength (glTF), not GTR1 of clearcoat_gloss and
-// a quarter (Burley).
+// The clearcoat is GGX with clearcoat_roughness and full strength (glTF), not GTR1 with
+// clearcoat_gloss and a quarter of the strength (Burley).
 #define MATERIAL_COAT_GGX (1u << 7)
-#define MATERIAL_UNLIT (1u << 8)       // emission is a colour to show, not light: never sampled
-#define MATERIAL_COMPENSATE (1u << 9)  // energy of multiple scattering is given back to reflection
-#define MATERIAL_SEPARABLE (1u << 10)  // separable instead of height-correlated Smith masking
+#define MATERIAL_UNLIT (1u << 8)       // emission is a colour to show, not light, and is never
+                                       // sampled
+#define MATERIAL_COMPENSATE (1u << 9)  // reflection is compensated for the energy of multiple
+                                       // scattering
+#define MATERIAL_SEPARABLE (1u << 10)  // separable instead of height-correlated Smith
+                                       // masking-shadowing
 #define MATERIAL_NORMAL_MAP (1u << 11) // one of its textures is a normal map
-#define MATERIAL_MEDIUM (1u << 12)     // has an inside: closed, refracting or absorbing
+#define MATERIAL_MEDIUM (1u << 12)     // encloses a medium: closed, refracting or absorbing
 #define MATERIAL_EMITS (1u << 13)      // emission may be above zero somewhere
-#define MATERIAL_TINT_EACH (1u << 14)  // every crossing tints by base_color (glTF), not by its root
-// Mixed as glTF's appendix B says, not as Burley does: a Lambert base, white under the interface,
-// coat over fibres.
+#define MATERIAL_TINT_EACH (1u << 14)  // every crossing tints by base_color (glTF), not by its
+                                       // square root
+// Layers are combined as in glTF's appendix B, not as by Burley: a Lambertian base, no colour in
+// the light below the interface, coat over fibres.
 #define MATERIAL_GLTF_LAYERS (1u << 15)
-// Choices of MATERIAL_MICROFACET.
+// Options of MATERIAL_MICROFACET.
 #define MATERIAL_DISTRIBUTION_SHIFT 16 // 2 bits
 #define DISTRIBUTION_GGX 0u
 #define DISTRIBUTION_BECKMANN 1u
 #define DISTRIBUTION_PHONG 2u
 #define DISTRIBUTION_COUNT 3u
 #define MATERIAL_MASKING_SHIFT 18 // 3 bits
-#define MASKING_SMITH 0u          // the distribution's own (exact for GGX and Beckmann)
+#define MASKING_SMITH 0u          // that of the distribution (exact for GGX and Beckmann)
 #define MASKING_SCHLICK_GGX 1u    // k = alpha / 2
 #define MASKING_LH 2u // G / (4 n.l n.v) ~ 1 / (4 (l.h)^2), Kelemen and Szirmay-Kalos 2001
 // Walter et al. 2007: Beckmann's rational G1; Phong's through a = sqrt(alpha_p / 2 + 1) /
@@ -46,18 +51,23 @@
 #define MASKING_RATIONAL 3u
 #define MASKING_SCHLICK 4u            // k = alpha sqrt(2 / pi), Schlick 1994
 #define MASKING_SCHLICK_REMAPPED 5u   // k = (roughness + 1)^2 / 8, Karis 2013
-#define MASKING_RATIONAL_UNBOUNDED 6u // the rational G1 with any distribution; may gain energy
+#define MASKING_RATIONAL_UNBOUNDED 6u // the rational G1 for any distribution; may gain energy
 #define MASKING_COUNT 7u
-#define MATERIAL_EXACT_FRESNEL (1u << 21) // by ior, instead of Schlick's
-#define MATERIAL_UNCOUPLED (1u << 22)     // the base has 1 - F(wo.h) instead of both sides' 1 - F
-#define MATERIAL_MIXED_FRESNEL (1u << 23) // exact and Schlick's, by metallic, coloured
-#define MATERIAL_EXACT_COAT (1u << 24)    // the coat's Fresnel is that of index 1.5, not Schlick's
-// Kernels set these, to ask for a part of the lobes alone: see lib/split.glsl.
+#define MATERIAL_EXACT_FRESNEL (1u << 21) // Fresnel's equations by ior, instead of Schlick's
+                                          // approximation
+#define MATERIAL_UNCOUPLED (1u << 22)     // base weighted by 1 - F(wo.h) instead of 1 - F of both
+                                          // directions
+#define MATERIAL_MIXED_FRESNEL (1u << 23) // Fresnel's equations and Schlick's approximation mixed
+                                          // by metallic, coloured
+#define MATERIAL_EXACT_COAT (1u << 24)    // the coat's Fresnel reflectance is exact for index 1.5,
+                                          // not Schlick's
+// Kernels set these to restrict a material to a part of its lobes: see lib/split.glsl.
 #define MATERIAL_DIFFUSE_PART (1u << 30)
 #define MATERIAL_SPECULAR_PART (1u << 31)
 
-// Parameters in groups of four, so that one texture's RGBA scales one group. A parameter's number
-// is 4 * group + component; scene/core/scene_material.h documents ranges, units and defaults.
+// Parameters are in groups of four, so that the RGBA of one texture can scale one group. The number
+// of a parameter is 4 * group + component. scene/core/scene_material.h documents ranges, units and
+// defaults.
 #define GROUP_BASE 0         // base colour; opacity
 #define GROUP_EMISSION 1     // radiance, W/(sr m^2); pick density (see PARAMETER_PICK_DENSITY)
 #define GROUP_METAL 2        // anisotropic, roughness, metallic, anisotropic rotation (turns)
@@ -74,9 +84,9 @@
 #define PARAMETER_BASE_COLOR 0
 #define PARAMETER_OPACITY 3
 #define PARAMETER_EMISSION 4
-// Density, a unit area, with which next-event estimation picks a point on an emitter of this
-// material: luminance / sum of (luminance * area) over all emitters, where a delta light
-// counts by its power over 2 pi. 0: never picked. Set at upload.
+// Density per unit of area with which next-event estimation selects a point on an emitter of this
+// material: luminance / sum over all emitters of (luminance * area), where a delta light
+// contributes its power over 2 pi. 0: never selected. Set at upload.
 #define PARAMETER_PICK_DENSITY 7
 #define PARAMETER_ANISOTROPIC 8
 #define PARAMETER_ROUGHNESS 9
@@ -113,14 +123,14 @@
 #define LIGHT_SPOT 1u
 #define LIGHT_DIRECTIONAL 2u
 
-// Classes of surfaces by what shading them costs: each has a queue and a kernel of its own.
+// Classes of surfaces by the cost of shading; each has its own queue and kernel.
 #define CLASS_DIFFUSE 0u      // Lambert, mirror
 #define CLASS_PRINCIPLED 1u   // without transmission
 #define CLASS_TRANSMISSIVE 2u // dielectrics, principled with transmission
 #define CLASS_CLASSICAL 3u    // Phong, Blinn-Phong, microfacet, conductor
 #define CLASS_COUNT 4u
 
-// Lobes of lib/bsdf.glsl that a class, or all of them, needs: bits of the constant LOBES.
+// Lobes of lib/bsdf.glsl that a class, or all materials, need: bits of the constant LOBES.
 #define LOBE_LAMBERT (1u << 0)
 #define LOBE_MIRROR (1u << 1)
 #define LOBE_PRINCIPLED (1u << 2) // diffuse and specular reflection
@@ -135,8 +145,8 @@
 #define LOBE_PHONG (1u << 11)
 #define LOBE_BLINN_PHONG (1u << 12)
 #define LOBE_MICROFACET (1u << 13)
-#define LOBE_ROUGH (1u << 14) // some specular lobe is not a delta
-#define LOBE_DELTA (1u << 15) // some is
+#define LOBE_ROUGH (1u << 14) // some specular lobe is not a delta lobe
+#define LOBE_DELTA (1u << 15) // some specular lobe is a delta lobe
 #define LOBE_ANISOTROPIC (1u << 16)
 #define LOBE_COMPENSATE (1u << 17)
 #define LOBE_THIN (1u << 18)
@@ -144,19 +154,20 @@
 #define LOBE_DISPERSION (1u << 20)
 #define LOBE_DIFFUSE_TRANSMISSION (1u << 21)
 #define LOBE_SEPARABLE (1u << 22)
-#define LOBE_BURLEY (1u << 23)    // principled that is mixed as Burley does
-#define LOBE_GLTF (1u << 24)      // principled that is mixed as glTF says
-#define LOBE_MASKINGS (1u << 25)  // microfacets with MASKING_SCHLICK or those after it
+#define LOBE_BURLEY (1u << 23)    // principled, with layers combined as by Burley
+#define LOBE_GLTF (1u << 24)      // principled, with layers combined as in glTF
+#define LOBE_MASKINGS (1u << 25)  // microfacets with MASKING_SCHLICK or one of the maskings after
+                                  // it
 #define LOBE_UNCOUPLED (1u << 26) // microfacets with MATERIAL_UNCOUPLED
 #define LOBE_MIXED_FRESNEL (1u << 27)
 #define LOBE_EXACT_COAT (1u << 28)
 #define LOBE_END (1u << 29)
 // Models that have both diffuse and specular lobes.
 #define LOBES_OF_TWO_PARTS (LOBE_PRINCIPLED | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET)
-// These lobes may send light through a surface.
+// Lobes that may transmit light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 
-// The modes of reading a texture, in gpu_texture.flags.
+// How a texture is read, in gpu_texture.flags.
 #define TEXTURE_WRAP_REPEAT 0u
 #define TEXTURE_WRAP_CLAMP 1u
 #define TEXTURE_WRAP_MIRROR 2u
@@ -172,7 +183,8 @@
 #define TEXTURE_USE_ANISOTROPY 2u // glTF: (rg * 2 - 1) is the direction, b the strength
 #define TEXTURE_GROUP_SHIFT 12    // 4 bits
 #define TEXTURE_MASK_SHIFT 16     // 4 bits: which parameters of the group are scaled
-#define TEXTURE_INVERT_SHIFT 20   // 4 bits: 1 - parameter is scaled instead
-#define TEXTURE_CHANNELS_SHIFT 24 // 4 x 2 bits: the channel that scales each parameter
+#define TEXTURE_INVERT_SHIFT 20   // 4 bits: scales 1 - parameter instead
+#define TEXTURE_CHANNELS_SHIFT 24 // 4 x 2 bits: the channel of the texture that scales each
+                                  // parameter
 
 #endif

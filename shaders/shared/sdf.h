@@ -1,33 +1,34 @@
-// Signed distance fields as programs for a stack machine: read by C and by GLSL.
+// Signed distance fields as programs for a stack machine. Read by C and by GLSL.
 //
-// The machine has a point p (in metres, the field's own space), a factor s (distances in p's space
-// times s are distances in the field's space), a stack of saved (p, s) and a stack of distances.
-// Fields are negative inside. Each program leaves one distance; at no place does it fall by more
-// than 1 a metre (what does not keep to that by itself is scaled by the compiler of the program),
-// so that |distance| is a safe step (Hart 1996).
+// The machine has a point p (in metres, in the field's own space), a factor s (distances in the
+// space of p times s are distances in the field's space), a stack of saved (p, s), and a stack of
+// distances. Fields are negative inside. Each program leaves one distance, which nowhere changes by
+// more than 1 per metre (the compiler of programs scales operations that would exceed this), so
+// |distance| is a safe step (Hart 1996).
 #ifndef LAMPYRIS_SHARED_SDF_H
 #define LAMPYRIS_SHARED_SDF_H
 
 #include "types.h"
 
-#define SDF_POINTS_MAX 8    // saved at once
-#define SDF_DISTANCES_MAX 8 // pending at once
+#define SDF_POINTS_MAX 8    // saved at the same time
+#define SDF_DISTANCES_MAX 8 // pending at the same time
 #define SDF_CODE_MAX 1024   // instructions of one program
 
-// A shape that is a field: other[0] of its gpu_shape holds the number of this record. Shapes may
-// share their program.
+// The record of a shape that is a field; other[0] of its gpu_shape has the record's index. Shapes
+// may share a program.
 struct gpu_sdf {
     float to_object[3][4]; // world to the field's space: a rotation or reflection with a uniform
-                           // scale; the last column is where the field's origin lies in the world,
-                           // and is subtracted before
-    float min[3];          // its box, in its own space: nothing is outside
-    uint first;            // instruction
+                           // scale; the last column is the field's origin in the world, which is
+                           // subtracted before
+    float min[3];          // box of the field in its own space; the field is empty outside
+    uint first;            // first instruction
     float max[3];
-    uint count;      // instructions
-    float scale;     // metres in the world to a metre in the field's space
-    float lipschitz; // the program's distance falls by at most this a metre, before `step`
-    float magnitude; // largest |coordinate| that the program's arithmetic meets within the box, in
-                     // metres of the field: of each space times its s. What rounding is bounded by
+    uint count;      // number of instructions
+    float scale;     // world lengths per metre of the field
+    float lipschitz; // maximum change of the program's distance per metre
+    float magnitude; // largest |coordinate| in the program's arithmetic for points in the box, in
+                     // metres of the field (coordinates in each space times its s); bounds rounding
+                     // errors
     uint align_sdf;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_sdf, 96);
@@ -42,53 +43,53 @@ struct gpu_sdf_instruction {
 SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 #define SDF_INSTRUCTION_WORDS 4
 
-// Operations; bit n of SDF_* constants stands for operation n. Shapes push s times their distance:
+// Operations; bit n of SDF_* constants stands for operation n. Shapes push s times their distance.
 #define SDF_SPHERE 0u  // a.x: radius
 #define SDF_BOX 1u     // a: half edges; b.x: radius of its rounded edges, within these
-#define SDF_FRAME 2u   // bars along the edges of a box: a: half edges; b.x: half of a bar's width
+#define SDF_FRAME 2u   // bars along the edges of a box; a: half edges; b.x: half of a bar's width
 #define SDF_TORUS 3u   // about y; a.x: radius of the ring, a.y: of the tube
 #define SDF_CAPSULE 4u // from a to b.xyz; b.w: radius
 #define SDF_CONE 5u    // along y, flat ends; a.x: radius below, a.y: above, a.z: half its height
-// Sector of a ball about +y; a.x: radius; b.x, b.y: sine and cosine of the angle between +y and its
-// side, up to pi.
+// Sector of a ball about +y; a.x: radius; b.x, b.y: sine and cosine of the angle, up to pi, between
+// +y and the sector's side.
 #define SDF_SOLID_ANGLE 6u
 #define SDF_CYLINDER 7u // along y; a.x: radius, a.y: half its height, a.z: radius of rounded edges
-#define SDF_PLANE 8u    // what is below a plane: a: unit normal; b.x: its height along that
-// Sheet: a.x: k, radians a metre, a.y: half its thickness, metres. (|sin kx cos ky + sin ky cos kz
-// + sin kz cos kx|) / (k b.x) - a.y, with b.x a bound of the gradient in units of k.
+#define SDF_PLANE 8u    // half-space below a plane; a: unit normal; b.x: height along it
+// A sheet; a.x: k, in radians per metre; a.y: half its thickness in metres. (|sin kx cos ky + sin
+// ky cos kz + sin kz cos kx|) / (k b.x) - a.y, where b.x bounds the gradient in units of k.
 #define SDF_GYROID 9u
-// Metaballs (Wyvill, McPheeters and Wyvill 1986): count balls in the instructions that follow, four
-// in each (op, a; b; c; d: centre, radius of reach R). (a.x - sum of (1 - d^2 / R^2)^3 within R)
-// a.y, with a.y = 1 / a bound of the sum's gradient; beyond all reaches and the distance to the
-// nearest.
+// Metaballs (Wyvill, McPheeters and Wyvill 1986): `count` balls in the following instructions, four
+// in each (op, a; b; c; d: centre, radius of influence R). (a.x - sum of (1 - d^2 / R^2)^3 over the
+// balls with d < R) a.y, where 1 / a.y bounds the sum's gradient. Beyond all radii of influence,
+// the distance to the nearest of them is added.
 #define SDF_METABALLS 10u
 #define SDF_BALL_INSTRUCTIONS(balls) (((balls) + 3u) / 4u)
-// z -> z^power + p (White and Nylander 2009) with the pole along y: log|z| |z| / (2 |dz|) times
-// b.x, where |dz| is the largest stretch of the map, so that the surface is where |z| is 1 in the
-// end (Hart, Sandin and Kauffman 1989).
+// z -> z^power + p (White and Nylander 2009) with the pole along y: b.x log|z| |z| / (2 |dz|),
+// where |dz| is the largest stretch of the map; the surface is where |z| finally is 1 (Hart, Sandin
+// and Kauffman 1989).
 #define SDF_MANDELBULB 11u // a.x: power, a.y: iterations, a.z: bailout radius; b.x: factor
 #define SDF_MENGER 12u     // a.x: half its edge, a.y: iterations
-// Packing in a cell of edge 2 repeated: a.x: inversion's scale, a.y: iterations; b.x: factor. Never
-// negative: a sheet without thickness, to be rounded.
+// A packing in a cell of edge 2, which is repeated; a.x: scale of the inversion, a.y: iterations;
+// b.x: factor. Never negative: a sheet without thickness, to which SDF_ROUND gives one.
 #define SDF_APOLLONIAN 13u
-// Sierpinski's tetrahedra: a.x: half its size, a.y: iterations. Corners at (1, 1, 1), (1, -1, -1),
-// (-1, 1, -1), (-1, -1, 1) times a.x.
+// Sierpinski's tetrahedra; a.x: half the size, a.y: iterations. The corners are (1, 1, 1), (1, -1,
+// -1), (-1, 1, -1), (-1, -1, 1) times a.x.
 #define SDF_PYRAMID 14u
-// These take two distances, first x then y, and push one; s times a.x: width w of a smooth joint,
-// min(x, y) - h^2 w / 4 with h = max(w - |x - y|, 0) / w (Quilez 2013); 0: none.
+// These pop two distances, y and then x, and push one. s a.x is the width w of a smooth joint,
+// min(x, y) - h^2 w / 4 with h = max(w - |x - y|, 0) / w (Quilez 2013); 0: no smooth joint.
 #define SDF_UNION 15u
 #define SDF_INTERSECTION 16u
 #define SDF_DIFFERENCE 17u // x without y
-// These change the last distance:
-#define SDF_ROUND 18u  // less s times a.x
-#define SDF_SHELL 19u  // its absolute value, less s times a.x
+// These change the last distance.
+#define SDF_ROUND 18u  // minus s a.x
+#define SDF_SHELL 19u  // its absolute value, minus s a.x
 #define SDF_FACTOR 20u // times a.x, in (0, 1]
-// These save (p, s) and go on with other ones:
+// These save (p, s) and replace it.
 #define SDF_TRANSFORM 21u // p' = rows b, c, d of (p, 1); s' = a.x s
 #define SDF_REPEAT 22u    // along axes whose a is not 0: p' = p - a clamp(round(p / a), -b, b)
 #define SDF_TWIST 23u     // about y by a.x radians a metre of it, x towards z; s' = a.y s
 #define SDF_MIRROR 24u    // p' = |p| along axes whose a is not 0
-#define SDF_RESTORE 25u   // takes back the last saved (p, s)
+#define SDF_RESTORE 25u   // restores the last saved (p, s)
 #define SDF_OPERATIONS 26u
 #define SDF_BIT(op) (1u << (op))
 
