@@ -17,7 +17,7 @@
 #include "scene/sky/studio.h"
 #include <string.h>
 
-// --- defaults for what a file lacks --------------------------------------------------------------
+// --- defaults for missing parts of a file --------------------------------------------------------
 
 static bool provide_material(struct scene *scene, struct err *err)
 {

@@ -388,7 +388,7 @@ TEST(bad_views)
         {"'byteLength':4800", "'byteLength':4800,'byteOffset':99999", "is beyond buffers[1]"},
         {"'buffer':1,", "", "bufferViews[0]: \"buffer\" is missing"},
         {"'EXT_meshopt_compression':{", "'EXT_meshopt_compression':7,'x':{", "expected an object"},
-        {"'ATTRIBUTES'", "'ATTRIBUTES','byteOffset':1", "bytes are no valid stream of 400"},
+        {"'ATTRIBUTES'", "'ATTRIBUTES','byteOffset':1", "bytes are not a valid stream of 400"},
     };
     static struct grid grid;
     static struct stream stream;

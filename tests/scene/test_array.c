@@ -128,7 +128,7 @@ TEST(what_is_wrong_is_named)
                           "there are 4");
     array = waves();
     array.name = "other";
-    check_refused(&array, "no program has given a mesh \"waves\" in arrays");
+    check_refused(&array, "there are no arrays for a mesh \"waves\"");
 }
 
 TEST(memory_that_is_lacking_is_an_error)

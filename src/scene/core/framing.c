@@ -63,10 +63,11 @@ static void support_pair(const struct subject *subject, int axis, double tangent
                                      : out[i] - vec3_dot(normals[i], subject->center);
 }
 
-// Computes the nearest camera that sees the whole model along one axis. The model lies between the
-// two planes through the camera at slope `tangent` to either side of its axis, and touches both.
-// With a and b the supports (see support_pair), a camera at (p, d) along x and z needs t d >= a - p
-// and t d >= b + p. The nearest one has p = (a - b) / 2 and d = (a + b) / 2t.
+// Computes the nearest camera position that sees the whole model along one axis of the image. The
+// model is between two planes through the camera, at slope `tangent` to either side of its axis,
+// and touches both. With a and b the supports (see support_pair), a camera at (p, d) along x and z
+// needs t d >= a - p and t d >= b + p. The nearest position has p = (a - b) / 2 and d = (a + b) /
+// 2t.
 static double fit_pair(const struct subject *subject, int axis, double tangent, double *position)
 {
     double support[2];

@@ -43,7 +43,7 @@ const struct material_parameter material_parameters[] = {
      PRINCIPLED | ONLY(MATERIAL_DIELECTRIC) | ONLY(MATERIAL_MICROFACET),
      "Index of refraction against vacuum."},
     {"specular", PARAMETER_SPECULAR, 1, 0, 1, 0.5f, PRINCIPLED,
-     "Scales the ior's reflectance at normal incidence by 2 specular (Burley; 0.5 leaves it)."},
+     "Scales the ior's reflectance at normal incidence by 2 specular (Burley; 0.5: unchanged)."},
     {"specular_tint", PARAMETER_SPECULAR_TINT, 1, 0, 1, 0, PRINCIPLED,
      "Tints reflection at normal incidence towards the base colour."},
     {"clearcoat", PARAMETER_CLEARCOAT, 1, 0, 1, 0, PRINCIPLED, "Weight of the coat."},

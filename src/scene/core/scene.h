@@ -191,7 +191,8 @@ struct scene {
     double weak_emission;     // the file's own light if too weak to count, see studio.h
     bool has_ground;          // the last shape is an added ground
     bool has_own_exposure, has_own_tone; // the file sets them
-    bool exposure_is_replaced;           // the file's was for an environment that --env replaces
+    bool exposure_is_replaced;           // the file's exposure was meant for an environment that
+                                         // --env replaces
     bool is_strict;                      // missing images are errors
     uint32_t missing_image_count;        // number of images that are replaced by pink
     enum scene_up up;
@@ -228,9 +229,9 @@ struct scene_override {
     const char *value; // JSON; text that is not valid JSON is a string
 };
 
-// A mesh in arrays of the caller's, which {"type": "mesh", "array": NAME} places in a scene file.
-// Numbers are in the machine's representation; strides are distances in bytes, 0: without gaps. Any
-// alignment will do.
+// A mesh in arrays that the caller owns; {"type": "mesh", "array": NAME} in a scene file places it.
+// Numbers have the machine's representation and any alignment. Strides are distances in bytes; 0:
+// elements without gaps.
 struct scene_array {
     const char *name;
     uint32_t vertex_count, triangle_count;
@@ -242,17 +243,18 @@ struct scene_array {
     size_t uv_stride;
     const void *colors; // four floats each, linear RGBA; NULL: none
     size_t color_stride;
-    const void *indices; // three uint32_t a triangle; NULL: vertices 3 i to 3 i + 2
-    size_t index_stride; // from triangle to triangle
+    const void *indices; // three uint32_t for each triangle; NULL: triangle i has vertices 3 i to 3
+                         // i + 2
+    size_t index_stride; // from one triangle to the next
 };
 
 struct scene_load_params {
-    const char *path; // .json (this program's format), .gltf, .glb, .obj or .ply, in any case
+    const char *path; // .json (this program's format), .gltf, .glb, .obj, .ply or .stl, in upper or
+                      // lower case
     const struct scene_override *overrides; // -D key=value; for .json only
     uint32_t override_count;
-    const char *text; // replaces the file's contents; our own format only. `path` is then only a
-                      // name
-    const struct scene_array *arrays; // meshes that the file may name; our own format only
+    const char *text; // replaces the contents of a .json file; `path` then only names it
+    const struct scene_array *arrays; // meshes that a .json file may place
     uint32_t array_count;
     bool allow_outside_paths; // files may name files outside of their own folder
     // The overrides come from a file in this folder: paths in them are relative to it and confined
@@ -303,36 +305,36 @@ bool scene_loading(const struct scene *scene, double fraction, struct err *err);
 // ERR_STOPPED when the listener wants to stop.
 bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err);
 
-// --- what the loaders share (scene_load.c calls exactly one of these by extension) ---------------
+// --- loaders (scene_load() calls one of them, chosen by extension) -------------------------------
 // Each loader appends to *scene, whose defaults, arena and path are set, and continues scene->hash
-// over the bytes of every file that it reads.
-// `load_base` loads the file that a document names as its "base"; it is scene_load_into.
+// over the bytes of every file that it reads. `load_base` loads the file that a document names as
+// its "base"; it is scene_load_into.
 typedef bool (*scene_load_fn)(struct scene *scene, const struct scene_load_params *params,
                               struct err *err);
 bool load_json(struct scene *scene, const struct scene_load_params *params, scene_load_fn load_base,
                struct err *err);
 bool load_gltf(struct scene *scene, const struct scene_load_params *params, struct err *err);
-// OBJ, PLY and STL; load_json also calls these for {"type": "mesh", "file": …}. On success one mesh,
-// *index, and the materials that it needs were appended, but no instances. `path` is trusted: the
-// caller confines it. default_material is for triangles without one; SCENE_NONE: append a grey one
-// when it is needed.
+// Load OBJ, PLY and STL; load_json also calls these for {"type": "mesh", "file": …}. On success
+// they have appended one mesh, *index, and the materials that it needs, but no instances. `path` is
+// trusted, because the caller confines it. default_material is for triangles without a material;
+// SCENE_NONE: a grey one is appended if needed.
 bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
               bool allow_outside_paths, uint32_t *index, struct err *err);
 bool load_ply(struct scene *scene, const char *path, uint32_t default_material, uint32_t *index,
               struct err *err);
 bool load_stl(struct scene *scene, const char *path, uint32_t default_material, uint32_t *index,
               struct err *err);
-// Returns whether the extension is that of one of these formats.
+// Returns whether the path has the extension of one of these formats.
 bool is_mesh_file(const char *path);
-// Returns the end of a message about a file of another format: "; PROGRAM can export it as glTF"
-// where a program is known that can, else "".
+// Returns the end of a message about a file of another format: "; PROGRAM can export it as glTF" if
+// such a program is known, else "".
 const char *mesh_file_hint(const char *path);
-// Fails with ERR_INPUT: the file is of none of the formats of scenes, which the message lists.
+// Fails with ERR_INPUT, because the file's extension is unknown; the message lists the known ones.
 bool scene_unknown_extension(const char *path, struct err *err);
-// Loads a file of one of these formats, which its extension names.
+// Loads an OBJ, PLY or STL file, as its extension says.
 bool load_mesh_by_extension(struct scene *scene, const char *path, uint32_t default_material,
                     bool allow_outside_paths, uint32_t *index, struct err *err);
-// Copies the arrays likewise.
+// Appends a mesh from the caller's arrays, which are checked and copied.
 bool load_array(struct scene *scene, const struct scene_array *array, uint32_t default_material,
                 uint32_t *index, struct err *err);
 // Loads glTF as a mesh of our JSON format: appends meshes and materials and, transformed by `place`

@@ -59,8 +59,8 @@ bool text_take_double(struct text_reader *text, double *out);
 bool text_take_integer(struct text_reader *text, int64_t *out);
 // Returns whether a blank, the end of the line or the end of the text follows.
 bool text_word_ended(const struct text_reader *text);
-// As the functions above, but fail with ERR_INPUT. The message names the place, what was found, and
-// that `what` was expected.
+// As the functions above, but fail with ERR_INPUT. The message names the place, the word found, and
+// `what` as the expected one.
 bool text_float(struct text_reader *text, const char *what, float *out, struct err *err);
 bool text_double(struct text_reader *text, const char *what, double *out, struct err *err);
 bool text_integer(struct text_reader *text, const char *what, int64_t *out, struct err *err);

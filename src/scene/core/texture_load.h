@@ -20,9 +20,9 @@ bool texture_image_load(struct scene *scene, const struct texture_source *source
                         struct err *err);
 
 // Handles an image that cannot be read because of `reason`. Unless the scene is strict, *index
-// becomes a pink image, one for each reason, and the materials that use it become pink when the
-// scene is complete (material_mark_missing). If the scene is strict, returns false with the reason
-// as *err.
+// becomes a pink image, one for each reason; the materials that use it become pink when the scene
+// is complete (material_mark_missing). If the scene is strict, returns false, and `reason` becomes
+// *err.
 bool texture_image_missing(struct scene *scene, const struct err *reason, uint32_t *index,
                            struct err *err);
 // Returns whether a texture of the material is a missing image. If so, the material becomes a pink

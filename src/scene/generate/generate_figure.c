@@ -14,8 +14,8 @@
 #define NOTHING UINT32_MAX
 // The maximum number of quadrilaterals in the net; finer meshes are made by splitting these.
 #define NET_MAX 40000.0
-// Figures of fewer than SIMPLIFIED_BELOW triangles are simplified from SIMPLIFIED_OF times as many,
-// and from at least SIMPLIFIED_MIN.
+// Figures of fewer than SIMPLIFIED_BELOW triangles are simplified from a mesh with SIMPLIFIED_OF
+// times as many triangles, and at least SIMPLIFIED_MIN.
 #define SIMPLIFIED_BELOW 50000u
 #define SIMPLIFIED_OF 12.0
 #define SIMPLIFIED_MIN 24000.0

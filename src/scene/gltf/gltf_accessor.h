@@ -35,7 +35,7 @@ struct accessor_rule {
     uint32_t types;                // COMPONENT_BITs permitted without "normalized"
     uint32_t normalized_types;     // COMPONENT_BITs permitted with "normalized": true
     uint32_t quantized_types;      // like `types`, but only permitted with KHR_mesh_quantization
-    uint32_t quantized_normalized; // likewise like `normalized_types`
+    uint32_t quantized_normalized; // like `normalized_types`, but only with KHR_mesh_quantization
     bool is_vertex_attribute;      // may be interleaved; elements are aligned to 4 bytes
 };
 

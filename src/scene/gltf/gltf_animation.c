@@ -285,7 +285,7 @@ static double *open_value(struct gltf_load *load, const struct json_node *node,
     double *const values[] = {pose->translation, pose->rotation, pose->scale};
     bool is_taken = channel->path == PATH_WEIGHTS ? pose->weights != NULL : *has[channel->path];
     if (is_taken) {
-        node_fail(node, err, "another channel has %s of nodes[%u] already",
+        node_fail(node, err, "another channel already animates %s of nodes[%u]",
                   value_rules[channel->path].use, channel->node);
         return NULL;
     }

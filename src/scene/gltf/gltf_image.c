@@ -78,8 +78,9 @@ struct image_job {
     bool ok, is_mislabelled, is_strict;
 };
 
-// Green becomes mix(ends[0], ends[1], green), so that a minimum and a maximum need only one factor
-// on the texel. Linear interpolation between texels commutes with this.
+// Replaces green by mix(ends[0], ends[1], green), so that a parameter with a minimum and a maximum
+// needs only one factor on the texel. The replacement commutes with linear interpolation between
+// texels.
 static void map_green(struct texture_image *image, const float ends[2])
 {
     size_t count = (size_t)image->width * image->height;

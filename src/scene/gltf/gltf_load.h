@@ -45,7 +45,7 @@ enum gltf_attribute {
     GLTF_ATTRIBUTE_COUNT,
 };
 
-// Arrays that were decoded from an accessor. Primitives that share the accessor share the arrays.
+// Arrays decoded from an accessor. Primitives with the same accessor share them.
 struct gltf_vectors {
     float *values[GLTF_ATTRIBUTE_COUNT]; // NULL until the accessor is used as that attribute
     uint32_t count;                      // number of elements of each
@@ -131,7 +131,7 @@ struct gltf_load_params {
     struct gltf_source source;
     const double (*place)[4]; // 3x4, from the file's world to the scene's
     bool with_cameras;
-    const char *variant;      // as in scene_load_params
+    const char *variant;      // these three as in scene_load_params
     const double *at_seconds; // these three are as in scene_load_params
     const char *animation, *scene_name;
     const struct progress *progress; // NULL: no listener

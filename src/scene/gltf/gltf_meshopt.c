@@ -151,7 +151,7 @@ static bool decode_view(struct gltf_document *document, uint32_t index, struct e
     if (!data)
         return gltf_no_memory(document, "decompressed views", in.count * in.stride, err);
     if (!decode(&in, data))
-        return node_fail(&in.node, err, "its %zu bytes are no valid stream of %llu elements",
+        return node_fail(&in.node, err, "its %zu bytes are not a valid stream of %llu elements",
                          in.size, (unsigned long long)in.count);
     apply_filter(&in, data);
     document->decoded_views[index] = data;

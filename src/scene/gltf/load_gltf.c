@@ -166,7 +166,7 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
     const struct gltf_document *document = &load->document;
     const struct gltf_tally *t = &load->tally;
     const struct note notes[] = {
-        {t->specular_glossy, "materials of specular-glossiness are shown as dielectrics of that "
+        {t->specular_glossy, "specular-glossiness materials are shown as dielectrics with that "
                              "reflectance"},
         {t->coat_normals,
          "materials: the normals of the clear coat are approximated by the base's"},
@@ -181,7 +181,8 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
         {t->primitives_without_positions, "primitives without positions are skipped"},
         {t->clamped_colors, "vertex colours outside [0, 1] are clamped"},
         {t->infinite_texcoords, "texture coordinates that are not finite become 0"},
-        {t->empty_primitives, "primitives whose triangles all have a vertex twice are skipped"},
+        {t->empty_primitives,
+         "primitives are skipped: all of their triangles have a repeated vertex"},
         {load->poses ? 0 : document->counts[GLTF_ANIMATIONS],
          "animations are not used: the nodes are shown without them"},
         {t->ignored_channels, "channels of the animation are ignored: their target is not a "

@@ -102,8 +102,8 @@ static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
                : err_memory(err, "a time", sizeof at);
 }
 
-// Reads the parameters for loading the base. For a base without light, light and ground are chosen
-// by the command line, unless this file chooses them.
+// Reads the parameters for loading the base. If the base has no light, the command line chooses
+// light and ground, unless this file does.
 static bool read_base(struct json_loader *loader, const struct json_node *node,
                       struct scene_load_params *load, struct err *err)
 {

@@ -8,11 +8,11 @@
 #include "scene/generate/scatter.h"
 #include <string.h>
 
-// The memory that an element of the list needs. It is a lower bound: of an element that names a
-// file, and of spheres that may not find a place, only what is certain counts.
+// A lower bound of the memory that an element of the list needs. For an element that names a file,
+// and for spheres that may not find a place, only the certain part counts.
 struct needs {
     uint64_t bytes;   // for meshes
-    uint64_t passing; // needed only temporarily
+    uint64_t passing; // memory that is needed only while loading
     uint64_t instances, shapes;
     // Additional capacity that is reserved but may stay unused.
     uint64_t spare_instances, spare_shapes;

@@ -58,10 +58,11 @@ static bool load_named_array(struct json_loader *loader, const struct json_node 
     while (i < params->array_count && strcmp(params->arrays[i].name, name) != 0)
         i++;
     if (i == params->array_count)
-        return node_fail(&array, err,
-                         "no program has given a mesh \"%s\" in arrays; expected \"file\" where a "
-                         "scene file is read alone",
-                         name);
+        return node_fail(
+            &array, err,
+            "there are no arrays for a mesh \"%s\", which only a program that loads the "
+            "scene can provide; expected \"file\"",
+            name);
     if (!load_array(loader->scene, &params->arrays[i], material, &mesh, err))
         return node_prepend(&array, err);
     return scene_place_meshes(loader->scene, mesh, 1, err);

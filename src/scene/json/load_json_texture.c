@@ -139,7 +139,8 @@ static bool begin_parameter(const struct json_node *node, const struct json_node
         return true;
     if (!is_unit)
         return p->fallback != 0.0f ||
-               node_fail(node, err, "scales \"%s\", which is 0 where it is not given", p->name);
+               node_fail(node, err, "scales \"%s\", which is 0 by default; expected a value for it",
+                         p->name);
     for (uint32_t i = 0; i < p->count; i++)
         material->parameters[p->first + i] = invert ? 0.0f : 1.0f;
     return true;
@@ -183,8 +184,9 @@ static bool load_image(struct json_loader *loader, const struct json_node *node,
     if (!node_read_choice(node, "encoding", encodings, &encoding, err))
         return false;
     if (entry->has_colors && entry->has_data && !node_member(node, "encoding").value)
-        return node_fail(node, err,
-                         "scales colours and numbers: \"encoding\" must say which the image holds");
+        return node_fail(
+            node, err,
+            "scales colours and numbers; expected \"encoding\", the kind of values in the image");
     struct err reason = {0};
     const struct texture_source source = {
         .path = load_json_path(loader, node, "file", &reason),

@@ -380,8 +380,9 @@ static void find_base(struct writer *w)
         }
         return;
     }
-    // An environment of the command line suppressed the ground. In the new file, though, the
-    // environment is applied after the base is loaded.
+    // With an environment on the command line, no ground was added. When the new file is loaded,
+    // its environment is applied after its base has been loaded, so the ground must be turned off
+    // explicitly.
     bool is_lit = load->environment_file || load->environment_radiance || load->environment_sky;
     w->base = (struct scene_base){.load = *load,
                                   .override_paths = before->override_paths,

@@ -1,4 +1,4 @@
-// Meshes in arrays of the caller's: checks and copies them.
+// Copies a mesh from the caller's arrays, and checks it.
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/hash.h"

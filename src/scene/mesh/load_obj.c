@@ -550,9 +550,9 @@ static void warn_about(const struct obj_parser *parser)
                  path, (unsigned long long)parser->skipped_line,
                  (unsigned long long)parser->skipped_count);
     if (parser->missing_library_count > 0)
-        log_warn("%s:%llu: mtllib: %s; going on without it (%llu such lines in the file)", path,
-                 (unsigned long long)parser->missing_library_line, parser->missing_library.msg,
-                 (unsigned long long)parser->missing_library_count);
+        log_warn("%s:%llu: mtllib: %s; loading continues without it (%llu such lines in the file)",
+                 path, (unsigned long long)parser->missing_library_line,
+                 parser->missing_library.msg, (unsigned long long)parser->missing_library_count);
     if (parser->unknown_material_count > 0)
         log_warn("%s:%llu: usemtl: an unknown material; the default one is used (%u such lines)",
                  path, (unsigned long long)parser->unknown_material_line,

@@ -1,6 +1,6 @@
-// STL, triangles of stereolithography (3D Systems 1988): binary and ASCII. Corners at the same
-// place become one vertex. Normals of facets are not read: they follow from the corners, which are
-// counter-clockwise seen from outside. The format has no unit: numbers are metres.
+// Reads STL files (stereolithography, 3D Systems 1988), binary and ASCII. Corners at the same
+// position become one vertex. Facet normals are ignored: they follow from the corners, which are
+// counter-clockwise as seen from outside. The format has no unit; numbers are taken as metres.
 #include "scene/mesh/mesh_loader.h"
 
 #include "base/file.h"
@@ -10,15 +10,16 @@
 #include <string.h>
 
 #define BINARY_HEADER_BYTES 84u // a comment of 80 bytes and the number of triangles
-#define BINARY_FACET_BYTES 50u  // normal, three corners, 16 bits whose meaning differs by program
-#define FACETS_BETWEEN_LOOKS 262144u // between polls of whether to stop
+#define BINARY_FACET_BYTES 50u  // normal, three corners, 16 bits whose meaning depends on the
+                                // program
+#define FACETS_BETWEEN_LOOKS 262144u // triangles between two polls for a stop
 
 struct stl_parser {
     struct scene *scene;
     struct arena scratch;
-    struct text_reader text; // a byte position in binary files
-    const char *start;       // of the file
-    // The bits of each coordinate of each corner: positions that are equal have equal bits.
+    struct text_reader text; // in binary files only a byte position
+    const char *start;       // start of the file
+    // The bits of each coordinate of each corner; equal positions have equal bits.
     struct triangle_list axes[3];
     double (*exact)[3]; // not NULL in a second pass over an ASCII file, which reads only these:
                         // three corners for each triangle
@@ -62,7 +63,7 @@ static uint32_t read_word(const char *at)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-// The size decides, since many binary files begin with "solid" as ASCII ones do.
+// The size decides, because many binary files begin with "solid", like ASCII files.
 static bool is_binary(const struct stl_parser *parser)
 {
     size_t size = text_remaining(&parser->text);
@@ -131,14 +132,14 @@ static bool read_corner(struct stl_parser *parser, float corner[3], struct err *
                                           (double)corner[0], (double)corner[1], (double)corner[2]);
 }
 
-// What follows the word "facet".
+// Reads a facet after its first word, "facet".
 static bool read_facet(struct stl_parser *parser, struct err *err)
 {
     float corners[3][3];
     if (!expect(parser, "normal", err))
         return false;
     for (int i = 0; i < 3; i++)
-        next_word(parser); // writers put "nan" and worse there
+        next_word(parser); // some programs write "nan" or other words here
     if (!expect(parser, "outer", err) || !expect(parser, "loop", err))
         return false;
     for (int corner = 0; corner < 3; corner++)
@@ -148,7 +149,7 @@ static bool read_facet(struct stl_parser *parser, struct err *err)
            (parser->exact || add_triangle(parser, corners, err));
 }
 
-// A file may have several solids. The rest of the lines of "solid" and "endsolid" is a name.
+// Reads any number of solids. After "solid" and "endsolid" the rest of the line is a name.
 static bool read_ascii(struct stl_parser *parser, struct err *err)
 {
     bool is_in_solid = false;
@@ -200,8 +201,8 @@ static bool build_mesh(struct stl_parser *parser, uint32_t default_material, str
     return mesh_default_material(parser->scene, default_material, false, &mesh->material, err);
 }
 
-// Keeps all digits of an ASCII file if single precision loses details of the mesh: then each corner
-// is a vertex, since those that single precision rounds to one place may differ.
+// Keeps all digits of an ASCII file if single precision loses details of the mesh. Each corner is
+// then a vertex of its own, because corners that are equal in single precision may differ.
 static bool read_exact(struct stl_parser *parser, struct text_reader begin, struct mesh *mesh,
                        struct err *err)
 {
@@ -235,13 +236,13 @@ static bool fail_unknown(const struct stl_parser *parser, struct err *err)
     if (size < BINARY_HEADER_BYTES)
         return err_set(
             err, ERR_INPUT,
-            "%s: is no STL file: it does not begin with \"solid\", and %zu bytes are too "
+            "%s: is not an STL file: it does not begin with \"solid\", and %zu bytes are too "
             "few for a binary file; expected at least %u",
             path, size, BINARY_HEADER_BYTES);
     uint64_t count = read_word(parser->text.at + BINARY_HEADER_BYTES - 4);
     return err_set(
         err, ERR_INPUT,
-        "%s: is no STL file: it does not begin with \"solid\", and a binary file of %llu "
+        "%s: is not an STL file: it does not begin with \"solid\", and a binary file of %llu "
         "triangles has %llu bytes, not %zu",
         path, (unsigned long long)count,
         (unsigned long long)(BINARY_HEADER_BYTES + BINARY_FACET_BYTES * count), size);

@@ -1,4 +1,4 @@
-// The formats of meshes, by the extensions of their files.
+// Selects the loader of a mesh file by the file's extension.
 #include "base/file.h"
 #include "scene/core/scene.h"
 

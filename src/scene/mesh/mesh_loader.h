@@ -82,7 +82,8 @@ struct mtl_material {
     struct material material;
     struct mtl_map maps[MTL_MAP_COUNT];
     const char *file;     // the file that defines the material
-    uint32_t order;       // of definition: the first of several with the same name is used
+    uint32_t order;       // position of the definition in the file: the first of several with one
+                          // name is used
     uint32_t scene_index; // index in the scene's materials; SCENE_NONE until a face uses it
 };
 

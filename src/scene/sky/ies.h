@@ -8,9 +8,9 @@
 #define IES_ANGLES_MAX 4096      // maximum number of angles of each kind, vertical and horizontal
 #define IES_VALUES_MAX (1 << 22) // maximum number of values in a file
 
-// Lumens per watt at the wavelength of the greatest luminous efficacy (683.002 lm/W by the
-// definition of the candela, BIPM 2019). glTF importers use this factor for light of any spectrum,
-// and so does this program.
+// Lumens per watt at the wavelength of maximum luminous efficacy (683.002 lm/W by the definition of
+// the candela, BIPM 2019). Like glTF importers, this program uses the factor for light of any
+// spectrum.
 #define LUMENS_A_WATT 683.0
 
 // Relative intensity by angles: 1 at its maximum, bilinear between the angles of the file, and 0

@@ -31,9 +31,10 @@ struct surroundings {
 
 struct surroundings surroundings_default(void);
 
-// For editors, after scene_load(): replaces the environment by one of these sources, and the sky's
-// sun, which is the last light, by that of the new sky, if any. The new environment is neither
-// rotated nor scaled. The old texels stay in the arena. On failure the scene is unchanged.
+// A new environment for an editor to set after scene_load(). It replaces the environment, and the
+// sky's sun, which is the last light, becomes the sun of the new sky or is removed. The new
+// environment is neither rotated nor scaled. The old texels stay in the arena. On failure the scene
+// is unchanged.
 struct environment_source {
     const char *file;      // a trusted path, or NULL
     const struct sky *sky; // a sky, or NULL
