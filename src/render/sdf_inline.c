@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The functions of lib/sdf.glsl by operation; two for metaballs.
+// Names of the functions of lib/sdf.glsl, indexed by operation; metaballs have two functions.
 static const char *const function_names[SDF_OPERATIONS + 1] = {
     "sdf_sphere(",    "sdf_box(",          "sdf_frame(",      "sdf_torus(",      "sdf_capsule(",
     "sdf_cone(",      "sdf_solid_angle(",  "sdf_cylinder(",   "sdf_plane(",      "sdf_gyroid(",

@@ -20,9 +20,9 @@ double bounding_radius(const struct flat_scene *flat);
 // irradiance at a distance d is I / d^2 in that unit, too.
 struct light flat_light(const struct flat_scene *flat, const struct light *light);
 
-// Returns the power of a light, which must be a result of flat_light(). For an infinitely far light
-// this is the flux through the disc of the scene's bounding sphere, of radius R: a directional
-// light of irradiance E sends E pi R^2.
+// Returns the power of a light, which must be a result of flat_light(). The flux of an infinitely
+// far light is that through the disc of the scene's bounding sphere, of radius R: E pi R^2 for a
+// directional light of irradiance E.
 double light_power(const struct light *light, const struct flat_scene *flat);
 // Returns the power of an environment's image: the mean of the radiance above `floor` over the
 // sphere, times 4 pi and the area pi R^2 of the bounding sphere's disc, over 2 pi.
