@@ -27,7 +27,7 @@ enum image_layer_type {
     IMAGE_LAYER_UINT,  // 32-bit integers
 };
 
-// An additional EXR layer: channels "NAME.R", "NAME.G", "NAME.B", or with other letters.
+// An additional EXR layer. Its channels are "NAME.R", "NAME.G" and "NAME.B", or have other letters.
 struct image_layer {
     const char *name;
     const void *values;          // interleaved: floats, or uint32_t
@@ -37,15 +37,16 @@ struct image_layer {
 
 struct image_write_params {
     const char *path; // its extension says the format: exr, png, jpg, jpeg, hdr or pfm, in any case
-    const struct image *image;        // EXR: pixels may be NULL, and there are only layers then
+    const struct image *image;        // EXR: pixels may be NULL; the file then has only layers
     const struct image_layer *layers; // EXR only
     uint32_t layer_count;
     const struct image_attribute *attributes;
     uint32_t attribute_count;
     bool half_float;      // EXR: 16-bit channels; finite values past 65504 saturate, with a warning
-    bool uncompressed;    // EXR: so that no compressor can fail
-    bool unfiltered;      // PNG: without prediction from neighbours, which noise is larger with
-    unsigned png_bits;    // of a value: 8 (also for 0) or 16
+    bool uncompressed;    // EXR: not compressed, so that no compressor can fail
+    bool unfiltered;      // PNG: rows are not predicted from neighbours, because prediction makes
+                          // noise larger
+    unsigned png_bits;    // bits of a value: 8 (also for 0) or 16
     float exposure_stops; // PNG, JPEG: multiplies by 2^stops before the curve
     enum tone_curve tone; // PNG, JPEG
 };
@@ -53,22 +54,22 @@ struct image_write_params {
 // Returns whether image_write() supports the path's extension. If not, fails with ERR_USAGE, naming
 // those that it supports.
 bool image_check_format(const char *path, struct err *err);
-// Returns whether the format of that name shows tone-mapped codes: PNG and JPEG.
+// Returns whether the format of that name stores tone-mapped codes, as PNG and JPEG do.
 bool image_is_tone_mapped(const char *path);
 // Returns the most bytes per pixel that the image itself takes in a file of that name, without
 // compression.
 uint64_t image_pixel_bytes(const struct image_write_params *params);
-// Writes atomically (base/file.h). ERR_OUTPUT on failure; an older file stays intact then. The file
-// is put together in memory first, decoded again and compared, bit for bit, with what was to be
-// written: pixels (of PNG and HDR, their codes), layers and metadata. JPEG's pixels are compared
-// with the greatest error that its quantisation allows. PFM has no metadata. Values that HDR cannot
-// hold are changed, with a warning.
+// Writes the file atomically (base/file.h). Fails with ERR_OUTPUT; an older file then stays intact.
+// The file is encoded in memory first, decoded again and compared bit for bit with the data that
+// were encoded: pixels (for PNG and HDR, their codes), layers and metadata. The pixels of a JPEG
+// are compared within the greatest error that its quantisation allows. PFM has no metadata. Values
+// that HDR cannot hold are changed, with a warning.
 bool image_write(const struct image_write_params *params, struct err *err);
 // Encodes the image into `arena` without writing a file. Only the extension of the path is used.
 bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
                   size_t *size, struct err *err);
-// Encodes 8-bit RGB codes, unchanged, as a PNG file in `arena`, verified in the same way. Rows are
-// filtered or unfiltered, whichever takes fewer bytes.
+// Encodes 8-bit RGB codes, without changing them, as a PNG file in `arena`, and verifies it as
+// image_write() does. Rows are filtered or unfiltered, whichever takes fewer bytes.
 bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, struct arena *arena,
                         uint8_t **data, size_t *size, struct err *err);
 
@@ -77,13 +78,15 @@ bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, s
 void image_corrupt_at(uint64_t n);
 
 struct image_read_params {
-    const char *path; // .exr, .hdr, .pfm, .png (sRGB decoded to linear), .jpg (the same)
+    const char *path; // .exr, .hdr, .pfm, .png or .jpg; PNG and JPEG are converted from sRGB to
+                      // linear
     // EXR: the layer to read, with channels R, G, B, or X, Y, Z, or Y, or a single channel by its
     // full name ("depth.Z"); NULL: the channels without a layer.
     const char *layer;
     uint32_t side_max;               // maximum length of the longest side, in pixels; 0: no limit
     bool is_linear;                  // PNG and JPEG: colours are linear, not sRGB-encoded
-    const struct progress *progress; // asked from time to time whether to stop, by any thread
+    const struct progress *progress; // asked from time to time whether to stop; any thread may call
+                                     // it
 };
 
 // Reads an image into `arena`. The memory budget is checked for the pixels, and for what the

@@ -49,7 +49,7 @@ static bool check_header(const struct exr_verifier *verifier, struct err *err)
               order == EXR_LINEORDER_INCREASING_Y && same_window(&data, verifier->params->image) &&
               same_window(&display, verifier->params->image) && aspect == 1 && center.x == 0 &&
               center.y == 0 && width == 1;
-    return ok || err_set(err, ERR_OUTPUT, "EXR: the header is not what was written");
+    return ok || err_set(err, ERR_OUTPUT, "EXR: the decoded header differs from the one encoded");
 }
 
 static bool check_channels(const struct exr_verifier *verifier, struct err *err)
@@ -66,7 +66,7 @@ static bool check_channels(const struct exr_verifier *verifier, struct err *err)
         ok = exr_channel_find(verifier->params, list->entries[i].name.str, &channel) &&
              list->entries[i].pixel_type == channel.type && list->entries[i].x_sampling == 1 &&
              list->entries[i].y_sampling == 1;
-    return ok || err_set(err, ERR_OUTPUT, "EXR: the channels are not those that were written");
+    return ok || err_set(err, ERR_OUTPUT, "EXR: the decoded channels differ from those encoded");
 }
 
 static bool check_attributes(const struct exr_verifier *verifier, struct err *err)
@@ -82,7 +82,8 @@ static bool check_attributes(const struct exr_verifier *verifier, struct err *er
                   (size_t)found->string->length == length &&
                   memcmp(found->string->str, wanted->value, length) == 0;
         if (!ok)
-            return err_set(err, ERR_OUTPUT, "EXR: attribute \"%s\" is not what was written",
+            return err_set(err, ERR_OUTPUT,
+                           "EXR: the decoded attribute \"%s\" differs from the one encoded",
                            wanted->key);
     }
     return true;
@@ -125,7 +126,7 @@ static bool compare_channel(const struct exr_verifier *verifier, const struct ex
     return true;
 }
 
-// Compares a decompressed block, which holds line by line, and in each line channel by channel.
+// Compares a decompressed block, which is stored line by line, and each line channel by channel.
 static bool compare_block(const struct exr_verifier *verifier, struct err *err)
 {
     const exr_decode_pipeline_t *decoder = &verifier->decoder;

@@ -1,5 +1,5 @@
-// Writes Radiance .hdr pictures (Ward 1991, "Real Pixels", Graphics Gems II): RGBE, run-length
-// encoded by component. image_hdr.c reads them.
+// Writes Radiance .hdr images (Ward 1991, "Real Pixels", Graphics Gems II): RGBE, run-length
+// encoded by component. image_hdr.c reads this format.
 #include "image/image_internal.h"
 
 #include "base/log.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Rows of these widths have the encoding of components one after another; others are flat.
+// Rows of these widths are encoded as four components, one after another; other rows are flat.
 #define ENCODED_WIDTH_MIN 8u
 #define ENCODED_WIDTH_MAX 32767u
 #define RUN_MIN 4u // shorter runs take no fewer bytes than literals
@@ -18,8 +18,8 @@
 
 struct hdr_writer {
     struct byte_buffer *out;
-    uint64_t changed; // pixels that RGBE cannot hold: negative, not finite, too large
-    bool is_full;     // there is no memory
+    uint64_t changed; // number of pixels that RGBE cannot hold: negative, not finite or too large
+    bool is_full;     // memory ran out
 };
 
 static void put(struct hdr_writer *writer, const void *data, size_t size)
@@ -27,9 +27,9 @@ static void put(struct hdr_writer *writer, const void *data, size_t size)
     writer->is_full |= !byte_buffer_write(writer->out, writer->out->size, data, size);
 }
 
-// The three mantissas share the exponent of the largest: the value is m 2^(e - 136). Mantissas are
-// rounded to nearest, as the reader expects. Negative values and NaN become 0; values above the
-// largest that the format holds become that.
+// Converts a pixel to RGBE. The three mantissas share the exponent of the largest one: a value is m
+// 2^(e - 136). Mantissas are rounded to nearest, as the reader expects. Negative values and NaN
+// become 0. Values above `greatest`, the largest that the format holds, become `greatest`.
 static void encode_pixel(const float rgb[3], uint8_t rgbe[4], uint64_t *changed)
 {
     const float greatest = 255.0f * 0x1p119f; // 255 2^(255 - 136)
@@ -41,7 +41,7 @@ static void encode_pixel(const float rgb[3], uint8_t rgbe[4], uint64_t *changed)
         most = fmaxf(most, value[c]);
     }
     *changed += is_changed;
-    int exponent = 0; // of `most`, in [0.5, 1) 2^exponent
+    int exponent = 0; // exponent of `most`, which is in [0.5, 1) 2^exponent
     frexpf(most, &exponent);
     exponent += rintf(ldexpf(most, 8 - exponent)) > 255.0f;
     memset(rgbe, 0, 4);
@@ -75,7 +75,7 @@ static void put_literals(struct hdr_writer *writer, const uint8_t (*row)[4], siz
 static void put_component(struct hdr_writer *writer, const uint8_t (*row)[4], size_t width,
                           int component)
 {
-    size_t begun = 0; // of the literals that are not yet written
+    size_t begun = 0; // the first pixel of the literals that are not yet written
     for (size_t x = 0; x < width;) {
         size_t run = run_length(row, x, width, component);
         bool is_run = run >= RUN_MIN;
@@ -98,8 +98,8 @@ static void put_component(struct hdr_writer *writer, const uint8_t (*row)[4], si
 static void put_row(struct hdr_writer *writer, const uint8_t (*row)[4], size_t width)
 {
     if (width < ENCODED_WIDTH_MIN || width > ENCODED_WIDTH_MAX) {
-        // A mantissa of every pixel is at least 128, or all are 0: none looks like a run or like
-        // the marker of an encoded row.
+        // Each pixel has a mantissa of at least 128, or all its mantissas are 0. So no pixel can be
+        // mistaken for a run or for the marker of an encoded row.
         put(writer, row, width * sizeof *row);
         return;
     }
@@ -156,15 +156,16 @@ bool image_hdr_write(const struct image_write_params *params, const uint8_t (*co
     return !writer.is_full || err_memory(err, "the HDR", out->size);
 }
 
-// The reader passes over comments and over the mantissas of black pixels; a second encoding does
-// not.
+// Decoding does not detect errors in comments, or in the mantissas of black pixels, because the
+// reader ignores both. Encoding a second time does.
 static bool verify_bytes(const struct image_write_params *params, const uint8_t (*codes)[4],
                          const struct byte_buffer *file, struct err *err)
 {
     struct byte_buffer again = {0};
     bool ok = image_hdr_write(params, codes, &again, err);
-    ok = ok && ((again.size == file->size && memcmp(again.data, file->data, again.size) == 0) ||
-                err_set(err, ERR_OUTPUT, "HDR: two encodings of the picture differ"));
+    ok = ok &&
+         ((again.size == file->size && memcmp(again.data, file->data, again.size) == 0) ||
+          err_set(err, ERR_OUTPUT, "HDR: encoding the picture twice gave two different files"));
     byte_buffer_finish(&again);
     return ok;
 }
@@ -184,7 +185,7 @@ bool image_hdr_verify(const struct image_write_params *params, const uint8_t (*c
     if (!ok)
         err_set(err, failure.code == ERR_INPUT ? ERR_OUTPUT : failure.code, "%s", failure.msg);
     ok = ok && ((read.width == image->width && read.height == image->height) ||
-                err_set(err, ERR_OUTPUT, "HDR: the size is not what was written"));
+                err_set(err, ERR_OUTPUT, "HDR: the decoded size differs from the one encoded"));
     for (size_t i = 0; ok && i < (size_t)image->width * image->height; i++)
         for (int c = 0; ok && c < 3; c++) {
             float expected = (float)ldexp(codes[i][c], codes[i][3] - EXPONENT_BIAS - 8);

@@ -21,7 +21,7 @@ bool byte_buffer_write(struct byte_buffer *buffer, size_t offset, const void *da
 void byte_buffer_finish(struct byte_buffer *buffer);
 
 // --- pixels.c -----------------------------------------------------------------------------------
-// An encoded picture in memory, what is wanted of it and what may be spent on decoding it.
+// An encoded image in memory, how to decode it, and how much decoding may cost.
 struct image_source {
     const char *path; // names the image in messages
     const uint8_t *data;
@@ -52,8 +52,8 @@ struct pixels_size {
 bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
                      struct arena *arena, struct pixels *out, struct err *err);
 
-// Must be called once per row. Fails with ERR_STOPPED if the work is to stop. Polls only from time
-// to time.
+// Must be called once per row. Fails with ERR_STOPPED if progress requests a stop, which it asks
+// only from time to time.
 bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err);
 
 // The value of each 8-bit code: [0] for colours, [1] for alpha.
@@ -87,8 +87,8 @@ bool image_exr_verify(const struct image_write_params *params, const struct byte
 bool image_hdr_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err);
 
-// Computes the RGBE codes of the pixels, row 0 at the top, and warns of pixels that they cannot
-// hold. The caller frees them.
+// Computes the RGBE codes of the pixels, row 0 at the top. Logs a warning if RGBE cannot hold some
+// of the values. The caller frees the codes.
 bool image_hdr_codes(const struct image_write_params *params, uint8_t (**codes)[4],
                      struct err *err);
 bool image_hdr_write(const struct image_write_params *params, const uint8_t (*codes)[4],
@@ -116,8 +116,8 @@ bool image_png_read(const struct image_source *source, struct arena *arena, stru
                     struct err *err);
 bool image_png_read_attributes(const struct image_source *source, struct arena *arena,
                                struct image_attribute **out, uint32_t *count, struct err *err);
-// Computes the codes of the pixels, RGB, row 0 at the top, for PNG and JPEG: bytes, or with 16 bits
-// two bytes each, the high one first, as PNG has them. The caller frees them.
+// Computes the RGB codes of the pixels for PNG and JPEG, row 0 at the top: one byte per value, or
+// with 16 bits two bytes, the high byte first, as PNG requires. The caller frees the codes.
 bool image_display_codes(const struct image_write_params *params, uint8_t **codes, struct err *err);
 bool image_png_write(const struct image_write_params *params, const uint8_t *codes,
                      struct byte_buffer *out, struct err *err);

@@ -1,39 +1,39 @@
-// Writes 8-bit JPEG by libjpeg-turbo: tone-mapped and sRGB-encoded as PNGs are, with the metadata
-// in comments. image_jpeg.c reads them.
+// Writes 8-bit JPEG with libjpeg-turbo: tone-mapped and sRGB-encoded like PNG, with the metadata in
+// comments. image_jpeg.c reads this format.
 #include "image/image_internal.h"
 
 #include "base/memory.h"
 #include <math.h>
 #include <setjmp.h>
-#include <stdio.h> // jpeglib.h wants FILE and size_t
+#include <stdio.h> // jpeglib.h needs FILE and size_t
 #include <stdlib.h>
 #include <string.h>
 
 #include <jpeglib.h>
 
-// With this quality the steps of the quantisation are a tenth of those that the standard's tables
-// (ITU-T T.81, annex K) have; chroma is not subsampled, because renders have sharp edges of colour.
+// With this quality the quantisation steps are a tenth of those in the standard's tables (ITU-T
+// T.81, annex K). Chroma is not subsampled, because renders have sharp edges of colour.
 #define QUALITY 95
-#define COMMENT_MAX 65533u // bytes of a marker's content
+#define COMMENT_MAX 65533u // greatest number of bytes in a marker's content
 #define BLOCK 8u
 
-// Everything that must survive a longjmp lives here, outside of the function that calls setjmp.
+// Everything that must survive a longjmp is in this struct, outside the function that calls setjmp.
 struct jpeg_coder {
-    struct jpeg_error_mgr error; // first, so that the library's pointer to it leads here
+    struct jpeg_error_mgr error; // first: the library's pointer to it is cast to this struct
     jmp_buf on_error;
     char message[JMSG_LENGTH_MAX];
     const struct image_write_params *params;
     const uint8_t *codes;
-    char *comment; // all metadata, "key=value" in lines
-    // Of the encoder:
+    char *comment; // all metadata, one "key=value" per line
+    // The following members are used by the encoder.
     struct jpeg_compress_struct compress;
     unsigned char *data;
     unsigned long size;
-    // Of the verifier:
+    // The following members are used by the verifier.
     const struct byte_buffer *file;
     struct jpeg_decompress_struct decompress;
     uint8_t *rows;    // one row of blocks, decoded to Y, Cb, Cr
-    double bounds[3]; // greatest sum of squared errors of a block, by component
+    double bounds[3]; // for each component, the greatest permitted sum of squared errors of a block
 };
 
 static void leave(j_common_ptr common)
@@ -43,7 +43,7 @@ static void leave(j_common_ptr common)
     longjmp(coder->on_error, 1);
 }
 
-// What was just encoded gives no reason for a warning.
+// A warning is an error here, because a file that was just encoded must not cause one.
 static void judge_message(j_common_ptr common, int level)
 {
     if (level < 0)
@@ -138,13 +138,14 @@ bool image_jpeg_write(const struct image_write_params *params, const uint8_t *co
 
 // --- verifying -----------------------------------------------------------------------------------
 
-// The transform of a block is orthonormal: the sum of squared errors of its 64 values is that of
-// its coefficients, each of which is off by at most half a step of the quantisation. Clamping to
-// 0..255 only lessens it. The integer transforms and the conversion of colours, both ways, round
-// each value by at most 2 in all (Loeffler, Ligtenberg and Moschytz 1989; libjpeg's jdct.h).
+// The transform of a block is orthonormal, so the sum of squared errors of its 64 values equals
+// that of its coefficients. Each coefficient is off by at most half a quantisation step. Clamping
+// to 0..255 can only reduce the error. The integer transforms and colour conversions, in both
+// directions, round each value by at most 2 in total (Loeffler, Ligtenberg and Moschytz 1989;
+// libjpeg's jdct.h).
 static void bound_errors(struct jpeg_coder *coder)
 {
-    const double rounding = 2.0 * BLOCK; // the norm of 64 values of 2
+    const double rounding = 2.0 * BLOCK; // the norm of 64 values, each of which is 2
     for (int c = 0; c < 3; c++) {
         const JQUANT_TBL *table = coder->decompress.comp_info[c].quant_table;
         double sum = 0.0;
@@ -154,7 +155,7 @@ static void bound_errors(struct jpeg_coder *coder)
     }
 }
 
-// ITU-T T.871, section 7.
+// Returns Y, Cb or Cr of a pixel (ITU-T T.871, section 7).
 static double component_of(const uint8_t *rgb, int component)
 {
     switch (component) {
@@ -230,15 +231,16 @@ static bool verify(struct jpeg_coder *coder)
     return true;
 }
 
-// Decoding cannot tell a small change of a coefficient from the quantisation; a second encoding
-// can.
+// Decoding cannot distinguish a small change of a coefficient from the quantisation error. Encoding
+// a second time detects it.
 static bool verify_bytes(const struct image_write_params *params, const uint8_t *codes,
                          const struct byte_buffer *file, struct err *err)
 {
     struct byte_buffer again = {0};
     bool ok = image_jpeg_write(params, codes, &again, err);
-    ok = ok && ((again.size == file->size && memcmp(again.data, file->data, again.size) == 0) ||
-                err_set(err, ERR_OUTPUT, "JPEG: two encodings of the picture differ"));
+    ok = ok &&
+         ((again.size == file->size && memcmp(again.data, file->data, again.size) == 0) ||
+          err_set(err, ERR_OUTPUT, "JPEG: encoding the picture twice gave two different files"));
     byte_buffer_finish(&again);
     return ok;
 }

@@ -1,5 +1,5 @@
 // Portable float maps, .pfm (Debevec's HDR Shop; Netpbm's "pfm" page): a header of three lines,
-// then 32-bit floats in rows from the bottom. The format has no place for metadata.
+// then 32-bit floats in rows from the bottom. The format cannot store metadata.
 #include "image/image_internal.h"
 
 #include <ctype.h>
@@ -8,19 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HEADER_MAX 64 // of a file that is written: "PF", two sizes, "-1.0"
+#define HEADER_MAX 64 // bytes for the header that is written: "PF", two sizes, "-1.0"
 
 struct pfm_reader {
     const uint8_t *data;
     size_t size, at;
-    unsigned components; // 3: "PF", 1: "Pf"
+    unsigned components; // 3 for "PF", 1 for "Pf"
     uint64_t width, height;
-    double scale; // the factor of all values
+    double scale; // factor by which all values are multiplied
     bool is_big_endian;
 };
 
-// Copies the next word, which ends with one white character. Returns false at the end of the file,
-// and for a word longer than any number.
+// Copies the next word and skips the single white-space character after it. Returns false at the
+// end of the file, or if the word does not fit into `size` bytes.
 static bool next_word(struct pfm_reader *reader, char *word, size_t size)
 {
     size_t length = 0;
@@ -34,7 +34,7 @@ static bool next_word(struct pfm_reader *reader, char *word, size_t size)
 
 static bool read_side(struct pfm_reader *reader, uint64_t *side)
 {
-    char word[12]; // up to nine digits are sizes that some memory may hold
+    char word[12]; // nine digits at most: larger sizes exceed any memory
     char *end;
     if (!next_word(reader, word, sizeof word) || !isdigit((unsigned char)word[0]) ||
         strlen(word) > 9)
@@ -55,8 +55,8 @@ static bool read_header(struct pfm_reader *reader, struct err *err)
     double scale = next_word(reader, word, sizeof word) ? strtod(word, &end) : 0.0;
     if (end == word || *end != '\0' || scale == 0.0 || !isfinite(scale))
         return err_set(err, ERR_INPUT,
-                       "PFM: expected a scale after the size, which is negative where the floats "
-                       "begin with their low byte");
+                       "PFM: expected a number other than 0 after the size: negative if the "
+                       "floats are little-endian, positive if they are big-endian");
     reader->scale = fabs(scale);
     reader->is_big_endian = scale > 0.0;
     return true;
@@ -69,7 +69,7 @@ static float read_float(const struct pfm_reader *reader, const uint8_t *bytes)
         bits |= (uint32_t)bytes[i] << 8 * (reader->is_big_endian ? 3 - i : i);
     float value;
     memcpy(&value, &bits, sizeof value);
-    // A scale of 1 keeps all bits, those of NaN too.
+    // With a scale of 1 all bits are kept, including those of NaN.
     return reader->scale == 1.0 ? value : (float)(value * reader->scale);
 }
 
@@ -147,14 +147,14 @@ bool image_pfm_verify(const struct image_write_params *params, const struct byte
     char header[HEADER_MAX];
     size_t length = (size_t)print_header(image, header);
     if (file->size < length || memcmp(file->data, header, length) != 0)
-        return err_set(err, ERR_OUTPUT, "PFM: the header is not what was written");
+        return err_set(err, ERR_OUTPUT, "PFM: the decoded header differs from the one encoded");
     bool ok = image_pfm_read(&source, &arena, &read, &failure);
     if (!ok)
         err_set(err, failure.code == ERR_INPUT ? ERR_OUTPUT : failure.code, "%s", failure.msg);
     else if (read.width != image->width || read.height != image->height ||
              memcmp(read.values, image->pixels,
                     (size_t)image->width * image->height * sizeof *image->pixels) != 0)
-        ok = err_set(err, ERR_OUTPUT, "PFM: the pixels are not those that were written");
+        ok = err_set(err, ERR_OUTPUT, "PFM: the decoded pixels differ from those encoded");
     arena_finish(&arena);
     return ok;
 }

@@ -5,7 +5,7 @@
 #include "image/image_internal.h"
 #include <png.h>
 
-// Of the file that is written: bits of a value, bytes of a pixel.
+// For the file that is written: the number of bits per value, and of bytes per pixel.
 #define IMAGE_PNG_BITS(params) ((params)->png_bits == 16 ? 16 : 8)
 #define IMAGE_PNG_PIXEL_BYTES(params) (3u * IMAGE_PNG_BITS(params) / 8u)
 
