@@ -27,12 +27,12 @@ bool library_take(void *to, size_t size, const void *from, const char *what, str
     if (given < sizeof given)
         return err_set(err, ERR_USAGE, "%s: size is %zu; expected sizeof of the struct", what,
                        given);
-    // A caller that knows a later version may leave its members at their defaults.
+    // A caller built for a later version may use its additional members only with the value zero.
     for (size_t i = size; i < given; i++)
         if (((const char *)from)[i] != 0)
             return err_set(err, ERR_USAGE,
-                           "%s: size is %zu, with members that version %s does not know; expected "
-                           "at most %zu, or zeros behind",
+                           "%s: size is %zu, with members set that version %s does not have; "
+                           "expected at most %zu, or zero for those members",
                            what, given, LAMPYRIS_VERSION, size);
     memcpy(to, from, given < size ? given : size);
     memcpy(to, &size, sizeof size);
@@ -156,8 +156,8 @@ void lampyris_context_release(struct lampyris_context *context)
 
 // --- errors --------------------------------------------------------------------------------------
 
-// Finds what a message says was expected: behind its last "expected ", or the range in "1.7 is
-// outside [0, 1]".
+// Finds the part of a message that says what was expected: the text after the last "expected ", or
+// the range in "1.7 is outside [0, 1]".
 static void find_expected(const char *message, char out[256])
 {
     static const char expected[] = "expected ", outside[] = " is outside ";
@@ -223,8 +223,9 @@ static bool device_at(struct lampyris_context *context, uint32_t index, struct l
     if (!list_devices(context))
         return false;
     if (index >= context->device_count)
-        return err_set(&context->err, ERR_USAGE, "there is no device %u; expected less than %u",
-                       index, context->device_count);
+        return err_set(&context->err, ERR_USAGE,
+                       "there is no device %u; expected an index below %u", index,
+                       context->device_count);
     const struct gpu_device_info *info = &context->devices[index];
     const struct lampyris_device device = {
         .name = info->name,

@@ -1,4 +1,4 @@
-// What the files of the library share: its objects, and how a call begins and ends.
+// Declarations that the library's files share: its objects, and how a call begins and ends.
 #ifndef LAMPYRIS_LIBRARY_LIBRARY_H
 #define LAMPYRIS_LIBRARY_LIBRARY_H
 
@@ -15,47 +15,47 @@
 struct lampyris_context {
     struct gpu gpu;
     struct gpu_params gpu_params;
-    char *device;     // what gpu_params names; or NULL
-    bool is_open;     // the device
-    uint32_t refs;    // its own, and those of scenes, renders and pictures
-    uint32_t renders; // that use the device
+    char *device;     // owns the name in gpu_params; may be NULL
+    bool is_open;     // the device is open
+    uint32_t refs;    // one for the caller, and one for each scene, render and picture
+    uint32_t renders; // number of renders, each of which uses the device
     struct lampyris_context_params params;
     struct log_target log;
     struct mutex log_mutex;
-    // Of the thread, while a call is in progress.
+    // The thread's log before the call; valid while a call is in progress.
     const struct log_target *former_log;
     struct c_locale number_format;
     bool is_busy; // a call is in progress
     struct gpu_device_info devices[GPU_MAX_DEVICES];
     uint32_t device_count; // 0: not listed yet
-    struct err err;        // of the last call
+    struct err err;        // error of the last call
     char expected[256];
     enum lampyris_status status;
 };
 
-// Begins a call: no other is in progress, and messages go to the context's log. On failure the call
-// returns LAMPYRIS_INPUT.
+// Begins a call and directs messages to the context's log. Returns false if another call is in
+// progress; the caller then returns LAMPYRIS_INPUT.
 bool library_enter(struct lampyris_context *context);
-// Ends it; returns the status of context->err, which `ok` says to be none.
+// Ends a call. Clears context->err if `ok` is set, and returns its status.
 enum lampyris_status library_leave(struct lampyris_context *context, bool ok);
-// Opens the device, if that was not done yet; one that was lost is opened again if no render uses
-// it.
+// Opens the device if it is not open. A lost device is opened again if no render uses it.
 bool library_open_device(struct lampyris_context *context, struct err *err);
 void library_unref(struct lampyris_context *context);
 
-// Copies a struct of the caller's, which begins with its size: `from` may be NULL, and members that
-// it does not have are zero. ERR_USAGE where it has more than is known here.
+// Copies a struct of the caller, which begins with its size, to `to`. Members that it lacks become
+// zero, and so do all if `from` is NULL. Fails with ERR_USAGE if the struct is longer than `size`
+// and the additional members are not zero.
 bool library_take(void *to, size_t size, const void *from, const char *what, struct err *err);
-// Copies to a struct of the caller's the members that it has.
+// Copies to a struct of the caller those members that it has according to its size.
 bool library_give(void *to, const void *from, size_t size, struct err *err);
 
 // --- progress.c ---
 
-// The caller's progress, as the layers below report to it.
+// Forwards progress reports from the layers below to the caller.
 struct library_progress {
     struct lampyris_progress user;
     struct progress progress;
-    const struct job *job; // NULL: there is none yet
+    const struct job *job; // NULL: there is no job yet
     _Atomic bool is_stopped;
 };
 
@@ -64,7 +64,7 @@ bool library_progress_init(struct library_progress *out, const struct lampyris_p
 
 // --- scene.c, scene_read.c ---
 
-// A scene as it was read, which renders share.
+// A scene as it was last read. Renders share it; it is freed when `refs` is 0.
 struct loaded {
     struct scene scene;
     uint32_t refs;
@@ -72,10 +72,10 @@ struct loaded {
 
 struct scene_mesh {
     struct scene_array array;
-    struct arena arena; // holds the copies, and the name
+    struct arena arena; // owns the copied arrays and the name
 };
 
-// A change of the document that the command line can make, too.
+// A change of the document that the command line can make, too, by -D.
 struct scene_edit {
     char *key, *value;
     struct scene_edit *next;
@@ -83,53 +83,57 @@ struct scene_edit {
 
 struct lampyris_scene {
     struct lampyris_context *context;
-    struct arena arena;        // what lives as long as the scene
-    const char *path;          // the file, or the name of the text
-    const char *document_path; // that of the document: the file's, or one beside the model
-    json_t *document;          // NULL: the file is not needed as one yet
-    bool is_text;              // there is no file
-    bool is_edited;            // the document is no longer that of the file
-    bool is_model;             // the file is none of our own format
+    struct arena arena;        // owns all data that live as long as the scene
+    const char *path;          // path of the scene's file; for a document given as text,
+                               // "FOLDER/document.json"
+    const char *document_path; // path of the document: that of the file, or of a .json file beside
+                               // the model
+    json_t *document;          // NULL: the document has not been needed yet
+    bool is_text;              // the document was given as text; there is no file
+    bool is_edited;            // the document differs from the file
+    bool is_model;             // the file is a model, not a scene in this program's format
     struct scene_override *overrides;
     uint32_t override_count;
     bool allow_outside_paths, is_strict;
     struct scene_mesh *meshes;
     uint32_t mesh_count, mesh_capacity;
     struct scene_edit *edits, **last_edit;
-    bool is_repeatable;    // by a command line
-    struct loaded *loaded; // NULL: not read since it was changed
+    bool is_repeatable;    // a command line can render the same scene
+    struct loaded *loaded; // NULL: not read since the last change
 };
 
-// Makes scene->document, if there is none.
+// Makes scene->document if there is none.
 bool scene_need_document(struct lampyris_scene *scene, struct err *err);
-// Reads the scene, if that was not done since it was changed; *out counts as one more use.
+// Reads the scene if it was not read since its last change. The caller releases *out by
+// loaded_release().
 bool scene_need(struct lampyris_scene *scene, struct library_progress *progress,
                 struct loaded **out, struct err *err);
 void loaded_release(struct loaded *loaded); // accepts NULL
 
 // --- pointer.c ---
 
-// The value that a JSON pointer (RFC 6901) leads to; NULL with *err set where there is none.
+// Returns the value that a JSON pointer (RFC 6901) names. If there is none, returns NULL and sets
+// *err.
 json_t *pointer_find(json_t *document, const char *pointer, struct err *err);
-// Sets one; takes the reference to `value`. *is_made: objects on the way, or an element of an
-// array, were added.
+// Sets the value that a JSON pointer names, and takes over the reference to `value`. *is_made says
+// whether objects on the way, or an element of an array, were added.
 bool pointer_set(json_t **document, const char *pointer, json_t *value, bool *is_made,
                  struct err *err);
 bool pointer_remove(json_t *document, const char *pointer, struct err *err);
-// The same place as a key of -D, "materials.white.base_color[1]", in `arena`; NULL where -D cannot
-// name it.
+// Returns a JSON pointer as a key for -D, such as "materials.white.base_color[1]", in `arena`.
+// Returns NULL if -D cannot name the place, or when out of memory.
 char *pointer_key(const char *pointer, struct arena *arena);
 
 // --- settings.c ---
 
-// What the settings of a render say besides those of the scene.
+// The settings of a render that are not settings of a scene.
 struct render_wishes {
     struct job_goal goal;
     uint32_t aovs, camera;
-    const char *resume; // in the render's arena; NULL: none
+    const char *resume; // path of a checkpoint, in the render's arena; NULL: none
 };
 
-// Reads the JSON object into the scene's settings and the wishes.
+// Reads the JSON object `json`: the scene's settings into *scene, all others into *out.
 bool render_read_settings(const char *json, struct scene *scene, struct arena *arena,
                           struct render_wishes *out, struct err *err);
 
@@ -138,29 +142,29 @@ bool render_read_settings(const char *json, struct scene *scene, struct arena *a
 struct lampyris_render {
     struct lampyris_context *context;
     struct loaded *loaded;
-    struct scene adapted; // shares the arrays of `loaded`, but for cameras and settings
+    struct scene adapted; // shares all arrays of `loaded` except the cameras
     struct arena arena;
-    struct arena texts; // until the next step
+    struct arena texts; // strings that are valid until the next step
     struct job job;
     struct render_wishes wishes;
     struct library_progress progress;
-    const char *command; // that loads the scene, without settings; NULL: there is none
-    bool is_judged;      // the film, since the last step
+    const char *command; // command line that loads the scene, without settings; NULL: there is none
+    bool is_judged;      // the film was read and its error estimated since the last step
     bool has_step;
-    bool is_over; // the device failed
+    bool is_over; // the device failed; no further step is possible
     struct lampyris_part *parts;
     uint32_t part_count;
 };
 
-// Reads and judges the film, unless that was done since the last step.
+// Reads the film and estimates its error, unless that was done since the last step.
 bool render_need_film(struct lampyris_render *render, struct err *err);
 
 // --- repeat.c ---
 
-// The beginning of the command that renders the scene, in `arena`; NULL where there is none, or no
-// memory for it.
+// Returns the beginning of the command line that renders the scene, in `arena`. Returns NULL if
+// there is none, or when out of memory.
 const char *repeat_begin(const struct lampyris_scene *scene, struct arena *arena);
-// The command that renders the film as it is; NULL likewise.
+// Returns the command line that renders the present film, in `arena`; NULL in the same cases.
 const char *repeat_command(const struct lampyris_render *render, struct arena *arena);
 
 #endif

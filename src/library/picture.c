@@ -1,4 +1,4 @@
-// Pictures from files, and their comparison.
+// Reads pictures from files, and compares them.
 #include "library/library.h"
 
 #include "image/image.h"
@@ -56,7 +56,7 @@ const float *lampyris_picture_pixels(const struct lampyris_picture *picture, uin
 
 static struct lampyris_interval interval_of(struct interval interval)
 {
-    // An error is not below 0.
+    // The error cannot be negative, so its interval is clamped at 0.
     double low = interval.low < 0 ? 0 : interval.low;
     return (struct lampyris_interval){interval.value, low, interval.high};
 }

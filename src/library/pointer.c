@@ -7,7 +7,7 @@
 
 enum { STEP_BYTES = 128 };
 
-// Copies the next step, with ~1 and ~0 decoded, and advances *pointer behind it.
+// Copies the next step of the pointer, with ~1 and ~0 decoded, and moves *pointer past it.
 static bool next_step(const char **pointer, char step[STEP_BYTES], struct err *err)
 {
     const char *at = *pointer;
@@ -36,7 +36,8 @@ static bool next_step(const char **pointer, char step[STEP_BYTES], struct err *e
     return true;
 }
 
-// An index is decimal without leading zeros; "-" is the place behind the last element.
+// Parses an index into an array: a decimal number without leading zeros, or "-" for the place after
+// the last element.
 static bool parse_index(const json_t *array, const char *step, size_t *index)
 {
     bool is_number = *step && step[strspn(step, "0123456789")] == '\0' && strlen(step) < 10 &&
@@ -53,7 +54,7 @@ static bool fail_missing(const json_t *from, const char *step, struct err *err)
         return err_set(err, ERR_INPUT, "there is no \"%s\" in the document%s", step,
                        node_suggest_key(step, from).text);
     if (json_is_array(from))
-        return err_set(err, ERR_INPUT, "\"%s\" is no element of an array of %zu", step,
+        return err_set(err, ERR_INPUT, "there is no element \"%s\" in an array of %zu", step,
                        json_array_size(from));
     return err_set(err, ERR_INPUT, "there is no \"%s\" inside %s", step, node_describe(from).text);
 }
@@ -99,7 +100,8 @@ json_t *pointer_find(json_t *document, const char *pointer, struct err *err)
     return found;
 }
 
-// Finds the value that has the last step's, and that step. Missing objects are made if `makes`.
+// Returns the object or array that contains the value which the pointer names; `step` receives the
+// last step. If `makes` is not NULL, missing objects are made.
 static json_t *find_parent(json_t *document, const char *pointer, bool *makes,
                            char step[STEP_BYTES], struct err *err)
 {
@@ -126,7 +128,7 @@ static json_t *find_parent(json_t *document, const char *pointer, bool *makes,
     return NULL;
 }
 
-// Takes the reference to `value`.
+// Stores a value in an object or array. Takes over the reference to `value`.
 static bool put(json_t *parent, const char *step, json_t *value, bool *is_made, struct err *err)
 {
     size_t index;

@@ -1,4 +1,4 @@
-// The caller's progress.
+// Reports progress to the caller.
 #include "library/library.h"
 
 static uint64_t samples_of(const struct job *job)

@@ -1,4 +1,4 @@
-// Renders: begin, steps, state.
+// Renders: creation, steps and state.
 #include "library/library.h"
 
 #include "base/clock.h"
@@ -26,8 +26,8 @@ void lampyris_render_release(struct lampyris_render *render)
     library_unref(context);
 }
 
-// The render's own settings and cameras; the rest is shared. What is allocated for the scene from
-// here on is the render's.
+// Copies the scene, with cameras and settings of the render's own; all other data are shared. From
+// now on, memory allocated for the copy belongs to the render.
 static bool adapt_scene(struct lampyris_render *render, const char *settings, struct err *err)
 {
     const struct scene *shared = &render->loaded->scene;
@@ -127,7 +127,7 @@ static bool find_goal(const struct lampyris_render *render, const struct lampyri
     return true;
 }
 
-// What was rendered until the device failed is kept, where it was read.
+// Keeps the film that was read before the device failed, if there is one.
 static bool rescue(struct lampyris_render *render, enum err_code failure)
 {
     bool is_device = failure == ERR_GPU || failure == ERR_SYSTEM || failure == ERR_BUDGET;
@@ -140,8 +140,7 @@ static bool step(struct lampyris_render *render, const struct lampyris_goal *goa
 {
     struct job_goal wanted;
     if (render->is_over)
-        return err_set(err, ERR_GPU,
-                       "the device failed during this render; expected that another one is begun");
+        return err_set(err, ERR_GPU, "the device failed during this render; begin another render");
     if (!find_goal(render, goal, &wanted, err) ||
         !library_progress_init(&render->progress, progress, &render->job, err) ||
         !job_set_goal(&render->job, &wanted, err))

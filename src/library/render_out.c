@@ -1,4 +1,4 @@
-// What comes out of a render: layers, files, and what was left out.
+// Returns the results of a render: layers, files, and a list of the renderer's parts.
 #include "library/library.h"
 
 #include "base/clock.h"
@@ -48,7 +48,8 @@ static bool layer_at(struct lampyris_render *render, uint32_t index, struct lamp
         return false;
     list_layers(render, layers, &count);
     if (index >= count)
-        return err_set(err, ERR_USAGE, "there is no layer %u; expected less than %u", index, count);
+        return err_set(err, ERR_USAGE, "there is no layer %u; expected an index below %u", index,
+                       count);
     const struct lampyris_layer layer = {
         .name = layers[index].name,
         .channel_count = channel_count(&layers[index]),
@@ -267,7 +268,7 @@ static bool part_at(struct lampyris_render *render, uint32_t index, struct lampy
         return err_memory(err, "a list of parts", sizeof *render->parts);
     }
     if (index >= render->part_count)
-        return err_set(err, ERR_USAGE, "there is no part %u; expected less than %u", index,
+        return err_set(err, ERR_USAGE, "there is no part %u; expected an index below %u", index,
                        render->part_count);
     return library_give(out, &render->parts[index], sizeof *out, err);
 }

@@ -1,4 +1,4 @@
-// The command that makes the same picture again.
+// Makes the command line that renders the same picture again.
 #include "library/library.h"
 
 #include "render/aov_names.h"
@@ -7,7 +7,8 @@
 #include <inttypes.h>
 #include <string.h>
 
-// Appends a word as a shell takes it, behind a blank. NULL: no memory.
+// Appends a blank and a word, quoted for a POSIX shell if necessary. Returns NULL when out of
+// memory.
 static const char *append_word(const char *line, const char *word, struct arena *arena)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
@@ -17,7 +18,8 @@ static const char *append_word(const char *line, const char *word, struct arena 
     line = arena_printf(arena, "%s '", line);
     for (const char *at = word; line && *at;) {
         size_t length = strcspn(at, "'");
-        // A quote closes the text, stands alone behind a backslash, and opens the text again.
+        // Replaces a single quote by '\'': ends the quoted text, adds an escaped quote, and begins
+        // again.
         line = arena_printf(arena, "%s%.*s%s", line, (int)length, at, at[length] ? "'\\''" : "");
         at += length + (at[length] == '\'');
     }
@@ -46,7 +48,7 @@ const char *repeat_begin(const struct lampyris_scene *scene, struct arena *arena
     return line && scene->is_strict ? append_word(line, "--strict", arena) : line;
 }
 
-// Adds the settings that differ from the scene's.
+// Appends the settings that differ from the scene's.
 static const char *append_settings(const char *line, const struct lampyris_render *render,
                                    struct arena *arena)
 {
@@ -80,7 +82,8 @@ static const char *append_layers(const char *line, uint32_t aovs, struct arena *
                                    : NULL;
 }
 
-// A sampler that plans on the number of samples gives the same only for the planned number.
+// Returns whether the render has its planned number of samples: a sampler that needs this number in
+// advance renders the same picture only for the same number.
 static bool is_as_planned(const struct job *job)
 {
     const struct settings *settings = &job->scene->settings;

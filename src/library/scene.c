@@ -1,4 +1,4 @@
-// Scenes: documents that are changed, and meshes in the caller's arrays.
+// Scenes: documents that can be changed, and meshes in arrays.
 #include "library/library.h"
 
 #include "base/file.h"
@@ -36,7 +36,7 @@ static struct lampyris_scene *create(struct lampyris_context *context)
     return scene;
 }
 
-// Splits "KEY=VALUE".
+// Splits each override "KEY=VALUE" and stores it.
 static bool keep_overrides(struct lampyris_scene *scene, const char *const *overrides,
                            struct err *err)
 {
@@ -145,7 +145,7 @@ enum lampyris_status lampyris_scene_parse(struct lampyris_context *context, cons
 
 // --- the document --------------------------------------------------------------------------------
 
-// A model's file is the base of a document beside it.
+// Makes a document whose base is the model's file, in the same folder.
 static json_t *document_of_model(const struct lampyris_scene *scene)
 {
     return json_pack("{s:i, s:{s:s}}", "lampyris", 1, "base", "file", path_name(scene->path));
@@ -206,8 +206,8 @@ void lampyris_text_release(char *text)
     free(text);
 }
 
-// Paths of the command line are relative to the working directory, those of a document to its
-// folder: a file is never repeated as an override.
+// Returns whether the value names a file. Such a value is not repeated as an override: a path on
+// the command line is relative to the working directory, a path in a document to its folder.
 static bool names_a_file(const json_t *value)
 {
     const char *key;
@@ -219,7 +219,7 @@ static bool names_a_file(const json_t *value)
     return false;
 }
 
-// Keeps the change for the command that repeats a render; it may be that no command can make it.
+// Records the change for the command that repeats a render, or records that no command can make it.
 static void keep_edit(struct lampyris_scene *scene, const char *pointer, const char *json,
                       bool is_override)
 {
@@ -280,7 +280,8 @@ enum lampyris_status lampyris_scene_remove(struct lampyris_scene *scene, const c
 
 // --- meshes --------------------------------------------------------------------------------------
 
-// Copies an array with its gaps: what is behind the last element is not the caller's to read.
+// Copies an array with its gaps. Bytes after the last element may not belong to the caller, so they
+// are not read.
 static bool copy_array(struct arena *arena, const void **data, size_t *stride, uint32_t count,
                        size_t bytes, struct err *err)
 {
@@ -291,8 +292,10 @@ static bool copy_array(struct arena *arena, const void **data, size_t *stride, u
         return true;
     if (__builtin_mul_overflow(step, count - 1, &total) ||
         __builtin_add_overflow(total, bytes, &total))
-        return err_set(err, ERR_USAGE, "an array of %u elements with a stride of %zu bytes", count,
-                       step);
+        return err_set(
+            err, ERR_USAGE,
+            "an array of %u elements with a stride of %zu bytes exceeds the address space", count,
+            step);
     *data = arena_copy(arena, *data, total, 1);
     return *data || err_memory(err, "a mesh", total);
 }
@@ -341,7 +344,8 @@ static bool add_shape(struct lampyris_scene *scene, const char *name, const char
     json_t *shape = json_pack("{s:s, s:s, s:s, s:s*}", "type", "mesh", "array", name, "name", name,
                               "material", material);
     if (!shape)
-        return err_set(err, ERR_USAGE, "mesh \"%s\": a name is not UTF-8 text", name);
+        return err_set(err, ERR_USAGE,
+                       "mesh \"%s\": its name or its material's name is not valid UTF-8", name);
     if (!shapes && json_object_set_new(scene->document, "shapes", json_array()) != 0) {
         json_decref(shape);
         return err_memory(err, "shapes", strlen(name));
@@ -388,13 +392,14 @@ static bool add_mesh(struct lampyris_scene *scene, const char *name,
     if (!scene_need_document(scene, err))
         return false;
     if (!json_is_object(scene->document))
-        return err_set(err, ERR_INPUT, "%s: the document is no object; expected {\"lampyris\": 1}",
+        return err_set(err, ERR_INPUT,
+                       "%s: the document is not an object; expected {\"lampyris\": 1}",
                        scene->path);
     if (json_object_get(scene->document, "base"))
         return err_set(
             err, ERR_USAGE,
-            "%s: a model, or a document with a \"base\", takes no mesh \"%s\"; expected "
-            "a document that has the model as a shape {\"type\": \"mesh\", \"file\": ...}",
+            "%s: mesh \"%s\" cannot be added to a model, or to a document with a \"base\"; "
+            "expected a document that has the model as a shape {\"type\": \"mesh\", \"file\": ...}",
             scene->path, name);
     if (make_mesh(name, &given, &made, err) &&
         store_mesh(scene, name, &made, given.material, err)) {

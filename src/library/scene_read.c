@@ -1,4 +1,4 @@
-// Reads a scene as it is now.
+// Reads a scene from its document or file.
 #include "library/library.h"
 
 #include "json/json_parse.h"
@@ -26,7 +26,7 @@ static bool check_visible(const struct scene *scene, struct err *err)
                    scene->path);
 }
 
-// The arrays of meshes in one list.
+// Collects the arrays of all meshes in a list.
 static struct scene_array *list_arrays(const struct lampyris_scene *scene, struct arena *arena,
                                        struct err *err)
 {
@@ -64,7 +64,8 @@ static bool read_with(const struct lampyris_scene *scene, struct library_progres
     return false;
 }
 
-// A file that was not changed is read itself, so that its scene is what the command line reads.
+// Reads the scene. If the document was not changed, the file itself is read, so that the scene is
+// the same as for the command line.
 static bool read_scene(const struct lampyris_scene *scene, struct library_progress *progress,
                        struct loaded *out, struct err *err)
 {

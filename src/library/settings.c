@@ -1,4 +1,4 @@
-// The settings of a render as JSON.
+// Reads the settings of a render from JSON.
 #include "library/library.h"
 
 #include "json/field_json.h"
@@ -121,7 +121,7 @@ static bool read_all(const struct json_node *node, struct scene *scene, struct a
         return false;
     if (node_member(node, "spp").value)
         out->goal.samples = scene->settings.spp;
-    // The framed camera fits the size of the picture.
+    // The framed camera depends on the size of the picture, which the settings may change.
     scene_frame_camera(scene);
     return !camera.value || find_camera(&camera, scene, &out->camera, err);
 }

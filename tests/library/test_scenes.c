@@ -35,7 +35,7 @@ TEST(values_are_read_and_set_by_pointers)
         {"/materials/rod",
          "/materials/rod: there is no \"rod\" in the document; did you mean red?"},
         {"materials", "does not begin with \"/\""},
-        {"/shapes/1", "\"1\" is no element of an array of 0"},
+        {"/shapes/1", "there is no element \"1\" in an array of 0"},
         {"/film/width/x", "there is no \"x\" inside 16"},
         {"/film~2", "expected \"~0\""},
     };
