@@ -1,11 +1,11 @@
-"""Lampyris, the path tracer that reports its error, as a Python package on liblampyris.
+"""Lampyris, a path tracer that reports its error, as a Python package that uses liblampyris.
 
     import lampyris
     picture = lampyris.render('cornell.json', spp=64, size=(512, 512))
     print(picture.error, picture.seconds.render)
     picture.save('cornell.exr')
 
-docs/python.md has more."""
+docs/python.md describes the package in full."""
 from ._arrays import Pixels
 from ._compare import Interval, Metrics, compare, read
 from ._context import Context, Device, common
@@ -21,5 +21,5 @@ __all__ = ['Context', 'Device', 'DeviceError', 'Error', 'Estimate', 'InputError'
 
 
 def devices(context=None):
-    """The devices of the machine."""
+    """Returns the devices of the machine, as a list of Device."""
     return (context or common()).devices()

@@ -1,5 +1,5 @@
-"""Arrays: those of callers as the library takes them, and pixels as callers take them. numpy's arrays
-are served and not needed."""
+"""Converts the caller's arrays for the library, and holds pixels for the caller. Arrays of numpy are
+supported, but numpy is not required."""
 import ctypes
 import sys
 
@@ -10,7 +10,7 @@ TYPES = {'f': ctypes.c_float, 'u': ctypes.c_uint32}
 
 
 class Given:
-    """Elements of `width` numbers in memory that is kept as long as this object."""
+    """An array of `count` elements in memory; `kept` keeps the memory alive as long as this object."""
 
     def __init__(self, address, count, stride, kept):
         self.address, self.count, self.stride, self.kept = address, count, stride, kept
@@ -22,7 +22,7 @@ def _fail(name, width, what):
 
 
 def _by_interface(interface, value, width, kind):
-    """Memory that is of the right type already, or None."""
+    """Returns the array without copying it, or None if its type or layout is not the required one."""
     shape, strides = interface['shape'], interface.get('strides')
     if len(shape) == 1 and shape[0] % width == 0 and strides is None:
         shape = (shape[0] // width, width)
@@ -35,7 +35,7 @@ def _by_interface(interface, value, width, kind):
 
 
 def _flatten(value, name, width):
-    """The numbers of nested sequences, of a flat one, or of an array of another type."""
+    """Returns the numbers of a flat or nested sequence, or of an array of another type, as a list."""
     if hasattr(value, 'tolist'):
         value = value.tolist()
     elements = list(value)
@@ -50,7 +50,7 @@ def _flatten(value, name, width):
 
 
 def _convert(value, width, kind):
-    """By numpy, if the array is one of its own of another type."""
+    """Converts an array of numpy to the required type; returns None for other objects."""
     numpy = sys.modules.get('numpy')
     if not numpy or not isinstance(value, numpy.ndarray):
         return None
@@ -62,23 +62,23 @@ def _convert(value, width, kind):
 
 
 def take(value, name, width, kind='f'):
-    """An array of elements of `width` floats (kind 'f') or uint32 (kind 'u'), copied only where its type
-    or its layout makes that necessary."""
+    """Returns an array of elements of `width` floats (kind 'f') or uint32 (kind 'u'). It is copied only if
+    its type or its layout requires that."""
     interface = getattr(value, '__array_interface__', None)
     given = interface and _by_interface(interface, value, width, kind) or _convert(value, width, kind)
     if given:
         return given
     numbers = _flatten(value, name, width)
     if kind == 'u' and any(not 0 <= number < 2 ** 32 for number in numbers):
-        raise InputError(f'{name}: an index is below 0 or above 2^32 - 1')
+        raise InputError(f'{name}: an index is out of range; expected 0 to 2^32 - 1')
     kept = (TYPES[kind] * len(numbers))(*numbers)
     return Given(ctypes.addressof(kept), len(numbers) // width, 4 * width, kept)
 
 
 class Pixels:
-    """Pixels in rows from the top: `pixels[y, x]` is a tuple, `shape` is (height, width, channels), or
-    (height, width) of one channel. numpy.asarray(pixels) is an array of the same memory,
-    memoryview(pixels.view) a buffer."""
+    """Pixels in rows from the top. `pixels[y, x]` is a tuple, or a number if there is one channel. `shape`
+    is (height, width, channels), or (height, width) if there is one channel. numpy.asarray(pixels) and
+    pixels.view use the same memory without copying it."""
 
     def __init__(self, width, height, channels, kind='f'):
         self.width, self.height, self.channels, self.kind = width, height, channels, kind
@@ -96,7 +96,7 @@ class Pixels:
 
     @property
     def view(self):
-        """A memoryview of `shape`."""
+        """A memoryview of the pixels, with the shape `shape`."""
         code = {'f': 'f', 'u': 'I'}[self.kind]
         return memoryview(self._data).cast('B').cast(code, self.shape)
 

@@ -1,4 +1,4 @@
-"""Comparison of pictures."""
+"""Reads pictures and compares them."""
 import ctypes
 import os
 from collections import namedtuple
@@ -13,7 +13,7 @@ Metrics = namedtuple('Metrics', 'mse relmse local_relmse smape psnr ssim flip hd
 
 
 def read(path, layer=None, *, context=None):
-    """The pixels of an .exr, .hdr, .png or .jpg file, as linear RGB."""
+    """Returns the pixels of an .exr, .hdr, .pfm, .png or .jpg file, as linear RGB."""
     context = context or _context.common()
     handle, width, height = ctypes.c_void_p(), ctypes.c_uint32(), ctypes.c_uint32()
     context._run(lib.picture_load, context._handle, _native.encode(path), layer and layer.encode('utf-8'),
@@ -28,7 +28,7 @@ def read(path, layer=None, *, context=None):
 
 
 def _pixels(picture, context):
-    """(address, width, height, what keeps it)"""
+    """Returns (address, width, height, object that keeps the pixels alive) of a picture."""
     if isinstance(picture, (str, os.PathLike)):
         picture = read(picture, context=context)
     picture = getattr(picture, 'array', picture)
@@ -36,7 +36,7 @@ def _pixels(picture, context):
     if not shape:
         shape = (len(picture), len(picture[0]), 3)
     if len(shape) != 3 or shape[2] != 3:
-        raise InputError(f'a picture of the shape {shape}; expected (height, width, 3)',
+        raise InputError(f'the picture has the shape {shape}; expected (height, width, 3)',
                          expected='(height, width, 3)')
     flat = picture.reshape(-1, 3) if hasattr(picture, 'reshape') else _rows(picture)
     given = _arrays.take(flat, 'a picture', 3)
@@ -46,7 +46,7 @@ def _pixels(picture, context):
 
 
 def _rows(picture):
-    """A flat view of Pixels; of nested lists, all their pixels."""
+    """Returns all pixels, row by row: a view if `picture` is Pixels, otherwise a list."""
     if not isinstance(picture, _arrays.Pixels):
         return [pixel for row in picture for pixel in row]
     return _Flat(picture)
@@ -60,14 +60,15 @@ class _Flat:
 
 
 def compare(picture, reference, *, context=None):
-    """The error of a picture: each of both is a Picture, a file, Pixels or an array (height, width, 3).
-    mse, relmse and local_relmse are Intervals of 95 %. docs/comparing.md has the formulas."""
+    """Returns the error of a picture against a reference, as Metrics. Each of the two is a Picture, the
+    path of a file, Pixels, or an array of shape (height, width, 3). mse, relmse and local_relmse are
+    Intervals with 95 % confidence. docs/comparing.md has the formulas."""
     context = context or _context.common()
     a, width, height, kept = _pixels(picture, context)
     b, other_width, other_height, also_kept = _pixels(reference, context)
     if (width, height) != (other_width, other_height):
         raise InputError(f'the picture has {width} x {height} pixels and the reference {other_width} x '
-                         f'{other_height}; expected the same')
+                         f'{other_height}; expected the same size')
     metrics = _native.Metrics()
     context._run(lib.compare, context._handle, a, b, width, height, ctypes.byref(metrics))
     del kept, also_kept

@@ -1,4 +1,4 @@
-"""Contexts: a device, a log, and the calls into the library."""
+"""Contexts, each with a device and a log, and the calls into the library."""
 import ctypes
 import logging
 import threading
@@ -19,7 +19,7 @@ def _log(_user, level, message):
 
 
 class _Handle:
-    """A handle of the library, which the end of a with statement closes, or else garbage collection."""
+    """Owns a handle of the library. It is closed at the end of a `with` statement, or when it is collected."""
 
     def __enter__(self):
         return self
@@ -33,9 +33,9 @@ class _Handle:
 
 
 class Context(_Handle):
-    """A device, opened by the first render. Functions of the module use a common one unless they are
-    given another. Any thread may use a context; calls wait for one another. Messages go to the logger
-    "lampyris"."""
+    """A device, which the first render opens, and the state of the library. Functions of the module use a
+    common context unless one is passed. Any thread may use a context; its calls are executed one at a
+    time. Messages go to the logger "lampyris"."""
 
     def __init__(self, device=None, memory_bytes=0, validation=False):
         self._lock, self._owner, self._dead = threading.Lock(), None, []
@@ -44,15 +44,15 @@ class Context(_Handle):
         params = _native.ContextParams(device=_native.encode(name), log=_log, log_level=len(LEVELS) - 1,
                                        memory_bytes=memory_bytes, validation=validation)
         if lib.context_create(ctypes.byref(params), ctypes.byref(self._handle)) != _native.OK:
-            raise _errors.DeviceError('no context could be made: memory is lacking')
+            raise _errors.DeviceError('the context could not be created: out of memory')
 
     def _run(self, function, *arguments):
-        """Calls a function of the library, and raises what it fails with."""
+        """Calls a function of the library, and raises an exception if it fails."""
         if not self._handle:
             raise _errors.InputError('the context is closed')
         if self._owner == threading.get_ident():
-            raise _errors.InputError('a callback used the context whose call it is in; expected another '
-                                     'context, or the call after it')
+            raise _errors.InputError('a callback used the context that called it; use another context, or '
+                                     'make the call after the callback has returned')
         with self._lock:
             self._owner = threading.get_ident()
             try:
@@ -64,7 +64,7 @@ class Context(_Handle):
             if error:
                 raise error
         finally:
-            del error  # its traceback has this frame, which would keep the caller's objects in a circle
+            del error  # otherwise its traceback and this frame keep each other, and the arguments, alive
 
     def _error(self):
         error = _native.Error()
@@ -72,8 +72,8 @@ class Context(_Handle):
         return _errors.make(error)
 
     def _discard(self, release, handle):
-        """Releases an object as soon as no call is in progress: garbage is collected at any time and in
-        any thread."""
+        """Releases an object as soon as no call is in progress, because Python may collect garbage at any
+        time and in any thread."""
         self._dead.append((release, handle))
         if self._lock.acquire(blocking=False):
             try:
@@ -87,7 +87,7 @@ class Context(_Handle):
             release(handle)
 
     def devices(self):
-        """The devices of the machine."""
+        """Returns the devices of the machine, as a list of Device."""
         count = ctypes.c_uint32()
         self._run(lib.device_count, self._handle, ctypes.byref(count))
         found = []
@@ -100,14 +100,14 @@ class Context(_Handle):
         return found
 
     def close(self):
-        """Gives the device back when the context's scenes and renders are gone, too."""
+        """Releases the context. Its device is closed when its scenes and renders are released, too."""
         handle, self._handle = self._handle, None
         if handle:
             self._discard(lib.context_release, handle)
 
 
 class Owned(_Handle):
-    """An object of the library, which a context owns."""
+    """An object of the library that belongs to a context."""
 
     _release = None
 
@@ -121,7 +121,7 @@ class Owned(_Handle):
         self._context._run(function, self._handle, *arguments)
 
     def close(self):
-        """Releases its memory now, and not when it is garbage."""
+        """Releases the memory now instead of when the object is collected."""
         handle, self._handle = self._handle, None
         if handle:
             self._context._discard(self._release, handle)
@@ -132,7 +132,7 @@ _common_lock = threading.Lock()
 
 
 def common():
-    """The context of those who name none."""
+    """Returns the context that is used if the caller passes none."""
     global _common
     with _common_lock:
         if _common is None:

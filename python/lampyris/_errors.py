@@ -1,11 +1,11 @@
-"""Exceptions."""
+"""The exceptions of the package."""
 from . import _native
 
 
 class Error(Exception):
-    """What went wrong. `path` is the file that is wrong, `pointer` the place in it as a JSON pointer,
-    `expected` what the message says was expected: each None where there is nothing to say. `status` is
-    the exit code of the command line."""
+    """An error. `path` is the file that has the error, `pointer` its place in the file as a JSON pointer, and
+    `expected` the part of the message that says what was expected; each is None if it is not known.
+    `status` is the exit code that the command line has for this error."""
 
     status = _native.DEVICE
 
@@ -18,7 +18,7 @@ class Error(Exception):
 
 
 class InputError(Error, ValueError):
-    """An argument, a file or a document is wrong, or needs more memory than there is."""
+    """An argument, a file or a document is wrong, or needs more memory than the budget allows."""
     status = _native.INPUT
 
 
@@ -27,7 +27,7 @@ class DeviceError(Error, RuntimeError):
 
 
 class NoVulkanError(DeviceError):
-    """There is no Vulkan loader or no driver."""
+    """There is no Vulkan loader, or no Vulkan driver."""
     status = _native.NO_VULKAN
 
 
@@ -37,7 +37,7 @@ class OutputError(Error):
 
 
 class Stopped(Error):
-    """A callback asked to stop, before there was a picture."""
+    """A callback requested a stop before there was a picture."""
     status = _native.STOPPED
 
 
@@ -45,6 +45,6 @@ CLASSES = {each.status: each for each in (InputError, NoVulkanError, OutputError
 
 
 def make(error):
-    """The exception for a struct of the library."""
+    """Makes the exception that describes an error of the library."""
     texts = [_native.decode(text) or None for text in (error.file, error.place, error.expected)]
     return CLASSES.get(error.status, DeviceError)(_native.decode(error.message), *texts)

@@ -1,4 +1,4 @@
-"""The C library by ctypes: the structs of lampyris.h, and its functions with their types."""
+"""Declares the structs and functions of lampyris.h for ctypes, and loads the C library."""
 import ctypes
 import os
 from ctypes import (CFUNCTYPE, POINTER, Structure, c_bool, c_char_p, c_double, c_float, c_int, c_size_t,
@@ -10,7 +10,7 @@ OK, INPUT, DEVICE, OUTPUT, NO_VULKAN, STOPPED = 0, 2, 3, 4, 69, 130
 
 
 class Sized(Structure):
-    """A struct that begins with its size."""
+    """A struct whose first member is its size."""
 
     def __init__(self, **members):
         super().__init__(size=ctypes.sizeof(self), **members)
@@ -101,7 +101,7 @@ class Metrics(Sized):
                 ('pixels_differing', c_uint64)]
 
 
-# Name: result, arguments. Objects are opaque, and their texts are released by the caller's hand.
+# Each entry is NAME: (result, arguments). Objects are opaque; the caller releases strings.
 FUNCTIONS = {
     'version': (c_char_p,),
     'context_create': (c_int, POINTER(ContextParams), POINTER(c_void_p)),
@@ -136,8 +136,8 @@ FUNCTIONS = {
 
 
 def open_library():
-    """The library of LAMPYRIS_LIBRARY, that beside which this package was built or installed, or the
-    system's."""
+    """Loads the library: the one that the environment variable LAMPYRIS_LIBRARY names, or else the one
+    with which this package was built or installed, or else the system's."""
     chosen = os.environ.get('LAMPYRIS_LIBRARY')
     failures = []
     for path in [chosen] if chosen else [_library.PATH, _library.NAME]:
@@ -150,7 +150,7 @@ def open_library():
 
 
 class Functions:
-    """The functions, without the prefix."""
+    """The functions of the library, named without the prefix."""
 
     def __init__(self):
         library = open_library()
@@ -164,7 +164,7 @@ lib = Functions()
 
 
 def encode(text):
-    """As the library takes it; NULL for None."""
+    """Encodes a string or a path as the library expects it; None becomes NULL."""
     return None if text is None else os.fsencode(text)
 
 

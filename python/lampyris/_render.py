@@ -1,4 +1,4 @@
-"""Renders, and the pictures that they make."""
+"""Renders, and the pictures that they produce."""
 import base64
 import ctypes
 import html
@@ -20,9 +20,10 @@ Part = namedtuple('Part', 'kind name reason bytes is_left_out')
 
 
 class Estimate:
-    """The local relMSE of a picture, estimated from two halves of its samples, with the 95 % interval from
-    `low` to `high`, and `at_most`, the upper end of a one-sided one. It is false, and its numbers are NaN,
-    where it is not known: `why` says why."""
+    """The local relMSE of a picture, estimated from two halves of its samples. The 95 % confidence interval is
+    from `low` to `high`; `at_most` is the upper end of the one-sided interval. If there is no interval,
+    the object is false, `value`, `low` and `high` are NaN, and `why` is the reason; `at_most` is NaN if
+    there is no bound either."""
 
     def __init__(self, value, low, high, at_most, why):
         self.value, self.low, self.high, self.at_most, self.why = value, low, high, at_most, why
@@ -45,8 +46,9 @@ class Estimate:
 
 
 class _Watch:
-    """The progress of a call: the caller's function, and Ctrl-C, which ends the call as a callback does.
-    The handler that Python has by default would raise an exception at any place of a callback."""
+    """Handles the progress reports of a call: calls the caller's function, and ends the call after Ctrl-C as
+    if that function had requested it. Python's default handler would raise an exception anywhere in a
+    callback."""
 
     def __init__(self, function):
         self.function, self.failure, self.interrupted = function, None, False
@@ -59,7 +61,7 @@ class _Watch:
                 m = moment.contents
                 told = self.function(Moment(_native.decode(m.phase), m.fraction, m.samples, m.seconds, m.rays))
                 return told is not False and not self.interrupted
-        except BaseException as failure:  # it is raised again when the library has returned
+        except BaseException as failure:  # raised again after the library has returned
             self.failure = failure
             return False
         return not self.interrupted
@@ -87,17 +89,17 @@ class _Watch:
 
 
 class Render(_context.Owned):
-    """A render under way: step() goes on, picture() says what there is. Keyword arguments are the keys of
-    a scene file's "film" and "settings" (spp, seed, max_bounces, mis ...), and
+    """A render in progress. step() continues it, and picture() returns its present picture. Keyword arguments
+    are the keys of a scene file's "film" and "settings" (spp, seed, max_bounces, mis ...), and
 
         size: (width, height)
-        error: it ends when the local relMSE is below; or at spp, if given
-        seconds: it ends after this time of rendering
-        adaptive: tiles have numbers of samples of their own
-        camera: name or index
-        aovs: layers besides the radiance: ['albedo', 'depth', 'halves' ...]
-        resume: a checkpoint to go on from
-        progress: a function that is called with a Moment, often; False ends the call"""
+        error: the render ends when the local relMSE is below this, or at spp if that is given
+        seconds: the render ends after this rendering time
+        adaptive: if true, each tile gets a number of samples according to its error
+        camera: name or index of one of the scene's cameras
+        aovs: layers in addition to the radiance: ['albedo', 'depth', 'halves' ...]
+        resume: path of a checkpoint from which the render continues
+        progress: a function that is called often, with a Moment; if it returns False, the call ends"""
 
     _release = staticmethod(lib.render_release)
 
@@ -118,9 +120,10 @@ class Render(_context.Owned):
                 raise
 
     def step(self, samples=0, *, seconds=0, error=0):
-        """Goes on until every pixel has so many samples, the time of rendering is over or the local relMSE
-        is below; without arguments to the goal that it began with. All count from the render's beginning.
-        Returns False where a callback or Ctrl-C stopped it; the next step goes on."""
+        """Renders until every pixel has `samples` samples, the rendering time is `seconds`, or the local
+        relMSE is below `error`, all counted from the beginning of the render. Without arguments the goal
+        is that of the settings. Returns False if a callback or Ctrl-C stopped it; the next step then
+        continues."""
         goal = _native.Goal(samples=samples, seconds=seconds, error=error)
         given = ctypes.byref(goal) if samples or seconds or error else None
         self._steps += 1
@@ -134,15 +137,16 @@ class Render(_context.Owned):
         return not self._interrupted
 
     def checkpoint(self, path):
-        """Writes a file that `resume`, or `lampyris render --checkpoint FILE --resume`, goes on from."""
+        """Writes a checkpoint. A render continues from it with the argument `resume`, or by the command line
+        `lampyris render --checkpoint FILE --resume`."""
         self._call(lib.render_checkpoint, _native.encode(path))
 
     def picture(self):
-        """The picture as it is now."""
+        """Returns the picture with all samples rendered so far."""
         return Picture(self)
 
     def _items(self, function, make):
-        """All that a function lists by index."""
+        """Returns all items that a function of the library lists by index."""
         found = []
         while True:
             try:
@@ -154,21 +158,23 @@ class Render(_context.Owned):
 
     @property
     def parts(self):
-        """What kernels may have, and why the scene does not need what is left out."""
+        """The parts of the renderer, and for each part that is left out the reason why the scene does not need
+        it."""
         return [Part(_native.decode(part.kind), _native.decode(part.name), _native.decode(part.reason) or None,
                      part.bytes, part.is_left_out) for part in self._items(lib.render_part, _native.Part)]
 
 
 class Picture:
-    """What a render has made. `array` is its radiance, picture['depth'] another layer, both `Pixels`;
+    """A picture of a render. `array` is its radiance, and picture['depth'] another layer; both are `Pixels`.
     numpy.asarray(picture) is the radiance, too.
 
-        error: an Estimate              hash: 16 hexadecimal digits, as `lampyris render` says
-        samples: of each pixel          seconds: .render, .load, .bvh, .upload, .compile, .judge, .write
-        rays: .closest, .shadow         repeat: the command that makes these bits, or None
-        ended_by: "spp", "error" ...    stopped: by a callback or Ctrl-C
+        error: an Estimate              hash: 16 hexadecimal digits, as `lampyris render` prints
+        samples: per pixel              seconds: .render, .load, .bvh, .upload, .compile, .judge, .write
+        rays: .closest, .shadow         repeat: the command line that renders the same bits, or None
+        ended_by: "spp", "error" ...    stopped: a callback or Ctrl-C ended the step
 
-    It keeps its render, so that it can be saved, until close() or until it is garbage."""
+    The picture keeps its render alive, so that it can be saved, until close() is called or the picture is
+    collected."""
 
     def __init__(self, render):
         self.render, self._at_step = render, render._steps
@@ -215,9 +221,10 @@ class Picture:
             raise KeyError(f'{layer}: the picture has {", ".join(self.layers)}') from None
 
     def save(self, path, *, half=False):
-        """Writes .exr, with all layers and how it was made, or .png. half: 16 bits a value."""
+        """Writes the picture as .exr, .png, .jpg, .hdr or .pfm. EXR files contain all layers; all formats
+        but PFM contain metadata about the render. `half` selects 16 bits per value in EXR files."""
         if self._at_step != self.render._steps:
-            raise InputError('the render has gone on since this picture was taken; expected it to be saved '
+            raise InputError('the render has made another step since this picture was taken; save a picture '
                              'before the next step')
         params = _native.SaveParams(half_float=half)
         self.render._call(lib.render_save, _native.encode(path), ctypes.byref(params))
@@ -229,7 +236,7 @@ class Picture:
         return (f'<Picture {self.size[0]}x{self.size[1]}, {self.samples} samples, {self.error}, '
                 f'{self.seconds.render:.3f} s>')
 
-    # Notebooks show it with its error below.
+    # Notebooks show the picture with its error below it.
     def _repr_png_(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, 'picture.png')
@@ -250,17 +257,18 @@ def _scene_of(scene, context):
 
 
 def render(scene, *, context=None, **settings):
-    """Renders a Scene, a file or a dict; see Render for the settings. Ctrl-C ends it with the picture so
-    far."""
+    """Renders a scene and returns the Picture. `scene` is a Scene, the path of a file, or a dict. Render
+    describes the settings. After Ctrl-C it returns the picture rendered so far."""
     begun = Render(_scene_of(scene, context), **settings)
     begun.step()
     return begun.picture()
 
 
 def progressive(scene, *, context=None, spp=None, error=0, seconds=0, **settings):
-    """Yields pictures with 1, 2, 4, ... samples, until one has `spp` samples, an error below `error`, or
-    took `seconds`; without end if none is given. All are of one render, so that each has to be saved
-    before the next. Ctrl-C ends it with the picture so far."""
+    """Yields pictures with 1, 2, 4, ... samples per pixel. The last one has `spp` samples, an error below
+    `error`, or a rendering time of `seconds`; if none of these is given, there is no last one. All are
+    pictures of one render, so each must be saved before the next is requested. After Ctrl-C the picture
+    rendered so far is the last one."""
     if spp is not None:
         settings['spp'] = spp
     begun = Render(_scene_of(scene, context), **settings)

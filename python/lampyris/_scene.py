@@ -1,4 +1,4 @@
-"""Scenes: documents, whose values are read and set by JSON pointers, and meshes from arrays."""
+"""Scenes: documents, whose values JSON pointers read and set, and meshes in arrays."""
 import ctypes
 import json
 import os
@@ -8,7 +8,7 @@ from ._native import lib
 
 
 def _plain(value):
-    """Arrays and numbers of numpy as JSON has them."""
+    """Converts arrays and numbers of numpy, and paths, to types that JSON can represent."""
     if hasattr(value, 'tolist'):
         return value.tolist()
     if isinstance(value, os.PathLike):
@@ -21,14 +21,14 @@ def dump(value):
 
 
 class Scene(_context.Owned):
-    """A scene of a document, given as a dict, and {"lampyris": 1} unless it says so itself:
+    """A scene, made from a document, which is given as a dict. The key "lampyris" may be omitted:
 
         scene = lampyris.Scene({'materials': {'red': {'base_color': [.8, .1, .1]}},
                                 'shapes': [{'type': 'sphere', 'radius': 1, 'material': 'red'}]})
         scene['/materials/red/roughness'] = .3
 
-    load() makes one of a file. Paths in the document are relative to `folder`. What is wrong in it is
-    found by check() or by the next render."""
+    load() makes a scene from a file. Paths in the document are relative to `folder`. Errors in the scene
+    are reported by check() or by the next render."""
 
     _release = staticmethod(lib.scene_release)
 
@@ -71,16 +71,17 @@ class Scene(_context.Owned):
 
     @property
     def document(self):
-        """All of it."""
+        """The whole document."""
         return self['']
 
     def mesh(self, name, positions, indices=None, *, normals=None, uvs=None, colors=None, material=None):
-        """Adds triangles, as the shape `name` at the end of /shapes, or replaces those of that name.
+        """Adds a triangle mesh, as the shape `name` at the end of /shapes, or replaces the mesh of that name.
 
-        positions: (n, 3), metres; indices: (m, 3), or None for vertices in threes; normals: (n, 3);
-        uvs: (n, 2), (0, 0) being a picture's upper left corner; colors: (n, 4), linear RGBA. Arrays of
-        float32, and of uint32 for indices, are not copied, whatever their strides, and are read when the
-        scene is: they must not change until the next render has begun."""
+        The arguments are arrays of these shapes: positions (n, 3), in metres; indices (m, 3), or None if each
+        three consecutive vertices are a triangle; normals (n, 3); uvs (n, 2), where (0, 0) is an image's
+        upper left corner; colors (n, 4), linear RGBA. Arrays of float32, or of uint32 for indices, are not
+        copied, whatever their strides. The library reads them when it reads the scene, so they must not
+        change until the next render has begun."""
         mesh = _native.Mesh(is_borrowed=True, material=material and material.encode('utf-8'))
         kept = []
         for values, what, member, stride, width in (
@@ -94,7 +95,7 @@ class Scene(_context.Owned):
                 mesh.vertex_count = given.count
             elif given.count != mesh.vertex_count:
                 raise _context._errors.InputError(
-                    f'{name}: {what}: there are {given.count}; expected {mesh.vertex_count}, one for each '
+                    f'{name}: {what}: there are {given.count} elements; expected {mesh.vertex_count}, one per '
                     'position', expected=str(mesh.vertex_count))
             setattr(mesh, member, given.address)
             setattr(mesh, stride, given.stride)
@@ -108,12 +109,12 @@ class Scene(_context.Owned):
         self._kept[name] = kept
 
     def check(self):
-        """Reads the scene now, to find what is wrong in it."""
+        """Reads the scene now, so that errors in it are found."""
         self._call(lib.scene_check, None)
 
 
 def load(path, *, defines=None, allow_outside_paths=False, strict=False, context=None, **more_defines):
-    """Loads a .json, .gltf, .glb, .obj or .ply file. Other arguments are values for the names that a scene
-    file defines, as `lampyris render -D` has them: load('room.json', roughness=.2)."""
+    """Loads a .json, .gltf, .glb, .obj, .ply or .stl file. Other arguments set values of names that the scene
+    file defines, as `lampyris render -D` does: load('room.json', roughness=.2)."""
     return Scene(defines={**(defines or {}), **more_defines}, allow_outside_paths=allow_outside_paths,
                  strict=strict, context=context, _path=os.fspath(path))
