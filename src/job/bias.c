@@ -28,7 +28,7 @@ static struct job_bias *next_bias(struct biases *biases, const char *kind)
     return bias;
 }
 
-// Delta lights are only found by shadow rays.
+// Counts the delta lights that only shadow rays can find.
 static uint32_t lights_without_extent(const struct scene *scene)
 {
     uint32_t count = 0;
@@ -46,11 +46,12 @@ static void find_unconnected(const struct job *job, struct biases *biases)
         return;
     struct job_bias *bias = next_bias(biases, settings->nee ? "nee-depth" : "nee");
     if (depth == 0)
-        snprintf(bias->text, sizeof bias->text, "without shadow rays all delta lights are dark: %u",
-                 count);
+        snprintf(bias->text, sizeof bias->text,
+                 "without shadow rays, delta lights have no effect: %u", count);
     else
         snprintf(bias->text, sizeof bias->text,
-                 "delta lights (%u) reach the first surfaces of a path only: %u", count, depth);
+                 "delta lights (%u) illuminate only the first surfaces of a path: %u", count,
+                 depth);
 }
 
 static double mean_luminance(const struct film_image *film)
@@ -72,8 +73,9 @@ static void find_clamped(const struct job *job, struct biases *biases)
     struct job_bias *bias = next_bias(biases, "clamp");
     bias->is_idle = stats->clamped == 0;
     snprintf(bias->text, sizeof bias->text,
-             "%" PRIu64 " contributions scaled down to %g, which takes %.3g of luminance from the "
-             "mean (%.3g %%)",
+             "%" PRIu64
+             " contributions were scaled down to %g, which reduces the mean luminance by "
+             "%.3g (%.3g %%)",
              stats->clamped, (double)job->scene->settings.clamp_limit, lost,
              all > 0.0 ? 100.0 * lost / all : 0.0);
 }
@@ -110,12 +112,14 @@ static void find_unphysical(const struct job *job, struct biases *biases)
     const struct settings *settings = &job->scene->settings;
     if (settings->integrator == INTEGRATOR_WHITTED) {
         struct job_bias *bias = next_bias(biases, "whitted");
-        snprintf(bias->text, sizeof bias->text,
-                 "not all light: none between diffuse surfaces, none focused, emitters as points");
+        snprintf(
+            bias->text, sizeof bias->text,
+            "caustics and light between diffuse surfaces are missing, and emitters are treated as "
+            "points");
     }
 }
 
-// Only refraction scales radiance.
+// Refraction is the only event that scales radiance.
 static void find_unscaled(const struct job *job, struct biases *biases)
 {
     const struct specialization *s = &job->renderer.specialization;
@@ -123,12 +127,15 @@ static void find_unscaled(const struct job *job, struct biases *biases)
         !(s->lobes & (LOBE_TRANSMISSION | LOBE_DIELECTRIC)))
         return;
     struct job_bias *bias = next_bias(biases, "radiance-scaling");
-    snprintf(bias->text, sizeof bias->text,
-             "refraction does not scale radiance: inside of a medium of index n it is 1 / n^2 of "
-             "what it should be, and lamps in there are n^2 times as bright from outside");
+    snprintf(
+        bias->text, sizeof bias->text,
+        "refraction does not scale radiance: inside a medium with the index of refraction n, "
+        "radiance is 1 / n^2 of the correct value, and lamps in it appear n^2 times too bright "
+        "from outside");
 }
 
-// A centre and the points of a grid are the same for all samples and for both half-buffers.
+// If samples pass through the centre of the pixel or through points of a grid, these are the same
+// for all samples and in both half-buffers.
 static void find_fixed_places(const struct job *job, struct biases *biases)
 {
     const struct settings *settings = &job->scene->settings;
@@ -142,10 +149,10 @@ static void find_fixed_places(const struct job *job, struct biases *biases)
         next_bias(biases, settings->pixel_jitter ? "pixel-sampling" : "pixel-jitter");
     snprintf(bias->text, sizeof bias->text,
              places == 1
-                 ? "all samples pass through the pixel's centre: edges are stairs, and the "
-                   "error is that of the light that comes there"
-                 : "all samples pass through %u places of a pixel: edges have so many steps, "
-                   "and the error is that of the light that comes there",
+                 ? "all samples pass through the pixel's centre: edges are not antialiased, and "
+                   "the error estimate is for the radiance at this point"
+                 : "all samples pass through the same %u points of a pixel: edges have only so "
+                   "many steps, and the error estimate is for the mean over these points",
              places);
 }
 
@@ -156,7 +163,7 @@ static void find_arithmetic(const struct job *job, struct biases *biases)
         struct job_bias *bias = next_bias(biases, "sampler");
         snprintf(bias->text, sizeof bias->text,
                  "fractions of sines are neither uniform nor independent: means are biased, and "
-                 "the error estimated from the halves is not the picture's");
+                 "the error estimated from the halves is wrong");
     }
     if (settings->accumulation != ACCUMULATION_BINNED) {
         struct job_bias *bias = next_bias(biases, "accumulation");

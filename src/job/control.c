@@ -1,4 +1,4 @@
-// Changes of a running render by the caller.
+// Functions by which the caller changes a render in progress.
 #include "job/job_internal.h"
 
 #include "base/clock.h"

@@ -40,7 +40,7 @@ static const char *why_unknown(const struct film_image *film,
     if (film->least_samples < 2)
         return "fewer than two samples per pixel";
     if (params->is_contiguous && film->least_samples != params->planned)
-        return "with contiguous halves the error is known when all planned samples are done";
+        return "with contiguous halves the error is only known after all planned samples";
     return NULL;
 }
 

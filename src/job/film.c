@@ -1,4 +1,4 @@
-// Reading the film.
+// Reads the film from the device.
 #include "base/clock.h"
 #include "job/job_internal.h"
 

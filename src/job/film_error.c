@@ -86,7 +86,7 @@ bool film_error(const struct film_image *film, const struct film_error_params *p
     };
     if (params->is_contiguous && film->least_samples != params->planned) {
         *out = film_error_none(
-            "with contiguous halves the error is known when all planned samples are done");
+            "with contiguous halves the error is only known after all planned samples");
         return true;
     }
     if (!metrics_half_error(&halves, out))

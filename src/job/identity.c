@@ -1,4 +1,5 @@
-// Writes down all that decides a render's samples, which must be the same for it to go on.
+// Makes the identity of a render: everything that determines its samples. A render can only be
+// resumed if this is unchanged.
 #include "job/job_internal.h"
 
 #include "render/aov_names.h"
@@ -12,7 +13,7 @@
 
 struct text {
     struct arena *arena;
-    const char *so_far; // NULL: there was no memory
+    const char *so_far; // NULL: memory ran out
 };
 
 static void add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -31,8 +32,8 @@ static void add(struct text *text, const char *format, ...)
         text->so_far = arena_printf(text->arena, "%s%s\n", text->so_far, line);
 }
 
-// Adds all settings that change bits of the film; for the number of samples, see make_identity().
-// The texts of different values differ.
+// Adds all settings that change bits of the film, except the number of samples, which
+// make_identity() adds. Different values must have different texts.
 static void add_settings(struct text *text, const struct settings *settings)
 {
     add(text, "--size=%ux%u", settings->width, settings->height);
@@ -63,7 +64,7 @@ static void add_camera(struct text *text, const struct job *job)
         c->focus_distance, c->lens_blades, c->lens_rotation);
 }
 
-// Adds all devices of a crew whose bits are not those of one of them.
+// Adds the devices of a crew, all of them if their bits may differ.
 static void add_device(struct text *text, const struct job *job)
 {
     const struct crew *crew = job->params.crew;

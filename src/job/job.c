@@ -5,12 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-// The greatest number of samples of a render with an error or a time limit but without a number of
-// samples. Without an error, only the time ends it.
+// The limit of samples per pixel of a render with an error or time limit but without a number of
+// samples. With only a time limit, there is no limit of samples.
 #define ERROR_SAMPLES 65536u
 #define TIMED_SAMPLES UINT32_MAX
 #define TIMED_SAMPLES_BY_TILE (1u << 20)
-// Samples per pixel of a round of the tiles' plan, on average.
+// Mean number of samples per pixel in a round of the tiles' plan.
 #define ROUND_SAMPLES 16u
 
 // --- the goal ------------------------------------------------------------------------------------
@@ -27,7 +27,8 @@ static uint64_t most_samples(const struct job *job)
     return job->scene->settings.spp;
 }
 
-// A number that is no multiple of a round is rendered as a single round.
+// Chooses the samples per round. If their number is not a multiple of ROUND_SAMPLES, all are one
+// round.
 static void choose_rounds(struct job *job)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -38,32 +39,33 @@ static void choose_rounds(struct job *job)
         job->samples_most % ROUND_SAMPLES == 0 ? ROUND_SAMPLES : (uint32_t)job->samples_most;
 }
 
-// Rejects methods that need a planned number of samples with goals that determine it during the
-// render.
+// Rejects methods that need to know the number of samples in advance, if the goal determines it
+// only during the render.
 static bool check_method(const struct job *job, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
     const struct settings *settings = &job->scene->settings;
     const char *method;
     enum sample_planning planning = sample_planning(settings, &method);
-    // A repeated run, which knows the number, would distribute another sequence over the pixels.
+    // A render to a time limit cannot be combined, either: if it were repeated with the number of
+    // samples that it reached, the points would be distributed differently.
     bool is_fixed =
         planning == PLANNING_NEEDED || (planning == PLANNING_OPTIONAL && !job_is_open_ended(job));
     if (is_fixed && (goal->adaptive || goal->error > 0.0))
         return err_set(err, ERR_USAGE,
-                       "%s cannot be combined with %s: it spreads its points over a number of "
-                       "samples that is known beforehand",
+                       "%s cannot be combined with %s: its points depend on the number of "
+                       "samples, which must be known in advance",
                        method, goal->adaptive ? "--adaptive on" : "--error");
     if (settings->roulette == ROULETTE_FRAME && goal->error > 0.0)
         return err_set(
             err, ERR_USAGE,
             "--roulette frame and --error exclude each other: with one depth for all paths "
-            "of a sample, pixels are not independent, and the error has no interval");
+            "of a sample, the errors of pixels depend on each other and give no interval");
     if (goal->frames && !goal->accumulate && settings->halves == HALVES_CONTIGUOUS)
         return err_set(
             err, ERR_USAGE,
-            "--halves contiguous is one sequence for all samples, and frames that do not "
-            "accumulate have none in common: expected --accumulate on or --halves "
+            "--halves contiguous needs one sequence of samples for the whole image, but frames "
+            "that do not accumulate are separate images; expected --accumulate on or --halves "
             "independent");
     return true;
 }
@@ -76,8 +78,8 @@ static bool settle_goal(struct job *job, struct err *err)
         return false;
     if (goal->adaptive && job->samples_most < TILE_SAMPLES_MIN)
         return err_set(err, ERR_USAGE,
-                       "--adaptive on: %u sample a pixel cannot be shared out; "
-                       "expected at least --spp %u",
+                       "--adaptive on: too few samples per pixel to distribute over tiles: %u; "
+                       "expected --spp of at least %u",
                        (unsigned)job->samples_most, TILE_SAMPLES_MIN);
     if (goal->adaptive)
         choose_rounds(job);
@@ -104,9 +106,8 @@ bool job_set_goal(struct job *job, const struct job_goal *goal, struct err *err)
         goal->frames || former.frames || goal->adaptive || former.adaptive || job_is_shard(job);
     if (is_fixed && !goals_same(goal, &former))
         return err_set(err, ERR_USAGE,
-                       "a render of frames, of tiles that have their own numbers of samples "
-                       "(adaptive), or of a shard has its goal from the beginning; expected no "
-                       "other one");
+                       "the goal of a render with frames, with adaptive sampling or of a shard "
+                       "cannot be changed");
     *now = *goal;
     if (!check_method(job, err)) {
         *now = former;
@@ -167,8 +168,8 @@ static void note_start(struct job *job)
     job->seconds.compile = stats->compile_seconds;
 }
 
-// Creates the renderer, with the device opened again where it is lost on the way: nothing has been
-// rendered yet, so that all of it begins anew.
+// Creates the renderer. If the device is lost meanwhile, reopens it and begins again, because
+// nothing has been rendered yet.
 static bool create_renderer(struct job *job, const struct renderer_params *params, struct err *err)
 {
     struct err failure = {0};
@@ -176,7 +177,7 @@ static bool create_renderer(struct job *job, const struct renderer_params *param
         if (!job->gpu->lost || err->code != ERR_GPU || job->rescue.reopened == job->params.reopens)
             return false;
         job->rescue.reopened++;
-        log_warn("%s: opening the device again, to begin anew", err->msg);
+        log_warn("%s: opening the device again and rendering from the beginning", err->msg);
         if (!gpu_reopen(job->gpu, &failure))
             return err_set(err, ERR_GPU, "%s; it could not be opened again: %s", err->msg,
                            failure.msg);

@@ -4,60 +4,62 @@
 
 #include "job/job.h"
 
-// The words that a job stores in a checkpoint's note.
+// The words of the note that a job stores in a checkpoint.
 enum job_note {
-    JOB_NOTE_ERROR,     // goal.error on the way to which the next look is planned, as a double
+    JOB_NOTE_ERROR,     // goal.error for which the next interim test was planned, as a double
     JOB_NOTE_NEXT_LOOK, // see struct job
-    JOB_NOTE_SAMPLES,   // per pixel that were planned; of a shard, of the whole render
-    JOB_NOTE_AOVS,      // AOV_*: the device's
+    JOB_NOTE_SAMPLES,   // planned samples per pixel; for a shard, those of the whole render
+    JOB_NOTE_AOVS,      // AOV_* of the renderer's device
 };
 _Static_assert(JOB_NOTE_AOVS + 1 == CHECKPOINT_NOTE_WORDS, "a word for each");
 
-// The last line of identities: the samples that a part is to have; "none" of a whole render.
+// The last line of an identity: the samples of a shard, or "none" for a whole render.
 #define JOB_SHARD_LINE "--shard="
 
 // --- identity.c ---
-// Copies an identity without the lines that begin with one of `names`. NULL when out of memory.
+// Returns a copy of an identity without the lines that begin with one of `names`. Returns NULL when
+// out of memory.
 const char *job_identity_without(const char *identity, const char *const *names, uint32_t count,
                                  struct arena *arena);
 
 // --- job.c ---
-// Returns whether a clock, or each tile for itself, decides how many samples there are.
+// Returns whether the number of samples depends on a time limit or on the errors of tiles.
 bool job_is_open_ended(const struct job *job);
-// Returns the samples per pixel of a step of renderer_render(): one, or those of a round.
+// Returns the samples per pixel of a step of renderer_render(): one, or with `adaptive` a round's.
 uint64_t job_step_samples(const struct job *job);
-// Returns whether there are no samples but the pilot's, which are not part of the image.
+// Returns whether the film has only samples of the pilot, which are not part of the image.
 bool job_is_pilot(const struct job *job);
 
 // --- film.c ---
-// Reads the film, where the device is well.
+// Reads the film from a device that works.
 bool job_read_now(struct job *job, struct err *err);
 struct film_state job_film_state(const struct renderer *r);
 
 // --- steps.c ---
-// Goes on to so many steps since the beginning, after failures of the device too where it may be
-// opened again.
+// Renders until `steps` steps since the beginning are done. If the device fails and may be
+// reopened, continues after the failure. The progress goes from `from` to `to`.
 bool job_render_to(struct job *job, const struct job_step *step, uint64_t steps, double from,
                    double to, struct err *err);
 
 // --- judge.c ---
-// As film_error(), of the film as it was read last. confidence: 0 for the usual.
+// Estimates the error of the film that was read last, as film_error() does. confidence = 0: the
+// default.
 bool job_estimate_error(struct job *job, double confidence, struct half_error *out,
                         struct err *err);
-// Makes the renderer prepare what estimates need, while the device works.
+// Makes the renderer compute the data that estimates need, while the device works.
 bool job_prepare_estimates(struct job *job, struct err *err);
 
 // --- pilot.c ---
-// Takes samples that are not part of the image, and makes the plan of the tiles from them. Leaves
-// the film empty, unless the job was stopped.
+// Renders samples that are not part of the image, and plans each tile's number of samples from
+// their errors. Leaves the film empty, unless the job was stopped.
 bool job_run_pilot(struct job *job, struct err *err);
 
 // --- trace.c ---
-bool job_open_trace(struct job *job, struct err *err); // makes room, and names what it is of
-// Returns at how many samples (or rounds, or frames) the next row is due: 1, 2, 4, ...; UINT64_MAX
-// without a trace.
+bool job_open_trace(struct job *job, struct err *err); // allocates the rows and computes the hashes
+// Returns the number of samples (or rounds, or frames) at which the next row is due: 1, 2, 4, ...;
+// UINT64_MAX if the job keeps no trace.
 uint64_t job_next_row(const struct job *job, uint64_t done);
-// Reads and judges the film, and adds a row.
+// Reads the film, estimates its error and adds a row.
 bool job_look_for_trace(struct job *job, struct err *err);
 
 // --- resume.c ---
@@ -66,39 +68,41 @@ bool job_checkpoint_restore(struct job *job, struct err *err);
 bool job_checkpoint_when_due(struct job *job, struct err *err);
 
 // --- shard.c ---
-// Finds the samples of the shard, if it is one; ERR_USAGE where it cannot be one.
+// Determines the samples of a shard; does nothing for other jobs. Fails with ERR_USAGE if the
+// render cannot be divided into shards.
 bool job_settle_shard(struct job *job, struct err *err);
 bool job_is_shard(const struct job *job);
-// Checks that the merged film, if there is one, is of this render. Needs the device.
+// Checks that the merged film, if there is one, belongs to this render. Needs the device.
 bool job_check_merged(struct job *job, struct err *err);
-// Puts the renderer before the shard's first sample, or the merged film into it.
+// Sets the renderer to the shard's first sample, or copies the merged film to the renderer.
 bool job_begin_shard(struct job *job, struct err *err);
 
-// Checks that parts of the samples may be rendered by others; `whose` they are begins the message.
+// Checks that several renderers may share the samples of this render. `whose` is the beginning of
+// the error message.
 bool job_check_divisible(const struct job *job, const char *whose, struct err *err);
 
 // --- crew_film.c ---
-// Adds what was counted and measured of one film to that of another.
+// Adds the counts and times of one film to those of another.
 void job_add_stats(const struct render_stats *part, struct render_stats *to);
 
 // --- crew.c ---
 bool job_check_crew(const struct job *job, struct err *err);
-// When the film is as it was left: prepares to give blocks.
+// Prepares to assign blocks of samples to the workers. The film must be complete.
 bool job_begin_crew(struct job *job, struct err *err);
-// As job_advance(), by all members.
+// Does the same as job_advance(), with all members of the crew.
 bool job_advance_crew(struct job *job, const struct job_step *step, struct err *err);
-// Between waves of the own block: keeps the workers busy.
+// Called between waves of the job's own block, to assign further blocks to workers.
 bool job_attend_crew(struct job *job, struct err *err);
 
 // --- rescue.c ---
-// Copies the film when that costs less than a hundredth of the time of rendering.
+// Copies the film if all copies together take less than a hundredth of the rendering time.
 bool job_rescue_copy_when_due(struct job *job, struct err *err);
-// Called when rendering begins, resumes from a checkpoint, or empties the film: a rescue starts
-// from here.
+// Must be called when rendering begins, when it resumes from a checkpoint, and when the film is
+// emptied: a rescue restores this state until a copy is made.
 bool job_rescue_begin(struct job *job, struct err *err);
-// After a failure of the device: reopens it, with the last copy of the film. Returns false, with
-// *err unchanged, if it was reopened too often, or if there is nothing to resume; with another
-// reason if reopening failed.
+// Reopens the device after a failure and restores the last copy of the film. Returns false with
+// *err unchanged if the device was reopened too often already, or if there is no state to restore.
+// If reopening fails, returns false and *err has the reason.
 bool job_recover(struct job *job, struct err *err);
 
 #endif

@@ -1,4 +1,4 @@
-// Reads the film, and says how good it is and what twice the time would bring.
+// Reads the film, estimates its error, and forecasts the error after twice the rendering time.
 #include "base/clock.h"
 #include "base/hash.h"
 #include "job/bias.h"
@@ -31,8 +31,7 @@ double job_total_samples(const struct job *job)
     const struct renderer *r = &job->renderer;
     uint64_t pixels = (uint64_t)job->film.width * job->film.height;
     double sum = 0.0;
-    if (job->params.goal.frames &&
-        !job->params.goal.accumulate) // the film has the last frame alone
+    if (job->params.goal.frames && !job->params.goal.accumulate) // the film has only the last frame
         return (double)r->next_sample * (double)pixels +
                (double)(r->pass.position << r->pass.shift);
     for (uint64_t i = 0; i < pixels; i++)
@@ -53,7 +52,7 @@ bool job_estimate_error(struct job *job, double confidence, struct half_error *o
     params.confidence = confidence;
     if (ok)
         ok = film_error(&job->film, &params, out, err);
-    else if (job_is_rescued(job)) { // before the device had traced what the judge needs
+    else if (job_is_rescued(job)) { // the device failed before it had found the unseen light
         *out = film_error_none("rendering failed before it could be estimated");
         ok = true;
     } else if (err)
@@ -67,7 +66,7 @@ bool job_prepare_estimates(struct job *job, struct err *err)
 {
     uint64_t start = clock_ns();
     struct arena scratch = {0};
-    struct film_error_params params; // the renderer keeps what it found
+    struct film_error_params params; // the renderer owns the data in it
     bool ok = film_error_prepare(&job->renderer, 0, &scratch, &params, err);
     arena_finish(&scratch);
     job->seconds.judge += clock_seconds_since(start);
@@ -148,7 +147,7 @@ bool job_judge_film(struct job *job, struct err *err)
 
 // --- forecast ------------------------------------------------------------------------------------
 
-// Lists the estimates at doublings of the samples (or rounds, or frames).
+// Lists the estimates after 1, 2, 4, 8 ... samples per pixel (or rounds, or frames).
 static size_t list_looks(const struct job *job, struct forecast_look *out, size_t most)
 {
     size_t count = 0;
@@ -171,15 +170,15 @@ static size_t list_looks(const struct job *job, struct forecast_look *out, size_
     return count;
 }
 
-// Returns whether half of a bound is a forecast: the error of contiguous halves' samples falls as
-// fast.
+// Returns whether the forecast uses the bound: that of contiguous halves decreases as fast as the
+// error.
 static bool goes_by_bound(const struct job *job)
 {
     return job->error.bounded && halves_are_contiguous(&job->renderer);
 }
 
-// Returns the noise measured with the reference, with an interval as wide as that of the
-// half-buffers.
+// Returns the error due to noise. If there is a reference, this is the error measured with it, and
+// its interval is, relative to the value, as wide as that from the half-buffers.
 static struct interval noise(const struct job *job)
 {
     const struct half_error *e = &job->error;
@@ -189,8 +188,8 @@ static struct interval noise(const struct job *job)
     double stays = job->bias.stays.value;
     if (!job->params.reference || !isfinite(stays))
         return error;
-    // The measured error, and the one that the halves predict on average, with the reference's
-    // values.
+    // The measured error, and the error that the halves predict on average, both relative to the
+    // reference's brightness.
     double expected = job->against.local_relmse - stays;
     double reached = job->bias.is_certain ? expected : job->against.local_relmse;
     double factor = 0.5 * (expected + reached) / e->local_relmse;
@@ -202,7 +201,7 @@ static struct interval noise(const struct job *job)
 static const char *why_no_forecast(const struct job *job)
 {
     if (job->params.goal.frames && !job->params.goal.accumulate)
-        return "frames that do not accumulate become no better with time";
+        return "frames that do not accumulate do not improve with time";
     return job->error.known || goes_by_bound(job) ? NULL : job->error.reason;
 }
 
@@ -210,7 +209,8 @@ const char *job_forecast(const struct job *job, struct forecast *out)
 {
     struct forecast_look looks[128];
     const struct settings *settings = &job->scene->settings;
-    // With planned samplers, an image of fewer samples is not the beginning of a larger one.
+    // Samplers that use the planned number of samples render a different image for each such
+    // number, so an earlier estimate does not belong to the same sequence.
     bool grows_evenly = sample_planning(settings, NULL) == PLANNING_NONE;
     const char *reason = why_no_forecast(job);
     struct forecast_params params = {
@@ -226,5 +226,5 @@ const char *job_forecast(const struct job *job, struct forecast *out)
     if (job->params.reference && job->bias.is_certain)
         params.stays = job->bias.stays;
     forecast_find_error(&params, out);
-    return reason || isfinite(out->error.value) ? reason : "the halves do not differ";
+    return reason || isfinite(out->error.value) ? reason : "the two halves are equal";
 }

@@ -1,4 +1,4 @@
-// The phase of a job.
+// Names the phase that a job is in.
 #include "job/job_internal.h"
 
 bool job_is_open_ended(const struct job *job)

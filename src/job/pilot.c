@@ -1,5 +1,5 @@
-// A pilot renders a few samples, which are not part of the image, to measure the noise by tile, or
-// the time of samples.
+// A pilot renders a few samples that are not part of the image. It measures the noise of each tile,
+// or the speed of rendering.
 #include "job/job_internal.h"
 
 #include "metrics/metrics.h"
@@ -7,7 +7,7 @@
 #define PILOT_SAMPLES 16u
 #define SPEED_SAMPLES (1u << 16)
 
-// Small differences between seeds do not give the same value (Knuth 1998, section 6.4: 2^32 /
+// Returns the pilot's seed. Similar seeds have distinct results (Knuth 1998, section 6.4: 2^32 /
 // golden ratio).
 static uint32_t pilot_seed(uint32_t seed)
 {
@@ -53,7 +53,7 @@ static bool set_even_plan(struct job *job, struct arena *arena, struct err *err)
            renderer_set_plan(&job->renderer, &plan, err);
 }
 
-// Makes the plan from the error of each tile of the film as read.
+// Plans the tiles' numbers of samples from the error of each tile of the film that was read last.
 static bool make_plan(struct job *job, struct err *err)
 {
     const struct film_image *film = &job->film;
@@ -85,7 +85,7 @@ bool job_run_pilot(struct job *job, struct err *err)
     struct arena scratch = {0};
     bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, pilot_seed(seed), err) &&
               renderer_render(r, &call, err);
-    // Without a plan the pilot's image is the only one.
+    // Without a plan, the pilot's samples are the only image.
     if (ok && !job->stopped)
         ok = job_fetch_film(job, err) && make_plan(job, err) && renderer_restart(r, seed, err) &&
              renderer_set_plan(r, &job->plan, err);

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The noise of a sum over finite pixels.
+// Sums from which the noise over all finite pixels is computed.
 struct noise_sum {
     uint64_t finite;
     double squares, relative, local;
 };
 
-// Adds the variance of a pixel's channel.
+// Adds the variance of one channel of a pixel.
 static void add_variance(struct noise_sum *sum, double variance, const struct reference *reference,
                          uint64_t pixel, int channel)
 {
@@ -27,7 +27,7 @@ static void set_noise(struct reference *out, const struct noise_sum *sum)
     double values = 3.0 * (double)sum->finite;
     out->halves[0] = out->halves[1] = NULL;
     out->noise_known = sum->finite > 0;
-    out->reason = sum->finite > 0 ? NULL : "no pixel of it is finite";
+    out->reason = sum->finite > 0 ? NULL : "none of its pixels is finite";
     out->mse = sum->finite > 0 ? sum->squares / values : 0.0;
     out->relmse = sum->finite > 0 ? sum->relative / values : 0.0;
     out->local_relmse = sum->finite > 0 ? sum->local / values : 0.0;
@@ -48,7 +48,7 @@ bool reference_find_means(struct reference *out, const struct progress *progress
                                      progress, means))
         return true;
     if (means && progress_should_stop(progress))
-        return err_set(err, ERR_STOPPED, "stopped: not all of a reference was looked at");
+        return err_set(err, ERR_STOPPED, "stopped while the reference was evaluated");
     return err_memory(err, "the means around a reference's pixels",
                       pixel_count(out) * sizeof *means);
 }
@@ -83,9 +83,9 @@ bool reference_set_variance(struct reference *out, const char *path, const float
         for (int k = 0; k < 3; k++) {
             if (!(variance[i][k] >= 0 && isfinite(variance[i][k])))
                 return err_set(err, ERR_INPUT,
-                               "%s: pixel %u,%u: %g is no variance; expected a number >= 0", path,
-                               (unsigned)(i % out->image.width), (unsigned)(i / out->image.width),
-                               (double)variance[i][k]);
+                               "%s: pixel %u,%u: the variance is %g; expected a finite number >= 0",
+                               path, (unsigned)(i % out->image.width),
+                               (unsigned)(i / out->image.width), (double)variance[i][k]);
             add_variance(&sum, (double)variance[i][k], out, i, k);
         }
     }
@@ -118,21 +118,21 @@ static const char *attribute(const char *path, struct arena *arena, const char *
     return NULL;
 }
 
-// Returns why the noise cannot be estimated from the layers, though they exist; NULL if it can.
-// Contiguous halves of one sequence overestimate it up to six times.
+// Returns why the noise must not be estimated from the halves that the file has; NULL if it may.
+// The contiguous halves of one sequence overestimate it by a factor of up to six.
 static const char *distrust(const char *path, struct arena *arena)
 {
     const char *spp = attribute(path, arena, "lampyris:spp");
     if (spp && strtoull(spp, NULL, 10) < 2)
-        return "one sample has no halves";
+        return "a picture with one sample per pixel has no halves";
     const char *halves = attribute(path, arena, "lampyris:halves");
     if (halves && strcmp(halves, "independent") != 0)
         return "its halves are not independent";
     return NULL;
 }
 
-// Sets the noise by the layer `variance`, where there is one that knows of all pixels. False only
-// where asked to stop.
+// Sets the noise from the layer `variance`, if the file has one and all its values are valid.
+// Returns false only if `progress` requests a stop.
 static bool read_variance(const char *path, const struct progress *progress, struct arena *arena,
                           struct reference *out, struct err *err)
 {
@@ -148,7 +148,7 @@ static bool read_variance(const char *path, const struct progress *progress, str
     if (reason)
         out->reason = reason;
     else if (!reference_set_variance(out, path, (const float(*)[3])variance.pixels, &none))
-        out->reason = "its layer variance has values that are no variance";
+        out->reason = "its layer variance has values that are negative or not finite";
     return true;
 }
 
@@ -157,9 +157,8 @@ bool reference_read(const char *path, const struct progress *progress, struct ar
 {
     static const char *const layers[2] = {"half_a", "half_b"};
     struct image halves[2];
-    *out = (struct reference){
-        .reason =
-            "it has no layers half_a and half_b, nor variance (--aov halves, --aov variance)"};
+    *out = (struct reference){.reason = "it has neither the layers half_a and half_b (--aov "
+                                        "halves) nor variance (--aov variance)"};
     struct image_read_params params = {.path = path, .progress = progress};
     if (!image_read(&params, arena, &out->image, err) ||
         !reference_find_means(out, progress, arena, err))

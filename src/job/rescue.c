@@ -1,5 +1,5 @@
-// Copies the film from the device now and then, so that the loss of a device, or lack of memory,
-// does not lose the whole render.
+// Copies the film from the device from time to time, so that the render is not lost if the device
+// is lost or memory runs out.
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
@@ -7,18 +7,19 @@
 #include <inttypes.h>
 #include <math.h>
 
-// The greatest share of rendering time for copies. Before the first measurement the cost is
-// estimated per pixel: on lavapipe resolving and reading one takes .1 to .2 us.
+// The greatest fraction of the rendering time that copies may take. Before the first copy, its time
+// is estimated per pixel: on lavapipe, resolving and reading a pixel takes 0.1 to 0.2 us.
 #define COST_MAX 0.01
 #define PIXEL_SECONDS 2e-7
-// A first copy that is faster than this is always made.
+// The first copy is always made if it is expected to take less than this.
 #define SHORT_SECONDS 2e-3
-// The least time between copies: on a busy machine a copy may take long by chance.
+// The least rendering time between copies, because on a busy machine a single copy may happen to
+// take long.
 #define PAUSE_SECONDS 1.0
-// The longest delay of a copy until the end of a pass, when all pixels have the same samples; the
-// first copy is not delayed.
+// A copy waits at most this long for the end of a pass, when all pixels have the same number of
+// samples. The first copy does not wait.
 #define PATIENCE_SECONDS 10.0
-// The part of the memory budget for copies. There are two at a time while one is made.
+// Copies may use 1 / MEMORY_PART of the memory budget. While a copy is made, there are two of them.
 #define MEMORY_PART 8
 
 static uint64_t film_pixels(const struct job *job)
@@ -26,10 +27,12 @@ static uint64_t film_pixels(const struct job *job)
     return (uint64_t)job->renderer.frame.width * job->renderer.frame.height;
 }
 
-// Reports once if it does not fit, since a lost device then loses the image.
+// Returns whether copies fit into their share of the memory budget. If they do not, warns once,
+// because losing the device then loses the image.
 static bool fits_memory(struct job *job)
 {
-    // Mean, halves and count, the layers of --aov, and the records from which they are computed.
+    // The mean, the halves, the counts, the layers of --aov, and the records from which they are
+    // computed.
     uint64_t bytes = 2 * film_pixels(job) * (3 * 12 + 4 + film_aovs_bytes(job->renderer.aovs));
     if (job->params.reopens > 0)
         bytes += 2 * film_copy_bytes(&job->renderer);
@@ -37,16 +40,18 @@ static bool fits_memory(struct job *job)
     if (most == 0 || bytes <= most)
         return true;
     if (!job->rescue.is_too_large)
-        log_warn("the film is not copied for the case that the device fails: copies take %s, "
-                 "expected at most %s, an eighth of the memory budget (--memory); --checkpoint "
-                 "keeps the render instead",
-                 memory_print(bytes).text, memory_print(most).text);
+        log_warn(
+            "no copies of the film are kept, so the render is lost if the device fails: copies "
+            "need %s; expected at most %s, an eighth of the memory budget (--memory); "
+            "use --checkpoint to save the render",
+            memory_print(bytes).text, memory_print(most).text);
     job->rescue.is_too_large = true;
     return false;
 }
 
-// The first copy is made as soon as its cost permits, since everything is lost before; one from the
-// middle of a pass is replaced at the end of the next.
+// Returns whether to copy now. The first copy is made as soon as its time permits, because without
+// it everything can be lost. A copy made in the middle of a pass is replaced at the end of the next
+// pass.
 static bool is_due(struct job *job)
 {
     const struct job_rescue *rescue = &job->rescue;
@@ -104,7 +109,7 @@ bool job_rescue_begin(struct job *job, struct err *err)
            film_copy_take(&job->renderer, is_empty, &rescue->arena, &rescue->records, err);
 }
 
-// A device without enough memory for the wave gets smaller waves.
+// Uses smaller waves if the device has too little memory for the present ones.
 bool job_recover(struct job *job, struct err *err)
 {
     struct job_rescue *rescue = &job->rescue;
@@ -114,8 +119,8 @@ bool job_recover(struct job *job, struct err *err)
         !(is_lost || is_full) || rescue->reopened == job->params.reopens)
         return false;
     rescue->reopened++;
-    log_warn("%s: opening the device again, to go on from %" PRIu64 " samples a pixel%s", err->msg,
-             job_is_pilot(job) ? 0 : rescue->records.next_sample * job_step_samples(job),
+    log_warn("%s: opening the device again and continuing from %" PRIu64 " samples per pixel%s",
+             err->msg, job_is_pilot(job) ? 0 : rescue->records.next_sample * job_step_samples(job),
              is_lost ? "" : " with smaller waves");
     struct err failure = {0};
     uint32_t wave = is_lost ? r->plan.wave_slots : r->plan.wave_slots / 2;
@@ -127,10 +132,10 @@ bool job_recover(struct job *job, struct err *err)
 
 // --- the film of a device that stays lost -------------------------------------------------------
 
-// If the host's memory ran out, the device still works: the current film may be read.
+// Reads the current film if the host's memory ran out, because the device then still works.
 static void read_again(struct job *job)
 {
-    // With a crew, the device has a part of the film.
+    // With a crew, the device has only a part of the film.
     if (job->is_rendering && !job->params.crew && !job_is_pilot(job) &&
         renderer_has_all_pixels(&job->renderer))
         job_read_now(job, NULL);
@@ -160,13 +165,13 @@ static void say_what_is_left(const struct job *job, double lost_seconds)
     const struct film_image *film = &job->film;
     const char *what = job->ended_by == ENDED_BY_DEVICE ? "the device failed" : "memory ran out";
     if (film->most_samples == film->least_samples)
-        log_warn("%s; the picture is that of %" PRIu64
-                 " samples a pixel, copied %.1f s of rendering before",
+        log_warn("%s; the picture has %" PRIu64
+                 " samples per pixel, which were copied %.1f s of rendering time earlier",
                  what, film->least_samples, lost_seconds);
     else
-        log_warn("%s; the picture is that of %" PRIu64 " samples a pixel, and of up to %" PRIu64
-                 " in some, so that no --spp makes it again; it was copied %.1f s of rendering "
-                 "before",
+        log_warn("%s; the picture has %" PRIu64 " samples per pixel, and up to %" PRIu64
+                 " in some pixels, so no --spp renders it again; it was copied %.1f s of rendering "
+                 "time earlier",
                  what, film->least_samples, film->most_samples, lost_seconds);
 }
 

@@ -1,4 +1,4 @@
-// Checkpoints: when to save them, and how to resume.
+// Checkpoints: when they are written, and how a render resumes from one.
 #include "job/job_internal.h"
 
 #include "base/clock.h"
@@ -24,9 +24,10 @@ bool job_checkpoint_open(struct job *job, struct err *err)
         return err_memory(err, "a checkpoint", CHECKPOINT_TEXT_MAX);
     if (!job->params.checkpoint.resume)
         return !is_there(path) ||
-               err_set(err, ERR_INPUT,
-                       "%s: exists already: expected --resume, to go on from it, or another name",
-                       path);
+               err_set(
+                   err, ERR_INPUT,
+                   "%s: exists already: expected --resume, to continue from it, or another name",
+                   path);
     if (!is_there(path)) {
         log_warn("%s: does not exist: rendering begins anew", path);
         return true;
@@ -36,7 +37,7 @@ bool job_checkpoint_open(struct job *job, struct err *err)
            checkpoint_check(&job->resumed, job->identity, err);
 }
 
-// Returns the samples of each pixel that are finished or begun.
+// Returns the number of samples per pixel that are finished or have been begun.
 static uint64_t samples_begun(const struct job *job)
 {
     const struct renderer *r = &job->renderer;
@@ -67,10 +68,10 @@ bool job_checkpoint_restore(struct job *job, struct err *err)
         goal->frames ? (uint64_t)goal->frames * goal->samples_per_frame : job->samples_most;
     if (begun > wanted)
         return err_set(err, ERR_INPUT,
-                       "%s: has %" PRIu64 " samples a pixel; expected no more than the %" PRIu64
-                       " that this run is to have",
+                       "%s: has %" PRIu64 " samples per pixel; expected at most %" PRIu64
+                       ", the number of this run",
                        path, begun, wanted);
-    log_info("%s: going on after %" PRIu64 " samples a pixel", path, begun);
+    log_info("%s: continuing after %" PRIu64 " samples per pixel", path, begun);
     return true;
 }
 
@@ -93,7 +94,7 @@ static bool write_checkpoint(struct job *job, const char *path, struct err *err)
 bool job_checkpoint_save(struct job *job, struct err *err)
 {
     const char *path = job->params.checkpoint.path;
-    // Before there is a plan, there is nothing to resume.
+    // Before the pilot has made a plan, there is nothing to resume.
     if (!path || job_is_pilot(job))
         return true;
     bool ok = write_checkpoint(job, path, err);
@@ -106,15 +107,16 @@ bool job_checkpoint_write(struct job *job, const char *path, struct err *err)
 {
     if (job_is_pilot(job))
         return err_set(err, ERR_USAGE,
-                       "%s: no checkpoint is possible before the pilot of an adaptive render has "
-                       "ended; expected a render that has samples",
+                       "%s: no checkpoint can be written before the pilot of an adaptive render "
+                       "has ended",
                        path);
     if (!job_identity(job))
         return err_memory(err, "a checkpoint", CHECKPOINT_TEXT_MAX);
     return write_checkpoint(job, path, err);
 }
 
-// A full disk may have room later, and the image itself may be written elsewhere.
+// If a checkpoint cannot be written, rendering continues: a full disk may have room later, and the
+// image may be written elsewhere.
 bool job_checkpoint_when_due(struct job *job, struct err *err)
 {
     const struct job_checkpoint_params *params = &job->params.checkpoint;
@@ -135,6 +137,7 @@ bool job_checkpoint_when_due(struct job *job, struct err *err)
 void job_checkpoint_mention(const struct job *job, struct err *err)
 {
     if (job->has_checkpoint && err->code == ERR_GPU)
-        err_set(err, err->code, "%s; the last checkpoint is kept: --checkpoint %s --resume goes on",
+        err_set(err, err->code,
+                "%s; the last checkpoint is kept: --checkpoint %s --resume continues from it",
                 err->msg, job->params.checkpoint.path);
 }

@@ -1,5 +1,5 @@
-// Renders to the goal: in steps that end where a caller or a test needs the film, until the number
-// of samples, the time, the error or a signal ends them.
+// Renders until the goal is reached: in steps that end when a caller or an interim test needs the
+// film.
 #include "job/job_internal.h"
 
 #include "metrics/metrics.h"
@@ -20,7 +20,8 @@ static bool is_over(const struct job *job)
     return job->stopped || job->ended_by != ENDED_BY_SAMPLES;
 }
 
-// A step is one sample of every pixel, or a round of the tiles' plan.
+// Returns the number of finished steps. A step is one sample of every pixel, or a round of the
+// tiles' plan.
 static uint64_t steps_done(const struct job *job)
 {
     return job->renderer.next_sample;
@@ -28,8 +29,8 @@ static uint64_t steps_done(const struct job *job)
 
 // --- one image -----------------------------------------------------------------------------------
 
-// Advances to `steps`; the progress shows the fraction of `expected` steps, INFINITY if not known.
-// The time of earlier runs, from a checkpoint, counts.
+// Renders until `steps` steps are done. The progress is the fraction of `expected` steps, which is
+// INFINITY if not known. The time of earlier runs, from a checkpoint, counts.
 static bool advance(struct job *job, uint64_t steps, double expected, struct err *err)
 {
     const double first = (double)job->samples_first;
@@ -42,7 +43,7 @@ static bool advance(struct job *job, uint64_t steps, double expected, struct err
     return job_is_stopped(job) || job_advance(job, &step, err);
 }
 
-// Advances and adds the rows of the trace in between, without the row at the end.
+// Renders until `steps` steps are done, and adds the rows of the trace that are due before the end.
 static bool advance_with_rows(struct job *job, uint64_t steps, double expected, struct err *err)
 {
     uint64_t next;
@@ -81,8 +82,9 @@ static double excess(const struct job *job)
     return job->looks[job->look_count - 1].error.at_most / job->params.goal.error;
 }
 
-// The error decreases with the number of samples, so the needed number follows from the error. A
-// bound alone says nothing about it.
+// Returns the number of samples that the error limit is expected to need, from the latest estimate,
+// because the error decreases with the number of samples. A bound without an estimate does not give
+// that number.
 static double expected_samples(const struct job *job, uint64_t most)
 {
     if (job->look_count > 0 && isfinite(excess(job)))
@@ -90,7 +92,8 @@ static double expected_samples(const struct job *job, uint64_t most)
     return job->params.goal.samples > 0 ? (double)most : INFINITY;
 }
 
-// A checkpoint stores the next interim test, if it was made on the way to the same error.
+// Plans the next interim test. If a checkpoint has stored one for the same error limit, that
+// remains.
 static void plan_looks(struct job *job, uint64_t unit)
 {
     uint64_t done = steps_done(job) * job_step_samples(job);
@@ -101,8 +104,9 @@ static void plan_looks(struct job *job, uint64_t unit)
     job->next_look = looks_first(done, unit);
 }
 
-// The limit of samples is not itself an interim test unless one is planned there: a run that is
-// resumed with a higher limit has the same tests as a single run.
+// Renders until the error limit is reached. The limit of samples is not an interim test unless one
+// was planned there: so a run that is resumed with a higher limit has the same tests as a single
+// run.
 static bool render_to_error(struct job *job, struct err *err)
 {
     uint64_t most = job->samples_most, each = job_step_samples(job);
@@ -115,7 +119,7 @@ static bool render_to_error(struct job *job, struct err *err)
             return false;
         if (is_over(job))
             return true;
-        // With a trace, the estimate is also a row of it.
+        // With a trace, the estimate is also added to it as a row.
         bool ok = job->params.keeps_trace ? job_look_for_trace(job, err) : job_fetch_film(job, err);
         if (!ok || !add_look(job, next, err))
             return false;
@@ -176,7 +180,7 @@ static bool tell_frame(struct job *job, uint32_t done, struct err *err)
            listener->after_frame(listener->context, done, err);
 }
 
-// Frames that an earlier run has finished are not rendered again.
+// Renders all frames, except those that an earlier run has finished.
 static bool render_frames(struct job *job, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -198,8 +202,8 @@ static bool render_frames(struct job *job, struct err *err)
 
 // --- all of it -----------------------------------------------------------------------------------
 
-// Finds what the judge needs now, while the device is well: a film that is rescued from it is
-// judged, too.
+// Finds the data that estimates need now, while the device works, so that the error of a rescued
+// film can be estimated, too.
 static bool prepare(struct job *job, struct err *err)
 {
     struct err failure = {0};
@@ -213,7 +217,8 @@ static bool prepare(struct job *job, struct err *err)
                 *err = failure;
             return false;
         }
-    return !was_pilot || job_rescue_begin(job, err); // with the tiles' plan
+    return !was_pilot || job_rescue_begin(job, err); // the film is empty again, and the tiles' plan
+                                                     // exists
 }
 
 bool job_run(struct job *job, struct err *err)

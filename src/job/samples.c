@@ -6,7 +6,7 @@
 
 struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t samples)
 {
-    // Pairs are at most 2^31, so that the products fit.
+    // There are at most 2^31 pairs, so the products fit into 64 bits.
     uint64_t pairs = samples / 2;
     struct sample_range range = {2 * (pairs * (index - 1) / count), 2 * (pairs * index / count)};
     if (index == count)
@@ -14,7 +14,8 @@ struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t sam
     return range;
 }
 
-// Reads digits alone: neither a sign nor blanks. Returns the rest, or NULL.
+// Reads a decimal number; a sign or blanks before it are errors. Returns the rest of the text, or
+// NULL.
 static const char *parse_number(const char *text, uint64_t *out)
 {
     if (*text < '0' || *text > '9')
@@ -58,7 +59,7 @@ bool samples_parse(const char *text, size_t length, struct arena *arena, struct 
 
 const char *samples_text(const struct sample_ranges *ranges, struct arena *arena)
 {
-    // Two numbers of 32 bits, a colon and a comma.
+    // Each range takes at most two numbers of 32 bits, a colon and a comma.
     const size_t size = 22 * (size_t)ranges->count + 8;
     char *text = ARENA_NEW(arena, char, size);
     size_t used = 0;

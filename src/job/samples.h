@@ -1,4 +1,4 @@
-// Numbers of samples that a part of a render has: each is of every pixel of the picture.
+// Sets of sample indices. A sample index stands for one sample of every pixel of the image.
 #ifndef LAMPYRIS_JOB_SAMPLES_H
 #define LAMPYRIS_JOB_SAMPLES_H
 
@@ -7,39 +7,41 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// The samples from `first` up to, but without, `end`. Both are even, because sample s belongs to
-// half-buffer s & 1 and is number s >> 1 of it: only so do a part's halves have the samples that
-// the whole render gives them.
+// The samples from `first` up to, but not including, `end`. Both are even: sample s is number s >>
+// 1 of half-buffer s & 1, so only then do the halves of a part contain the same samples as in the
+// whole render.
 struct sample_range {
     uint64_t first, end;
 };
 
-// Ranges in ascending order, of which none is empty and no two touch.
+// Ranges in ascending order, none of which is empty and no two of which are adjacent or overlap.
 struct sample_ranges {
     struct sample_range *list;
     uint32_t count;
 };
 
-// Returns the index-th, from 1, of `count` parts of `samples`, which differ by two samples at most,
-// or by three where an odd last sample is the last part's. There must be a pair of samples for each
-// part, or one part.
+// Returns part `index`, from 1, of `samples` divided into `count` parts. Parts differ by at most
+// two samples, or by three if the number is odd, because the last part gets the odd sample. There
+// must be at least one pair of samples per part, unless count is 1.
 struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t samples);
 
-// Parses "FIRST:END"; returns the rest of the text, or NULL.
+// Parses "FIRST:END". Returns the rest of the text, or NULL if the text does not begin like that.
 const char *samples_parse_range(const char *text, struct sample_range *out);
-// Parses "FIRST:END,FIRST:END ..." of ascending ranges. False where the text is something else, or
-// there is no memory.
+// Parses ascending ranges, "FIRST:END,FIRST:END ...". Returns false if the text has another form,
+// or when out of memory.
 bool samples_parse(const char *text, size_t length, struct arena *arena, struct sample_ranges *out);
-// Formats what samples_parse() reads; "none" without ranges. NULL when out of memory.
+// Returns the ranges in the form that samples_parse() reads, or "none" if there are none. Returns
+// NULL when out of memory.
 const char *samples_text(const struct sample_ranges *ranges, struct arena *arena);
 
-// Returns whether both have a sample in common; then the first such range is in *out.
+// Returns whether the two sets have a sample in common. If so, *out is the first range that they
+// share.
 bool samples_overlap(const struct sample_ranges *a, const struct sample_ranges *b,
                      struct sample_range *out);
-// Makes a new list of the ranges of both, which have no sample in common.
+// Makes the union of two sets that have no sample in common.
 bool samples_join(const struct sample_ranges *a, const struct sample_ranges *b, struct arena *arena,
                   struct sample_ranges *out, struct err *err);
-// Makes the list of what is lacking to all samples below `end`.
+// Makes the set of all samples below `end` that are not in `ranges`.
 bool samples_missing(const struct sample_ranges *ranges, uint64_t end, struct arena *arena,
                      struct sample_ranges *out, struct err *err);
 

@@ -38,7 +38,7 @@ static bool after_wave(void *context, struct err *err)
 {
     struct job *job = context;
     const struct job_listener *listener = &job->params.listener;
-    // The film has samples without those before them, which are those of others.
+    // With a crew, the film may lack samples before the first one, because other members have them.
     if (job->params.crew && job->is_rendering)
         return job_attend_crew(job, err);
     return (!job->is_rendering ||
@@ -68,9 +68,9 @@ bool job_render_to(struct job *job, const struct job_step *step, uint64_t steps,
     return false;
 }
 
-// Returns how many samples, or rounds, to take next when `done` of them took `elapsed` seconds; 0
-// when `limit` seconds are over. Steps grow to `most` while they are short relative to the
-// remaining time, so that the end is within one step of the limit.
+// Returns how many samples, or rounds, to render next, if `done` of them took `elapsed` seconds.
+// Returns 0 if `limit` seconds have passed. Steps grow up to `most` as long as they are short
+// relative to the remaining time, so that the render ends within one step of the limit.
 static uint64_t timed_step(double limit, double elapsed, uint64_t done, uint64_t most)
 {
     if (done == 0)
@@ -78,11 +78,11 @@ static uint64_t timed_step(double limit, double elapsed, uint64_t done, uint64_t
     double fits = (limit - elapsed) * (double)done / elapsed;
     if (fits < 1.0)
         return 0;
-    // Half of the remaining time is planned, because the estimate is noisy.
+    // Only half of the remaining time is used, because the estimate is noisy.
     return fits < 2.0 * (double)most ? (uint64_t)(0.5 * fits) + 1 : most;
 }
 
-// Uses short steps when little time is left.
+// Renders until the time limit; steps become shorter when little time is left.
 static bool advance_by_clock(struct job *job, const struct job_step *step, struct err *err)
 {
     const struct renderer *r = &job->renderer;
@@ -119,7 +119,7 @@ bool job_advance(struct job *job, const struct job_step *step, struct err *err)
 
 // --- reading the film ----------------------------------------------------------------------------
 
-// If the device is lost now, it is restored to its former state.
+// Reads the film. If the device is lost meanwhile, reopens it and restores the film's state.
 static bool read_film(struct job *job, struct err *err)
 {
     struct renderer *r = &job->renderer;

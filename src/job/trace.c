@@ -40,7 +40,7 @@ uint64_t job_next_row(const struct job *job, uint64_t done)
     return next;
 }
 
-// A new row replaces those that an earlier run added after its last checkpoint.
+// Returns a new row. It replaces rows that an earlier run has added after its last checkpoint.
 static struct trace_row *new_row(struct trace *trace, double frames, double spp)
 {
     while (trace->count > 0) {

@@ -152,7 +152,7 @@ class Checkpoints(unittest.TestCase):
                          self.path('c'))
         report = self.render('--spp', '96', '--resume', *self.checkpoint())
         self.assertEqual(report['image_hash'], whole['image_hash'])
-        self.reject('has 96 samples a pixel; expected no more than the 40', '--spp', '40')
+        self.reject('has 96 samples per pixel; expected at most 40', '--spp', '40')
 
     def test_pictures_besides_go_on(self):
         arguments = ['--aov', 'all', '--adaptive', 'on']

@@ -430,9 +430,9 @@ class Compare(unittest.TestCase):
         self.assertRegex(result.stdout, r"mse +-0\.00833.* of 0\.0416667 measured: below the "
                                         r"reference's noise")
         for value, message in (('-1', 'expected a number >= 0'), ('nan', 'expected a number >= 0'),
-                               (self.path('nan.exr'), 'pixel 2,3: nan is no variance'),
+                               (self.path('nan.exr'), 'pixel 2,3: the variance is nan'),
                                (self.path('small.exr'), '4 x 4'),
-                               ('auto', 'no layers half_a and half_b')):
+                               ('auto', 'neither the layers half_a and half_b')):
             result = self.compare('a.exr', 'b.exr', '--reference-variance', value)
             self.assertEqual((result.returncode, result.stdout), (2, ''), value)
             self.assertIn(message, result.stderr)

@@ -62,7 +62,7 @@ class LostDevice(unittest.TestCase):
 
     def test_the_copy_is_a_shorter_render(self):
         report, messages, header = self.check('--aov', 'albedo')
-        self.assertIn('that of %d samples a pixel' % report['spp'], messages)
+        self.assertIn('the picture has %d samples per pixel' % report['spp'], messages)
         self.assertIn(b'--spp %dlampyris:' % report['spp'], header)  # the end of lampyris:repeat
         whole = json.loads(self.render('whole.exr', '--spp', str(report['spp']), '--aov',
                                        'albedo').stdout)

@@ -402,7 +402,7 @@ class Exhausted(Base):
             self.assertIn(result.returncode, (0, 3), result.stderr)
             self.assertTrue(os.path.exists(kept), result.stderr)
             messages += result.stderr
-        self.assertIn('memory ran out; the picture is that of ', messages)
+        self.assertIn('memory ran out; the picture has ', messages)
 
 
 class Long(Exhausted):

@@ -157,7 +157,7 @@ TEST(bad_variances_are_named)
     struct reference reference = {.image = {1, 2, values}, .means = (const float(*)[3])values};
     struct err err = {0};
     CHECK(!reference_set_variance(&reference, "v.exr", (const float(*)[3])bad, &err));
-    CHECK(strstr(err.msg, "v.exr: pixel 0,1: -1 is no variance"), "%s", err.msg);
+    CHECK(strstr(err.msg, "v.exr: pixel 0,1: the variance is -1"), "%s", err.msg);
     bad[1][1] = INFINITY;
     CHECK(!reference_set_variance(&reference, "v.exr", (const float(*)[3])bad, &err));
     values[1][0] = NAN; // left out of the comparison, and so is its variance
