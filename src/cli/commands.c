@@ -13,15 +13,14 @@ const struct command commands[COMMAND_TOTAL] = {
                 "Renders a scene file (.json, .gltf, .glb, .obj, .ply or .stl) by path tracing, on "
                 "any Vulkan device with compute shaders. Settings come from the options, else from "
                 "the scene file, else they are the defaults given below. A model without a camera "
-                "is framed; one without light is lit by a studio and stands on a ground, see "
-                "--studio. The summary says how "
-                "good the picture is, what it cost, and what was left out. An interrupted render "
-                "(SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1) takes the first sample of every "
-                "pixel, "
-                "writes the samples that it has, and its --checkpoint; a second SIGINT or SIGTERM "
-                "ends it at once. "
-                "Outputs are replaced only by whole files, and locked against other runs. A "
-                "picture that cannot be written as EXR where it should be is saved in $TMPDIR.",
+                "is framed; one without light is lit by a studio and placed on a ground plane, see "
+                "--studio. The summary has the error of the picture, the time and memory that it "
+                "took, and the features that were left out. If a signal interrupts the render "
+                "(SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1), it completes the first sample of "
+                "every pixel, then writes the picture with the samples that it has, and the "
+                "--checkpoint; a second SIGINT or SIGTERM ends it at once. Output files are "
+                "replaced only when the new file is complete, and are locked against other runs. "
+                "If a picture cannot be written, it is saved as EXR in $TMPDIR.",
             .examples = "lampyris render scenes/cornell.json -o cornell.exr -o cornell.png\n"
                         "lampyris render scenes/models/vase.glb --spp 256 --size 1280x720\n"
                         "lampyris render scenes/models/vase.glb --env scenes/models/gallery.hdr\n"
@@ -80,14 +79,14 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "measure error against samples and run time",
             .arguments = "SCENE...",
             .description =
-                "Renders each scene with doubling samples or to fixed times, several times with "
-                "other seeds, and tells the error against samples and against run time: local "
-                "relMSE "
-                "with its interval and other metrics, the slope it falls off with, efficiency, "
-                "what it takes to reach a given error, and what bias remains. --vary and --curve "
-                "make curves of other settings, and say which of any two is faster. Replicates of "
-                "all curves take turns, so that a busy machine is busy for all. When a signal "
-                "interrupts it, it reports the replicates that are complete.",
+                "Renders each scene with doubling numbers of samples, or for fixed times, several "
+                "times with different seeds. Reports the error as a function of samples and of "
+                "time: local relMSE with its interval and other metrics, the slope of the curve, "
+                "the efficiency, the samples and the time that given errors take, and the bias "
+                "that remains. --vary and --curve add curves with other settings; for each pair of "
+                "curves the report has the faster one. Replicates of all curves take turns, so "
+                "that other load on the machine affects all of them. After a signal the complete "
+                "replicates are reported.",
             .examples =
                 "lampyris converge scenes/cornell.json --vary sampler=sobol,pcg --report out\n"
                 "lampyris converge scenes/veach_mis.json --size 64x48 --vary mis=power,none\n"
@@ -101,11 +100,11 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "measure where the time goes",
             .arguments = "SCENE...",
             .description =
-                "Renders each scene again and again with the same samples (4 a pixel unless --spp "
-                "says otherwise) and tells the time of each kernel with its launches, items and "
-                "share, the queues' lengths by bounce, and the spread over repeats. --sweep and "
-                "--curve make variants, which take turns, and whose pictures are hashed: those "
-                "that are to be the same are shown to be. --kernel times one kernel alone.",
+                "Renders each scene repeatedly with the same samples (4 per pixel unless --spp is "
+                "given). Reports the time of each kernel with its launches, items, share of the "
+                "time and variation over repetitions, and the lengths of queues by bounce. --sweep "
+                "and --curve add variants, which take turns. Hashes verify that pictures which "
+                "must be equal are equal. --kernel times a single kernel.",
             .examples =
                 "lampyris bench scenes/cornell.json --sweep wave=4k,16k,64k --report out\n"
                 "lampyris bench scenes/glass.json --kernel intersect_closest --rays diffuse\n"
@@ -120,19 +119,19 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "measure how far pictures are from a reference",
             .arguments = "IMAGE... REFERENCE",
             .description =
-                "Compares pictures x (.exr, .hdr, .png or .jpg; PNG and JPEG files are decoded to "
-                "linear light; FILE:LAYER is a layer of an EXR file) with a reference r of the "
-                "same size. Over all pixels and channels: mse is the mean of (x - r)^2; rmse is "
-                "its root; relmse is the mean of (x - r)^2 / (r^2 + 0.01); local-relmse, which "
-                "render estimates for its own pictures, is relmse with the mean of r around each "
-                "pixel (by SSIM's Gaussian of 1.5 pixels) in place of r in the denominator; smape "
-                "is the mean of 2 |x - r| / (|x| + |r| + 1e-6); max is the greatest difference. "
-                "psnr (in dB), ssim and flip compare what a display shows: values clamped and "
-                "sRGB-encoded. hdr-flip compares over the reference's range of exposures; it and "
-                "flip assume 67 pixels a degree. Pixels with a non-finite value in either picture "
-                "are counted and left out of the means. mse, relmse and local-relmse have a 95 % "
-                "interval. Several pictures make a table, in which the best value of each column "
-                "has a star.",
+                "Compares pictures x (.exr, .hdr, .pfm, .png or .jpg; PNG and JPEG files are "
+                "decoded to linear light; FILE:LAYER is a layer of an EXR file) with a reference r "
+                "of the same size. Over all pixels and channels: mse is the mean of (x - r)^2; "
+                "rmse is its root; relmse is the mean of (x - r)^2 / (r^2 + 0.01); local-relmse, "
+                "which render estimates for its own pictures, is relmse with the mean of r around "
+                "each pixel (by SSIM's Gaussian of 1.5 pixels) in place of r in the denominator; "
+                "smape is the mean of 2 |x - r| / (|x| + |r| + 1e-6); max is the greatest "
+                "difference. psnr (in dB), ssim and flip compare what a display shows: values "
+                "clamped and sRGB-encoded. hdr-flip compares over the reference's range of "
+                "exposures; it and flip assume 67 pixels a degree. Pixels with a non-finite value "
+                "in either picture are counted and left out of the means. mse, relmse and "
+                "local-relmse have a 95 % confidence interval. Several pictures are printed as a "
+                "table, in which the best value of each column has a star.",
             .examples = "lampyris compare out.exr reference.exr --max relmse=1e-3\n"
                         "lampyris compare a.exr b.exr reference.exr --report page.html\n"
                         "lampyris compare a.exr b.exr reference.exr --reference-variance auto\n"
@@ -146,13 +145,13 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "check a device, or a scene before it is rendered",
             .arguments = "[SCENE]",
             .description =
-                "Without a scene, runs the driver and the renderer on cases whose results are "
-                "known, and prints what each does, expects and finds; --list has them all, and "
-                "docs/verification.md says more. A case that a device cannot run says so. With a "
-                "scene, finds what in it makes a picture wrong, noisy or slow, where it is, what "
-                "follows and what can be done, and how long a render to a given error would take; "
-                "docs/checking-scenes.md lists the findings. Exits with 1 if a case fails, or if "
-                "something makes the scene's picture wrong.",
+                "Without a scene, tests the driver and the renderer by cases whose results are "
+                "known. Each case is printed with the expected and the measured result, or with "
+                "the reason why the device cannot run it; --list lists all cases, and "
+                "docs/verification.md describes them. With a scene, finds what makes its picture "
+                "wrong, noisy or slow, where it is, its consequence and the remedy, and how long a "
+                "render to a given error would take; docs/checking-scenes.md lists the findings. "
+                "Exits with 1 if a case fails, or if something makes the scene's picture wrong.",
             .examples = "lampyris check\n"
                         "lampyris check --list\n"
                         "lampyris check scenes/cornell.json\n"
@@ -165,10 +164,9 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "describe a scene and what its render needs",
             .arguments = "SCENE",
             .description =
-                "Loads a scene and prints what is in it, which features a render of it would use, "
-                "and how much device memory each buffer would take, without rendering. With "
-                "--device "
-                "all, also which of the devices it would fit on.",
+                "Loads a scene and prints its contents, the features that a render would use, and "
+                "the device memory that each buffer would take, without rendering. With --device "
+                "all, also prints on which devices the scene fits.",
             .examples = "lampyris info scenes/cornell.json\n"
                         "lampyris info scenes/cornell.json --device all\n"
                         "lampyris info scenes/models/vase.glb --size 3840x2160 --json",
@@ -181,11 +179,11 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "explore a scene in a window while it converges",
             .arguments = "[SCENE]",
             .description =
-                "Opens a window (the program lampyris-view) in which a scene is seen while it "
-                "converges, with its error and what it costs; the camera moves, and every "
-                "setting, material and light can be changed. F1 shows the panel, whose entries "
-                "explain themselves; docs/viewer.md lists all keys. With --headless the same "
-                "runs without a window, for scripts.",
+                "Opens a window (the program lampyris-view) that shows the scene while it is "
+                "rendered, with its error and its cost. The camera can be moved, and all settings, "
+                "materials and lights can be changed. F1 shows the panel, whose entries have "
+                "explanations; docs/viewer.md lists all keys. With --headless the viewer runs "
+                "without a window, for scripts.",
             .examples = "lampyris view scenes/cornell.json\n"
                         "lampyris view scenes/models/vase.glb --env scenes/models/gallery.hdr\n"
                         "lampyris-view scenes/cornell.json --script tour.txt --headless",

@@ -22,20 +22,20 @@ enum command_id {
 
 struct command {
     const char *name;
-    const char *summary;     // half a line for lists: "render a scene to pictures"
+    const char *summary;     // half a line for lists, such as "render a scene to pictures"
     const char *arguments;   // "SCENE", for the usage line
-    const char *description; // sentences, for the help
+    const char *description; // description for the help, in sentences
     const char *examples;    // one per line
     uint32_t min_arguments, max_arguments;
 };
 
 extern const struct command commands[COMMAND_TOTAL];
 
-// Returns NULL when there is no command of that name; err then suggests a similar one.
+// Finds a command by name. Returns NULL if there is none; *err then suggests a similar name.
 const struct command *command_find(const char *name, struct err *err);
 
-// Each runs a command whose options were parsed and checked, and returns the exit code. It prints
-// its result to stdout, and a failure through command_fail.
+// Each of these functions runs a command whose options have been parsed and checked, and returns
+// the exit code. It prints its result to stdout, and reports an error through command_fail().
 int cmd_render(const struct options *options);
 int cmd_merge(const struct options *options);
 int cmd_submit(const struct options *options);

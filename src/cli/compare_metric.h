@@ -32,7 +32,7 @@ struct compare_limit {
 // Returns the metric with this name; -1 if there is none.
 int compare_metric_find(const char *name, size_t length);
 bool compare_greater_is_better(enum compare_metric metric);
-// A metric that is NaN fails.
+// Returns whether a value is within the limit. NaN is not.
 bool compare_limit_holds(double value, const struct compare_limit *limit);
 
 #endif

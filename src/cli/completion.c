@@ -20,7 +20,8 @@ static bool is_folder(const char *text, size_t length)
            (length == 6 && memcmp(text, "FOLDER", 6) == 0);
 }
 
-// The table spells it: "sobol|pcg", "FILE|auto|none", "METRES|off", "part,bounce,emitter".
+// Parses the argument's text in the option table, such as "sobol|pcg", "FILE|auto|none",
+// "METRES|off" or "part,bounce,emitter".
 struct completion_value completion_value(const struct option_def *def)
 {
     struct completion_value value = {0};
@@ -53,7 +54,7 @@ const char *completion_line(const struct option_def *def, char out[COMPLETION_LI
 {
     const char *brief = def->setting ? def->setting->brief : def->brief;
     const char *text = brief ? brief : def->help;
-    // The first clause is enough.
+    // Copies only the first clause.
     size_t length = 0;
     while (text[length] &&
            !(strchr(".:;", text[length]) && (text[length + 1] == ' ' || !text[length + 1])))

@@ -9,7 +9,7 @@ static void names(FILE *out, const struct option_def *def, const char *separator
     fprintf(out, "--%s", def->name);
 }
 
-// All names of the options of a command, for a word in single quotes.
+// Writes all option names of a command, for use in single quotes.
 static void option_names(const struct completion *c, const struct command *command)
 {
     const char *separator = "";
@@ -29,8 +29,8 @@ static bool is_used(const struct completion *c, const struct option_def *def)
     return c->only && completion_has(def, c->only);
 }
 
-// What follows each option: a branch for each that the table says something of, and one for all
-// whose values are up to the user.
+// Writes a branch for each option that takes a value: what completes the value, and nothing if the
+// user has to invent it.
 static void values(const struct completion *c)
 {
     const char *separator = "    ";

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-// A condition under which the option counts: one of its commands was given.
+// Writes the condition that one of the option's commands was given.
 static void condition(const struct completion *c, const struct option_def *def)
 {
     if (c->only || completion_has(def, NULL))

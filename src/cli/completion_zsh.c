@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-// Text within a specification of _arguments, which stands in single quotes.
+// Writes text inside a specification of _arguments, which is in single quotes.
 static void put(FILE *out, const char *text)
 {
     for (; *text; text++)
@@ -36,7 +36,7 @@ static void action(FILE *out, const struct completion_value *value)
         fputc(' ', out);
 }
 
-// "'(-o --output)'{-o,--output=}'[what it does]:FILE:_files'"
+// Writes a specification such as "'(-o --output)'{-o,--output=}'[what it does]:FILE:_files'".
 static void option(FILE *out, const struct option_def *def)
 {
     char line[COMPLETION_LINE_MAX], argument[OPTION_ARGUMENT_MAX];
@@ -70,7 +70,7 @@ static void options_of(const struct completion *c, const struct command *command
             option(c->out, &option_table[i]);
 }
 
-// The words of a command besides its options.
+// Writes the specifications of a command's arguments other than options.
 static void command_arguments(const struct completion *c, const struct command *command)
 {
     fputs("_arguments -s -S", c->out);

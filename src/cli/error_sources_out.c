@@ -53,13 +53,13 @@ static void print_kind(const struct error_sources *sources, enum error_kind kind
 
 static void print_path(const struct bright_path *path, const char *command)
 {
-    printf(
-        "          %.4g %.4g %.4g, %.2g times what is around it, after %u scattering event%s from "
-        "%s, %s, in pixel %u,%u",
-        (double)path->radiance[0], (double)path->radiance[1], (double)path->radiance[2],
-        path->excess, path->scattering_events, path->scattering_events == 1 ? "" : "s",
-        error_class_name(ERROR_BY_EMITTER, path->emitter),
-        path->is_connection ? "by a shadow ray" : "met by the path", path->x, path->y);
+    printf("          %.4g %.4g %.4g, %.2g times the brightness around it, after %u scattering "
+           "event%s from "
+           "%s, %s, in pixel %u,%u",
+           (double)path->radiance[0], (double)path->radiance[1], (double)path->radiance[2],
+           path->excess, path->scattering_events, path->scattering_events == 1 ? "" : "s",
+           error_class_name(ERROR_BY_EMITTER, path->emitter),
+           path->is_connection ? "by a shadow ray" : "met by the path", path->x, path->y);
     if (path->share >= 0.0)
         printf(" with %.2g %% of the error", 100.0 * path->share);
     putchar('\n');
@@ -82,7 +82,7 @@ void error_sources_print(const struct error_sources *sources, const char *comman
     if (sources->brightest_count > 0)
         printf("brightest contributions%s:\n", command
                                                    ? ", and the commands that follow their paths"
-                                                   : "; --pixel follows no paths that split");
+                                                   : "; --pixel cannot follow paths that split");
     for (uint32_t i = 0; i < sources->brightest_count; i++)
         print_path(&sources->brightest[i], command);
 }

@@ -1,4 +1,4 @@
-// Reports where the error of a film comes from, for --error-by.
+// Reports the sources of a film's error, for --error-by.
 #ifndef LAMPYRIS_CLI_ERROR_SOURCES_OUT_H
 #define LAMPYRIS_CLI_ERROR_SOURCES_OUT_H
 
@@ -6,9 +6,9 @@
 
 #include <jansson.h>
 
-// Print lines of text, or return an object; nothing, or null, without --error-by. `command` is the
-// command of the render, to which --pixel and --sample are added to follow a path; NULL if a path
-// cannot be followed.
+// These functions print text or return a JSON object; without --error-by they print nothing or
+// return null. `command` is the command line of the render, to which --pixel and --sample are added
+// to follow a path; NULL if paths cannot be followed.
 void error_sources_print(const struct error_sources *sources, const char *command);
 json_t *error_sources_json(const struct error_sources *sources, const char *command);
 

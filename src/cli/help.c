@@ -15,7 +15,7 @@ static void exit_status(const struct help_writer *writer)
     } rows[] = {
         {"0", "Success."},
         {"1", "A comparison exceeded a limit, or a check failed."},
-        {"2", "The command line, or a file that was read, is at fault; an output is an input."},
+        {"2", "The command line or an input file is wrong, or an output is an input."},
         {"3", "The device, its driver or the system's memory failed."},
         {"4", "A result could not be written."},
         {"69", "There is no Vulkan loader or no driver."},
@@ -69,7 +69,8 @@ static void option_names(const struct option_def *def, char *out, size_t size)
         snprintf(out, size, "--%s", def->name);
 }
 
-// name_takers: say which commands have the option, where that is not clear from the place.
+// Writes an option with its description. name_takers: also names the commands that have the option,
+// if the context does not show them.
 static void option_item(const struct help_writer *writer, const struct option_def *def,
                         bool name_takers)
 {
@@ -88,15 +89,15 @@ static void option_item(const struct help_writer *writer, const struct option_de
     help_item(writer, names, option_argument(def, argument), text);
 }
 
-// Returns whether the help of the command (NULL: of all) has the option. Options for tests stand in
-// manual pages alone.
+// Returns whether the help of the command (NULL: of the program) contains the option. Options for
+// tests are only in manual pages.
 static bool is_listed(const struct help_writer *writer, const struct option_def *def,
                       const struct command *command)
 {
     return (!command || option_belongs(def, command)) && (writer->roff || !def->is_for_tests);
 }
 
-// Returns whether no option before it, of those that are listed, is in its group.
+// Returns whether the option is the first one of its group among those that are listed.
 static bool begins_group(const struct help_writer *writer, const struct option_def *def,
                          const struct command *command)
 {
@@ -106,7 +107,7 @@ static bool begins_group(const struct help_writer *writer, const struct option_d
     return true;
 }
 
-// Lists the options of a command (NULL: of all), by groups.
+// Lists the options of a command (NULL: of all commands) by groups.
 static void option_list(const struct help_writer *writer, const struct command *command)
 {
     const unsigned for_all = (1u << COMMAND_TOTAL) - 1;
@@ -126,11 +127,12 @@ static void option_list(const struct help_writer *writer, const struct command *
 static void options_section(const struct help_writer *writer, const struct command *command)
 {
     help_section(writer, "OPTIONS");
-    help_paragraph(writer,
-                   "A value follows after a blank or \"=\": --log-level note, --log-level=note. "
-                   "Counts may end in k, M or G, for factors of 2^10, 2^20 and 2^30: 16k is 16384. "
-                   "Where an option may not be given several times, the last one holds. After "
-                   "\"--\" everything is an argument.");
+    help_paragraph(
+        writer,
+        "A value follows after a blank or \"=\": --log-level note, --log-level=note. "
+        "Counts may end in k, M or G, for factors of 2^10, 2^20 and 2^30: 16k is 16384. "
+        "If an option that takes one value is given several times, the last one counts. After "
+        "\"--\" all words are arguments.");
     option_list(writer, command);
 }
 
@@ -240,10 +242,10 @@ static void program_page(const struct help_writer *writer)
 void help_manual(FILE *out, const struct command *command)
 {
     const struct help_writer writer = {.out = out, .roff = true};
-    // There is no date, so that the same source gives the same page.
+    // The page has no date, so that the same source always gives the same page.
     fprintf(out, ".TH lampyris%s%s 1 \"\" \"lampyris %s\" \"User Commands\"\n",
             command ? "\\-" : "", command ? command->name : "", LAMPYRIS_VERSION);
-    fputs(".nh\n.ad l\n", out); // names of options must not be hyphenated or spread
+    fputs(".nh\n.ad l\n", out); // names of options must not be hyphenated, nor blanks be widened
     if (command)
         command_page(&writer, command);
     else

@@ -4,8 +4,8 @@
 
 enum { COLUMNS = 80, INDENT = 2, ITEM_COLUMN = 27 };
 
-// Escapes what roff would take for markup (groff_char(7)): a hyphen would become a dash that cannot
-// be pasted into a shell, and a line that starts with a point would be a request.
+// Escapes characters that roff interprets (groff_char(7)): a hyphen would become a dash that cannot
+// be pasted into a shell, and a line beginning with a point would be a request.
 static void put_roff(FILE *out, const char *text)
 {
     if (*text == '.' || *text == '\'')
@@ -30,7 +30,8 @@ static void put_roff(FILE *out, const char *text)
     }
 }
 
-// Fills lines starting at the given column; the first line starts at the cursor.
+// Writes text wrapped into lines that start at column `indent`. The first line starts at the
+// cursor.
 static void put_wrapped(FILE *out, const char *text, int indent)
 {
     int column = indent;

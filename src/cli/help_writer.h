@@ -11,10 +11,10 @@ struct help_writer {
     bool roff;
 };
 
-void help_section(const struct help_writer *writer, const char *title); // "OPTIONS"
+void help_section(const struct help_writer *writer, const char *title); // such as "OPTIONS"
 void help_group(const struct help_writer *writer, const char *title);   // inside a section
 void help_paragraph(const struct help_writer *writer, const char *text);
-// Writes a term and its meaning. `names` is bold, `argument` (NULL: none) is in italics.
+// Writes a term and its description. `names` is bold, `argument` (NULL: none) in italics.
 void help_item(const struct help_writer *writer, const char *names, const char *argument,
                const char *text);
 // Writes lines verbatim.

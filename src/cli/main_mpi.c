@@ -1,5 +1,5 @@
-// lampyris-mpi: `lampyris render` as one of the processes that mpirun started. lampyris itself
-// becomes this program, so that it needs no MPI.
+// lampyris-mpi: `lampyris render` as one of the processes that mpirun has started. lampyris
+// replaces itself by this program, so that lampyris does not depend on MPI.
 #include "base/log.h"
 #include "base/process.h"
 #include "cli/commands.h"

@@ -4,10 +4,10 @@
         .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
         .commands = FOR_COMPARE,
         .common = FOR_COMPARE, .brief = "Exit with 1 if the metric is greater.",
-        .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, local-relmse, smape, flip, "
-                "hdr-flip, max, or the number of nonfinite or differing pixels. Holds for each "
-                "picture. May be given several times. Any check also fails on non-finite pixels unless --max "
-                "nonfinite=N allows them.",
+        .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, local-relmse, smape, "
+                "flip, hdr-flip, max, or the number of nonfinite or differing pixels. The limit "
+                "applies to each picture. May be given several times. If there is any limit, "
+                "pixels that are not finite also fail, unless --max nonfinite=N permits them.",
     },
     [OPTION_MIN] = {
         .name = "min", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
@@ -20,31 +20,33 @@
         .commands = FOR_COMPARE,
         .common = FOR_COMPARE, .brief = "Write a map of the differences, .png or .exr.",
         .help = "Write a map of the differences: .png in false colours, from black to pale yellow, "
-                "with their scale below, green where a pixel is not finite; .exr with the numbers "
-                "themselves, in a layer named as --map. Of several pictures: map.0001.png and so on.",
+                "with a scale below and pixels that are not finite in green; .exr with the "
+                "numbers, in a layer named like --map. With several pictures the files are "
+                "map.0001.png and so on.",
         FIELD(compare.difference),
     },
     [OPTION_MAP] = {
         .name = "map", .argument = "relative|squared|smape|flip|hdr-flip", .type = VALUE_CHOICE,
         .group = "Map", .commands = FOR_COMPARE, .fallback = "relative",
-        .common = FOR_COMPARE, .brief = "The difference that the map shows.",
-        .help = "What --difference shows: |x - r| / (|r| + 0.01), a pixel's part of relmse or "
-                "smape, or FLIP. The first three have a logarithmic scale of colours.",
+        .common = FOR_COMPARE, .brief = "The measure that the map shows.",
+        .help = "The measure that --difference shows: |x - r| / (|r| + 0.01) (relative), a pixel's "
+                "contribution to relmse (squared) or smape, or FLIP. The first three have a "
+                "logarithmic scale of colours.",
         FIELD(compare.map),
     },
     [OPTION_REFERENCE_VARIANCE] = {
         .name = "reference-variance", .argument = "FILE|auto|VALUE", .type = VALUE_TEXT,
-        .group = "Metrics", .commands = FOR_COMPARE, .fallback = "none is subtracted",
+        .group = "Metrics", .commands = FOR_COMPARE, .fallback = "no noise is subtracted",
         .common = FOR_COMPARE, .brief = "Noise of the reference, which is subtracted.",
         .help = "The reference's own noise, which is subtracted from mse, rmse, relmse and "
-                "local-relmse: a picture of each value's variance, the layers of --aov halves in "
-                "the reference itself (auto), or one variance for all values.",
+                "local-relmse: a picture with the variance of each value, the layers of --aov "
+                "halves in the reference (auto), or one variance for all values.",
         FIELD(compare.reference_variance),
     },
     [OPTION_EXPOSURES] = {
         .name = "exposures", .argument = "START,STOP", .type = VALUE_TEXT, .group = "Metrics",
-        .commands = FOR_COMPARE, .fallback = "the reference decides",
-        .help = "The range of exposures that hdr-flip looks at, in stops, so that comparisons with "
-                "different references see alike.",
+        .commands = FOR_COMPARE, .fallback = "computed from the reference",
+        .help = "The range of exposures for hdr-flip, in stops, so that comparisons with different "
+                "references use the same exposures.",
         FIELD(compare.exposures),
     },

@@ -24,9 +24,9 @@ static bool check_range(double min, double max, double value, const char *text, 
            err_set(err, ERR_USAGE, "\"%s\" is outside [%.15g, %.15g]", text, min, max);
 }
 
-// Parses digits, then optionally k, M or G for 2^10, 2^20, 2^30, because waves, samples and bytes
-// are often powers of two. No sign, no blanks. *rest is the remaining text. Returns false when
-// there is no number or it is too large.
+// Parses digits, optionally followed by k, M or G for 2^10, 2^20 or 2^30, because waves, samples
+// and bytes are often powers of two. Signs and blanks are errors. *rest is the remaining text.
+// Returns false if there is no number or it is too large.
 static bool parse_count(const char *text, uint64_t *out, const char **rest)
 {
     if (*text < '0' || *text > '9')
@@ -69,8 +69,8 @@ static bool parse_switch(const char *text, bool *on, struct err *err)
            err_set(err, ERR_USAGE, "\"%s\" is neither \"on\" nor \"off\"", text);
 }
 
-// Fails with a word that is none of `words`, which bars, commas or blanks separate, and suggests
-// the nearest of them, or the only one that begins with it.
+// Fails because a word is not among `words`, which are separated by bars, commas or blanks.
+// Suggests the most similar one, or the only one that begins with it.
 static bool fail_unknown_word(const char *text, size_t length, const char *words,
                               const char *expected, struct err *err)
 {
@@ -97,7 +97,7 @@ static bool fail_unknown_word(const char *text, size_t length, const char *words
                    meant ? "\"? Expected " : "", expected, words);
 }
 
-// The index of a word among those that `|` separates.
+// Finds the index of a word in a list separated by `|`.
 static bool parse_choice(const char *words, const char *text, unsigned *index, struct err *err)
 {
     size_t length = strlen(text);
@@ -111,7 +111,7 @@ static bool parse_choice(const char *words, const char *text, unsigned *index, s
     return fail_unknown_word(text, length, words, strchr(words, '|') ? "one of " : "", err);
 }
 
-// Parses a number, a switch or a choice, whatever type stores it.
+// Parses a number, a switch or a choice, and stores it as the type of the option's field.
 static bool parse_value(const struct option_def *def, const struct field *field, const char *text,
                         double *value, struct err *err)
 {
@@ -131,8 +131,9 @@ static bool parse_value(const struct option_def *def, const struct field *field,
         return ok;
     case FIELD_COUNT:
         if (!parse_count(text, &count, &rest) || *rest)
-            return err_set(err, ERR_USAGE,
-                           "\"%s\" is not a number; expected digits, perhaps with k, M or G", text);
+            return err_set(
+                err, ERR_USAGE,
+                "\"%s\" is not a number; expected digits, optionally followed by k, M or G", text);
         *value = (double)count;
         break;
     case FIELD_REAL:
@@ -156,7 +157,7 @@ static bool store_field(const struct option_def *def, const struct field *field,
     return true;
 }
 
-// Stores a member of struct options that has one of the types of fields.
+// Stores the value of an option whose type is one of enum field_type.
 static bool store_member(const struct option_def *def, enum field_type type, const char *text,
                          struct options *options, struct err *err)
 {
@@ -182,7 +183,7 @@ static bool store_two(const struct option_def *def, char separator, const char *
     return true;
 }
 
-// In lists, whose words are separated by commas, a colon separates the two.
+// In lists, whose words are separated by commas, a colon separates the two numbers.
 static bool store_real_pair(const struct option_def *def, const char *text, struct options *options,
                             struct err *err)
 {
@@ -230,7 +231,7 @@ static bool store_environment(const char *text, struct options *options, struct 
         environment->is_sky = true;
         return sky_parse(text + (text[3] ? 4 : 3), &environment->sky, err);
     }
-    // A text of digits, signs and commas is meant as a colour, though it may be misspelt.
+    // A text that consists of digits, signs and commas is a colour, even if it is not a valid one.
     bool is_color = strchr(text, ',') && text[strspn(text, "+-.0123456789eE,")] == '\0';
     if (!is_color) {
         environment->file = text;
@@ -293,7 +294,7 @@ static bool store_times(const struct option_def *def, const char *text, struct o
         if (!check_range(def->min, def->max, value, text, err))
             return false;
         if (count > 0 && value <= list[count - 1])
-            return err_set(err, ERR_USAGE, "\"%s\" does not rise", text);
+            return err_set(err, ERR_USAGE, "\"%s\": expected times in ascending order", text);
         list[count++] = value;
         if (!*rest)
             break;

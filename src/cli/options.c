@@ -31,7 +31,7 @@ static const struct option_def *find_short(char name)
     return NULL;
 }
 
-// Before the command, only options that every command has are known.
+// Before the command, only options that every command has are accepted.
 static bool is_available(const struct option_def *def, const struct command *command)
 {
     for (int i = 0; !command && i < COMMAND_TOTAL; i++)
@@ -60,7 +60,7 @@ static bool fail_wrong_place(const struct parser *parser, const struct option_de
 {
     const struct command *command = parser->options->command;
     if (!command)
-        return err_set(err, ERR_USAGE, "--%s belongs after the command", def->name);
+        return err_set(err, ERR_USAGE, "--%s must be given after the command", def->name);
     char takers[128] = "";
     for (int i = 0; i < COMMAND_TOTAL; i++)
         if (option_belongs(def, &commands[i])) {
@@ -92,8 +92,9 @@ static bool apply(struct parser *parser, const struct option_def *def, const cha
         return err_set(err, ERR_USAGE, "--%s takes no value, but got \"%s\"", def->name, attached);
     const char *value = attached;
     if (def->type != VALUE_FLAG && !value) {
-        // "--output --half" is a missing name, not a file called "--half". A file of such a name
-        // can be written --output=--half. The value of --slurm is options by its nature.
+        // In "--output --half" the file name is missing: "--half" is not taken as a value. For a
+        // file with such a name write --output=--half. The value of --slurm is excepted, because it
+        // consists of options.
         const bool takes_dashes = def == &option_table[OPTION_SLURM];
         value = parser->next < parser->count ? parser->arguments[parser->next] : NULL;
         char argument[OPTION_ARGUMENT_MAX];
@@ -238,7 +239,7 @@ static bool check_check(const struct options *options, struct err *err)
             return err_set(err, ERR_USAGE, "--%s needs a scene: check SCENE", option_table[i].name);
     for (size_t i = 0; i < sizeof of_devices / sizeof of_devices[0]; i++)
         if (options_given(options, of_devices[i]) && options->argument_count > 0)
-            return err_set(err, ERR_USAGE, "--%s is of devices: check without a scene",
+            return err_set(err, ERR_USAGE, "--%s is for devices; expected no SCENE",
                            option_table[of_devices[i]].name);
     return true;
 }
@@ -257,7 +258,7 @@ static bool check(const struct options *options, struct err *err)
         return false;
     if (command == &commands[COMMAND_COMPARE] && options->scene.settings.exposure_is_auto)
         return err_set(err, ERR_USAGE,
-                       "--exposure auto: compare shows both pictures alike; "
+                       "--exposure auto: compare exposes all pictures equally; "
                        "expected a number of stops");
     if (command == &commands[COMMAND_CHECK] && !check_check(options, err))
         return false;

@@ -1,5 +1,5 @@
-// The command line. One table, option_table, has the name, the argument and the help of each
-// option; parsing, the help texts and the manual page use it.
+// The command line. A single table, option_table, has the name, the argument and the help of each
+// option. Parsing, the help and the manual pages use it.
 #ifndef LAMPYRIS_CLI_OPTIONS_H
 #define LAMPYRIS_CLI_OPTIONS_H
 
@@ -20,11 +20,11 @@
 struct command;
 struct progress;
 
-#define OPTIONS_ARGUMENTS_MAX 16     // but of merge
-#define OPTIONS_PARTS_MAX UINT32_MAX // parts that merge takes
+#define OPTIONS_ARGUMENTS_MAX 16     // except for merge
+#define OPTIONS_PARTS_MAX UINT32_MAX // the greatest number of parts for merge
 #define OPTION_TIME_MAX 1e9          // greatest value of --time, seconds
 
-// The order is that of option_table, which is the order of the help.
+// The options, in the order of option_table and of the help.
 enum option_id {
     OPTION_OUTPUT,
     OPTION_SIZE,
@@ -135,28 +135,29 @@ enum option_id {
     OPTION_TOTAL
 };
 
-// How an option's value is written, and the type of its member of struct options.
+// How the value of an option is written on the command line, and the type of its member of struct
+// options.
 enum option_type {
-    VALUE_FLAG,        // none; bool
+    VALUE_FLAG,        // no value; bool
     VALUE_SWITCH,      // "on" or "off"; bool
-    VALUE_COUNT,       // digits and perhaps k, M or G (powers of 1024); uint32_t or uint64_t
-    VALUE_REAL,        // decimal; float or double
-    VALUE_CHOICE,      // a word of the '|'-separated `argument`; an enum in that order
-    VALUE_TEXT,        // anything; const char *
-    VALUE_SETTING,     // as the setting's row says; the member of `settings`
+    VALUE_COUNT,       // digits, optionally with k, M or G (powers of 1024); uint32_t or uint64_t
+    VALUE_REAL,        // decimal number; float or double
+    VALUE_CHOICE,      // a word of the '|'-separated `argument`; an enum in the same order
+    VALUE_TEXT,        // any text; const char *
+    VALUE_SETTING,     // as the setting's row defines; the member of `settings`
     VALUE_SIZE,        // WxH; two uint32_t
     VALUE_PAIR,        // X,Y; two uint32_t
     VALUE_REAL_PAIR,   // X,Y, or X:Y in lists; two double
     VALUE_ENVIRONMENT, // FILE or R,G,B
-    // Repeatable options, each with a list of its own:
+    // Options that may be repeated. Each has a list of its own:
     VALUE_OUTPUT,
     VALUE_DEFINE, // KEY=VALUE
     VALUE_LIMIT,  // METRIC=VALUE
     VALUE_VARY,   // KEY=A,B,...
     VALUE_CURVE,  // "KEY=VALUE KEY=VALUE"
     VALUE_AOVS,   // names separated by commas; bits of AOV_*
-    VALUE_KINDS,  // the same; bits of AOVS_BY
-    // Options with lists that are not repeatable:
+    VALUE_KINDS,  // names separated by commas; bits of AOVS_BY
+    // Options that take a list and may not be repeated:
     VALUE_TIMES,  // S,T,...
     VALUE_DEPTHS, // N,M,...
     VALUE_RAYS,   // words separated by commas
@@ -167,23 +168,24 @@ struct option_def {
     char short_name;      // 0: none
     const char *argument; // name of the value in the help; NULL for a flag and for a setting
     enum option_type type;
-    double min, max;      // range of a number, both ends included; 0, 0 where there is none
-    const char *fallback; // the default, for the help; or NULL
+    double min, max;      // range of a number, including both ends; 0, 0: no range
+    const char *fallback; // the default, for the help; may be NULL
     const char *help;     // sentences, with units
     const char *group;    // heading in the help
     unsigned commands;    // bit 1 << enum command_id for each command that takes it
-    unsigned common;      // those of `commands` whose --help lists it; 0 for settings
-    const char *brief;    // its line in --help; settings have their own, in `setting`
-    bool is_for_tests;    // manual pages and tests/README.md alone have it, no help
-    size_t offset, size;  // place and size of the field in struct options
-    const struct setting *setting; // says what is not set here; NULL: it is no setting
+    unsigned common;      // those of `commands` whose --help lists the option; 0 for settings
+    const char *brief;    // the option's line in --help; for settings, `setting` has it
+    bool is_for_tests;    // the option is only in manual pages and tests/README.md, not in the help
+    size_t offset, size;  // offset and size of the member in struct options
+    const struct setting *setting; // the setting, which defines what this row does not; NULL: it is
+                                   // not a setting
 };
 
 extern const struct option_def option_table[OPTION_TOTAL];
-// Returns the option with that long name, or NULL.
+// Returns the option with this long name, or NULL.
 const struct option_def *option_find(const char *name, size_t length);
 
-// Shells that complete options by a script of ours.
+// Shells for which there is a completion script.
 enum completion_shell { COMPLETION_BASH, COMPLETION_ZSH, COMPLETION_FISH };
 
 enum features_option { FEATURES_NEEDED, FEATURES_ALL };
@@ -192,11 +194,11 @@ enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 // The rays that --rays of bench records: camera rays, rays scattered by surfaces, and shadow rays.
 enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
 
-// The device and how it is used: no bit of the image depends on it.
+// The device and how it is used. No bit of the image depends on these options.
 struct device_options {
     struct gpu_params gpu;
-    uint32_t wave;      // paths in flight; 0: chosen by device
-    uint32_t workgroup; // threads; 0: chosen by device
+    uint32_t wave;      // number of paths in flight; 0: chosen by the kind of device
+    uint32_t workgroup; // threads per workgroup; 0: chosen by the kind of device
     enum features_option features;
     enum classes_option classes;
     struct bvh_method bvh;
@@ -209,89 +211,90 @@ struct render_options {
     uint32_t output_count;
     uint32_t aovs; // AOV_*
     bool half_float, png16;
-    double time_seconds; // 0: no limit
-    double error;        // local relMSE at which to stop; 0: no such limit
-    bool adaptive;       // sample counts by tile
+    double time_seconds; // seconds; 0: no limit
+    double error;        // upper bound of the local relMSE at which to stop; 0: no limit
+    bool adaptive;       // each tile has a number of samples of its own
 
     uint32_t frames, spp_per_frame; // 0 frames: one image of settings.spp samples
-    uint32_t every;                 // write an image after this many frames; 0: only at the end
+    uint32_t every;                 // number of frames after which an image is written; 0: only at
+                                    // the end
     bool accumulate;
     const char *checkpoint;    // NULL: none is written
-    double checkpoint_seconds; // between two checkpoints
+    double checkpoint_seconds; // interval between two checkpoints
     bool resume;
     const char *shard_text; // text given to --shard; NULL: none
     struct job_shard shard;
-    struct job_merged *merged; // set by merge: the film of the picture to be written; else NULL
-    uint32_t reopens;          // how often a lost device is reopened
+    struct job_merged *merged; // set by merge: the film of the picture to write; otherwise NULL
+    uint32_t reopens;          // number of times that a lost device is reopened
 
     uint32_t pixel[2]; // the path to follow, with --pixel
     uint64_t sample;
     bool explain;      // list the omitted parts, with reasons
     const char *trace; // file; NULL: none
     const char *tev;   // HOST:PORT; NULL: none
-    // The command line without options that belong to a single run: --error, --checkpoint and
+    // The command line without options that apply only to a single run: --error, --checkpoint and
     // options that depend on it.
     const char *repeatable_line;
-    // The command line that follows a path after --pixel and --sample are added.
+    // The command line to which --pixel and --sample are added to follow a path.
     const char *following_line;
-    // The command line without what belongs to one shard alone: it renders other samples of the
-    // same picture when --shard is added, and the picture when -o is.
+    // The command line without options of a single shard. With --shard added it renders other
+    // samples of the same picture; with -o added it renders the picture.
     const char *shared_line;
 };
 
-// Variants of renders that are compared: converge and bench.
+// Options of converge and bench, which compare variants of a render.
 struct study_options {
-    const char **vary; // "KEY=A,B,..."; also of --sweep
+    const char **vary; // "KEY=A,B,...", from --vary or --sweep
     uint32_t vary_count;
     const char **curves; // "KEY=VALUE KEY=VALUE"
     uint32_t curve_count;
-    const char *report; // folder; a file for check; NULL: none
+    const char *report; // folder, or file for check and compare; NULL: none
 };
 
 struct converge_options {
     uint32_t replicates;
     uint64_t spp_from;
-    const double *times; // seconds, ascending; NULL: points are numbers of samples
+    const double *times; // in seconds, ascending; NULL: points are at numbers of samples
     uint32_t time_count;
     bool images; // write every image as EXR into the report
 };
 
 struct bench_options {
     uint32_t repeats;
-    const char *kernel;     // the kernel to time alone; NULL: a complete render
+    const char *kernel;     // the only kernel to time; NULL: a complete render
     uint32_t rays;          // 1 << RAYS_*; 0: all
     const uint32_t *depths; // bounces; NULL: those implied by `rays`
     uint32_t depth_count;
-    const char *baseline; // an earlier run's JSON; NULL: none
+    const char *baseline; // JSON file of an earlier run; NULL: none
 };
 
 struct check_options {
-    const char *only; // a group or a case; NULL: all
+    const char *only; // name of a group or a case; NULL: all cases
     bool list;
-    bool longer;       // run the long cases, too
-    bool reproducible; // run only the cases of bitwise equality, and print a line about them
-    const char *fix;   // with a scene: where to write it with harmless remedies; NULL: nowhere
+    bool longer;       // also run the long cases
+    bool reproducible; // run only the cases of bitwise equality, and print a sentence about them
+    const char *fix;   // file to which the scene is written with harmless remedies; NULL: none
 };
 
 struct compare_options {
     struct compare_limit *limits;
     uint32_t limit_count;
-    const char *difference; // NULL: no image
+    const char *difference; // file of the difference image; NULL: none
     enum error_map map;
     const char *reference_variance; // file, "auto" or a number; NULL: none
     const char *exposures;          // "START,STOP"; NULL: computed from the reference
 };
 
 struct merge_options {
-    bool partial; // write the picture of the samples that there are
-    bool mixed;   // parts may be of several devices
-    bool status;  // say what the parts have, and add nothing
+    bool partial; // write the picture even if samples are missing
+    bool mixed;   // the parts may be from several devices
+    bool status;  // print which samples the parts have, without adding them
 };
 
 struct submit_options {
     uint32_t parts;    // 0: not given
     const char *slurm; // options of sbatch; NULL: none
-    bool dry_run;      // write the batch files alone
+    bool dry_run;      // only write the batch files
 };
 
 struct view_options {
@@ -299,17 +302,19 @@ struct view_options {
     bool headless;      // without a window
     bool watch;         // reload changed files
     bool vsync;
-    double frame_ms;     // goal for the time of a frame
+    double frame_ms;     // target for the time of a frame, in milliseconds
     bool denoise;        // denoise the displayed image
-    const char *shaders; // folder of the shaders' source; NULL: that of the build
+    const char *shaders; // folder of the shaders' source code; NULL: that of the build
 };
 
-// A command reads the common members and its own; the others have their defaults.
+// The options of all commands. A command uses the common members and its own; other members have
+// their defaults.
 struct options {
     int argc; // as passed to main, for commands that reproduce a run
     char **argv;
     const struct command *command; // NULL only with --help or --version
-    const char **arguments; // SCENE …; IMAGE and REFERENCE; PART …; COMMAND of help; then NULL
+    const char **arguments; // SCENE …; IMAGE and REFERENCE; PART …; or COMMAND of help; ends with
+                            // NULL
     uint32_t argument_count;
     bool given[OPTION_TOTAL];
     const char *command_line; // the complete command line, quoted for a shell
@@ -318,9 +323,9 @@ struct options {
     enum completion_shell completion;
     enum log_level log_level;
     const struct progress *progress; // receives reports and stops the work; set by main
-    uint64_t memory;       // budget of the host's memory, bytes; 0: what the machine has free
-    uint32_t error_by;     // AOVS_BY: by what the error is split
-    const char *reference; // file, "auto" or "none"; NULL: auto, for render none
+    uint64_t memory;                 // budget of host memory, bytes; 0: chosen by the free memory
+    uint32_t error_by;               // AOVS_BY: the classes by which the error is split
+    const char *reference;           // file, "auto" or "none"; NULL: "auto", for render "none"
 
     struct scene_options scene;
     struct device_options device;
@@ -337,8 +342,8 @@ struct options {
     struct arena arena; // owns the lists and the command line; other strings are argv's
 };
 
-// Parses and checks the command line. Errors are ERR_USAGE (or ERR_SYSTEM). *out must be finished
-// in any case; after a failure its `command` is the one whose help may be suggested.
+// Parses and checks the command line. Fails with ERR_USAGE or ERR_SYSTEM. *out must be finished in
+// any case; after a failure, out->command is the command whose help may be suggested.
 bool options_parse(int argc, char **argv, struct options *out, struct err *err);
 void options_finish(struct options *options); // accepts NULL and {0}
 
@@ -347,28 +352,28 @@ static inline bool options_given(const struct options *options, enum option_id i
     return options->given[id];
 }
 
-// Returns whether it changes how an image is computed, so that the command can vary it. Display
-// options are excluded; size and samples can only be varied by bench.
+// Returns whether the option changes how an image is computed, so that the command can vary it.
+// Display options are excluded; size and samples can only be varied by bench.
 bool option_is_setting(const struct option_def *def, const struct command *command);
 
-// Converts the text of one value and stores it (option_values.c). err: the fault and what was
+// Parses a value and stores it (option_values.c). The error message says what is wrong and what was
 // expected, without the option's name.
 bool option_store(const struct option_def *def, const char *text, struct options *options,
                   struct err *err);
 // Records that the option was given.
 void option_mark(const struct option_def *def, struct options *options);
 
-// Quotes a word for a shell; returns the end of the output. `out` has room for 4 bytes per byte,
-// plus 3.
+// Quotes a word for a shell. Returns the end of the output. `out` must have room for 4 bytes per
+// byte of the word, plus 3.
 char *options_quote(const char *word, char *out);
 
-// Returns the value's name in the help: "WxH", "path|direct", "METRES|off".
+// Returns the placeholder of the value in the help: "WxH", "path|direct", "METRES|off".
 #define OPTION_ARGUMENT_MAX 120
 const char *option_argument(const struct option_def *def, char out[OPTION_ARGUMENT_MAX]);
 
 // Returns whether the command has the option.
 bool option_belongs(const struct option_def *def, const struct command *command);
-// Returns the line that the command's --help has of the option; NULL where only --help-all has it.
+// Returns the option's line in the command's --help; NULL if only --help-all has the option.
 const char *option_brief(const struct option_def *def, const struct command *command);
 
 #endif

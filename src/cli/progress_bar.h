@@ -1,10 +1,11 @@
-// Draws progress on stderr, and keeps messages and the bar apart. On a terminal:
+// Draws progress on stderr, and keeps messages and the bar apart. On a terminal it is one line,
+// with the elapsed and the remaining time:
 //
 //   Rendering: [++++++++++++                  ]  41% (12.3 s | 17.7 s)
 //
-// with the elapsed and the remaining time, on one line; elsewhere it prints plain lines every few
-// seconds. Nothing is shown before a phase has taken a second; from then on a terminal shows each
-// phase when it begins. A phase of a second or more leaves a line with its time.
+// Elsewhere, plain lines are printed every few seconds. Nothing is shown before a phase has taken
+// one second; from then on, a terminal shows each phase when it begins. After a phase of at least
+// one second, a line with its time remains.
 #ifndef LAMPYRIS_CLI_PROGRESS_BAR_H
 #define LAMPYRIS_CLI_PROGRESS_BAR_H
 

@@ -41,15 +41,17 @@ static bool set_lens(const struct scene_options *options, struct scene *scene,
     if (!aperture && !focus)
         return true;
     if (camera->kind != CAMERA_PERSPECTIVE)
-        return err_set(err, ERR_USAGE, "--%s: lenses go with perspective cameras; this one is %s",
+        return err_set(err, ERR_USAGE,
+                       "--%s: only perspective cameras have a lens; this camera is %s",
                        aperture ? "aperture" : "focus-distance", camera_names[camera->kind]);
     if (aperture)
         camera->lens_radius = options->aperture_mm * 1e-3;
     if (focus)
         camera->focus_distance = options->focus_distance;
     if (camera->lens_radius > 0 && !(camera->focus_distance > 0))
-        return err_set(err, ERR_USAGE,
-                       "--aperture: the camera has no lens so far: expected --focus-distance, too");
+        return err_set(
+            err, ERR_USAGE,
+            "--aperture: the camera has no focus distance; expected --focus-distance, too");
     const double lens[] = {camera->lens_radius, camera->focus_distance};
     scene->hash = hash_bytes(scene->hash, lens, sizeof lens);
     return true;
@@ -82,7 +84,7 @@ struct scene_load_params options_scene_params(const struct scene_options *option
     };
 }
 
-// The scene's hash changes, because it is another scene now.
+// Makes all materials isotropic, and changes the scene's hash, because it is now another scene.
 static void make_isotropic(struct scene *scene)
 {
     static const char what[] = "isotropic";

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Returns the n-th word between commas; NULL after the last.
+// Returns the n-th word of a list separated by commas; NULL after the last one.
 static const char *nth_word(const char *words, uint32_t n, size_t *length)
 {
     for (; n > 0; n--) {
@@ -26,7 +26,7 @@ static uint32_t count_words(const char *words)
     return count;
 }
 
-// Returns whether no value of the option changes a bit of the image.
+// Returns whether all values of the option give the same image, bit for bit.
 static bool keeps_picture(const struct option_def *def)
 {
     static const enum option_id those[] = {OPTION_WAVE,         OPTION_WORKGROUP, OPTION_FEATURES,
@@ -38,13 +38,13 @@ static bool keeps_picture(const struct option_def *def)
     return false;
 }
 
-// Joins a list and one more "KEY=VALUE", before or after it.
+// Joins a list of "KEY=VALUE" and one more, which comes first or last.
 static const char *join(struct arena *arena, const char *first, const char *second)
 {
     return arena_printf(arena, "%s%s%s", first, *first && *second ? " " : "", second);
 }
 
-// Returns whether renders of the command may differ by it.
+// Returns whether the option may differ between renders of the command.
 static bool may_vary(const struct option_def *def, const struct command *command)
 {
     return option_belongs(def, command) && option_is_setting(def, command);
@@ -60,16 +60,17 @@ static bool fail_no_setting(const char *whole, const char *key, size_t length,
         if (may_vary(&option_table[i], command))
             suggest_offer(&suggestion, option_table[i].name);
     if (suggestion.nearest)
-        return err_set(err, ERR_USAGE, "\"%s\": \"%.*s\" is no setting; did you mean \"%s\"?",
+        return err_set(err, ERR_USAGE, "\"%s\": \"%.*s\" is not a setting; did you mean \"%s\"?",
                        whole, (int)length, key, suggestion.nearest);
     return err_set(err, ERR_USAGE,
-                   "\"%s\": \"%.*s\" is no setting; expected an option of the groups Method "
+                   "\"%s\": \"%.*s\" is not a setting; expected an option of the groups Method "
                    "and Kernels, or max-bounces, seed or wave%s",
                    whole, (int)length, key,
                    command == &commands[COMMAND_BENCH] ? ", spp or size" : "");
 }
 
-// Sets an option of the variant by "KEY=VALUE"; `whole` is what stands on the command line.
+// Sets an option of the variant from "KEY=VALUE". `whole` is the text on the command line, for
+// messages.
 static bool set(struct variant *variant, struct arena *arena, const char *whole, const char *pair,
                 struct err *err)
 {
@@ -86,7 +87,7 @@ static bool set(struct variant *variant, struct arena *arena, const char *whole,
     return variant->picture || err_memory(err, "a label", strlen(pair));
 }
 
-// Applies combination number `index`, with the last list varying fastest.
+// Applies combination number `index` of the values; the last list varies fastest.
 static bool vary(struct variant *variant, struct arena *arena, uint32_t index, struct err *err)
 {
     const struct options *options = &variant->options;
@@ -111,7 +112,7 @@ static bool vary(struct variant *variant, struct arena *arena, uint32_t index, s
     return true;
 }
 
-// Applies "KEY=VALUE KEY=VALUE".
+// Applies all words of a text "KEY=VALUE KEY=VALUE".
 static bool spell(struct variant *variant, struct arena *arena, const char *text, struct err *err)
 {
     variant->label = text;

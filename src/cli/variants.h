@@ -4,18 +4,19 @@
 
 #include "cli/options.h"
 
-#define VARIANTS_MAX 64 // each has a renderer of its own
+#define VARIANTS_MAX 64 // the limit exists because each variant has a renderer of its own
 
 struct variant {
     const char *label;      // "sampler=pcg wave=4k"; "" if nothing is varied
-    const char *picture;    // the part of the label that changes images: "sampler=pcg"
-    uint32_t scene;         // index of the command line's scenes
-    struct options options; // whose scene.path is that scene
+    const char *picture;    // the part of `label` that changes the image: "sampler=pcg"
+    uint32_t scene;         // index into the scenes of the command line
+    struct options options; // options.scene.path is that scene
 };
 
-// Makes all combinations of the values of --vary (--sweep of bench), with the last option varying
-// fastest, after those of --curve; for each scene in turn. ERR_USAGE names a key that is no setting
-// or a value that it does not have. The result lives in `arena`.
+// Makes all combinations of the values of --vary (for bench: --sweep), with the last option varying
+// fastest. The variants of --curve come before them. This is done for each scene. Fails with
+// ERR_USAGE if a key is not a setting, or a value is not one of its values. `arena` owns the
+// result.
 bool variants_make(const struct options *options, struct arena *arena, struct variant **out,
                    uint32_t *count, struct err *err);
 

@@ -174,7 +174,7 @@ class Variants(unittest.TestCase):
 
     def test_what_cannot_be(self):
         for arguments, message in (
-                (['--sweep', 'nonsense=1'], 'is no setting'),
+                (['--sweep', 'nonsense=1'], 'is not a setting'),
                 (['--sweep', 'workgroup=64,96'], 'workgroup=96: a workgroup of 96 threads'),
                 (['--sweep', 'wave=1,2k'], 'wave=1,2k'),
                 (['--repeats', '1'], '--repeats'),

@@ -335,7 +335,7 @@ class Words(Checks):
             result = subprocess.run([LAMPYRIS, 'check', scene, *arguments], text=True,
                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
             self.assertEqual(result.returncode, 2, result.stderr)
-            self.assertIn(f'{arguments[0]} is of devices', result.stderr)
+            self.assertIn(f'{arguments[0]} is for devices', result.stderr)
 
     @unittest.skipUnless(os.path.exists('/dev/full'), 'there is no /dev/full')
     def test_a_finding_that_cannot_be_written(self):

@@ -619,7 +619,7 @@ class Render(unittest.TestCase):
                 self.assertEqual((result.returncode, result.stdout), (3, ''), (fault, nth))
                 # A lost device is opened again, and lost again.
                 self.assertRegex(result.stderr, r'^(lampyris: warning: .+: opening the device '
-                                 r'again, .+\n)*lampyris: error: .+\n$')
+                                 r'again and .+\n)*lampyris: error: .+\n$')
         self.assertEqual(os.listdir(self.folder.name), [])
 
     def test_missing_scenes(self):

@@ -304,7 +304,7 @@ class Report(unittest.TestCase):
                 self.assertIn('of 4096 replicates', file.read())
 
     def test_what_cannot_be_varied(self):
-        for vary, message in (('size=1x1,2x2', 'is no setting'), ('nonsense=1', 'is no setting'),
+        for vary, message in (('size=1x1,2x2', 'is not a setting'), ('nonsense=1', 'is not a setting'),
                               ('mis=power,worst', '"worst" is unknown'), ('mis', 'KEY=A,B')):
             result = run('converge', SCENE, '--vary', vary)
             self.assertEqual(result.returncode, 2, vary)

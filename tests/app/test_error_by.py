@@ -125,7 +125,7 @@ class Report(Base):
         told = self.run_program(LIGHTS, '--size', '16x16', '--spp', '8', '--error-by', 'all', '-o',
                                 self.path('o.exr')).stdout
         for words in ('error by  part', 'error by  bounce', 'error by  emitter', 'emission', ' 3 ',
-                      'delta lights', 'together', 'times what is around it', '--pixel', 'brightest'):
+                      'delta lights', 'together', 'times the brightness around it', '--pixel', 'brightest'):
             self.assertIn(words, told)
 
     def test_unknown(self):

@@ -178,7 +178,7 @@ TEST(usage_errors_say_what_was_expected)
     check_error("render s --bogus", "unknown option --bogus");
     check_error("render s -x", "unknown option -x");
     check_error("render s -spp 3", "long options have two dashes");
-    check_error("--spp 3 render s", "--spp belongs after the command");
+    check_error("--spp 3 render s", "--spp must be given after the command");
     check_error("render s --max mse=1",
                 "\"render\" has no option --max: it belongs to \"compare\"");
     check_error(

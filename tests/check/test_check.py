@@ -162,7 +162,7 @@ class Check(unittest.TestCase):
     def test_options_of_devices_and_of_scenes(self):
         scene = os.path.join(ROOT, 'scenes', 'cornell.json')
         for arguments, message in ((('--spp', '3'), '--spp needs a scene'),
-                                   ((scene, '--list'), '--list is of devices'),
+                                   ((scene, '--list'), '--list is for devices'),
                                    (('--only', 'bits', '--reproducible'), 'exclude each other')):
             result = run(LAMPYRIS, 'check', *arguments)
             self.assertEqual(result.returncode, 2)

@@ -19,8 +19,8 @@ static const char head[] =
 
 // --- one bar per variant -------------------------------------------------------------------------
 
-// Returns whether a kernel is in the chart of stacked bars: all kernels that at least one variant
-// runs, and the host's part.
+// Returns whether a kernel is in the chart of stacked bars, which shows all kernels that at least
+// one variant runs, and the host's work.
 static bool is_stacked(const struct chart *c, int kernel)
 {
     for (uint32_t i = 0; i < c->count; i++)

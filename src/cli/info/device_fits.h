@@ -1,4 +1,4 @@
-// Which of the machine's devices a scene fits on (info --device all).
+// Determines on which devices of the machine a scene fits (info --device all).
 #ifndef LAMPYRIS_CLI_INFO_DEVICE_FITS_H
 #define LAMPYRIS_CLI_INFO_DEVICE_FITS_H
 
@@ -10,10 +10,10 @@
 
 struct device_fit {
     struct gpu_device_info device;
-    uint64_t left;    // bytes of its memory that are free
-    uint64_t bytes;   // planned; 0 where it does not fit
+    uint64_t left;    // free bytes of its memory
+    uint64_t bytes;   // planned bytes; 0 if the scene does not fit
     uint32_t wave;    // paths in flight
-    char reason[512]; // why it does not fit or the device cannot be used; "" where it fits
+    char reason[512]; // why it does not fit or the device cannot be used; "" if it fits
 };
 
 struct device_fits {

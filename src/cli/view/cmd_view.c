@@ -24,7 +24,7 @@ int cmd_view(const struct options *options)
     process_become(program, argv);
     struct err err;
     err_set(&err, ERR_SYSTEM,
-            "%s: cannot be run: %s; it is built where GLFW and Dear ImGui are "
+            "%s: cannot be run: %s; the viewer is only built if GLFW and Dear ImGui are "
             "installed (Debian: libglfw3-dev, libimgui-dev)",
             program, strerror(errno));
     return command_fail(&err);
