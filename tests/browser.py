@@ -1,5 +1,5 @@
-"""A headless Chromium that tests of pages drive by its DevTools protocol, over a pair of pipes and
-with nothing but Python's own library."""
+"""Drives a headless Chromium for tests of pages, by its DevTools protocol over a pair of pipes. It needs only
+Python's own library."""
 import json
 import os
 import select
@@ -13,7 +13,7 @@ NAMES = ('chromium', 'chromium-browser', 'google-chrome')
 
 
 def find():
-    """The program; ends the test as skipped where there is none (77)."""
+    """Returns the path of the browser. Exits with 77 (skipped) if there is none."""
     for name in NAMES:
         path = shutil.which(name)
         if path:
@@ -23,7 +23,7 @@ def find():
 
 
 class Browser:
-    """One window with one page. `with Browser() as browser: browser.open(path)`."""
+    """A browser with one page: `with Browser() as browser: browser.open(path)`."""
 
     def __init__(self, width=1200, height=900, dark=False):
         self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
@@ -32,7 +32,7 @@ class Browser:
         self.number, self.events, self.buffer = 0, [], b''
         to_read, self.to = os.pipe()
         self.back, to_write = os.pipe()
-        # The protocol is spoken over the descriptors 3 and 4; those of the pipes may be the same.
+        # The browser reads descriptor 3 and writes descriptor 4; the pipes may have the same numbers.
         shell = f'exec {find()} "$@" 3<&{to_read} 4>&{to_write}'
         with open(os.path.join(self.folder.name, 'log'), 'wb') as log:
             self.process = subprocess.Popen(
@@ -59,7 +59,7 @@ class Browser:
         return self
 
     def __exit__(self, *_):
-        os.close(self.to)  # which ends it
+        os.close(self.to)  # the browser ends when this pipe is closed
         try:
             self.process.wait(10)
         except subprocess.TimeoutExpired:
@@ -106,7 +106,7 @@ class Browser:
         self.wait('document.readyState === "complete"')
 
     def run(self, script):
-        """The value of an expression in the page."""
+        """Returns the value of a JavaScript expression, evaluated in the page."""
         answer = self.call('Runtime.evaluate', expression=script, returnByValue=True,
                            awaitPromise=True)
         if 'exceptionDetails' in answer:
@@ -121,7 +121,7 @@ class Browser:
             time.sleep(0.02)
 
     def place(self, selector):
-        """The middle of an element, which is scrolled into view."""
+        """Scrolls an element into view and returns the position of its centre."""
         return self.run(f'''(() => {{
             const e = document.querySelector({json.dumps(selector)});
             e.scrollIntoView({{block: "center", behavior: "instant"}});
@@ -174,7 +174,8 @@ class Browser:
             file.write(base64.b64decode(self.call('Page.captureScreenshot', format='png', **more)['data']))
 
     def complaints(self):
-        """What the page's console has of errors, and what was asked of the network."""
+        """Returns the errors in the page's console and the addresses that it has requested from the
+        network."""
         self.run('0')
         found = []
         for event in self.events:

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Vectors have one home: products, lengths and conversions of three components are not written out
-by hand outside of src/base/maths.h, nor, in single precision, outside of cglm. Of that only what
-has three components is used: the rest has other roundings where a machine has other instructions.
+"""Functions for vectors exist only once: products, lengths and conversions of three components are not
+written by hand outside src/base/maths.h or, in single precision, outside cglm. Only cglm's functions for
+three components are used, because the others round differently on machines with other instructions.
 
 check_copies.py SOURCE_ROOT [unittest's arguments]
 """

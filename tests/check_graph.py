@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The graphs of src/: what includes what, by the text, and who calls whom, by the symbols of the
-objects (a function whose address is taken counts as called).
+"""Checks the graphs of src/: the includes, from the text, and the calls, from the symbols of the object files
+(a function whose address is taken counts as called).
 
 check_graph.py SOURCE_ROOT BUILD_ROOT [unittest's arguments]. With LAMPYRIS_GRAPH=1 in the
 environment it also prints all circles of calls, the small ones that are allowed first.
@@ -15,10 +15,10 @@ import sys
 import tempfile
 import unittest
 
-# Each room with the rooms right below it. A room may include, and call, what is in itself or in any
-# room below, directly or through others.
+# Each module with the modules directly below it. A module may include files of, and call functions of, itself
+# and all modules below it.
 ROOMS = {
-    'shared': [],  # shaders/shared, which C and GLSL read
+    'shared': [],  # contains only shaders/shared, which C and GLSL include
     'base': [],
     'json': ['base'],
     'image': ['base'],
@@ -64,11 +64,11 @@ ROOMS = {
     'viewer/script': ['viewer/core'],
     'viewer': ['viewer/panel', 'viewer/script', 'program'],
 }
-# Files that stand above the room of their folder: what begins, and knows all commands.
+# Files above the module of their folder: those that contain main(), and those that know all commands.
 ABOVE = {'cli/main.c': 'program', 'cli/main_mpi.c': 'program', 'cli/program.c': 'program', 'cli/program.h': 'program'}
 GENERATED = r'\w+\.spv\.h|albedo_data\.h|kernel_source\.h|embedded_scenes\.h|embedded_page\.h'
-CIRCLE_MAX = 3  # files that call one another in a circle
-CIRCLES_OF = 'viewer/core'  # which alone may have larger ones
+CIRCLE_MAX = 3  # greatest number of files that may call each other in a circle
+CIRCLES_OF = 'viewer/core'  # the only module that may have larger circles
 
 
 def room_of(path):
@@ -77,20 +77,20 @@ def room_of(path):
 
 
 def rooms_below(room, known={}):
-    """The room and all that it may see."""
+    """Returns the module and all modules below it."""
     if room not in known:
         known[room] = {room}.union(*(rooms_below(name) for name in ROOMS[room]))
     return known[room]
 
 
 def upward(graph):
-    """The edges that lead to a room that the file's own does not stand on."""
+    """Returns the edges to modules that are not below the file's own module."""
     return [f'{a} -> {b}' for a in graph for b in graph[a]
             if room_of(b) not in rooms_below(room_of(a))]
 
 
 def circles(graph):
-    """The strongly connected components of more than one file: Tarjan 1972, without recursion."""
+    """Returns the strongly connected components of more than one file (Tarjan 1972, without recursion)."""
     number, low, stack, on_stack, found = {}, {}, [], set(), []
     for root in graph:
         work = [] if root in number else [(root, iter(sorted(graph[root])))]
@@ -128,7 +128,7 @@ def large_circles(calls):
 
 
 def read_includes(source_root):
-    """(graph, includes that name no folder or stand in angle brackets)"""
+    """Returns the graph of includes, and a list of includes that name no folder or have angle brackets."""
     graph, bare = {}, []
     for top, prefix in (('src', ''), ('shaders/shared', 'shared')):
         top = os.path.join(source_root, top)
@@ -150,7 +150,7 @@ def read_includes(source_root):
 
 
 def read_symbols(paths):
-    """{path: (defined, used)} of object files."""
+    """Returns {path: (defined symbols, used symbols)} of object files."""
     listed = subprocess.run(['nm', '-A', '-P', *paths], stdout=subprocess.PIPE, check=True,
                             text=True).stdout
     symbols = {path: (set(), set()) for path in paths}
@@ -164,7 +164,7 @@ def read_symbols(paths):
 
 
 def call_graph(objects):
-    """`objects`: path of the object by that of its source."""
+    """Returns the graph of calls. `objects` maps the path of a source to that of its object."""
     symbols = read_symbols(objects.values())
     where = {name: source for source, path in objects.items() for name in symbols[path][0]}
     return {source: {where[name] for name in symbols[path][1] if name in where} - {source}
@@ -191,7 +191,8 @@ CHANGING = {'renderer_render', 'renderer_restart', 'renderer_plan_samples', 'ren
 
 
 def may_change_renderers(path):
-    """Checks of a device look at renderers themselves, below all that jobs decide."""
+    """Returns whether the file may change renderers: checks of a device do, because they test renderers
+    without a job."""
     return path.startswith(('job/', 'render/', 'check/'))
 
 
@@ -200,13 +201,13 @@ def users_of(names, objects):
 
 
 def read_commands(build_root):
-    """{object: its entry} of compile_commands.json."""
+    """Returns {object: its entry} from compile_commands.json."""
     with open(os.path.join(build_root, 'compile_commands.json'), encoding='utf-8') as database:
         return {os.path.join(build_root, entry['output']): entry for entry in json.load(database)}
 
 
 def make_constant_jobs(source_root, folder):
-    """A header job/job.h to be found first, in which all members of a job are const."""
+    """Writes a header job/job.h, which compilers find first, in which all members of struct job are const."""
     with open(os.path.join(source_root, 'src', 'job', 'job.h'), encoding='utf-8') as file:
         text, count = re.subn(r'^struct job \{\n(.*?)^\};', r'struct job {\nconst struct {\n\1};\n};',
                               file.read(), flags=re.MULTILINE | re.DOTALL)
@@ -217,12 +218,14 @@ def make_constant_jobs(source_root, folder):
 
 
 def writes_to_jobs(entry, folder, source=None):
-    """What the compiler says of a source that changes members of a job, which are const here."""
+    """Returns the compiler's messages about a source that changes members of struct job, which are const
+    here."""
     words = shlex.split(entry['command'])[:-1]
     words = [word for i, word in enumerate(words)
              if not re.match(r'-(o|M.*|c|O.|W.*|fdiag.*|fcolor.*)$', word) and
              words[i - 1] not in ('-o', '-MF', '-MQ') and not word.endswith('ccache')]
-    words[:1] = ['gcc', '-I' + folder]  # whatever builds the program: its warnings are asked for
+    words[:1] = ['gcc', '-I' + folder]  # always gcc, whatever compiler builds the program, because its
+                                        # messages are evaluated
     words += ['-Werror=discarded-qualifiers', '-Werror=cast-qual', '-fsyntax-only']
     result = subprocess.run([*words, source or entry['file']], cwd=entry['directory'],
                             stderr=subprocess.PIPE, text=True, check=False)
@@ -237,7 +240,7 @@ class Graph(unittest.TestCase):
         cls.calls = call_graph(cls.objects)
 
     def knows_jobs(self, source):
-        """True where it sees the members of a job, and mentions one."""
+        """Returns whether the source includes the definition of struct job and uses a member."""
         seen, left = set(), [source]
         while left:
             file = left.pop()
@@ -262,7 +265,8 @@ class Graph(unittest.TestCase):
                 self.assertIn(name, self.includes, f'{file}: there is no {name}')
 
     def test_the_drawing_says_the_same(self):
-        """docs/design.md draws the layers: each stands on those to its right alone."""
+        """The drawing of layers in docs/design.md agrees with ROOMS: each layer uses only those to its
+        right."""
         with open(os.path.join(SOURCE_ROOT, 'docs', 'design.md'), encoding='utf-8') as file:
             drawn = next(line for line in file if line.startswith('    viewer -> '))
         level = {name: i for i, layer in enumerate(drawn.split('->'))

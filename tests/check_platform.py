@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""What the program asks of the system: outside of src/base/posix and src/base/windows the headers
-and functions of ISO C, and those of libraries, alone.
+"""Checks what the program uses of the system: outside src/base/posix and src/base/windows, only headers and
+functions of ISO C and of libraries.
 
 check_platform.py SOURCE_ROOT BUILD_ROOT [unittest's arguments]
 """
@@ -11,23 +11,23 @@ import unittest
 
 from check_graph import read_objects, read_symbols
 
-# ISO C17, section 7.1.2, but for threads.h, which macOS and MinGW have not.
+# ISO C17, section 7.1.2, except threads.h, which macOS and MinGW lack.
 ISO_HEADERS = {f'{name}.h' for name in (
     'assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal '
     'stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath time '
     'uchar wchar wctype').split()}
-# These have functions that end otherwise on other systems: the room's files have them instead.
+# Functions of these headers behave differently on other systems; files of src/base wrap them.
 ISO_HEADERS -= {'signal.h', 'locale.h', 'time.h'}
 LIBRARY_HEADERS = {'lampyris/lampyris.h', 'jansson.h', 'mpi.h', 'GLFW/glfw3.h', 'volk.h', 'openexr.h', 'meshoptimizer.h', 'png.h',
                    'jpeglib.h', 'jerror.h', 'imgui.h', 'cglm/struct/vec3.h',
-                   'cstring', 'cstddef',  # of C++, for Dear ImGui
+                   'cstring', 'cstddef',  # headers of C++, for Dear ImGui
                    'sanitizer/asan_interface.h'}
-# Types alone: a mutex is kept by value.
+# Headers of which only types are used: struct mutex contains a mutex by value.
 TYPES = {'base/thread.h': {'pthread.h'}}
 
-# ISO C17, sections 7.3 and 7.12, of double and single precision; 7.8, 7.21, 7.22 and 7.24 but for
-# what opens, names and removes files, and runs programs: base/file_system.h and base/process.h take
-# their place.
+# Functions of ISO C17, sections 7.3 and 7.12, in double and single precision, and of 7.8, 7.21, 7.22 and
+# 7.24. Functions that open, name or remove files, or run programs, are excluded: base/file_system.h and
+# base/process.h replace them.
 MATHS = '''
     acos acosh asin asinh atan atan2 atanh cabs carg cbrt ceil cexp cimag clog conj copysign cos
     cosh cpow creal csqrt erf erfc exp exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp hypot
@@ -42,7 +42,7 @@ ISO_FUNCTIONS = {name + suffix for name in MATHS for suffix in ('', 'f')} | set(
     strspn strstr strtod strtof strtol strtoll strtoul strtoull tolower toupper ungetc vfprintf
     vsnprintf
     strdup'''.split())  # of C23, and on every system
-# Names that compilers and C libraries substitute for these.
+# Names that compilers and C libraries substitute for these functions.
 HIDDEN = re.compile(r'__\w+|bcmp|_GLOBAL_OFFSET_TABLE_|_setjmp|sincosf?|_Z\w+|_Unwind_\w+')
 LIBRARY_FUNCTIONS = re.compile(r'(json|png|exr|jpeg|meshopt|glfw|vk|volk|ImGui|MPI_|ompi_)\w*')
 LOADER = {'gpu/volk.c': {'dlopen', 'dlsym', 'dlclose'}}  # volk's own code, compiled by this file
@@ -59,7 +59,8 @@ def foreign_headers(path, text):
 
 
 def foreign_functions(symbols):
-    """Of {source: (defined, used)}: those that are neither ours nor ISO C's nor a library's."""
+    """Returns, from {source: (defined, used)}, the functions that are neither the program's own, nor ISO C's,
+    nor those of a library."""
     own = set().union(*(defined for defined, _ in symbols.values()))
     return [f'{source}: {name}' for source, (_, used) in symbols.items()
             if not is_system_file(source)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Whether docs/portability.md says of a device's version, limits and extensions what the code asks for,
-and tests/README.md of LAMPYRIS_LIMITS what it takes.
+"""Checks that docs/portability.md lists the version, limits and extensions that the code requires of a
+device, and that tests/README.md lists the words of LAMPYRIS_LIMITS that the code accepts.
 
 Usage: check_requirements.py SOURCE_ROOT [unittest arguments]
 """
@@ -24,7 +24,7 @@ def sources():
 
 
 def constants():
-    """GPU_* of gpu.h as numbers."""
+    """Returns the constants GPU_* of gpu.h as numbers."""
     found = {}
     for name, value in re.findall(r'^#define (GPU_\w+) (\(?[\w+ ]+\)?)', read('src/gpu/gpu.h'), re.M):
         for other in sorted(found, key=len, reverse=True):
@@ -34,7 +34,7 @@ def constants():
 
 
 def needed_limits():
-    """Name and least value of what device_find_lacks() looks at."""
+    """Returns the name and the least value of each limit that device_find_lacks() checks."""
     body = read('src/gpu/select.c').split('void device_find_lacks', 1)[1].split('\n}', 1)[0]
     numbers = constants()
     return {name: sum(numbers.get(term.strip()) or int(term) for term in need.split('+'))

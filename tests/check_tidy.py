@@ -14,7 +14,7 @@ import sys
 
 
 def sources(source_root, build_root):
-    """The files of src/ that the build compiles."""
+    """Returns the files of src/ that the build compiles."""
     with open(os.path.join(build_root, 'compile_commands.json'), encoding='utf-8') as database:
         entries = json.load(database)
     paths = {os.path.realpath(os.path.join(e['directory'], e['file'])) for e in entries}
@@ -23,7 +23,7 @@ def sources(source_root, build_root):
 
 
 def check(path, build_root):
-    """What clang-tidy says of a file; empty where it finds nothing."""
+    """Returns clang-tidy's messages about a file; "" if there are none."""
     result = subprocess.run(['clang-tidy', '--quiet', '-p', build_root, path], text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
     if result.returncode == 0:

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""What is built where Debian's packages are missing: subprojects/ and what meson.build asks of it.
+"""Checks the libraries that are built if Debian's packages are missing: subprojects/, and what meson.build
+requires of them.
 
 check_wraps.py SOURCE_ROOT [unittest's arguments]
 """
@@ -27,13 +28,13 @@ def read_wrap(path):
 
 WRAPS = {os.path.basename(path)[:-len('.wrap')]: read_wrap(path)
          for path in glob.glob(os.path.join(SUBPROJECTS, '*.wrap'))}
-# Projects of our own, which build what a wrap lays down by its CMake files.
+# The CMake projects of this tree, which build the sources that a wrap downloads.
 BUILDERS = {os.path.basename(path): read(os.path.join(path, 'meson.build'))
             for path in glob.glob(os.path.join(SUBPROJECTS, '*-cmake'))}
 
 
 def meson_files():
-    """The texts of the project's own meson.build files, of subprojects those that are ours."""
+    """Returns the texts of meson.build of this project and of subprojects/packagefiles."""
     paths = [os.path.join(ROOT, 'meson.build')]
     for room in ('src', 'shaders', 'tests'):
         paths += glob.glob(os.path.join(ROOT, room, '**', 'meson.build'), recursive=True)
@@ -63,7 +64,7 @@ class Wraps(unittest.TestCase):
             with self.subTest(name):
                 self.assertTrue(name in WRAPS or name in BUILDERS)
                 text = BUILDERS[name] if name in BUILDERS else packagefile(name)
-                if text:  # else upstream's own
+                if text:  # otherwise the file is upstream's own
                     self.assertRegex(text, rf'(?m)^{variable} = ')
 
     def test_builders_build_wraps(self):
@@ -88,7 +89,7 @@ class Wraps(unittest.TestCase):
     def test_versions_are_those_of_the_wraps(self):
         texts = {name: packagefile(name) for name in WRAPS}
         for builder, name in BUILT_BY_CMAKE:
-            if builder == name + '-cmake':  # a builder may need another wrap besides
+            if builder == name + '-cmake':  # a builder may also need another wrap
                 texts[name] = BUILDERS[builder]
         for name, text in texts.items():
             with self.subTest(name):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares two builds of lampyris: whether their images have the same bits, and which one is faster.
+"""Compares two builds of lampyris: whether their images have the same bits, and which build is faster.
 
     tests/compare_builds.py BEFORE AFTER [--speed ROUNDS] [--scenes FOLDER]
 
@@ -20,13 +20,13 @@ import subprocess
 import sys
 import tempfile
 
-# Rendered as they are.
+# Scenes that are rendered with their own settings.
 SCENES = ['absorption', 'all_classes', 'classical', 'cornell', 'forest', 'furnace_sky', 'glass',
           'glow_worms', 'mandelbulb', 'many_lights', 'materials_clearcoat', 'materials_roughness',
           'phong_lobes', 'profiles', 'sdf_csg', 'shapes', 'sky', 'spheres',
           'teapot_room', 'teapot_stadium', 'veach_mis', 'whitted']
 
-# With options; the scene's name comes first.
+# Scenes with options.
 SETTINGS = [
     'cornell --sampler stratified --spp 9', 'cornell --sampler grid --spp 9',
     'cornell --sampler blue-noise', 'cornell --sampler lcg', 'cornell --halves contiguous',
@@ -40,7 +40,7 @@ SETTINGS = [
     'teapots --instances off',
 ]
 
-# With fewer abilities of the device, as LAMPYRIS_LIMITS names them; the scene's name comes first.
+# Scenes with fallbacks of the device, as LAMPYRIS_LIMITS names them.
 FALLBACKS = ['teapot_room no-texel', 'cornell no-ballot', 'all_classes no-texel,no-ballot']
 
 
@@ -68,7 +68,7 @@ def cases():
 
 
 def compare_bits(programs, scenes, folder):
-    """The number of images that differ or fail."""
+    """Returns the number of images that differ or fail."""
     differing, count = 0, 0
     for label, name, options, limits in cases():
         scene = os.path.join(scenes, name + '.json')
@@ -84,7 +84,8 @@ def compare_bits(programs, scenes, folder):
 
 
 def sign_interval(ratios):
-    """The order statistics between which a median is with at least 95 %, or the extremes."""
+    """Returns the order statistics that enclose the median with at least 95 %, or the extremes if there are
+    too few values."""
     ratios = sorted(ratios)
     count = len(ratios)
     tail, least = 0.0, 0

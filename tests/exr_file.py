@@ -1,9 +1,9 @@
-"""Small EXR files of known pixels, for tests in Python."""
+"""Writes small EXR files with known pixels for tests."""
 import struct
 
 
 def exr(path, width, height, rgb):
-    """Writes an uncompressed 32-bit EXR (OpenEXR file layout); rgb(x, y) gives a pixel."""
+    """Writes an uncompressed 32-bit EXR (OpenEXR file layout). rgb(x, y) returns a pixel."""
     def attribute(name, kind, value):
         return name + b'\0' + kind + b'\0' + struct.pack('<i', len(value)) + value
     channels = b''.join(c + b'\0' + struct.pack('<iiii', 2, 0, 1, 1) for c in (b'B', b'G', b'R'))

@@ -1,4 +1,4 @@
-"""The pixels of an 8-bit RGB PNG without interlacing (PNG specification, sections 9 and 11)."""
+"""Reads the pixels of an 8-bit RGB PNG without interlacing (PNG specification, sections 9 and 11)."""
 import struct
 import zlib
 
@@ -10,7 +10,7 @@ def paeth(a, b, c):
 
 
 def read(path):
-    """(width, height, rows), each row of 3 * width bytes."""
+    """Returns (width, height, rows); each row has 3 * width bytes."""
     with open(path, 'rb') as file:
         data = file.read()
     at, packed, size = 8, b'', None
@@ -43,7 +43,7 @@ def pixel(picture, x, y):
 
 
 def most_different(a, b, columns):
-    """The greatest difference of two pictures' codes in those columns."""
+    """Returns the greatest difference between the codes of two images in these columns."""
     return max(abs(x - y) for row, other in zip(a[2], b[2])
                for x, y in zip(row[3 * columns[0]:3 * columns[1]],
                                other[3 * columns[0]:3 * columns[1]]))

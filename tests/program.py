@@ -1,11 +1,12 @@
-"""What the tests in Python share: running a program, leaving without a device, tests of clocks."""
+"""Functions that tests share: running a program, skipping a test without a device, and tests that measure
+time."""
 import functools
 import os
 import signal
 import subprocess
 import sys
 
-# Children inherit a signal that is ignored, as a shell has it with SIGINT for what it starts in its
+# Child processes inherit an ignored signal, and shells ignore SIGINT for programs that they start in the
 # background.
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -17,7 +18,7 @@ def run(program, *arguments, **more):
 
 
 def checked(program, *arguments, **more):
-    """What a program that must succeed writes to standard output."""
+    """Runs a program, which must succeed, and returns its standard output."""
     result = run(program, *arguments, **more)
     if result.returncode != 0:
         raise AssertionError(result.stderr)
@@ -25,8 +26,8 @@ def checked(program, *arguments, **more):
 
 
 def limits(words):
-    """LAMPYRIS_LIMITS with these words, besides those that the test itself is run under. Of a number
-    that both have, the test's own counts."""
+    """Returns LAMPYRIS_LIMITS with these words in addition to those of the test's own environment. If both
+    set the same number, that of the environment is used."""
     return ','.join(part for part in (words, os.environ.get('LAMPYRIS_LIMITS')) if part)
 
 
@@ -36,8 +37,8 @@ def need_device(lampyris):
 
 
 def by_the_clock(test):
-    """A test of what clocks say, which another program may have held up: it fails where it fails
-    five times in a row. It can be run again without setUp."""
+    """A decorator for a test that measures time. Another program may delay it, so it fails only after five
+    failures in a row. The test must be repeatable without setUp."""
     @functools.wraps(test)
     def repeated(self):
         for _ in range(4):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs to what the forecast speaks of: renders of many seeds go on from a checkpoint for twice the
-samples, and the forecast's interval is to hold the error that they come to, against a reference.
+"""Tests the forecast of the error: renders with many seeds are continued from a checkpoint to twice their
+samples, and the forecast's interval must contain the error then measured against a reference.
 
     check_forecast.py LAMPYRIS SCENE... [--seeds 20] [--samplers sobol,pcg] [--spp 128]
                       [--reference-factor 50] [--references FOLDER]
@@ -29,7 +29,7 @@ def render(lampyris, *arguments):
 
 
 def run_one(lampyris, folder, scene, sampler, seed, spp, reference):
-    """Returns the forecast, the error that it started from and the error that came."""
+    """Returns the forecast, the error from which it was made, and the error after twice the samples."""
     checkpoint, trace = os.path.join(folder, 'c'), os.path.join(folder, 't.csv')
     arguments = [scene, '--sampler', sampler, '--seed', str(seed), '--checkpoint', checkpoint, '-o',
                  os.path.join(folder, 'o.exr')]

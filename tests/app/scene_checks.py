@@ -1,4 +1,4 @@
-"""What the tests of `lampyris check SCENE` share: scenes that are checked, and files that these need.
+"""Shared by the tests of `lampyris check SCENE`: functions that check scenes and write files for them.
 
     test_check_scene_X.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -24,7 +24,7 @@ GREY = {'base_color': [0.5, 0.5, 0.5]}
 
 
 def write_exr(path, width, height, texels):
-    """Single precision, scan lines, not compressed; texels: rows of (r, g, b)."""
+    """Writes an uncompressed EXR in single precision with scan lines. `texels`: rows of (r, g, b)."""
     def attribute(name, kind, data):
         return name + b'\0' + kind + b'\0' + struct.pack('<i', len(data)) + data
     channels = b''.join(name + b'\0' + struct.pack('<iiii', 2, 0, 1, 1) for name in (b'B', b'G', b'R'))
@@ -47,7 +47,7 @@ def write_exr(path, width, height, texels):
 
 
 def write_png(path, width, height, texels):
-    """8 bits a channel; texels: rows of (r, g, b, a)."""
+    """Writes a PNG with 8 bits per channel. `texels`: rows of (r, g, b, a)."""
     def chunk(kind, data):
         return (struct.pack('>I', len(data)) + kind + data
                 + struct.pack('>I', zlib.crc32(kind + data)))
@@ -60,7 +60,8 @@ def write_png(path, width, height, texels):
 
 
 def box(low, high, faces='abcdef', inside_out=False):
-    """An OBJ file of a box whose corners run counter-clockwise seen from outside; of some faces."""
+    """Returns an OBJ file of a box, or of some of its faces. The corners are counter-clockwise as seen from
+    outside."""
     corners = [(x, y, z) for z in (low[2], high[2]) for y in (low[1], high[1])
                for x in (low[0], high[0])]
     quads = {'a': (1, 3, 4, 2), 'b': (5, 6, 8, 7), 'c': (1, 2, 6, 5), 'd': (3, 7, 8, 4),
@@ -84,12 +85,12 @@ class Checks(unittest.TestCase):
         return path
 
     def check(self, scene, *arguments, name='scene.json'):
-        """What is found, by name."""
+        """Returns the findings by name."""
         path = self.write(name, {'lampyris': 1, 'film': FILM, **scene})
         return self.check_file(path, *arguments)
 
     def check_file(self, path, *arguments):
-        """Where the machine is so busy that fewer pixels are looked at, it is tried again."""
+        """Checks a file. If the machine is so busy that fewer pixels are rendered, tries again."""
         found = self.check_once(path, *arguments)
         for _ in range(4):
             if 'few-pixels' in found:
@@ -121,7 +122,7 @@ class Checks(unittest.TestCase):
 
 
 def read_png(data):
-    """Rows of (r, g, b) of 8 bits."""
+    """Returns the 8-bit codes of a PNG as rows of (r, g, b)."""
     assert data[:8] == b'\x89PNG\r\n\x1a\n' and data[24:26] == b'\x08\x02', data[:26]
     width, height = struct.unpack('>II', data[16:24])
     packed, at = b'', 8

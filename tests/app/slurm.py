@@ -1,4 +1,4 @@
-"""A cluster of Slurm on this machine, of one node with munge, in a folder of its own."""
+"""Starts a Slurm cluster of one node on this machine, with munge, in a temporary folder."""
 import os
 import shutil
 import socket
@@ -6,12 +6,12 @@ import subprocess
 import time
 
 PROGRAMS = ('munged', 'slurmctld', 'slurmd', 'sbatch', 'squeue', 'scontrol')
-# Debian has the daemons where only root looks.
+# Debian installs the daemons in folders that are only in root's PATH.
 PATH = os.environ['PATH'] + ':/usr/sbin:/sbin'
 
 
 def why_not():
-    """Why there can be no cluster here; None where there can."""
+    """Returns why no cluster can be started here; None if it can."""
     for name in PROGRAMS:
         if not shutil.which(name, path=PATH):
             return f'{name} is not installed (Debian: slurm-wlm, munge)'
@@ -61,7 +61,7 @@ class Cluster:
     def __init__(self, folder):
         self.folder, self.daemons = folder, []
         self.env = {**os.environ, 'PATH': PATH, 'SLURM_CONF': os.path.join(folder, 'slurm.conf')}
-        # munged insists on folders that nobody else can write to.
+        # munged requires folders to which nobody else can write.
         for name in ('munge', 'state', 'spool'):
             os.mkdir(os.path.join(folder, name), 0o755)
         host = socket.gethostname().split('.')[0]
@@ -117,7 +117,7 @@ class Cluster:
             time.sleep(0.2)
 
     def states(self, job):
-        """States of the job's tasks that Slurm knows, ended ones too."""
+        """Returns the states of the job's tasks that Slurm knows, including tasks that have ended."""
         return self.output('squeue', '--noheader', '--array', '--states=all', '--format=%T', '--job', job).split()
 
     def wait_for_end(self, job, seconds=280):

@@ -1,4 +1,5 @@
-"""lampyris bench: its figures add up, its variants make one picture, its baseline finds changes.
+"""Tests lampyris bench: its figures add up, all variants make the same picture, and the comparison with a
+baseline finds changes.
 
     test_bench.py LAMPYRIS
 
@@ -42,7 +43,7 @@ def rows_of(variant, kind=None):
 class Figures(unittest.TestCase):
     @program.by_the_clock
     def test_rows_add_up_to_the_clock(self):
-        # The difference between the clocks of kernels and host has a row of its own, and is small.
+        # The difference between the times of the kernels and of the host has a row of its own, and is small.
         variant = bench(CORNELL, *SMALL, '--repeats', '3', '--spp', '64')['variants'][0]
         rows = rows_of(variant)
         parts = []
@@ -57,7 +58,7 @@ class Figures(unittest.TestCase):
 
     @program.by_the_clock
     def test_an_outside_clock_agrees(self):
-        # The rest is the process's own beginning and end.
+        # The rest is the start and the end of the process.
         start = time.monotonic()
         result = bench(CORNELL, *SMALL, '--size', '48x48', '--spp', '64', '--repeats', '5')
         share = sum(result['seconds'].values()) / (time.monotonic() - start)
@@ -67,8 +68,8 @@ class Figures(unittest.TestCase):
         self.assertGreater(share, 0.97)
 
     def test_items_are_those_of_the_render(self):
-        # With shadow rays to each lamp, those that carry nothing are items, too; here a vertex
-        # sends one.
+        # If each vertex sends a shadow ray to each lamp, rays that carry no light are items, too. Here a
+        # vertex sends one.
         small = (*SMALL, '--light-choice', 'power')
         for scene in (CORNELL, CLASSES):
             variant = bench(scene, *small, '--repeats', '2', '--validation')['variants'][0]
@@ -84,7 +85,7 @@ class Figures(unittest.TestCase):
                 if row['items'] and name != 'accumulate':
                     self.assertEqual(row['items'], sum(
                         b['kernels'].get(name, {'items': 0})['items'] for b in variant['bounces']))
-            # Hits are shaded, and so are misses.
+            # Both hits and misses are shaded.
             self.assertEqual(variant['bounces'][0]['occupancy'], 1)
             for bounce in variant['bounces']:
                 items = {name: k['items'] for name, k in bounce['kernels'].items()}
@@ -100,8 +101,9 @@ class Figures(unittest.TestCase):
         rows = rows_of(bench(CORNELL, *SMALL, '--repeats', '2', '--max-bounces', '0')['variants'][0])
         paths = 16 * 16 * 4
         hits = rows['shade_surface']['items']
-        # Three words of four and the radiance, and a place in the queue; a queue's place and two
-        # words, and for hits one more and a place; a place and a path; film read and written.
+        # For each kernel, the records of an item. Rays: three words of four and the radiance, and a place in
+        # the queue. Intersections: a place in the queue and two words; for hits one more word and a place.
+        # Sorting: a place and a path. Accumulation: the film, read and written.
         self.assertEqual(rows['generate_rays']['record_bytes'], paths * (3 * 16 + 16 + 4))
         self.assertEqual(rows['intersect_closest']['record_bytes'], paths * 36 + hits * 20)
         self.assertEqual(rows['shade_surface']['record_bytes'], hits * 68)
@@ -125,7 +127,7 @@ class Figures(unittest.TestCase):
         variant = bench(CORNELL, *SMALL, '--size', '1x1', '--spp', '1', '--max-bounces', '0',
                         '--repeats', '2')['variants'][0]
         self.assertEqual(variant['frame']['paths'], 1)
-        self.assertIsNone(rows_of(variant)['repetition']['ms']['ci_low'])  # not of two
+        self.assertIsNone(rows_of(variant)['repetition']['ms']['ci_low'])  # two repetitions give no interval
 
 
 class Variants(unittest.TestCase):
@@ -142,7 +144,8 @@ class Variants(unittest.TestCase):
         self.assertEqual(result['variants'][1]['workgroup'], 64)
 
     def test_hierarchies(self):
-        # Room for more triangles a leaf and dearer nodes: fewer nodes, more triangles, the same picture.
+        # With more triangles per leaf and a higher cost of nodes there are fewer nodes, more triangles and
+        # the same picture.
         result = bench(os.path.join(ROOT, 'scenes', 'teapots.json'), *SMALL, '--size', '16x16', '--spp', '1',
                        '--repeats', '2', '--sweep', 'bvh-leaf=1,8', '--sweep', 'bvh-costs=8:1',
                        '--curve', 'bvh=middle bvh-leaf=8 bvh-costs=1,4')
@@ -213,7 +216,8 @@ class Baseline(unittest.TestCase):
         self.assertIn('intersect_closest', verdicts)
         self.assertNotIn('recording', verdicts)
         self.assertTrue(result['slower'])
-        faster = run('bench', *arguments, '--baseline', self.scaled(before, 64 * 64))  # of then: x 64
+        # the times are 64 times those of the baseline
+        faster = run('bench', *arguments, '--baseline', self.scaled(before, 64 * 64))
         self.assertEqual(faster.returncode, 0, faster.stderr)
         verdicts = {change['row']: change['verdict']
                     for change in json.loads(faster.stdout)['baseline']['changes']}

@@ -1,4 +1,4 @@
-"""lampyris bench --kernel: one kernel alone, on what it gets in a render.
+"""Tests lampyris bench --kernel, which times a single kernel on the queues that it gets in a render.
 
     test_bench_kernel.py LAMPYRIS
 """

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""`lampyris check SCENE`: each finding in a scene that has it, planted, and none of them in its clean
-counterpart; what --fix changes, and that a check of the fixed scene no longer names it. Here: form,
-media, textures, and what is said.
+"""Tests `lampyris check SCENE`. Each finding must appear for a scene in which it was planted, and none for
+the clean counterpart. After --fix, a check of the fixed scene must not report it. This file tests findings
+about form, media and textures, and the output.
 
 Usage: test_check_scene.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -52,15 +52,15 @@ class Geometry(Checks):
         self.assertIn('triangle 1', found['zero-area']['place'])
         self.assertIn('thin', found['zero-area']['place'])
         self.assertIn('1 of ', found['singular-transform']['figure'])
-        # The share of 36 square metres in pixels that a disc changes or that its rim crosses:
-        # pixels are an eighth of a metre wide. Below, the share where the two quads coincide.
+        # The expected share: 36 square metres, in pixels that a disc changes or that its rim crosses; pixels
+        # are an eighth of a metre wide. Below, the share in which the two quads coincide.
         share = found['object-twice']['share']
         self.assertTrue(math.pi * 0.6 ** 2 / 36 < share < math.pi * 0.725 ** 2 / 36, share)
         self.assertAlmostEqual(found['coincident-faces']['share'], 0.6 * 0.7 / 36, delta=0.004)
         self.assertAlmostEqual(found['normals']['share'], 1 / 36, delta=0.006)
         self.assert_found(self.check(self.scene(False)), {})
 
-    # Each shape has a mesh of its own, of the same triangles.
+    # Each shape has a mesh of its own; all have the same triangles.
     def test_meshes_of_equal_files(self):
         def scene(x, material='grey'):
             self.write('box.obj', box((0, 0, 0), (1, 1, 1)))
@@ -82,7 +82,7 @@ class Geometry(Checks):
 
 
 class Normals(Checks):
-    """A ball of triangles whose normals are a function of its own."""
+    """A ball of triangles whose normals are computed by a given function."""
 
     def found(self, normal, **material):
         rings, around = 8, 16
@@ -102,7 +102,7 @@ class Normals(Checks):
                            'shapes': [{'type': 'mesh', 'file': 'ball.obj', 'material': 'grey'}]})
 
     def test_of_another_form(self):
-        """All of the ball counts, not just where they are far off."""
+        """All of the ball is counted, not only the parts where the normals are wrong by a large angle."""
         for normal in (lambda x, y, z: (0, 1, 0), lambda x, y, z: (x, z, -y)):
             found = self.found(normal)
             self.assert_found(found, {'normals': 'wrong'})
@@ -111,13 +111,14 @@ class Normals(Checks):
         self.assertNotIn('normals', self.found(lambda x, y, z: (0, 1, 0), opacity=0.9))  # a bush
 
     def test_of_its_form(self):
-        """To the outside, to the inside, and of a form that is much smoother."""
+        """The normals point outwards, inwards, or are those of a much smoother form."""
         for normal in (lambda x, y, z: (x, y, z), lambda x, y, z: (-x, -y, -z),
                        lambda x, y, z: (x, 2 * y, z)):
             self.assert_found(self.found(normal), {})
 
     def test_maps(self):
-        """Texels that point down are told; what is black between the parts of an atlas is no normal."""
+        """Texels of normal maps that point downwards are reported. Black texels between the parts of an atlas
+        are not."""
         for texel, expected in (((128, 128, 255, 255), None), ((0, 0, 0, 255), None),
                                 ((128, 128, 0, 255), 'remark')):
             write_png(os.path.join(self.folder.name, 'map.png'), 2, 1, [[(128, 128, 255, 255), texel]])
@@ -159,7 +160,7 @@ class Media(Checks):
 
     def test_planted_and_clean(self):
         found = self.check(self.scene(True))
-        for follows in ('depth', 'heavy-tail'):  # of paths that are in a medium which is not there
+        for follows in ('depth', 'heavy-tail'):  # findings about paths in a medium that does not exist
             found.pop(follows, None)
         self.assert_found(found, {'medium-not-entered': 'wrong', 'medium-not-left': 'wrong',
                                   'media-overlap': 'wrong', 'media-nested': 'wrong'})
@@ -177,11 +178,12 @@ class Media(Checks):
         self.check(self.scene(True), '--fix', fixed)
         overlaps = [f['change'] for f in self.result['findings'] if f['name'] == 'media-overlap']
         self.assertEqual(sum(change is not None for change in overlaps), 1)
-        # Water stays above the bubble, and so has a priority above that of the glass, too.
+        # Water still has a higher priority than the bubble, so its priority must exceed that of the glass,
+        # too.
         self.assertNotIn('media-overlap', self.check_file(fixed))
 
     def test_a_body_that_pokes_out_of_the_cameras(self):
-        # The medium that the camera is in has no object until a line has left it.
+        # A medium that the camera is in is not attributed to an object until a line has left it.
         found = self.check({
             'film': {'width': 64, 'height': 64},
             'camera': {'position': [0, 1, 4], 'target': [0, 0.5, 0], 'fov_degrees': 40},
@@ -197,7 +199,7 @@ class Media(Checks):
 
 
 class Textures(Checks):
-    """What textures make of a base colour of 1, which is the usual factor before an image."""
+    """Textures that scale a base colour of 1, which is the usual factor of an image."""
 
     def scene(self, texels, **material):
         write_exr(os.path.join(self.folder.name, 'paint.exr'), len(texels[0]), len(texels),
@@ -211,7 +213,7 @@ class Textures(Checks):
         varnish = {'type': 'microfacet', 'roughness': 0.1, 'specular_color': [0.04] * 3,
                    'diffuse': 'uncoupled'}
         self.assert_found(self.check(self.scene([[0.05] * 4] * 4, **varnish)), {})
-        # One bright texel reflects too much, whatever the mean of all is.
+        # One bright texel reflects too much light, whatever the mean over all texels is.
         found = self.check(self.scene([[0.05] * 4, [0.05, 0.05, 0.95, 0.05]], **varnish))
         self.assert_found(found, {'gains-light': 'wrong'})
         self.assertIn('paint', found['gains-light']['place'])
@@ -260,7 +262,7 @@ class Black(Checks):
 
 class Report(Checks):
     def test_pictures_mark_the_places(self):
-        """As much of a finding's picture is red as its share says: of a white ball, pi / 9."""
+        """The red part of a finding's picture agrees with its share: pi / 9 for a white ball."""
         page = os.path.join(self.folder.name, 'page.html')
         found = self.check({'camera': FRONT, 'materials': {'white': {'base_color': [1, 1, 1]}},
                             'environment': {'radiance': [1, 1, 1]},
@@ -281,7 +283,8 @@ class Report(Checks):
         self.assertAlmostEqual(found['albedo-1']['share'], 3.14159 / 9, delta=0.01)
 
     def test_what_cannot_be_written_is_found_first(self):
-        """Before there is a device: with none at all the file is what is wrong."""
+        """This is reported before a device is opened: even without any device, the error is about the
+        file."""
         scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
         environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
         for page, code in ((scene, 2), (os.path.join(self.folder.name, 'page.json'), 2),
@@ -310,14 +313,16 @@ class Report(Checks):
 
 class Words(Checks):
     def test_extreme_pictures(self):
-        """Nothing to see but light; a row of pixels; a single one."""
+        """Scenes without objects but with light, and pictures with a single row of pixels or a single
+        pixel."""
         for film in ({'width': 16384, 'height': 1}, {'width': 1, 'height': 1}):
             self.assert_found(self.check({
                 'camera': {'position': [0, 0, 8], 'target': [0, 0, 0], 'fov_degrees': 40},
                 'environment': {'radiance': [1, 1, 1]}, 'film': film, 'shapes': []}), {})
 
     def test_what_cannot_be_fixed_is_found_first(self):
-        """Before there is a device: with none at all the file is what is wrong."""
+        """This is reported before a device is opened: even without any device, the error is about the
+        file."""
         scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
         environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
         for out, code in ((scene, 2), (os.path.join(self.folder.name, 'out.txt'), 2),
@@ -339,7 +344,7 @@ class Words(Checks):
 
     @unittest.skipUnless(os.path.exists('/dev/full'), 'there is no /dev/full')
     def test_a_finding_that_cannot_be_written(self):
-        """What has not arrived is told, not what it would have said."""
+        """The error is that the finding could not be written."""
         quad = {'type': 'quad', 'corner': [-1, -1, 0], 'u': [2, 0, 0], 'v': [0, 2, 0]}
         path = self.write('twice.json', {
             'lampyris': 1, 'film': FILM, 'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},

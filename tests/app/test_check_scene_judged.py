@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""`lampyris check SCENE`: how what it finds is judged. What changes nothing of a picture does not
-make it wrong, and what is told of it holds.
+"""Tests the levels of findings of `lampyris check SCENE`: an object that changes nothing in the picture must
+not make it wrong, and reported figures must be correct.
 
 Usage: test_check_scene_judged.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -16,7 +16,7 @@ SMALL = {'width': 48, 'height': 32}
 
 
 class Idle(Checks):
-    """Settings that have changed nothing."""
+    """Settings that have not changed this picture."""
     def scene(self, light=None, **settings):
         return {'camera': VIEW, 'film': SMALL, 'environment': {'radiance': [0.5, 0.5, 0.5]},
                 'materials': {'grey': GREY, 'lamp': LAMP, 'glass': {'type': 'dielectric'}},
@@ -33,7 +33,8 @@ class Idle(Checks):
                 for name, finding in self.check(self.scene(**planted)).items()])
 
     def test_radiance_scaling(self):
-        """Light that leaves the glass again is the same; a lamp's in there, and the camera's, not."""
+        """Light that leaves the glass again is correct; the light of a lamp inside the glass is not, nor is
+        light that reaches a camera there."""
         ball = {'type': 'sphere', 'material': 'lamp', 'radius': 0.4}
         self.assert_found(self.check(self.scene(radiance_scaling=False)), {})
         found = self.check(self.scene({**ball, 'center': [0, 1, 0]}, radiance_scaling=False))
@@ -46,7 +47,7 @@ class Idle(Checks):
 
 
 class Unseen(Checks):
-    """What is neither in the picture nor changes it."""
+    """Objects that are not in the picture and do not change it."""
     def scene(self, place, **more):
         return {'camera': VIEW, 'film': SMALL, 'environment': {'radiance': [0.5, 0.5, 0.5]},
                 'materials': {'grey': GREY, 'red': {'base_color': [0.7, 0.1, 0.1]}},
@@ -59,7 +60,7 @@ class Unseen(Checks):
         self.assertTrue(all(f['share'] == 0 for f in self.result['findings']))
 
     def test_coarse_lamps(self):
-        """The light of a shape that rounding moves by more than its size is that of a larger one."""
+        """If rounding errors exceed the size of a shape, it emits the light of a larger one."""
         for form in ({'type': 'sphere', 'center': [1, 9, 1], 'radius': 1e-8},
                      {'type': 'disc', 'center': [1, 9, 1], 'normal': [0, -1, 0], 'radius': 1e-8}):
             scene = self.scene([-0.5, 0, -0.5])
@@ -70,7 +71,8 @@ class Unseen(Checks):
             self.assertEqual(self.check(scene)['coarse-object']['level'], 'remark')
 
     def test_coarse_objects_that_vanish(self):
-        """No ray meets it, since steps are longer than it is: it should be in the picture."""
+        """Rounding steps are larger than the object, so no ray hits it, although it should be in the
+        picture."""
         found = self.check({
             'camera': {'position': [0, 0, 0], 'target': [0, 0, -1], 'fov_degrees': 4e-6},
             'film': SMALL, 'environment': {'radiance': [1, 1, 1]}, 'materials': {'grey': GREY},
@@ -82,14 +84,14 @@ class Unseen(Checks):
         self.assertGreater(found['coarse-object']['share'], 0)
 
     def test_coarse_objects_that_throw_shadows(self):
-        """In the way of a sun above, out of sight."""
+        """An object out of sight blocks the light of a sun above."""
         found = self.check(self.scene([-0.75, 1e6, -0.75], lights=[
             {'type': 'directional', 'direction': [0, -1, 0], 'irradiance': [3, 3, 3]}]))
         self.assertEqual(found['coarse-object']['level'], 'wrong')
         self.assertTrue(0.01 < found['coarse-object']['share'] < 0.3)
 
     def test_coarse_meshes(self):
-        """The far one is a coarse mesh; it stands behind the camera, with no light but even light."""
+        """The coarse mesh is far behind the camera, and the only light is a constant environment."""
         self.write('far.obj', box((1e6, 0, 0), (1e6 + 0.5, 0.5, 0.5)))
 
         def scene(z):
@@ -108,7 +110,7 @@ class Tail(Checks):
                 'shapes': [FLOOR, *shapes], 'lights': list(lights)}
 
     def test_met_bound(self):
-        """No sample is brighter than a lamp of radiance 8, and some are about as bright."""
+        """No sample is brighter than a lamp with radiance 8, and some samples are nearly as bright."""
         found = self.check({**self.scene(
             {'type': 'box', 'material': 'glass', 'min': [-0.5, 0.01, -0.5], 'max': [0.5, 1, 0.5]},
             {'type': 'quad', 'material': 'lamp', 'corner': [-1, 3, -1], 'u': [2, 0, 0], 'v': [0, 0, 2]},
@@ -116,7 +118,7 @@ class Tail(Checks):
         self.assertNotIn('heavy-tail', found)
 
     def test_unknown_bound(self):
-        """A point light 5 mm above a ball, whose light goes on from there to all else."""
+        """A point light 5 mm above a ball, from which its light is reflected to everything else."""
         found = self.check(self.scene(
             {'type': 'sphere', 'material': 'grey', 'center': [0, 0.5, 0], 'radius': 0.5},
             {'type': 'quad', 'material': 'grey', 'corner': [-5, 0, -1], 'u': [10, 0, 0], 'v': [0, 5, 0]},
@@ -127,7 +129,7 @@ class Tail(Checks):
 
 class Asked(Checks):
     def test_integrators(self):
-        """Direct light alone lacks what paths of one bounce lack."""
+        """The integrator `direct` lacks the same light as paths with one bounce."""
         path = os.path.join(SOURCE, 'scenes', 'cornell.json')
         figures = []
         for arguments in (['--integrator', 'direct'], ['--max-bounces', '1']):

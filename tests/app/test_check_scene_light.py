@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`lampyris check SCENE`: light that is lost, or found by chance alone.
+"""Tests findings of `lampyris check SCENE` about light that is lost or found only by chance.
 
 Usage: test_check_scene_light.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -49,7 +49,7 @@ class Light(Checks):
 
 
 class Lost(Checks):
-    """A light over a floor, with a pane of glass in between, and a lamp beside it."""
+    """A light over a floor with a pane of glass in between, and a lamp beside it."""
 
     def found(self, *lights, lamp=1):
         self.write('up.ies', 'IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 0\n'
@@ -77,7 +77,7 @@ class Lost(Checks):
                                     (profile(-1), profile(1)), ({}, {'intensity': [1e-9] * 3})):
             self.assertEqual(self.found(lost)['light-lost']['level'], 'wrong', lost)
             self.assertNotIn('light-lost', self.found(sends_nothing), sends_nothing)
-        # One of 200 behind glass: a thousandth of the light.
+        # One of 200 lights is behind glass; it has a thousandth of the light.
         grid = [{'position': [5 / 14 * (i % 14 - 7), 1.2, 5 / 14 * (i // 14 - 7)]} for i in range(199)]
         self.assertNotIn('light-lost', self.found(*grid, {'intensity': [2, 2, 2]}))
         many = 99 * [{'range': 0.4}]
@@ -86,7 +86,7 @@ class Lost(Checks):
 
 
 class Mirrors(Checks):
-    """A light without extent over a floor, before a wall that may be a mirror."""
+    """A delta light over a floor, in front of a wall that may be a mirror."""
 
     def found(self, wall, **light):
         return self.check({
@@ -108,12 +108,14 @@ class Mirrors(Checks):
             self.assertEqual(self.found(wall)['light-lost']['level'], 'wrong')
         for wall in (GREY, {**silver, 'roughness': 0.3}):
             self.assertNotIn('light-lost', self.found(wall))
-        self.assertNotIn('light-lost', self.found(mirror, direction=[0, -1, 1]))  # behind the mirror
+        # the light is behind the mirror
+        self.assertNotIn('light-lost', self.found(mirror, direction=[0, -1, 1]))
         self.assertNotIn('light-lost', self.found(mirror, angular_diameter_degrees=5))
 
 
 class Chance(Checks):
-    """Lamps over a floor, one of them behind glass: by what they send there, not by their number."""
+    """Lamps over a floor, one of them behind glass. Findings depend on the light that reaches the floor, not
+    on the number of lamps."""
 
     def found(self, glass, *lamps, more=()):
         return self.check({
@@ -137,13 +139,13 @@ class Chance(Checks):
         self.assertGreater(found['light-by-chance']['share'], 0.5)
         self.assertRegex(found['light-by-chance']['figure'], r'^200 lamps.* (99\.\d|100) % of the direct light')
         self.assertNotIn('light-by-chance', self.found(ball, (bulb, 1e-6), *dim[1:], (open_lamps[0], 10)))
-        # Half of the light, from a lamp of the same power in the open.
+        # Half of the light, because another lamp of the same power is not behind glass.
         figure = self.found(ball, (bulb, 10), ({**bulb, 'center': [0.5, 2, -2]}, 10))['light-by-chance']['figure']
         self.assertAlmostEqual(float(re.search(r'blocks ([\d.]+) %', figure)[1]), 50, delta=5)
 
     def test_of_two_rooms(self):
-        """A bulb in a glass ball in one, and a lamp of 16 times its light in the other: all of the first
-        room's light comes by chance."""
+        """A bulb in a glass ball in one room, and a lamp with 16 times its light in the other. All light of
+        the first room is found by chance."""
         ball = {'type': 'sphere', 'center': [-2, 3, -1], 'radius': 0.2}
         wall = {'type': 'box', 'material': 'grey', 'min': [-0.01, 0, -4], 'max': [0.01, 9, 4]}
         found = self.found(ball, ({**ball, 'radius': 0.05}, 10),
@@ -152,7 +154,7 @@ class Chance(Checks):
         self.assertLess(found['light-by-chance']['share'], 0.5)
 
     def test_of_large_lamps(self):
-        """A panel of many triangles that paths find easily, and one that they do not."""
+        """A panel of many triangles that paths find easily, and one that they do not find."""
         pane = {'type': 'box', 'min': [-4, 2, -4], 'max': [4, 2.1, 0]}
         for size, expected in ((0.3, True), (6, False)):
             self.write('panel.obj', ''.join(f'v {size * (i / 8 - 0.5)} {4} {size * (j / 8 - 0.5) - 2}\n'
@@ -164,7 +166,7 @@ class Chance(Checks):
 
 
 class Window(Checks):
-    """Eight suns of two texels each in an image, whose light falls into a room by its open side."""
+    """An image with eight suns of two texels each, whose light enters a room through its open side."""
 
     def scene(self, suns, glass, more=()):
         sky = [[(0.2, 0.2, 0.3)] * 64 for _ in range(32)]
@@ -189,7 +191,7 @@ class Window(Checks):
         self.assertIn('glass', found['light-by-chance']['place'])
         self.assertIn('the environment', found['light-by-chance']['figure'])
         self.assertEqual(found['light-by-chance']['share'], 1)
-        # A window of a hundredth of that.
+        # The window has a hundredth of that area.
         shutters = [{'type': 'quad', 'material': 'grey', 'corner': corner, 'u': u, 'v': v}
                     for corner, u, v in (([-2, -2, 0], [4, 0, 0], [0, 1.8, 0]),
                                          ([-2, 0.2, 0], [4, 0, 0], [0, 1.8, 0]),
@@ -198,11 +200,11 @@ class Window(Checks):
         found = self.check(self.scene(True, True, shutters))
         self.assertEqual(found['light-by-chance']['share'], 1)
         self.assert_found(self.check(self.scene(True, False)), {})
-        self.assert_found(self.check(self.scene(False, True)), {})  # which paths find easily
+        self.assert_found(self.check(self.scene(False, True)), {})  # paths find this light easily
 
 
 class Spots(Checks):
-    """A spot light in a room of 4 m that a lamp lights, too."""
+    """A spot light in a room of 4 m, which a lamp lights as well."""
 
     def found(self, degrees, *more, direction=(0, -1, 0), **camera):
         quad = {'type': 'quad', 'material': 'lamp', 'corner': [-1, 3.99, -1], 'u': [2, 0, 0], 'v': [0, 0, 2]}
@@ -222,20 +224,20 @@ class Spots(Checks):
         found = self.found(0.01)['narrow-spot']
         self.assertEqual(found['level'], 'remark')
         self.assertRegex(found['place'], '^light 0, "beam", on instance 0 of mesh "box"$')
-        # A disc of radius r = 3.9 tan(0.01 degrees), from 2.76 m.
+        # The spot is a disc of radius r = 3.9 tan(0.01 degrees), seen from 2.76 m.
         radius, pixel = 3.9 * math.tan(math.radians(0.01)), 2 * math.tan(math.radians(30)) / 16 * 2.759
         self.assertAlmostEqual(self.pixels(found) / (math.pi * (radius / pixel) ** 2), 1, delta=0.1)
         self.assertEqual(found['share'], 1 / 16 ** 2)
         self.assertIn('leaves 2.3e-10 of the intensity', found['consequence'])
-        # Behind the camera, and seen in larger pixels.
+        # The spot is behind the camera; then the pixels are larger.
         self.assertEqual(self.found(0.01, direction=[0, 0, 1])['narrow-spot']['share'], 0)
         self.assertLess(self.pixels(self.found(0.01, fov_degrees=100)['narrow-spot']), self.pixels(found) / 3)
 
     def test_wide(self):
         self.assertIn('narrow-spot', self.found(0.4))  # 0.059 pixels
-        for degrees in (0.44, 40, 90):  # 0.071 pixels, and far more
+        for degrees in (0.44, 40, 90):  # at least 0.071 pixels
             self.assertNotIn('narrow-spot', self.found(degrees), degrees)
-        # Something small just before the lamp, and glass.
+        # A small object just in front of the lamp, and glass.
         ball = {'type': 'sphere', 'material': 'grey', 'center': [0, 3.89, 0], 'radius': 1e-3}
         pane = {'type': 'box', 'material': 'glass', 'min': [-1, 3.898, -1], 'max': [1, 3.899, 1]}
         self.assertNotIn('narrow-spot', self.found(40, ball))
@@ -243,7 +245,7 @@ class Spots(Checks):
 
 
 class OnSurface(Checks):
-    """A light in or above a floor, beside a wall."""
+    """A light inside or above a floor, next to a wall."""
 
     def found(self, position, **light):
         return self.check({
@@ -265,7 +267,7 @@ class OnSurface(Checks):
             self.assertEqual(found['place'], f'light 0, on instance {place} of mesh "quad"')
         ball = self.found([1 + 0.5 * 3 ** -0.5, 0.5 + 0.5 * 3 ** -0.5, 0.5 * 3 ** -0.5])
         self.assertIn('a sphere', ball['place'])
-        # The wall and the ball have its light, and some of the floor by way of these.
+        # The wall and the ball receive its light, and reflect some of it to the floor.
         self.assertTrue(0.1 < self.found([0, 0, 0])['share'] <= 1)
         down = {'type': 'spot', 'direction': [0, -1, 0], 'outer_degrees': 40}
         self.assertIsNotNone(self.found([0, 0, 0], **down))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`lampyris check SCENE`: what it finds by measuring, and what it expects a render to take.
+"""Tests findings of `lampyris check SCENE` that are measured, and the predicted cost of a render.
 
 Usage: test_check_scene_measured.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -78,7 +78,7 @@ class Texels(Checks):
 
 
 class LampTexels(Checks):
-    """The image of a lamp over a floor; a wall is in between where the floor is not lit."""
+    """An image of a lamp over a floor. If the floor must not be lit, a wall is in between."""
 
     def found(self, bright, rest=0.5, wall=False, **material):
         texels = [[(rest, rest, rest)] * 8 for _ in range(8)]
@@ -100,7 +100,7 @@ class LampTexels(Checks):
     def test_one_of_them(self):
         found = self.found(1e6)
         self.assertEqual(found['beyond-half']['level'], 'remark')
-        # 3 square metres from 5 metres away.
+        # The area of 3 square metres is seen from a distance of 5 metres.
         self.assertAlmostEqual(found['beyond-half']['share'],
                                3 / (10 * math.tan(math.radians(20))) ** 2, delta=0.02)
         self.assertEqual(found['one-texel-lamp']['level'], 'slow')
@@ -110,7 +110,8 @@ class LampTexels(Checks):
             self.assertRegex(finding['place'], r'^image .*lamp\.exr$')
 
     def test_none_of_them(self):
-        """As bright as others; a light of 8 bits; one that lights nothing of what is seen."""
+        """Images without a finding: a texel no brighter than others, 8-bit images, and an image that lights
+        nothing visible."""
         for found in (self.found(40), self.found(1, rest=0.001), self.found(1e6, wall=True)):
             self.assertFalse(set(found) & {'beyond-half', 'one-texel-lamp'})
         self.assertEqual(set(self.found(6e4)) & {'beyond-half', 'one-texel-lamp'}, {'one-texel-lamp'})
@@ -127,7 +128,7 @@ class Settings(Checks):
                            {'type': 'sphere', 'material': 'lamp', 'center': [0, 0, -2], 'radius': 1}]}
 
     def test_depth(self):
-        """In a closed sphere of albedo a, n bounces have all light but the part a^(n + 1)."""
+        """In a closed sphere of albedo a, n bounces have all light except the fraction a^(n + 1)."""
         fixed = os.path.join(self.folder.name, 'fixed.json')
         found = self.check(self.scene(4, nee_depth=2), '--fix', fixed)
         self.assert_found(found, {'depth': 'wrong', 'biased-setting': 'wrong'})
@@ -142,7 +143,7 @@ class Settings(Checks):
 
 class Noise(Checks):
     def scene(self, radius):
-        """A lamp of 1 W/sr over a floor with a ball of rough metal."""
+        """A lamp of 1 W/sr over a floor, with a ball of rough metal."""
         radiance = 1 / (3.14159 * radius ** 2)
         return {'camera': {'position': [0, 3, 6], 'target': [0, 0.5, 0], 'fov_degrees': 40},
                 'materials': {'grey': GREY, 'metal': {'type': 'conductor', 'roughness': 0.3},
@@ -162,7 +163,7 @@ class Noise(Checks):
 
 class Outlook(Checks):
     def lines(self, radius):
-        """Of a floor onto which a mirror ball throws the light of a lamp that is not in the picture."""
+        """Returns the findings for a floor on which a mirror ball focuses the light of a lamp out of view."""
         radiance = 0.3 / radius ** 2
         path = self.write('scene.json', {
             'lampyris': 1, 'film': {'width': 24, 'height': 24},
@@ -178,7 +179,7 @@ class Outlook(Checks):
                               stderr=subprocess.PIPE, timeout=600).stdout
 
     def test_why_it_is_a_bound(self):
-        """Caustics that no sample has met are in no finding, but the outlook allows for them."""
+        """No finding mentions caustics that no sample has found, but the outlook allows for them."""
         self.assertRegex(self.lines(0.01), 'takes at most [0-9]{6} spp, .*; at most, since no path '
                          'has found the brightest light that is found by chance alone\n$')
         self.assertRegex(self.lines(0.1), 'takes about [0-9]{4} spp, .* on the device\n$')
@@ -186,23 +187,23 @@ class Outlook(Checks):
 
 class Range(Checks):
     def scene(self, height):
-        """The point below a light of 1e30 W/sr."""
+        """The point on a floor below a light of 1e30 W/sr at this height."""
         return {'camera': {**FRONT, 'height': 6e-6}, 'materials': {'grey': GREY},
                 'shapes': [{'type': 'quad', 'material': 'grey', 'corner': [-4, -4, 0], 'u': [8, 0, 0],
                             'v': [0, 8, 0]}],
                 'lights': [{'type': 'point', 'position': [0, 0, height], 'intensity': [1e30] * 3}]}
 
     def test_planted_and_clean(self):
-        found = self.check(self.scene(1e-5))  # 1e40 W/m^2
+        found = self.check(self.scene(1e-5))  # the irradiance is 1e40 W/m^2
         self.assert_found(found, {'not-finite': 'wrong'})
-        # Two renders of 64 samples a pixel; what is found looks at the last one of them.
+        # Two renders have 64 samples per pixel each; the findings come from the last one.
         self.assertRegex(found['not-finite']['figure'], f'^{64 * 48 * 48} contributions of ')
         self.assert_found(self.check(self.scene(1e-3)), {})
 
 
 class Memory(Checks):
     def test_too_little_for_usual_waves(self):
-        """Each of a check's renders has what there is, and does with smaller waves, as all renders."""
+        """Every render of a check adapts to the available memory with smaller waves, as all renders do."""
         scene = {'camera': FRONT, 'materials': {'plastic': {'type': 'principled', 'roughness': 0.4}},
                  'environment': {'radiance': [1, 1, 1]}, 'film': {'width': 64, 'height': 64},
                  'shapes': [{'type': 'sphere', 'material': 'plastic', 'center': [0, 0, 0], 'radius': 2}]}

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""`lampyris check SCENE`: media in closed rooms, about the camera and of one priority; each finding in
-a scene that has it, planted, and none of them in its clean counterpart.
+"""Tests findings of `lampyris check SCENE` about media: in closed rooms, around the camera, and with equal
+priorities. Each finding must appear for a scene in which it was planted, and none for the clean counterpart.
 
 Usage: test_check_scene_media.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -19,16 +19,16 @@ def quad(corner, u, v, material='wall'):
 
 class Media(Checks):
     def media_found(self, scene, *arguments):
-        """The findings of media, by name; of others that follow from them nothing is said here."""
+        """Returns the findings about media by name. Findings that follow from them are not tested here."""
         found = self.check({**SMALL, **scene}, *arguments)
         return {name: finding for name, finding in found.items() if name.startswith('medi')}
 
 
 class Rooms(Media):
-    """No line goes on to infinity, but paths tell."""
+    """No line of sight leaves the room, but paths give the findings."""
 
     def room(self, *bodies, window=False):
-        """Of 6 by 4 by 9 metres, with a lamp below its ceiling, or a window in a corner."""
+        """A room of 6 x 4 x 9 metres with a lamp below its ceiling, or a window in a corner."""
         lit = {'shapes': [quad([-0.7, 3.9, -0.7], [1.4, 0, 0], [0, 0, 1.4], 'lamp'),
                           quad([-3, 0, -3], [6, 0, 0], [0, 4, 0])]}
         open_to_sky = {'environment': {'radiance': [100, 100, 100]},
@@ -54,7 +54,7 @@ class Rooms(Media):
         self.assert_found(found, {'medium-not-entered': 'wrong'})
         self.assertIn('quad', found['medium-not-entered']['place'])
         self.assertIn('glass', found['medium-not-entered']['place'])
-        # It fills half of the picture.
+        # The medium fills half of the picture.
         self.assertGreater(found['medium-not-entered']['share'], 0.4)
         self.assert_found(self.media_found(self.room(quad(**pane, material='pane'))), {})
         for form in ('triangles', 'analytic'):
@@ -63,14 +63,14 @@ class Rooms(Media):
                  'max': [1, 1.7, 1.02]})), {})
 
     def test_a_hole_out_of_sight(self):
-        """Of the box's faces only the one that is away from the camera is missing, or none."""
+        """The only missing face of the box is the one that the camera cannot see, or no face is missing."""
         for faces, expected in (('bcdef', {'medium-not-entered': 'wrong'}), ('abcdef', {})):
             self.write('box.obj', box((-0.8, 0.2, 0), (0.8, 1.4, 1), faces))
             found = self.media_found(self.room({'type': 'mesh', 'file': 'box.obj', 'material': 'glass'}))
             self.assert_found(found, expected)
 
     def test_a_window_out_of_view(self):
-        """Paths enter its glass and go on to the sky."""
+        """Paths enter the glass of the window and continue to the sky."""
         glass = quad([2.5, 1, -3], [0.5, 0, 0], [0, 0.6, 0], 'glass')
         found = self.media_found(self.room(glass, window=True))
         self.assert_found(found, {'medium-not-left': 'wrong'})
@@ -80,7 +80,8 @@ class Rooms(Media):
         self.assert_found(self.media_found(self.room(slab, window=True)), {})
 
     def test_walls_close_a_pool(self):
-        """A surface of water from wall to wall, and a stone that lies half in it; six quads that are a box."""
+        """A surface of water that reaches from wall to wall, a stone half in the water, and six quads that
+        form a box."""
         water = quad([-3.1, 0.5, 6.1], [6.2, 0, 0], [0, 0, -9.2], 'glass')
         stone = {'type': 'sphere', 'material': 'stone', 'center': [0, 0.5, 0], 'radius': 0.4}
         self.assert_found(self.media_found(self.room(water, stone)), {})
@@ -93,7 +94,7 @@ class Rooms(Media):
 
 class Several(Media):
     def test_all_of_a_kind_are_counted(self):
-        """Each is named or counted, with the figure of the one that is named."""
+        """Each body is named or counted; the figure is that of the named one."""
         self.write('in.obj', box((-0.3, 0, -0.3), (0.3, 0.6, 0.3), inside_out=True))
         scene = {'camera': {'position': [0, 1, 4], 'target': [0, 0.5, 0], 'fov_degrees': 40},
                  'environment': {'radiance': [1, 1, 1]},
@@ -113,8 +114,8 @@ class Several(Media):
 
 class Camera(Media):
     def test_media_about_the_camera(self):
-        """A ball of water in the fog that the camera is in: of one priority the fog, which is later in
-        the file, is there."""
+        """The camera is in fog, which contains a ball of water. At equal priority the fog applies in the
+        ball, because it is later in the file."""
         def scene(priority, **more):
             return {'camera': {**FRONT, 'position': [0, 0, 5]}, 'environment': {'radiance': [1, 1, 1]},
                     'materials': {'water': {'type': 'dielectric', 'ior': 1.33, 'priority': priority},
@@ -130,11 +131,11 @@ class Camera(Media):
 
 
 class Order(Media):
-    """What --fix does to priorities: no other two media change places."""
+    """Priorities that --fix assigns: the order of all other pairs of media is unchanged."""
 
     def scene(self, *media):
-        """Media as (name, priority) in the file's order. A ball of water lies in fog; another one is cut
-        by a ball of glass; what of both is there was decided by their priorities."""
+        """Returns a scene with media given as (name, priority) in the order of the file. A ball of water is
+        in fog, and another one intersects a ball of glass; priorities decide which medium applies in each."""
         def ball(name, x, y, radius):
             return {'type': 'sphere', 'material': name, 'center': [x, y, 0], 'radius': radius}
         iors = {'water': 1.33, 'fog': 1.01, 'glass': 1.5, 'oil': 1.47}
@@ -146,7 +147,7 @@ class Order(Media):
                 'shapes': [shape for shape in shapes if shape['material'] in dict(media)]}
 
     def fixed(self, scene):
-        """The finding's change, and the priorities that the new file gives."""
+        """Returns the finding's change, and the priorities in the new file."""
         path = os.path.join(self.folder.name, 'fixed.json')
         found = self.media_found(scene, '--fix', path)
         self.assertEqual(found['media-overlap']['level'], 'wrong')
@@ -156,14 +157,14 @@ class Order(Media):
                                                   for edit in edits.get('materials', [])}, path
 
     def test_others_stay_above(self):
-        """Glass is above water, and before it in the file: a priority of 2 would bring water above glass."""
+        """Glass is above water and before it in the file: a priority of 2 would put water above glass."""
         change, priorities, path = self.fixed(self.scene(('glass', 2), ('water', 1), ('fog', 1)))
         self.assertIsNotNone(change)
         self.assertEqual(priorities, {'water': 2, 'glass': 3})
         self.assertNotIn('media-overlap', self.check_file(path))
 
     def test_none_where_another_one_is_between(self):
-        """Oil is above water and below fog: water cannot pass it by."""
+        """Oil is above water and below fog, so water cannot be moved above fog without passing oil."""
         change, priorities, _ = self.fixed(self.scene(('glass', 2), ('water', 1), ('oil', 1), ('fog', 1)))
         self.assertIsNone(change)
         self.assertEqual(priorities, {})
@@ -174,7 +175,7 @@ class Order(Media):
         self.assertEqual(priorities, {})
 
     def test_media_within_each_other(self):
-        """Three of one priority, the innermost first in the file."""
+        """Three media with the same priority; the innermost is first in the file."""
         scene = self.scene(('water', 1), ('oil', 1), ('fog', 1))
         scene['shapes'] = [{'type': 'sphere', 'material': name, 'center': [0, 0, 0], 'radius': radius}
                            for name, radius in (('fog', 2), ('oil', 1.5), ('water', 1))]

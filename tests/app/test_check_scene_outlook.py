@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`lampyris check SCENE`: what a render takes, and what it is wasted on.
+"""Tests the predicted cost of a render by `lampyris check SCENE`, and findings about samples that are wasted.
 
 Usage: test_check_scene_outlook.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -30,7 +30,7 @@ def room(*shapes, lights=(), lamp=LAMP, faces=FACES + BACK, **more):
             'lights': list(lights), **more}
 
 
-# 1 cm below the ceiling, which it lights brightly.
+# The lamp is 1 cm below the ceiling, which it lights brightly.
 CEILING_LAMP = quad('lamp', [-0.7, 3.99, -0.7], [1.4, 0, 0], [0, 0, 1.4])
 
 
@@ -39,7 +39,7 @@ class IdleLights(Checks):
         return {'type': 'point', 'position': [0, 2.5, 0], 'intensity': [intensity] * 3, **more}
 
     def check(self, *arguments):
-        # The light between the lamp and the ceiling has a tail of its own.
+        # The light between the lamp and the ceiling causes a heavy-tail finding of its own.
         found = super().check(*arguments)
         found.pop('heavy-tail', None)
         return found
@@ -58,19 +58,19 @@ class IdleLights(Checks):
     def test_out_of_range(self):
         scene = room(CEILING_LAMP, lights=[self.point(1e6, range=0.01, name='dead')])
         place = 'light 0, "dead"'
-        # First vertices connect to both lights by default, and those after them to one by the tree.
+        # First vertices connect to both lights by default, and later ones to one, chosen by the tree.
         self.assertIn('which decides with the distance how shadow rays are distributed',
                       self.assert_idle(scene, place)['figure'])
         scene['settings'] = {'light_choice': 'power'}
         self.assertIn('% of all shadow rays, but', self.assert_idle(scene, place)['figure'])
-        # No light takes a ray from another where each vertex connects to all of them.
+        # If each vertex connects to all lights, no light takes shadow rays from another.
         scene['settings'] = {'light_choice': 'all'}
         self.assert_found(self.check(scene), {})
 
     def test_enclosed(self):
         ball = {'type': 'sphere', 'material': 'wall', 'center': [0, 2.5, 0], 'radius': 0.12}
         idle = self.assert_idle(room(ball, CEILING_LAMP, lights=[self.point(1000)]), 'light 0')
-        # By their powers: 4 pi 1000 W/sr and pi 12 1.4^2 W/sr on each of two sides, over 2 pi.
+        # The share by power: 4 pi 1000 W/sr and pi 12 1.4^2 W/sr on each of two sides, over 2 pi.
         share = float(idle['figure'].split(' %')[0])
         self.assertAlmostEqual(share, 100 * 2000 / (2000 + 12 * 1.4 ** 2), delta=0.01)
 
@@ -83,7 +83,7 @@ class IdleLights(Checks):
         self.assert_idle(scene, 'lamps of material "hot"')
 
     def test_several_of_which_one_lights(self):
-        """Light 1 goes round a screen, so that none of it comes straight to what is seen."""
+        """A screen is between light 1 and everything visible, so its light only arrives indirectly."""
         screen = [quad('wall', [-3, 0, 4.5], [6, 0, 0], [0, 3.5, 0])]
         lights = [self.point(1e4, range=0.01), {**self.point(20), 'position': [0, 1, 5.5]}]
         found = self.check(room(*screen, CEILING_LAMP, lights=lights))
@@ -94,13 +94,13 @@ class IdleLights(Checks):
         self.assert_found(self.check(room(CEILING_LAMP, lights=[self.point(10, range=9)])), {})
 
     def test_indirect(self):
-        """All of a point light's light comes by way of a ceiling that is not in the picture."""
+        """All light of the point light arrives by way of a ceiling that is not in the picture."""
         trough = quad('wall', [-1, 2.5, -1], [2, 0, 0], [0, 0, 2])
         light = {**self.point(100), 'position': [0, 3.2, 0]}
         self.assert_found(self.check(room(trough, CEILING_LAMP, lights=[light])), {})
 
     def test_idle_and_few(self):
-        """It has less than a hundredth of the shadow rays, and costs nothing."""
+        """The light gets less than a hundredth of the shadow rays, so it costs nothing."""
         self.assert_found(self.check(room(CEILING_LAMP, lights=[self.point(0.1, range=0.01)])), {})
 
 
@@ -114,7 +114,7 @@ class Dim(Checks):
         spp = int(re.findall('about ([0-9]+) spp', found['dim']['consequence'])[0])
         noise = float(re.findall('noise of ([0-9.e+]+) %', found['dim']['consequence'])[0]) / 100
         self.assert_found(self.check(scene(250)), {})
-        # There the mean is 1, but for the emission that is white already.
+        # There the mean is 1, except for the emission, which is white already.
         self.assertAlmostEqual(spp / self.result['outlook']['spp'], 1, delta=0.02)
         self.assertAlmostEqual(noise, (1e-3 * spp) ** 0.5, delta=0.01)
 
@@ -135,7 +135,7 @@ class Memory(Checks):
         for limit in ('memory', 'memory-budget'):
             with unittest.mock.patch.dict(os.environ, LAMPYRIS_LIMITS=f'{limit}=67108864'):
                 self.assert_found(self.check(room(CEILING_LAMP)), {})
-                # Its own findings are told, too.
+                # Findings about its own light are reported, too.
                 found = self.check(room(CEILING_LAMP, settings={'max_bounces': 2}), '--size',
                                    '3000x3000')
             self.assert_found(found, {'too-little-memory': 'wrong', 'depth': 'wrong'})
@@ -146,7 +146,7 @@ class Memory(Checks):
 
 class Depth(Checks):
     def window(self, *shapes):
-        """A room that a small window lights: most of 16 samples of a pixel meet nothing."""
+        """A room lit by a small window: most of the 16 samples of a pixel find no light."""
         faces = FACES + [([-3, 0, -3], [5.5, 0, 0], [0, 4, 0]), ([2.5, 0, -3], [0.5, 0, 0], [0, 1, 0]),
                          ([2.5, 1.6, -3], [0.5, 0, 0], [0, 2.4, 0])]
         return {**room(*shapes, faces=faces, environment={'radiance': [100, 100, 100]},
@@ -158,7 +158,7 @@ class Depth(Checks):
         self.assertGreater(found['depth']['share'], 0.95)
 
     def test_share_of_what_lacks_nothing(self):
-        """A lamp before the camera covers the left half of the picture."""
+        """A lamp in front of the camera covers the left half of the picture."""
         scene = room(CEILING_LAMP, quad('lamp', [-2, -1, 3], [2, 0, 0], [0, 4, 0]),
                      settings={'max_bounces': 2})
         self.assertAlmostEqual(self.check(scene)['depth']['share'], 0.5, delta=0.1)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`lampyris check SCENE` on a slow device.
+"""Tests `lampyris check SCENE` on a slow device.
 
 Usage: test_check_scene_slow.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -15,7 +15,7 @@ from scene_checks import Checks, LAMPYRIS, SOURCE
 
 class Slow(Checks):
     def test_fewer_pixels(self):
-        """A simulated slow device, which sleeps: the check's own renders have a bound."""
+        """The simulated slow device sleeps. The time of the check's own renders is limited."""
         environment = {**os.environ, 'LAMPYRIS_LIMITS': limits('no-timestamps,group-ns=600000')}
         scene = os.path.join(SOURCE, 'scenes', 'cornell.json')
         result = subprocess.run([LAMPYRIS, 'check', scene, '--size', '64x64', '--json', '-q'], text=True,
@@ -27,7 +27,7 @@ class Slow(Checks):
         width, height = re.search(r'renders only (\d+) x (\d+) pixels',
                                   found['few-pixels']['consequence']).groups()
         self.assertGreater(float(seconds), 0.2)
-        # Its 200 samples of each pixel; seconds have two digits, and pixels are in squares.
+        # The check takes 200 samples per pixel; printed seconds have two digits, and the picture is a square.
         self.assertAlmostEqual(int(width) * int(height) / 4096 * 200 * float(seconds), 30, delta=3)
 
 

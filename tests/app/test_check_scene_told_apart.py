@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""`lampyris check SCENE`: what lies upon something else, or looks as if it did.
+"""Tests findings of `lampyris check SCENE` about surfaces that coincide, and scenes in which surfaces only
+seem to coincide.
 
 Usage: test_check_scene_told_apart.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -12,7 +13,7 @@ from scene_checks import Checks, FILM, FRONT, GREY, LAMPYRIS, SOURCE, box, write
 
 
 class Gaps(Checks):
-    """Objects at one place whose materials have gaps: each is seen where the other is not."""
+    """Objects at the same place whose materials have gaps: each is visible through the gaps of the other."""
 
     def scene(self, second, first=None):
         for name, left, right in (('left.png', 255, 0), ('right.png', 0, 255)):
@@ -35,7 +36,7 @@ class Gaps(Checks):
             self.assert_found(self.check(self.scene(second, first), '--fix', fixed), {})
 
     def test_one_of_them_has_no_gaps(self):
-        """The order of the objects decides whether the one with gaps is seen."""
+        """The order of the objects decides whether the object with gaps is visible."""
         for second, first in (('grey', 'left'), ('grey', 'veil'), ('veil', 'grey')):
             found = self.check(self.scene(second, first))
             self.assert_found(found, {'object-twice': 'wrong'})
@@ -47,7 +48,7 @@ class Gaps(Checks):
 
 
 class OutOfView(Checks):
-    """Two objects at one place that the camera does not see, but whose light or shadow it does."""
+    """Two objects at the same place that are out of view, but whose light or shadow is in the picture."""
 
     def scene(self, *materials):
         disc = {'type': 'disc', 'center': [0, 3, 0], 'normal': [0, -1, 0], 'radius': 0.7}
@@ -71,7 +72,7 @@ class OutOfView(Checks):
     def test_are_a_remark_where_they_change_nothing(self):
         scene = self.scene('veil', 'veil')
         for shape in scene['shapes'][1:]:
-            shape['center'] = [0, -3, 0]  # below the floor
+            shape['center'] = [0, -3, 0]  # the objects are below the floor
         self.assert_found(self.check(scene), {'object-twice': 'remark'})
 
 
@@ -85,7 +86,7 @@ class Upon(Checks):
             'shapes': [{'material': 'grey', **shape} for shape in shapes]})
 
     def test_behind_glass(self):
-        """Faces in one plane, behind a pane."""
+        """Coplanar faces behind a pane of glass."""
         for gap, expected in ((0, {'coincident-faces': 'wrong'}), (0.1, {})):
             self.assert_found(self.found(
                 {'type': 'quad', 'corner': [-3, -3, 0], 'u': [6, 0, 0], 'v': [0, 6, 0]},
@@ -102,13 +103,13 @@ class Upon(Checks):
                 {'type': 'cylinder', 'material': 'red', 'from': [1.5, 0, 0], 'to': [1.5, 2, 0],
                  'radius': 0.5 + near})
             self.assert_found(found, expected)
-            if found:  # the disc of one, and what the cylinders share
+            if found:  # the disc of one cylinder, and the surface that both share
                 self.assertAlmostEqual(found['coincident-faces']['share'], (3.14159 + 1) / 36, delta=0.01)
 
 
     def test_from_far(self):
-        """A wall behind another one that a line of sight as long does not tell apart, though their
-        coordinates do; in the picture the one behind is seen, in the shadow of the other."""
+        """A wall behind another one. A line of sight of this length cannot distinguish them, although their
+        coordinates differ; the wall behind is visible, in the shadow of the other one."""
         for away in (10, 1e4):
             def scene(gap, larger=1.01):
                 size = 0.01 * away
@@ -128,7 +129,7 @@ class Upon(Checks):
                 self.assert_found(self.check(scene(1e-4)), {})
 
     def test_boxes(self):
-        """Faces of boxes and caps that no ray ignores, on a wall, on each other and under a quad."""
+        """Faces of boxes and caps, which every ray can hit, on a wall, on each other and under a quad."""
         def box(low, high, material='grey', form='analytic'):
             return {'type': 'box', 'as': form, 'material': material, 'min': low, 'max': high}
         sheet = {'type': 'quad', 'as': 'analytic', 'material': 'red', 'u': [0.5, 0, 0], 'v': [0, 0.5, 0]}
@@ -152,7 +153,7 @@ class Upon(Checks):
                 self.assert_found(self.found(*pair(0.01)), {})
 
     def test_media(self):
-        """Glass and water that share a face are closed, each of them."""
+        """Glass and water that share a face are both closed."""
         for form in ('triangles', 'analytic'):
             for gap, expected in ((0, {'coincident-faces': 'wrong'}), (0.1, {})):
                 self.assert_found(self.found(
@@ -162,7 +163,7 @@ class Upon(Checks):
 
 
 class Lamps(Checks):
-    """A lamp in the ceiling of two rooms, of which one is seen from below the lamp."""
+    """A lamp in the ceiling between two rooms, one of which is visible from below the lamp."""
 
     def found(self, gap=0.0, place=0.2, lamp=None, **camera):
         wall = {'type': 'quad', 'material': 'grey'}
@@ -180,7 +181,7 @@ class Lamps(Checks):
                        {'material': 'lamp', **(lamp or sheet)}]})
 
     def test_out_of_sight(self):
-        """It is named by what it lights, of whichever form it is."""
+        """The lamp is reported because of the light that it sends, for every form of lamp."""
         ball = {'type': 'cylinder', 'from': [0.3, 2, 0], 'to': [0.3, 2.5, 0], 'radius': 0.3}
         box = {'type': 'box', 'as': 'analytic', 'min': [0.2, 2, -0.8], 'max': [0.8, 2.1, -0.2]}
         for lamp in (None, ball, box):
@@ -191,7 +192,8 @@ class Lamps(Checks):
                 self.assertRegex(found['place'], 'lamp.*grey')
         self.assertIn('where 100 % of all lamps', self.found()['coincident-faces']['figure'])
         self.assertNotIn('coincident-faces', self.found(0.001))
-        self.assertNotIn('coincident-faces', self.found(place=2.2))  # what is seen has none of its light
+        self.assertNotIn('coincident-faces', self.found(place=2.2))  # the visible surfaces receive none of
+                                                                     # its light
 
     def test_what_lies_between_two_bodies_lights_nothing(self):
         box = {'type': 'box', 'as': 'analytic'}
@@ -203,7 +205,7 @@ class Lamps(Checks):
                 self.assertNotIn('coincident-faces', self.found(lamp=lamp))
 
     def test_in_sight(self):
-        """Of one pair there is one finding, with what is lit and what is seen of the pair."""
+        """A pair has a single finding, with both the visible part and the lit part."""
         self.found(target=[0, 1.2, 0], fov_degrees=80)
         found = [f for f in self.result['findings'] if f['name'] == 'coincident-faces']
         self.assertEqual(len(found), 1)
@@ -211,7 +213,7 @@ class Lamps(Checks):
 
 
 class Twice(Checks):
-    """Objects at one place: what is said of them, and that --fix changes no picture."""
+    """Two identical objects at the same place: the findings, and that --fix does not change the picture."""
 
     def scene(self, *materials, **more):
         quad = {'type': 'quad', 'corner': [-1, -1, 0], 'u': [2, 0, 0], 'v': [0, 2, 0]}
@@ -224,14 +226,14 @@ class Twice(Checks):
                           [{**(more or quad), 'material': material} for material in materials]}
 
     def picture(self, name):
-        """The hash of a scene's picture."""
+        """Returns the hash of a scene's picture."""
         path = os.path.join(self.folder.name, name)
         result = subprocess.run([LAMPYRIS, 'render', path, '--json', '-o', path + '.exr'], text=True,
                                 stdout=subprocess.PIPE, check=True, timeout=600)
         return json.loads(result.stdout)['image_hash']
 
     def test_fixes_leave_the_picture(self):
-        """Of a lamp upon a wall, of two lamps and of two veils none may be hidden."""
+        """Neither a lamp on a wall, nor one of two lamps or of two blended surfaces, may be hidden."""
         fixed = os.path.join(self.folder.name, 'fixed.json')
         for materials, level, hidden in (
                 (('grey', 'lamp'), 'wrong', None), (('lamp', 'lamp'), 'wrong', None),
@@ -261,7 +263,7 @@ class Twice(Checks):
 
 class Pane(Checks):
     def test_closed(self):
-        """A pane in front of all: no line to the inside runs along its face, the first one's neither."""
+        """A pane is in front of everything. No line into the body runs along its face."""
         for shift in (0, 0.3):
             self.assert_found(self.check({
                 'camera': FRONT, 'environment': {'radiance': [1, 1, 1]},
@@ -273,7 +275,7 @@ class Pane(Checks):
 
 class Many(Checks):
     def test_gains_of_all_materials(self):
-        """More of them than a furnace holds at once: the last one is looked at, too."""
+        """There are more materials than one measurement can hold; the last one is examined, too."""
         def ball(name, i):
             return {'type': 'sphere', 'material': name, 'center': [i % 20 - 10, i // 20 - 7, 0],
                     'radius': 0.4}
@@ -290,7 +292,7 @@ class Many(Checks):
 
 class TinyPictures(Checks):
     def test_pixels_are_no_lamps(self):
-        """A lamp of some pixels has edges of less than a pixel."""
+        """A lamp that covers a few pixels has edges that are narrower than a pixel."""
         path = os.path.join(SOURCE, 'scenes', 'cornell.json')
         for size in ('8x8', '12x12', '16x16'):
             self.assertNotIn('tiny-lights', self.check_file(path, '--size', size))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Kills renders, goes on from their checkpoints, and compares the pictures bit by bit with those of
-runs that nobody interrupted.
+"""Kills renders, resumes them from their checkpoints, and compares the pictures bit by bit with those of
+uninterrupted renders.
 
 Usage: test_checkpoint.py LAMPYRIS SCENE_FOLDER [--kills N] [unittest arguments]; without --kills,
 20 and one of the two signals
@@ -59,7 +59,7 @@ class Checkpoints(unittest.TestCase):
         return ['--checkpoint', self.path('c'), '--checkpoint-every', '0']
 
     def kill_after(self, seconds, *arguments, number=signal.SIGKILL, **options):
-        """Returns whether it was killed, and did not end before."""
+        """Returns whether the process was killed rather than ended by itself."""
         process = subprocess.Popen(self.command(*arguments, **options), stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE)
         try:
@@ -70,7 +70,7 @@ class Checkpoints(unittest.TestCase):
         return process.returncode
 
     def kill_and_go_on(self, generator, seconds, *arguments, waves=(64, 256, 1024)):
-        """Kills at random moments until a run ends by itself; returns what it reports."""
+        """Kills and resumes a render at random times until it ends by itself. Returns its report."""
         kills = 0
         while True:
             wave = ['--wave', str(generator.choice(waves))]
@@ -162,7 +162,7 @@ class Checkpoints(unittest.TestCase):
         self.render(*arguments, '--spp', '64', '--resume', *self.checkpoint())
         with open(self.path('out.exr'), 'rb') as one, open(self.path('whole.exr'), 'rb') as other:
             a, b = one.read(), other.read()
-        # Behind the header, which says how long it took and what it was called with.
+        # Compares the files after the header, which has the time and the command line.
         tail = min(len(a), len(b)) // 2
         self.assertEqual(a[-tail:], b[-tail:])
 
@@ -239,7 +239,7 @@ class Checkpoints(unittest.TestCase):
 
 
 class Endings(Checkpoints):
-    """What else ends a render: here so that scenes and commands are shared."""
+    """Other ways in which a render ends. This class is here to share scenes and commands."""
 
     def repeat(self):
         with open(self.path('out.exr'), 'rb') as file:
@@ -270,15 +270,16 @@ class Endings(Checkpoints):
             self.assertEqual(again['ended_by'], 'spp')
 
     def test_resumed_runs_end_at_the_same_error(self):
-        """The next look is in the checkpoint: where a run was interrupted leaves no trace."""
+        """The next interim test is stored in the checkpoint, so an interruption does not affect the
+        result."""
         for more in ([], ['--adaptive', 'on']):
             whole = self.render('--error', '0.002', *more)
             self.assertEqual(whole['ended_by'], 'error')
             path = self.path('goal' + '-'.join(more))
             kept = ['--checkpoint', path]
-            part = 16 if more else 21  # between two looks
+            part = 16 if more else 21  # between two interim tests
             self.render('--error', '0.002', '--spp', str(part), *more, *kept)
-            for _ in range(2):  # the second time it has ended, and nothing is left to do
+            for _ in range(2):  # the second run has nothing left to do
                 again = self.render('--error', '0.002', *more, *kept, '--resume')
                 self.assertEqual((again['spp'], again['image_hash'], again['ended_by']),
                                  (whole['spp'], whole['image_hash'], 'error'))
@@ -299,7 +300,8 @@ class Endings(Checkpoints):
         self.assertEqual(self.repeat()['image_hash'], report['image_hash'])
 
     def test_an_unknown_error_ends_nothing(self):
-        report = self.render('--error', '1e6', '--spp', '32', size='4x4')  # fewer than 30 pixels
+        # fewer than 30 pixels give no estimate
+        report = self.render('--error', '1e6', '--spp', '32', size='4x4')
         self.assertEqual((report['ended_by'], report['spp']), ('spp', 32))
         self.assertEqual(report['looks'][0]['local_relmse'], None)
 
@@ -328,7 +330,7 @@ class Endings(Checkpoints):
             self.assertLessEqual(report['spp_most'], 16 * 20)
 
 
-# Those of the base would run twice.
+# Removes the base class's tests, which would run twice.
 for name in list(vars(Checkpoints)):
     if name.startswith('test_'):
         setattr(Endings, name, None)

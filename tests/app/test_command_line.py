@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the program as a user would: exit codes, what goes to stdout and what to stderr.
+"""Runs the program as a user would. Tests exit codes, standard output and standard error.
 
 Usage: test_command_line.py LAMPYRIS [unittest arguments]
 """
@@ -27,7 +27,7 @@ def run(*arguments, **options):
 
 
 def wait_for_rendering(lines):
-    """A slow machine says first that it compiles."""
+    """On a slow machine, the progress reports compiling first."""
     for line in lines:
         if 'Rendering' in line:
             return
@@ -112,7 +112,7 @@ class Help(unittest.TestCase):
             result = subprocess.run(['groff', '-man', '-Tutf8', '-ww', '-P-c'], input=page,
                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             self.assertEqual((result.returncode, result.stderr), (0, ''), command)
-            plain = re.sub('.\b', '', result.stdout)  # bold is overstruck
+            plain = re.sub('.\b', '', result.stdout)  # bold characters are overstruck
             self.assertIn('EXIT STATUS', plain)
             self.assertIn('--json', plain)
 
@@ -156,7 +156,7 @@ class Failures(unittest.TestCase):
         self.assertEqual((result.returncode, result.stderr), (4, ''))
 
 
-# Drivers leak in libraries that are unloaded before the leak checker could be told their names.
+# Drivers leak memory in libraries that are unloaded before the leak checker can find their names.
 GPU_ENVIRONMENT = {**os.environ, 'ASAN_OPTIONS': 'detect_leaks=0'}
 
 
@@ -205,7 +205,7 @@ class Compare(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        # Half of the pixels of a are 0.5 above b in red, so that mse = 0.25 / 2 / 3.
+        # Half of the pixels of `a` exceed those of `b` by 0.5 in red, so mse = 0.25 / 2 / 3.
         exr(self.path('a.exr'), 8, 4, lambda x, y: (1.5 if x < 4 else 1.0, 1.0, 1.0))
         exr(self.path('b.exr'), 8, 4, lambda x, y: (1.0, 1.0, 1.0))
         exr(self.path('nan.exr'), 8, 4,
@@ -226,8 +226,8 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(values['mse'], mse, places=7)
         self.assertAlmostEqual(values['rmse'], math.sqrt(mse), places=7)
         self.assertAlmostEqual(values['relmse'], mse / 1.01, places=7)
-        self.assertAlmostEqual(values['local_relmse'], mse / 1.01, places=7)  # b is even
-        self.assertIsNone(values['psnr'])  # infinite: what is shown is equal
+        self.assertAlmostEqual(values['local_relmse'], mse / 1.01, places=7)  # `b` is constant
+        self.assertIsNone(values['psnr'])  # infinite, because the display values are equal
         self.assertFalse(values['equal'])
         low, high = values['mse_interval']
         self.assertTrue(0 <= low < mse < high)
@@ -240,7 +240,7 @@ class Compare(unittest.TestCase):
             self.assertEqual(values[key], value, key)
         self.assertEqual(values['max'], 0.5)
         self.assertAlmostEqual(values['smape'], 2 * 0.5 / 2.5 / 2 / 3, places=6)
-        # Displayed values are at most 1: only lower exposures show a difference.
+        # Display values are clamped to 1, so only lower exposures show a difference.
         self.assertEqual((values['ssim'], values['flip']), (1, 0))
         self.assertTrue(0 < values['hdr_flip'] < 1)
         self.assertEqual(values['hdr_flip_exposures'][2], 2)
@@ -264,8 +264,7 @@ class Compare(unittest.TestCase):
             result = self.compare('a.exr', 'b.exr', '--max', limit)
             self.assertEqual(result.returncode, code, limit)
             self.assertEqual('expected at most' in result.stderr, code == 1, limit)
-        # With an exposure of -4 stops, a and b are 1.5/16 and 1/16 in red, before the sRGB
-        # encoding.
+        # With an exposure of -4 stops, `a` and `b` are 1.5/16 and 1/16 in red, before the sRGB encoding.
         dark = ('--exposure', '-4')
         self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=1000').returncode, 0)
         a, b = (1.055 * (v / 16) ** (1 / 2.4) - 0.055 for v in (1.5, 1))
@@ -317,7 +316,7 @@ class Compare(unittest.TestCase):
             self.assertEqual(result.returncode, 0, result.stderr)
             result = self.compare(f'{name}.exr:{name}', 'expected.exr', '--max', 'max=1e-7')
             self.assertEqual(result.returncode, 0, result.stdout)
-        # FLIP has one number a pixel, whose mean is the metric; of what is shown all is equal.
+        # The map of FLIP has one number per pixel, whose mean is the metric. All display values are equal.
         for name, mean in (('flip', 0), ('hdr-flip', None)):
             path = self.path(name + '.exr')
             result = self.compare('a.exr', 'b.exr', '--difference', path, '--map', name, '--json')
@@ -328,13 +327,13 @@ class Compare(unittest.TestCase):
             result = self.compare(f'{name}.exr:{name}', 'black.exr', '--json')
             found = json.loads(result.stdout)
             mean = told[name.replace('-', '_')] if mean is None else mean
-            # A map of one value has a root mean square not below its mean.
+            # The root mean square of a map with one number per pixel is not below its mean.
             self.assertGreaterEqual(found['rmse'], mean)
             self.assertLessEqual(found['max'], 1)
             self.assertEqual(found['max'] > 0, mean > 0)
 
     def test_difference_pictures_in_false_colours(self):
-        # Pixels that are not finite are green, equal ones black; the scale stands below.
+        # Pixels that are not finite are green, equal ones are black, and the scale is below.
         exr(self.path('mixed.exr'), 8, 4, lambda x, y: (math.nan if x == 2 else 1.5, 1.0, 1.0))
         result = self.compare('mixed.exr', 'b.exr', '--difference', self.path('d.png'))
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -360,9 +359,9 @@ class Compare(unittest.TestCase):
         rows = {line.split()[0]: line.split()[1:] for line in lines[2:5]}
         a, b = rows[self.path('a.exr')], rows[self.path('b.exr')]
         self.assertEqual((a[0], b[0]), ('0.04167', '0*'))
-        self.assertEqual((a[5], b[5]), ('inf*', 'inf*'))  # psnr: the greatest is the best
+        self.assertEqual((a[5], b[5]), ('inf*', 'inf*'))  # for psnr the greatest value is the best
         self.assertEqual(a[-1], '16')
-        # Without the pixel that is not finite it would be as good as b.
+        # Without the pixel that is not finite, the picture would be as good as `b`.
         self.assertEqual(rows[self.path('nan.exr')], ['0', '0', '0', '0', '0', 'inf', '1', '0',
                                                       '0', '0', '1', '1'])
         self.assertEqual(len(set(map(len, lines[1:5]))), 1, 'columns stand below each other')
@@ -373,7 +372,7 @@ class Compare(unittest.TestCase):
     def test_exposures(self):
         a = json.loads(self.compare('a.exr', 'b.exr', '--exposures', '-3,1.5', '--json').stdout)
         self.assertEqual(a['hdr_flip_exposures'], [-3, 1.5, 5])
-        # Where all is white at any of them, there is no difference.
+        # If all pixels are white at every exposure, there is no difference.
         b = json.loads(self.compare('a.exr', 'b.exr', '--exposures', '9,9', '--json').stdout)
         self.assertEqual((b['hdr_flip_exposures'], b['hdr_flip']), ([9, 9, 2], 0))
         self.assertGreater(a['hdr_flip'], 0)
@@ -383,7 +382,7 @@ class Compare(unittest.TestCase):
             self.assertIn('--exposures', result.stderr)
 
     def test_stopped(self):
-        # A bright pixel makes for twenty exposures: seconds on any machine.
+        # A bright pixel causes twenty exposures, which take seconds on any machine.
         exr(self.path('large.exr'), 512, 512, lambda x, y: (1.0, 1.0, 1e7 if x == y == 9 else 1.0))
         arguments = [self.path('large.exr')] * 16 + ['--difference', self.path('m.png')]
         process = subprocess.Popen([LAMPYRIS, 'compare', *arguments], stdout=subprocess.PIPE,
@@ -393,7 +392,7 @@ class Compare(unittest.TestCase):
         out, err = process.communicate(timeout=60)
         self.assertEqual((process.returncode, out), (130, ''), err)
         self.assertIn('stopped', err)
-        # Pictures that were done are whole.
+        # Pictures that were finished before the signal are complete.
         for name in os.listdir(self.folder.name):
             if name.startswith('m.'):
                 self.assertEqual(png_pixels.read(self.path(name))[0], 512)
@@ -422,7 +421,7 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(values['reference_noise']['local_relmse'], 0.01 / 1.01, places=7)
         self.assertAlmostEqual(values['measured']['mse'], mse, places=7)
         self.assertAlmostEqual(values['reference_noise']['mse'], 0.01, places=7)
-        # More than there is: it stays negative, and is said to be.
+        # A variance that exceeds the measured error gives a negative result, which is reported.
         exr(self.path('v.exr'), 8, 4, lambda x, y: (0.3 if y < 2 else 0.0, 0.0, 0.0))
         result = self.compare('a.exr', 'b.exr', '--reference-variance', self.path('v.exr'),
                               '--max', 'rmse=0')
@@ -522,7 +521,7 @@ class Render(unittest.TestCase):
         self.assertEqual(result.returncode, 2)
 
     def test_outputs_that_cannot_be_written(self):
-        # A sample count that would take hours: the failure must come before.
+        # This number of samples would take hours, so the failure must come before rendering.
         result = self.render('--spp', '1G', '-o', self.path('nowhere/a.exr'))
         self.assertEqual((result.returncode, result.stdout), (4, ''))
         self.assertIn('nowhere/a.exr', result.stderr)
@@ -541,7 +540,7 @@ class Render(unittest.TestCase):
         result = self.render('--spp', '1', '-o', self.path('full.exr'), '-o', self.path('a.exr'))
         self.assertEqual(result.returncode, 4)
         self.assertIn('a.exr', os.listdir(self.folder.name))
-        # None of the outputs is left: the picture is saved in $TMPDIR.
+        # None of the outputs can be written, so the picture is saved in $TMPDIR.
         os.mkdir(self.path('tmp'))
         result = run('render', self.SCENE, '--size', '16x16', '--spp', '1', '-o',
                      self.path('full.exr'), '-o', self.path('full.png'),
@@ -555,7 +554,7 @@ class Render(unittest.TestCase):
         self.assertEqual(same.returncode, 0, same.stderr)
 
     def test_a_picture_that_cannot_fit(self):
-        # Far more bytes than any disk has; only the size of the film would fail later, and slowly.
+        # The film needs far more bytes than any disk has; without this check, rendering would fail late.
         space = os.statvfs(self.folder.name)
         if space.f_bavail * space.f_frsize > 1 << 44:
             self.skipTest('the disk is large')
@@ -603,7 +602,7 @@ class Render(unittest.TestCase):
                                     '1G', '-o', self.path('a.exr')], env=GPU_ENVIRONMENT,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         wait_for_rendering(process.stderr)
-        # Two different ones: the second of the same kind might be merged with the first.
+        # Two different signals, because a second signal of the same kind might be merged with the first.
         process.send_signal(signal.SIGTERM)
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
@@ -611,7 +610,7 @@ class Render(unittest.TestCase):
         self.assertEqual(os.listdir(self.folder.name), [])
 
     def test_faults_of_the_device(self):
-        # Before there is a copy of the film, which is written when the device is lost later.
+        # The device is lost before there is a copy of the film that could be written.
         for fault, calls in (('--fail-allocation', '135'), ('--lose-device', '123')):
             for nth in calls:
                 result = self.render('--spp', '64', '--wave', '1024', '-o', self.path('a.exr'),
@@ -634,7 +633,7 @@ class Render(unittest.TestCase):
             process = subprocess.Popen([LAMPYRIS, 'render', self.SCENE, '--size', '16x16', '--spp',
                                         '1G', '-o', path], env=GPU_ENVIRONMENT,
                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            # Its progress, which starts after a second, tells that it renders.
+            # The progress, which is shown after a second, proves that rendering has begun.
             wait_for_rendering(process.stderr)
             process.send_signal(number)
             process.communicate(timeout=60)
@@ -655,7 +654,7 @@ class Render(unittest.TestCase):
         process.send_signal(signal.SIGTERM)
         _, messages = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 143, messages)
-        # On a fast machine the tree was done when the signal came: there is a picture then.
+        # On a fast machine the BVH was finished when the signal came, so there is a picture.
         left = ['big.json'] if 'stopped' in messages else ['big.exr', 'big.json']
         self.assertEqual(sorted(os.listdir(self.folder.name)), left)
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The scripts that complete command lines: they can be read by their shells, have every option, and
-complete what is begun. Of zsh and fish where these are installed.
+"""Tests the completion scripts: their shells can read them, they contain every option, and they complete
+words. zsh and fish are tested if they are installed.
 
 Usage: test_completion.py LAMPYRIS [unittest arguments]
 """
@@ -25,7 +25,7 @@ def script(shell, program='lampyris'):
 
 
 def options(command):
-    """What the help has, with the word of the value."""
+    """Returns the options in the help, with the placeholders of their values."""
     return set(re.findall(r'^  (?:-\w, )?--([\w-]+)', checked(LAMPYRIS, command, '--help-all'),
                           re.MULTILINE))
 
@@ -60,7 +60,7 @@ class Folder(unittest.TestCase):
 
 class Bash(Folder):
     def complete(self, *words):
-        """What may stand for the last word, which has been begun."""
+        """Returns the completions of the last word."""
         quoted = ' '.join("'" + word + "'" for word in words)
         function = '_' + words[0].replace('-', '_')
         return set(self.shell('bash', '--norc', '-c', f'. ./{words[0]}.bash; COMP_WORDS=({quoted}); '

@@ -1,4 +1,4 @@
-"""lampyris converge on small pictures: what its results say of methods whose truth is known.
+"""Tests lampyris converge on small pictures, with methods whose true results are known.
 
     test_converge.py LAMPYRIS
 """
@@ -57,7 +57,7 @@ def checked(text):
 
 class Converge(unittest.TestCase):
     def test_bias_is_found_and_only_where_it_is(self):
-        # One bounce is not nine: the reference has nine.
+        # Paths of one bounce differ from the reference, which has nine.
         result = converge('--vary', 'max-bounces=9,1', '--replicates', '8')
         right, wrong = result['curves']
         self.assertEqual((right['label'], wrong['label']), ('max-bounces=9', 'max-bounces=1'))
@@ -67,7 +67,7 @@ class Converge(unittest.TestCase):
         self.assertEqual(result['references'][0]['spp'], 3200)
 
     def test_the_slope_of_independent_samples(self):
-        # The reference's noise is a hundredth of the last point's, and subtracted.
+        # The reference's noise is a hundredth of the last point's noise, and is subtracted.
         curve = converge('--replicates', '16')['curves'][0]
         slope = curve['slope']
         self.assertTrue(slope['ci_low'] <= -1 <= slope['ci_high'] or abs(slope['value'] + 1) < 0.1,
@@ -91,13 +91,14 @@ class Converge(unittest.TestCase):
         for point in curve['points']:
             self.assertEqual(point['unknown'], 0)
             self.assertTrue(point['metrics']['local_relmse']['value'] > 0)
-            self.assertIsNone(point['metrics']['relmse']['value'])  # there is a bound at best
+            self.assertIsNone(point['metrics']['relmse']['value'])  # there is at best a bound
             for told, most in zip(point['replicates']['metrics']['local_relmse'],
                                   point['replicates']['local_relmse_at_most']):
                 self.assertLess(told, most)
 
     def test_errors_that_are_bounded_alone(self):
-        # Contiguous halves overstate the error: neither it nor what it is part of is told.
+        # Contiguous halves overestimate the error, so neither the error nor results that depend on it are
+        # reported.
         result = converge('--reference', 'none', '--replicates', '3', '--curve', 'halves=contiguous',
                           '--curve', 'halves=independent', '--size', '32x32')
         bounded, known = result['curves']
@@ -117,8 +118,8 @@ class Converge(unittest.TestCase):
         self.assertRegex(text, r'as given +at most 0\.\d+ +not known')
 
     def test_it_agrees_with_render_and_compare(self):
-        # One picture, and one error: what converge, render and compare measure against a reference
-        # is the same, and what the half-buffers tell holds it.
+        # For one picture, converge, render and compare measure the same error against a reference, and the
+        # interval from the half-buffers contains it.
         with tempfile.TemporaryDirectory() as folder:
             truth, picture = (os.path.join(folder, name) for name in ('truth.exr', 'out.exr'))
             size = ('--size', '48x48')
@@ -159,7 +160,8 @@ class Converge(unittest.TestCase):
             self.assertEqual((reference['name'], reference['spp']), (path, 0))
             self.assertTrue(0 < reference['own_local_relmse'] < reference['own_relmse'] < 1e-3,
                             reference)
-            # The variance of each value tells the same; without either it is said to be unknown.
+            # The variance of each value gives the same noise. Without halves and variance the noise is
+            # reported as not known.
             for aov, noise in (('variance', reference['own_local_relmse']), ('albedo', None)):
                 other = os.path.join(folder, aov + '.exr')
                 made = run('render', SCENE, '--size', '12x12', '--spp', '2000', '--seed', '9',
@@ -194,7 +196,7 @@ class Converge(unittest.TestCase):
             self.assertEqual(spp, sorted(spp))
             seconds = [p['replicates']['seconds'][r] for p in going_on['points']]
             self.assertEqual(seconds, sorted(seconds))
-        # The samples of the longest time, as often as a reference has them.
+        # The reference has a hundred times the samples that fit into the longest time.
         self.assertGreater(result['references'][0]['spp'], 100)
         with tempfile.TemporaryDirectory() as folder:
             for curve in (going_on, planned):
@@ -250,7 +252,7 @@ class Report(unittest.TestCase):
             for value, row in zip(values, mine):
                 self.assertTrue(math.isclose(value, row, rel_tol=1e-6))
 
-    # Without gnuplot, and without --images nothing beside it.
+    # Without gnuplot and --images, only the report is written.
     def test_the_report_alone(self):
         with tempfile.TemporaryDirectory() as folder:
             report = os.path.join(folder, 'report')
@@ -263,7 +265,7 @@ class Report(unittest.TestCase):
                 page = file.read()
             self.assertNotIn('<svg', page)
 
-    # The command that the report gives to repeat a picture does so, bit for bit.
+    # The command that the report gives renders the same picture, bit for bit.
     def test_pictures_again(self):
         with tempfile.TemporaryDirectory() as folder:
             result = converge('--reference', 'none', '--replicates', '2', '--seed', '7',
@@ -290,7 +292,7 @@ class Report(unittest.TestCase):
                 [LAMPYRIS, 'converge', SCENE, '--size', '8x8', '--spp', '16', '--reference', 'none',
                  '--replicates', '4096', '--json', '--report', folder],
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
-            for line in process.stderr:  # after a second of replicates, of which many are done
+            for line in process.stderr:  # after a second of replicates, many of which are complete
                 if line.startswith('Replicates'):
                     break
             process.send_signal(signal.SIGINT)
@@ -327,7 +329,7 @@ class Report(unittest.TestCase):
 
 
 class Long(unittest.TestCase):
-    # An error that is said to be reached beyond the last point is reached there.
+    # An error that the report extrapolates beyond the last point is reached there.
     def test_running_to_what_was_extrapolated(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, 'reference.exr')

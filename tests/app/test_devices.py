@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders on several devices at once, and compares with the picture of one, bit by bit.
+"""Renders on several devices at once, and compares with the picture of one device, bit by bit.
 
 Usage: test_devices.py LAMPYRIS SCENE_FOLDER [unittest arguments]
 """
@@ -13,13 +13,14 @@ import unittest
 from program import need_device
 from test_shards import LAMPYRIS, SWIFTSHADER, Shards
 
-# The same driver twice, or thrice, is as many devices of one kind.
+# The same device given two or three times counts as several devices of the same kind.
 TWO, THREE = ('--device', '0,0'), ('--device', '0,0,0')
 
 
 class Crews(Shards):
     def picture(self, command, name):
-        """The image, its layers and rays, and the tests of the error with all that they found."""
+        """Renders and returns the image, its layers, the numbers of rays, and the interim tests with their
+        results."""
         report = json.loads(self.succeed(*command, '-o', name, '--json', '-q').stdout)
         looks = [{key: value for key, value in look.items() if key != 'seconds'} for look in report['looks']]
         return report['image_hash'], self.layers(name), report['rays'], report['spp'], looks, report['ended_by']
@@ -96,7 +97,8 @@ class Ends(Crews):
         return process.returncode
 
     def test_killed_runs_go_on(self):
-        """On another number of devices, too: a checkpoint has all samples below a number."""
+        """The render may resume with another number of devices, because a checkpoint has all samples below a
+        number."""
         arguments = ('--spp', '2000', '--aov', 'all')
         one = self.picture(self.command(*arguments), 'one.exr')
         generator = random.Random(5)
@@ -137,7 +139,7 @@ class Ends(Crews):
 
 
 class Fits(Crews):
-    """info --device all"""
+    """The command `info --device all`."""
 
     def info(self, *arguments, code=0, **variables):
         result = self.run_one('info', *self.command(*arguments)[1:], '--device', 'all', **variables)

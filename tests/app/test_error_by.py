@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""lampyris render --error-by: what it says, that the commands it gives find what it says, and that neither
-the picture nor an interruption notices.
+"""Tests lampyris render --error-by: its output, that the commands which it prints find the reported
+contributions, and that neither the picture nor an interruption is affected.
 
     test_error_by.py LAMPYRIS SOURCE_ROOT
 """
@@ -43,7 +43,8 @@ class Base(unittest.TestCase):
 
 class Following(Base):
     def follow(self, found):
-        """The brightest contribution to the sample, by its path: radiance, events, by a shadow ray."""
+        """Follows the path of a bright contribution, and returns its radiance, its number of events, and
+        whether a shadow ray found it."""
         words = shlex.split(found['command'])
         self.assertEqual(words[:2], ['lampyris', 'render'])
         path = json.loads(self.run_program(*words[2:]).stdout)
@@ -68,7 +69,8 @@ class Following(Base):
             with self.subTest(command=found['command']):
                 self.assertEqual((events, how), (found['scattering_events'], found['found_by']))
                 for mine, told in zip(radiance, found['radiance']):
-                    # The gain of a vertex is a difference of sums, each rounded.
+                    # The contribution of a vertex is computed as a difference of sums, each of which is
+                    # rounded.
                     self.assertAlmostEqual(mine, told, delta=0 if how == 'shadow ray' else 1e-5 * told)
         return brightest
 
@@ -76,7 +78,7 @@ class Following(Base):
         self.check(GLASS, '--spp', '8', '--error-by', 'part')
 
     def test_commands_of_planned_samples(self):
-        # The command has all that the samples depend on, and nothing that --pixel excludes.
+        # The command has all options that affect the samples, and none that --pixel excludes.
         self.check(LIGHTS, '--spp', '8', '--error-by', 'emitter', '--sampler', 'stratified', '--explain',
                    '--seed', '3', '--light-choice', 'power', '--trace', self.path('t.json'))
 
@@ -177,7 +179,7 @@ class Converge(Base):
         classes = by['classes'] + [by['together']]
         self.assertAlmostEqual(sum(c['local_relmse'] for c in classes), by['local_relmse'], delta=1e-7)
         for c in classes:
-            # Replicates are independent, whatever pixels share.
+            # Replicates are independent even if the pixels of one are not.
             self.assertLess(c['share']['ci_low'], c['share']['value'])
             self.assertLess(c['share']['value'], c['share']['ci_high'])
         with open(self.path('report/report.html'), encoding='utf-8') as file:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A device that is lost in the middle of a render, or has too little memory: rendering goes on, or
-leaves the picture that was copied out before.
+"""Tests a device that is lost during a render, or has too little memory: rendering continues, or the last
+copy of the picture is written.
 
 Usage: test_lost_device.py LAMPYRIS SCENE_FOLDER [unittest arguments]
 """
@@ -33,7 +33,8 @@ class LostDevice(unittest.TestCase):
                               stderr=subprocess.PIPE, text=True, timeout=100, check=False)
 
     def lose(self, *arguments):
-        """The first loss for good that has a copy, and what is reported then."""
+        """Tries submissions until a permanent loss of the device finds a copy of the film. Returns the
+        report."""
         for submission in (1200, 4800, 19200):
             result = self.render('lost.exr', '--reopen', '0', '--lose-device', str(submission),
                                  *arguments)
@@ -50,7 +51,7 @@ class LostDevice(unittest.TestCase):
         return result.returncode == 0
 
     def check(self, *arguments):
-        """Returns the report, the messages and the picture's header."""
+        """Returns the report, the messages and the header of the picture."""
         report, messages = self.lose('--spp', '1M', *arguments)
         self.assertEqual((report['ended_by'], report['outputs']),
                          ('device', [self.path('lost.exr')]))
@@ -63,7 +64,8 @@ class LostDevice(unittest.TestCase):
     def test_the_copy_is_a_shorter_render(self):
         report, messages, header = self.check('--aov', 'albedo')
         self.assertIn('the picture has %d samples per pixel' % report['spp'], messages)
-        self.assertIn(b'--spp %dlampyris:' % report['spp'], header)  # the end of lampyris:repeat
+        self.assertIn(b'--spp %dlampyris:' % report['spp'], header)  # the end of the attribute
+                                                                     # lampyris:repeat
         whole = json.loads(self.render('whole.exr', '--spp', str(report['spp']), '--aov',
                                        'albedo').stdout)
         self.assertEqual((report['spp'], report['spp_most'], report['image_hash'], report['rays']),
@@ -77,12 +79,12 @@ class LostDevice(unittest.TestCase):
 
     @by_the_clock
     def test_what_copying_costs(self):
-        # The last reading is part of it, and the error's estimate.
+        # The time includes reading the film at the end and estimating its error.
         result = json.loads(self.render('whole.exr', '--time', '2').stdout)
         self.assertLess(result['seconds']['judge'], 0.02 * result['seconds']['render'] + 0.1)
 
     def rescued(self, *arguments):
-        """Arguments after those that are the rule here win."""
+        """Options in `arguments` override the default ones."""
         result = self.render('lost.exr', '--reopen', '0', *arguments)
         self.assertEqual(result.returncode, 3, result.stderr)
         self.assertTrue(os.path.exists(self.path('lost.exr')), result.stderr)
@@ -92,8 +94,8 @@ class LostDevice(unittest.TestCase):
 
     @by_the_clock
     def test_in_the_middle_of_a_pass(self):
-        # A pass takes 16 samples of each pixel in many waves; the first copy cannot wait for its
-        # end, or another program delays it.
+        # A pass takes 16 samples per pixel in many waves. The first copy does not wait for its end, unless
+        # another program delays it.
         report, messages = self.rescued('--size', '128x128', '--wave', '512', '--spp', '17',
                                         '--lose-device', '400')
         self.assertEqual((report['spp'], report['spp_most']), (1, 17))
@@ -106,14 +108,14 @@ class LostDevice(unittest.TestCase):
         report, _ = self.rescued(*small, '--lose-device', '14', '--frames', '200', '--accumulate',
                                  'off')
         self.assertEqual(report['spp'], 1)
-        # The film that is rescued was read for a numbered picture, or copied since. On a busy
-        # machine there is a copy of every frame, which is a submission, too.
+        # The rescued film was read for a numbered picture or copied later. On a busy machine each frame is
+        # copied, which is a submission, too.
         report, _ = self.rescued(*small, '--lose-device', '30', '--frames', '100', '--every', '10')
         self.assertGreaterEqual(report['spp'], 10)
         self.assertTrue(os.path.exists(self.path('lost.0010.exr')))
 
     def goes_on(self, losses, submission, *arguments):
-        """With a device that is lost at every so many submissions the picture is the same."""
+        """If the device is lost again and again after this many submissions, the picture is the same."""
         whole = json.loads(self.render('whole.exr', *arguments).stdout)
         result = self.render('lost.exr', *arguments, '--lose-device', str(submission),
                              '--lose-devices', str(losses))
@@ -125,7 +127,7 @@ class LostDevice(unittest.TestCase):
         self.assertTrue(self.same_pictures())
 
     def test_goes_on(self):
-        # The first losses are while the renderer is made, and before the first sample.
+        # The first losses happen while the renderer is created, and before the first sample.
         for losses, submission in (1, 1), (1, 2), (2, 30), (1, 60):
             self.goes_on(losses, submission, '--spp', '64', '--aov', 'albedo')
 
@@ -157,7 +159,7 @@ class LostDevice(unittest.TestCase):
         arguments = ['--spp', '16', '--wave', '16k']
         whole = json.loads(self.render('whole.exr', *arguments).stdout)
         needed = whole['memory']['device_bytes']
-        # The device has less memory than needed, or reports that in its budget.
+        # The device has less memory than the render needs, or reports a smaller budget.
         for taken in ('memory=%d' % (needed // 3), 'memory-budget=%d' % (needed // 3),
                       'memory=%d' % (needed // 8)):
             result = self.render('lost.exr', *arguments, taken=taken)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Memory: small files that ask for much of it, machines that have none left, and the time before a
-render, in which signals end the program as well.
+"""Tests memory: small files that need much of it, machines that have none left, and signals before rendering,
+which must end the program as well.
 
     test_memory.py LAMPYRIS SOURCE_ROOT SHIM [unittest arguments]
 
@@ -31,7 +31,7 @@ ONE_MATERIAL = {'lampyris': 1, 'materials': {'m': {'base_color': [0.5, 0.5, 0.5]
 
 
 def black_png(side):
-    """One bit a pixel: 48 kB for 20000 x 20000."""
+    """Returns a PNG with one bit per pixel; 20000 x 20000 pixels take 48 kB."""
     def chunk(kind, data):
         return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
     packer = zlib.compressobj(9)
@@ -42,7 +42,7 @@ def black_png(side):
 
 
 def black_exr(side):
-    """The header alone: what follows is never read."""
+    """Returns only the header of an EXR; the pixels are never read."""
     def attribute(name, kind, value):
         return name + b'\0' + kind + b'\0' + struct.pack('<i', len(value)) + value
     channels = b''.join(c + b'\0' + struct.pack('<iiii', 2, 0, 1, 1) for c in (b'B', b'G', b'R'))
@@ -58,8 +58,9 @@ def black_exr(side):
             bytes(8 * side + 64))
 
 
-# Waits for a command and says what it took. A process inherits the peak of the program that it was
-# before exec, which for a child of this one is this one's: hence a small process in between.
+# Waits for a command and reports its memory and time. Through exec, a process inherits the peak of the
+# program before it, which for a child of this script is the script's own peak. So there is a small process in
+# between.
 MEASURE = """
 import json, os, resource, sys
 limit = int(sys.argv[2])

@@ -14,7 +14,8 @@ import unittest
 LAMPYRIS, LOAD_SCENE, SCENE = (os.path.abspath(sys.argv.pop(1)) for _ in range(3))
 TABLE = {row['key']: row for row in json.loads(
     subprocess.run([LOAD_SCENE, '--settings'], stdout=subprocess.PIPE, check=True).stdout)}
-# Values that differ from every default; several renders, since some settings exclude each other.
+# Values that differ from every default. Several renders are necessary, because some settings exclude each
+# other.
 SOME = {'width': '18', 'height': '13', 'exposure': '-1.5', 'tone': 'agx', 'spp': '3', 'seed': '7'}
 RENDERS = [
     {},
@@ -36,7 +37,7 @@ class Metadata(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
 
     def render(self, settings, more=()):
-        """Settings as text; returns the film's hash and the settings in the metadata."""
+        """Renders with settings given as text. Returns the film's hash and the settings in the metadata."""
         path = os.path.join(self.folder.name, 'out.exr')
         command = [LAMPYRIS, 'render', SCENE, '--json', '-q', '-o', path, *more]
         for key, value in settings.items():
@@ -70,7 +71,7 @@ class Metadata(unittest.TestCase):
         self.assertEqual(set(TABLE) - set().union(SOME, *RENDERS), set())
 
     def test_plans_are_told(self):
-        """Of methods that plan on a number of samples: that number, or 0 where nothing was planned."""
+        """Methods that use a planned number of samples store that number, or 0 if none was planned."""
         for sampler, more, planned in (('pcg', [], None), ('blue-noise', [], '3'),
                                        ('blue-noise', ['--time', '1000', '--spp', '3'], '0')):
             _, told = self.render({**SOME, 'sampler': sampler}, more)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How models come up that bring no camera, no light, no texture or nothing at all.
+"""Tests how models are displayed that have no camera, no light, no texture, or nothing at all.
 
     test_models.py LAMPYRIS SOURCE_ROOT
 """
@@ -18,7 +18,7 @@ from program import need_device
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 
-# Its models, and its way to write them.
+# Functions for making models, from another test.
 LOADER = importlib.machinery.SourceFileLoader(
     'make_models', os.path.join(ROOT, 'docs', 'pictures', 'make-models'))
 make_models = importlib.util.module_from_spec(
@@ -56,7 +56,7 @@ class Base(unittest.TestCase):
         return result
 
     def picture(self, path, *arguments):
-        """Rows of (r, g, b), and what --json says."""
+        """Renders and returns rows of (r, g, b), and the output of --json."""
         result = self.run_it(path, *arguments)
         width, _, rows = png_pixels.read(self.path('out.png'))
         return ([[tuple(row[3 * x:3 * x + 3]) for x in range(width)] for row in rows],
@@ -66,7 +66,8 @@ class Base(unittest.TestCase):
         return sum(sum(p) for row in picture for p in row) / (3 * 255 * SIZE * SIZE)
 
     def outline(self, path, *arguments):
-        """The box of what is in front of a white background where no surface reflects."""
+        """Returns the bounding box of the model in front of a white background, if surfaces reflect
+        nothing."""
         picture, _ = self.picture(path, '--studio', 'off', '--ground', 'off', '--max-bounces', '0',
                                   '--tone', 'none', '--exposure', '0', *arguments)
         points = [(x, y) for y, row in enumerate(picture) for x, p in enumerate(row)
@@ -122,7 +123,7 @@ class Light(Base):
                                         r'aces: --exposure, --tone')
 
     def test_white_and_black_are_seen(self):
-        """The model's mean differs from what is right beside it, and neither is at an end."""
+        """The mean over the model differs from the pixels beside it, and is neither black nor white."""
         make_models.write_own(self.folder.name)
         for name, low, high in (('white', .6, .98), ('black', .02, .35)):
             *_, inside = self.outline(self.path(name + '.obj'))
@@ -164,7 +165,7 @@ class Light(Base):
         self.assertGreater(self.mean(picture), .1)
 
     def test_a_sky_replaces_the_exposure_of_the_file(self):
-        # The exposure in a file is meant for its own lights or for its own sky.
+        # The exposure in a file applies to the file's own lights or sky.
         cornell = os.path.join(ROOT, 'scenes', 'cornell.json')
         picture, _ = self.picture(cornell, '--env', 'sky:')
         self.assertLess(self.mean(picture), .8)
@@ -269,7 +270,7 @@ class Empty(Base):
         self.assertIn('everything in the scene is hidden', result.stderr)
         hidden['shapes'].append({**hidden['shapes'][0], 'visible': True})
         self.run_it(self.write('f.json', json.dumps(hidden)))
-        # A sky may be looked at.
+        # A scene that contains only a sky can be viewed.
         self.run_it(self.write('d.json', '{"lampyris": 1, "environment": {"type": "sky"}}'))
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every format of pictures, read by another program: OpenImageIO's oiiotool.
+"""Reads every image format with another program, OpenImageIO's oiiotool.
 
 Usage: test_output_formats.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -14,8 +14,9 @@ import unittest
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 SOURCE = os.path.abspath(sys.argv.pop(1))
 SIZE = 37, 23
-# Greatest difference from the EXR by format, in its own values: RGBE has steps of 1/128 at most, 16 bits are steps
-# of 1/65535. JPEG, which is compared with the PNG, is quantised: its root mean square is judged.
+# The greatest permitted difference from the EXR, relative to each value: steps of RGBE are at most 1/128, and
+# those of 16 bits 1/65535. JPEG is quantised, so its root mean square difference from the PNG is tested
+# instead.
 FORMATS = {'a.hdr': 1 / 255, 'a.pfm': 0}
 
 
@@ -40,7 +41,7 @@ class Formats(unittest.TestCase):
         return done.stdout
 
     def values(self, name, greatest=1):
-        """Of all pixels, by row: three numbers each, as parts of the greatest code."""
+        """Returns three numbers for each pixel, row by row, as fractions of the greatest code."""
         text = self.tool('--dumpdata', name)
         rows = re.findall(r'Pixel \(\d+, \d+\): ([-+.\de ]+)', text)
         self.assertEqual(len(rows), SIZE[0] * SIZE[1], name)
@@ -67,7 +68,7 @@ class Formats(unittest.TestCase):
             for x, y, z in zip(a, b, c):
                 self.assertLessEqual(abs(x - y), 0.5 / 255 + 1 / 65535)
                 squares += (y - z) ** 2
-        # Four samples are noisy: every pixel differs from its neighbours.
+        # With four samples the picture is noisy: every pixel differs from its neighbours.
         self.assertLess((squares / (3 * len(fine))) ** 0.5, 8 / 255)
         self.assertIn('cornell.json', self.tool('--info', '-v', 'a.jpg'))
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""No output destroys what the run reads: it is refused before anything is rendered, with exit code 2
-and both names. And outputs by way of links.
+"""No output may replace a file that the run reads: this is refused before rendering, with exit code 2 and
+both names. Also tests outputs through links.
 
 Usage: test_outputs.py LAMPYRIS SOURCE_ROOT [unittest arguments]
 """
@@ -21,7 +21,7 @@ QUAD = {'type': 'quad', 'corner': [-1, 0, 1], 'u': [2, 0, 0], 'v': [0, 0, -2], '
 
 
 def png(path):
-    """A grey pixel."""
+    """Writes a PNG with one grey pixel."""
     def chunk(kind, data):
         return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
     with open(path, 'wb') as file:
@@ -47,7 +47,7 @@ class Folder(unittest.TestCase):
             file.write(content if isinstance(content, str) else json.dumps(content))
 
     def contents(self):
-        """Of all files; links are left out."""
+        """Returns the contents of all files except links."""
         found = {}
         for folder, _, names in os.walk(self.folder.name):
             for name in names:
@@ -72,7 +72,7 @@ class Folder(unittest.TestCase):
         self.assertNotIn('Rendering', result.stderr)
 
     def check(self, output, read, *arguments):
-        """What scenes name is known by its real path."""
+        """Files that a scene names are compared by their real paths."""
         read = read or self.real(output)
         before = self.contents()
         self.refused(self.run_here(*arguments), output, read)
@@ -80,7 +80,7 @@ class Folder(unittest.TestCase):
 
 
 class Inputs(Folder):
-    """A sample count that would take hours shows that nothing is rendered."""
+    """The number of samples would take hours, so the test shows that nothing is rendered."""
     LONG = ('--size', '64x64', '--spp', '1G')
 
     def test_textures(self):
@@ -118,7 +118,7 @@ class Inputs(Folder):
                    'a.exr', *self.LONG)
 
     def test_what_scenes_name(self):
-        """Files of any name, by a checkpoint's, which may be any."""
+        """The scene's files are replaced by a checkpoint, whose name may have any extension."""
         shutil.copy(os.path.join(SOURCE, 'scenes/profiles/downlight.ies'), self.path('lamp.ies'))
         self.write('mesh.obj', 'mtllib mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n')
         self.write('mesh.mtl', 'newmtl a\nKd 0.5 0.5 0.5\n')
@@ -161,7 +161,7 @@ class Inputs(Folder):
             self.check(name, name, 'compare', 'a.exr', 'b.exr', '--difference', name)
         self.check('b.exr', 'b.exr', 'compare', 'a.exr', 'r.exr', '--difference', 'b.exr',
                    '--reference-variance', 'b.exr')
-        # The first difference picture is written before the second picture is read.
+        # The first difference image is written before the second picture is read.
         shutil.copy(self.path('b.exr'), self.path('d.0001.exr'))
         self.check('d.0001.exr', 'd.0001.exr', 'compare', 'a.exr', 'd.0001.exr', 'r.exr', '--difference',
                    'd.exr')
@@ -184,7 +184,7 @@ class Inputs(Folder):
 
 class Outputs(Folder):
     def test_a_texture_of_the_scenes_name(self):
-        """For people a PNG is written beside the EXR, unless the scene reads a file of that name."""
+        """On a terminal, a PNG is written beside the EXR, unless the scene reads a file with that name."""
         png(self.path('w.png'))
         self.write('w.json', {'lampyris': 1, 'shapes': [QUAD], 'environment': {'radiance': [1, 1, 1]}, 'materials': {
             'm': {'textures': [{'file': 'w.png', 'parameters': {'base_color': 'rgb'}}]}}})
@@ -212,7 +212,7 @@ class Outputs(Folder):
         self.assertEqual(sorted(os.listdir(self.folder.name)), ['link.exr', 'plain.json'])
 
     def test_numbered_pictures_and_other_outputs(self):
-        """Compared by name, or as the files that links lead to."""
+        """Files are compared by name and by the files to which links lead."""
         frames = ('render', 'plain.json', '--size', '8x8', '--frames', '1000000000', '--every', '2',
                   '-o', 'q.exr')
         os.symlink('elsewhere', self.path('q.0004.exr'))
@@ -232,7 +232,7 @@ class Outputs(Folder):
             self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_a_checkpoint_that_is_read(self):
-        """By every way on which outputs are written, it is no output but its own."""
+        """A checkpoint that is read must not be an output of any other kind."""
         frames = ('render', 'plain.json', '--size', '8x8', '--frames', '5', '-o', 'q.exr')
         self.assertEqual(self.run_here(*frames, '--checkpoint', 'q.0005.exr').returncode, 0)
         before = self.contents()
@@ -250,7 +250,7 @@ class Outputs(Folder):
         self.assertEqual(os.listdir(self.path('there')), ['new.exr'])
 
     def test_what_was_written_before_is_replaced(self):
-        """Traces and checkpoints are read by the runs that go on with them, and written again."""
+        """Traces and checkpoints are read by the runs that continue them, and then replaced."""
         files = ('-o', 'a.exr', '--checkpoint', 'a.ck', '--trace', 'a.csv')
         self.assertEqual(self.render('plain.json', *files).returncode, 0)
         result = self.run_here('render', 'plain.json', '--size', '8x8', '--spp', '4', '--resume', *files)
@@ -267,7 +267,7 @@ class Outputs(Folder):
         self.assertIn('a?gpj.json', self.run_here('info', name).stdout)
 
     def test_names_are_masked(self):
-        """U+202E turns round what follows it: "gpj.exe" looks like "exe.jpg"."""
+        """U+202E reverses the text after it, so that "gpj.exe" looks like "exe.jpg"."""
         for name in ('a\u202egpj.exr', 'a\u2066b.exr', 'a\u200bb.exr', 'a\u009b2Jb.exr'):
             result = self.run_here('render', name)
             self.assertEqual(result.returncode, 2)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders by ranks that mpirun starts, and compares with the picture of one process, bit by bit.
+"""Renders with ranks that mpirun starts, and compares with the picture of one process, bit by bit.
 
 Usage: test_ranks.py LAMPYRIS SCENE_FOLDER [--kills N] [unittest arguments]
 """
@@ -23,7 +23,7 @@ if os.path.exists('/proc/self') and os.getuid() == 0:
 
 
 def ranks_of(process):
-    """Processes that mpirun started, whichever program they have become."""
+    """Returns the processes that mpirun has started, whatever program each now runs."""
     with open(f'/proc/{process.pid}/task/{process.pid}/children', encoding='ascii') as file:
         return [int(pid) for pid in file.read().split()]
 
@@ -95,7 +95,7 @@ class Ends(Ranks):
                                    (['--frames', '3'], 'cannot be combined with --frames'),
                                    (['--device', '77'], "no device has the index or name '77'")):
             result = self.run_ranks(2, *self.command(*arguments, '-o', 'z.exr'))
-            # Open MPI 4.1's mpirun may crash itself while it reports that ranks have failed.
+            # mpirun of Open MPI 4.1 may crash while it reports failed ranks.
             if 'orte_rml_oob_send_buffer_nb' not in result.stderr:
                 self.assertEqual(result.returncode, 2, result.stderr)
             self.assertIn(message, result.stderr)
@@ -126,7 +126,7 @@ class Ends(Ranks):
         return process
 
     def test_a_signal_stops_all(self):
-        """mpirun passes SIGUSR1 on. The picture is one of fewer samples."""
+        """mpirun forwards SIGUSR1. The picture then has fewer samples."""
         process = self.start('--spp', '1M', '--checkpoint', 'ck', '--checkpoint-every', '0.2')
         while not os.path.exists(self.path('ck')):
             self.assertIsNone(process.poll())
@@ -137,7 +137,8 @@ class Ends(Ranks):
         self.assertIn('killed.exr', os.listdir(self.folder.name))
 
     def test_killed_ranks(self):
-        """Any rank is killed at a random time, until the render ends; then it has lost nothing."""
+        """A rank is killed at random times, and the command is repeated until the render ends. No sample is
+        lost."""
         arguments = ('--spp', '6000', '--aov', 'all')
         one = self.of_one(*arguments)
         generator, kills = random.Random(3), 0

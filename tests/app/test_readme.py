@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What README.md and docs/ tell people to type works as it stands there, and what they point to is there.
+"""The commands in README.md and docs/ work as they are written there, and the files that these pages name
+exist.
 
     test_readme.py LAMPYRIS SOURCE_ROOT [CASE…]
 
@@ -38,8 +39,8 @@ def pages():
 
 
 def command_lines(text):
-    """Lines of code blocks that call the program, without their comments, and cells of tables whose
-    header is "command"."""
+    """Returns the lines of code blocks that call the program, without their comments, and the cells of tables
+    whose header is "command"."""
     text = text.replace('\\\n', ' ')
     lines = re.findall(r'^(?:    )?(lampyris .*)$', text, re.MULTILINE)
     for table in re.findall(r'^\|.*\| command \|.*\n(?:\|.*\n)+', text, re.MULTILINE):
@@ -47,13 +48,13 @@ def command_lines(text):
     return [re.sub(r'\s+#\s.*$', '', line) for line in lines]
 
 
-# Scenes whose size is a number of theirs.
+# Scenes whose cost depends on a number in the file.
 FEWER = {'forest.json': '-D trees=200', 'teapot_stadium.json': '-D resolution=4',
          'spheres.json': '-D count=200', 'figures.json': '-D dragon_triangles=2000'}
 
 
 def small(line):
-    """Options that make a command quick without changing what it is."""
+    """Returns options that make a command fast without changing its meaning."""
     command = shlex.split(line)[1]
     given = lambda *names: any(re.search(r'\s--%s\b' % name, line) for name in names)
     more = []
@@ -74,7 +75,7 @@ def small(line):
 
 
 class Commands(unittest.TestCase):
-    """As after .ci/render: its last lines say what to type first."""
+    """The commands run after .ci/render, whose last lines say what to type first."""
 
     @classmethod
     def setUpClass(cls):
@@ -90,7 +91,7 @@ class Commands(unittest.TestCase):
 
     @classmethod
     def run_render_script(cls):
-        """.ci/render on a machine that has everything, in a project that is built."""
+        """Runs .ci/render as on a machine with all packages, in a project that is built."""
         os.mkdir(os.path.join(cls.folder, '.ci'))
         os.mkdir(os.path.join(cls.folder, 'tools'))
         for name in ('render', 'common'):
@@ -120,10 +121,11 @@ class Commands(unittest.TestCase):
         for line in lines:
             if line.startswith('lampyris view') and not os.path.exists(VIEWER):
                 continue
-            # Redirections end a line.
+            # A redirection ends the command line.
             words, arrow, file = line.partition(' > ')
             result = self.shell(f'{words} {small(words)}{arrow}{file}')
-            # A limit that tiny pictures miss, or a time that a busy machine does, is no failure.
+            # Tiny pictures may exceed a limit, and a busy machine may be slower than a baseline; neither is a
+            # failure.
             fine = (0, 1) if re.search(r' --(max|min|baseline)\b', line) else (0,)
             self.assertIn(result.returncode, fine, f'{page}: {line}\n{result.stderr}')
         return len(lines)
@@ -135,7 +137,7 @@ class Commands(unittest.TestCase):
         self.assertTrue(os.path.exists(os.path.join(self.folder, 'cornell.exr')))
         self.assertEqual(self.said.stdout.count('export PATH='), 1)
         self.assertIn('meson install', self.said.stdout)
-        # The README has the same line.
+        # The README contains the same line.
         self.assertIn('export PATH="$PWD/build/src/cli:$PATH"', read('README.md'))
         line = next(l for l in self.said.stdout.splitlines() if 'export PATH=' in l).strip()
         self.assertEqual(line.replace(os.path.realpath(self.folder), '$PWD'),
@@ -158,7 +160,7 @@ class Commands(unittest.TestCase):
 
 
 class Experiments(unittest.TestCase):
-    """The commands of docs/experiments.md as they stand there; Commands has them in small."""
+    """The commands of docs/experiments.md at full size; class Commands runs smaller ones."""
 
     def test_all_run(self):
         need_device(LAMPYRIS)
@@ -185,7 +187,7 @@ class Pages(unittest.TestCase):
                 self.assertTrue(target.startswith('#') or os.path.exists(path), f'{page}: {target}')
 
     def test_files_that_are_named_are_there(self):
-        # README names files in code, too.
+        # The README also mentions files in code.
         for path in re.findall(r'`((?:src|docs|scenes|shaders|tests|\.ci)/[^`\s]*)`',
                                read('README.md')):
             self.assertTrue(os.path.exists(os.path.join(ROOT, path)), path)
@@ -193,7 +195,7 @@ class Pages(unittest.TestCase):
 
 class Models(unittest.TestCase):
     def test_they_are_what_the_script_computes(self):
-        # Other libraries of mathematics may round the last digit in another way.
+        # Other mathematical libraries may round the last digit differently.
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([os.path.join(ROOT, 'scenes/models/generate'), folder], check=True)
             for name in sorted(os.listdir(folder)):
@@ -216,7 +218,7 @@ class Programs(unittest.TestCase):
                 told = subprocess.run(['ninja', '-C', folder, '-n', *targets], check=True,
                                       stdout=subprocess.PIPE, text=True).stdout
                 steps = int(re.findall(r'^\[\d+/(\d+)\]', told, re.MULTILINE)[-1])
-                self.assertLess(steps, 660)  # with tests: 1293
+                self.assertLess(steps, 660)  # with tests there are 1293
                 self.assertNotIn('tests/', told)
 
 
@@ -226,14 +228,14 @@ def introspect(what):
 
 
 def is_optional(name):
-    """Tests that are there with the viewer, with MPI, with Embree or in clang's builds alone."""
+    """Returns whether a test exists only with the viewer, with MPI, with Embree or in builds by clang."""
     return name == 'bvh_embree' or name.startswith('fuzz ') or \
         name.startswith('app ranks') and not os.path.exists(RANKS) or \
         name.startswith('viewer') and not os.path.exists(VIEWER)
 
 
 class Claims(unittest.TestCase):
-    """docs/claims.md: which tests hold what the README claims."""
+    """The tests that docs/claims.md names for the README's claims exist."""
 
     def test_the_named_tests_exist(self):
         known = {test['name'] for test in introspect('--tests')}
@@ -248,7 +250,7 @@ class Claims(unittest.TestCase):
                                 f'{claim}: there is no test {name!r}')
 
     def test_every_claim_of_the_readme_is_there(self):
-        # The table of the README's first screen: its left column, word for word.
+        # The left column of the README's first table must have the same words.
         table = re.findall(r'^\| \*\*(.+?)\*\*', read('README.md'), re.MULTILINE)
         self.assertGreater(len(table), 5)
         claims = read('docs/claims.md')
@@ -257,7 +259,7 @@ class Claims(unittest.TestCase):
 
 
 class Program:
-    """Tests that meson runs by one program: their sources, and the arguments of each run."""
+    """Tests that meson runs with one program: their sources, and the arguments of each run."""
 
     def __init__(self, sources):
         self.sources = sources
@@ -265,7 +267,7 @@ class Program:
 
 
 class Verification(unittest.TestCase):
-    """docs/verification.md: its numbers, tests and cases are there, and so is all that is cited."""
+    """The numbers, tests and cases that docs/verification.md names exist, and so does everything it cites."""
 
     @classmethod
     def setUpClass(cls):
@@ -375,7 +377,7 @@ class Verification(unittest.TestCase):
                 self.assertTrue(suite in self.suites or suite in ('viewer', 'fuzz'), suite)
 
     def test_every_case_is_run(self):
-        # A program without arguments runs all of its cases but those that end in _long.
+        # Without arguments, a program runs all cases except those whose names end in _long.
         for program in self.programs.values():
             for case in self.cases_of(program, r'TEST_CASE\((\w+)\)'):
                 self.assertTrue(any(case in run or not run and not case.endswith('_long')

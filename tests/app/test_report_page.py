@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The page of `compare --report`, clicked through in a browser: values, flipping, zoom, exposure,
-errors, crops, figures that are saved, and that nothing is asked of the network.
+"""Clicks through the page of `compare --report` in a browser: pixel values, flipping, zoom, exposure, errors,
+crops, saved figures, and that the page requests nothing from the network.
 
 test_report_page.py LAMPYRIS [unittest's arguments]; skipped (77) without chromium.
 """
@@ -24,7 +24,7 @@ find()
 SIZE = 32, 24
 
 
-# Beyond what a display shows, negative, and not finite in one pixel.
+# The values are negative, above the display's range, or (in one pixel) not finite.
 def picture(x, y):
     if (x, y) == (3, 2):
         return (math.nan, 1.0, 2.0)
@@ -35,7 +35,7 @@ def reference(x, y):
     return (0.1 + 40.0 * x, 0.001234567 * y, 0.5 if x < 16 else 0.25)
 
 
-# An even grey, so that every shown pixel is known.
+# A constant grey, so that all displayed pixels are known.
 def grey(x, y):
     return (0.18, 0.18, 0.18)
 
@@ -64,7 +64,7 @@ class Page(unittest.TestCase):
     def tearDown(self):
         self.assertEqual(self.browser.complaints(), [])
 
-    # Where a picture's pixel is in the window.
+    # Returns the position of a picture's pixel in the window.
     def at(self, x, y):
         left, top, width, height = self.browser.run('''(() => {
             const b = document.querySelector(".viewer-stage canvas").getBoundingClientRect();
@@ -78,12 +78,12 @@ class Page(unittest.TestCase):
         return float(text[:-1]) if text.endswith('\u00d7') else float(text[:-2]) / 100
 
     def values(self):
-        """The table under the picture: its head, and a row a picture."""
+        """Returns the table under the picture: its header, and one row per picture."""
         return self.browser.run('''[document.querySelector(".viewer-under h3").textContent].concat(
             Array.from(document.querySelectorAll(".viewer-values tr:not(:first-child)"),
                        row => Array.from(row.querySelectorAll("td"), cell => cell.textContent)))''')
 
-    # The colour that the canvas has at a place of the window.
+    # Returns the colour of the canvas at a position of the window.
     def shown(self, x, y):
         return self.browser.run(f'''(() => {{
             const canvas = document.querySelector(".viewer-stage canvas"), b = canvas.getBoundingClientRect();
@@ -109,7 +109,7 @@ class Page(unittest.TestCase):
             for row, pixels in zip(rows, (picture, grey, reference)):
                 for text, value in zip(row, pixels(x, y)):
                     self.assertEqual(struct.pack('f', float(text)), struct.pack('f', value))
-        # A map's number: the mean over channels of |x - r| / (|r| + 0.01).
+        # The number that the map shows: the mean over channels of |x - r| / (|r| + 0.01).
         error = sum(abs(a - b) / (abs(b) + 0.01) for a, b in zip(picture(0, 11), reference(0, 11))) / 3
         self.assertTrue(math.isclose(float(rows[0][3]), error, rel_tol=1e-3), rows)
         self.browser.mouse('mouseMoved', *self.at(3, 2))
@@ -143,7 +143,7 @@ class Page(unittest.TestCase):
         self.frame()
         self.assertTrue(math.isclose(self.scale(), min(4 * before, 128), rel_tol=0.01))
         self.browser.mouse('mouseMoved', x, y)
-        self.assertEqual(self.values()[0], 'Pixel 8, 6')  # what is under the cursor stays there
+        self.assertEqual(self.values()[0], 'Pixel 8, 6')  # the pixel under the cursor stays there
         scale = self.scale()
         self.browser.drag((x, y), (x + 2 * scale, y))
         self.browser.mouse('mouseMoved', x, y)
@@ -165,13 +165,13 @@ class Page(unittest.TestCase):
     def test_errors_in_false_colours(self):
         self.choose('.viewer-tools select', 'relative')
         self.assertIn('relative: ', self.name())
-        self.assertEqual(self.shown(*self.at(5, 7)), [0, 0, 0])  # equal
-        self.assertEqual(self.shown(*self.at(3, 2)), [0, 255, 0])  # not finite
+        self.assertEqual(self.shown(*self.at(5, 7)), [0, 0, 0])  # the pixels are equal
+        self.assertEqual(self.shown(*self.at(3, 2)), [0, 255, 0])  # the pixel is not finite
         red, _, blue = self.shown(*self.at(20, 7))
         self.assertGreater(red, blue)
         self.choose('.viewer-tools select', 'flip')
         told = []
-        for x in (8, 24):  # equal, and not
+        for x in (8, 24):  # an equal and a different pixel
             self.browser.mouse('mouseMoved', *self.at(x, 12))
             told.append(float(self.values()[1][3]))
         self.assertLess(told[0], told[1])
@@ -196,7 +196,7 @@ class Page(unittest.TestCase):
         half = self.scale() / 2
         self.browser.drag((x0 - half, y0 - half), (x1 - half, y1 - half))
         self.assertEqual(self.crops(), [[4, 3, 8, 6]])
-        # All pictures have the same crop: one inset each, and the reference with its frame.
+        # All pictures are cropped equally: each has one inset, and the reference has the frame.
         self.browser.wait('document.querySelectorAll(".insets svg image").length === 4')
         self.choose('.viewer-crops input', '20')
         self.assertEqual(self.crops(), [[20, 3, 8, 6]])
@@ -210,7 +210,7 @@ class Page(unittest.TestCase):
                 with self.subTest(f'{name}.{kind}'):
                     self.look_at(data, kind)
 
-    # By other programs where they are there; always by its structure.
+    # Tests a file with other programs if they are installed, and its structure in any case.
     def look_at(self, data, kind):
         path = os.path.join(self.folder.name, 'figure.' + kind)
         with open(path, 'wb') as file:
@@ -227,7 +227,7 @@ class Page(unittest.TestCase):
             self.assertEqual((done.returncode, done.stderr), (0, ''))
             self.assertGreater(os.path.getsize(path + '.png'), 1000)
 
-    # Every object begins where the table says, every stream has its length and can be unpacked.
+    # Every object begins where the table says, and every stream has its length and can be decompressed.
     def check_pdf(self, data):
         self.assertTrue(data.startswith(b'%PDF-1.4\n') and data.endswith(b'%%EOF\n'))
         table = int(re.search(rb'startxref\n(\d+)\n', data)[1])
@@ -244,7 +244,7 @@ class Page(unittest.TestCase):
 
 
 class Others(unittest.TestCase):
-    """The viewer inside of the reports of converge and bench, and their plots."""
+    """The viewer and the plots in the reports of converge and bench."""
 
     def look(self, command, pictures, *arguments):
         scene = os.path.join(os.environ['LAMPYRIS_SOURCE_ROOT'], 'scenes', 'cornell.json')
@@ -256,7 +256,7 @@ class Others(unittest.TestCase):
                     browser.open(os.path.join(folder, 'report.html'))
                     browser.wait('document.querySelector(".viewer").dataset.ready === "true"')
                     self.assertEqual(browser.run('document.querySelectorAll(".viewer-tabs button").length'), pictures)
-                    # Nothing is wider than the window, and what scrolls says so by its scroll bar.
+                    # No element is wider than the window, and scrolling elements show a scroll bar.
                     self.assertEqual(browser.run('document.documentElement.scrollWidth'), width)
                     browser.click('figure.plot button:nth-of-type(2)')
                     name = browser.run('document.querySelector("figure.plot").dataset.name')

@@ -1,4 +1,4 @@
-"""docs/reports: do the commands run, is the table that of the results, and do the words follow from it?
+"""Tests docs/reports: the commands run, the tables contain the results, and the sentences follow from them.
 
 test_reports.py PROGRAM
 """
@@ -30,8 +30,8 @@ loader.exec_module(reproduce)
 
 
 def exchanged(results):
-    """The same results, with the labels of the first and the last curve or variant exchanged; those of
-    a single one with ten times the speed."""
+    """Returns the results with the labels of the first and the last curve or variant exchanged; if there is
+    only one, with ten times its speed."""
     if "variants" in results and len(results["variants"]) == 1:
         frame = results["variants"][0]["frame"]
         frame["fps"] *= 10
@@ -62,7 +62,7 @@ NUMBER = r"([\d.e+-]+)"
 
 
 class Figures:
-    """Of `converge`, by what sentences call the curves."""
+    """Results of `converge`, found by the words that sentences use for the curves."""
 
     TECHNIQUES = {"light sampling combined with bsdf sampling": "nee=on mis=power",
                   "light sampling alone": "nee=on mis=none", "bsdf sampling alone": "nee=off"}
@@ -149,7 +149,8 @@ def times_are(f, text):
 
 
 def prices_are(f, names, words, first, *_):
-    """Error times processor time against the first: each in units of the standard deviations of both logarithms."""
+    """Checks error times processor time relative to the first curve, in units of the standard deviations of
+    both logarithms."""
     first, sign = f.label(first), {"a gain": -1, "a loss": 1, "not told apart": 0}[words]
 
     def spread(interval):
@@ -163,7 +164,7 @@ def prices_are(f, names, words, first, *_):
     return set(f.listed(names)) == {x for x in f.others(first) if told(x) == sign}
 
 
-# Pattern, and whether it is so; the pattern's groups are the arguments.
+# Each claim has a pattern and a function that tests it; the pattern's groups are the arguments.
 CLAIMS = [
     (rf"{NAME} is the most efficient, {NUMBER} \[.*\] times {NAME}, the next\.", is_winner),
     (rf"{NAME} has the highest efficiency, not told apart from {LIST}\.", is_leader),
@@ -221,12 +222,13 @@ CLAIMS = [
          str(point["spp"]) for k, point in enumerate(f.curves["integrator=path"]["points"])
          if above(f.error("integrator=path", k), f.error("integrator=whitted", k))] or not counts),
 ]
-# Two sweeps in one, and so sentences of their own: test_depths_follow_from_their_figures.
+# Reports with several sweeps have tests of their own: test_depths_follow_from_their_figures.
 OF_THEIR_OWN = {"depths"}
 
 
 def planted(results):
-    """The same results, and others: orders reversed and rotated, all alike, all biased, none biased."""
+    """Yields the results, and altered ones: reversed or rotated order, all equal, all biased, and none
+    biased."""
     def changed(change):
         other = copy.deepcopy(results)
         change(other["curves"], other["pairs"])
@@ -275,7 +277,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_words_follow_from_the_figures(self):
-        # Compare the statements of every section with the cells of its table.
+        # Compares the statements of each section with the cells of its table.
         text = (ROOT / "docs/reports/README.md").read_text(encoding="utf-8")
         sections = re.split(r"^## ", text.partition("`reproduce --table` -->")[2], flags=re.MULTILINE)[1:]
         self.assertEqual(len(sections), len(reproduce.REPORTS))
@@ -298,7 +300,7 @@ class Reports(unittest.TestCase):
                 self.assertNotEqual(set(verdicts.values()), {"faster"}, section)
             if words.startswith("Not told apart"):
                 self.assertEqual({row[4] for row in rows[1:]}, {"not told apart"}, section)
-            # An interval holds its value.
+            # An interval contains its value.
             for value, low, high in re.findall(r"([\d.e-]+) \[([\d.e-]+), ([\d.e-]+)\]", words):
                 self.assertLessEqual(float(low), float(value), section)
                 self.assertLessEqual(float(value), float(high), section)
@@ -353,14 +355,13 @@ class Reports(unittest.TestCase):
                                         verdict="not told apart")
 
     def test_a_bias_that_no_figure_has_is_noticed(self):
-        # This sentence once stood in the report on strata beside a table that did not have its
-        # figure.
+        # This sentence was once in the report on strata, beside a table that did not contain its figure.
         sentence = ("No bias was found in either, though the grid is a quadrature and has one: here it is below "
                     "2.2e-05.")
         self.assertFalse([pattern for pattern, _ in CLAIMS if re.fullmatch(pattern, sentence)])
 
     def test_other_figures_make_other_words(self):
-        # The figures of the first curve or variant and of the last one exchanged.
+        # The figures of the first and the last curve or variant are exchanged.
         for name, _, _ in reproduce.REPORTS:
             results = reproduce.load(name)
             said = reproduce.answer(name, results)
@@ -392,7 +393,7 @@ class Reports(unittest.TestCase):
                 self.assertEqual(told[1], os.path.join(report, "report.html"))
                 for name in (told[1], told[2], told[3]):
                     self.assertTrue(os.path.exists(os.path.join(report, name)), name)
-                page = pathlib.Path(told[1]).read_text(encoding="utf-8").replace("http://www.w3.org/", "")  # SVG's names
+                page = pathlib.Path(told[1]).read_text(encoding="utf-8").replace("http://www.w3.org/", "")  # names of SVG
                 self.assertEqual(re.findall(r"https?://|(?:src|href)=['\"](?!#|data:)", page), [], command)
 
     def test_others_are_refused(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scenes that show something in particular: does it show?
+"""Scenes that demonstrate an effect must show that effect.
 
     test_scenes.py LAMPYRIS SOURCE_ROOT
 """
@@ -25,7 +25,7 @@ def info(name, *arguments):
 
 
 def picture(name, *arguments):
-    """Rows of (r, g, b) of the display."""
+    """Returns the display values of a scene's picture as rows of (r, g, b)."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, 'out.png')
         checked(LAMPYRIS, 'render', scene(name), '-q', '-o', path, *arguments)
@@ -40,8 +40,9 @@ def mean(pixels):
 
 class Scenes(unittest.TestCase):
     def test_whitted_beside_path(self):
-        # The box's ceiling is black by Whitted's model, but for what the lamp's edge sends up beside it: no
-        # shadow ray from there reaches the lights. What comes from walls and floor lights it.
+        # With Whitted's model the box's ceiling is black, except for the light that the lamp's edge reflects
+        # to it: no shadow ray from the ceiling reaches the lights. With path tracing, walls and floor light
+        # it.
         shown = {}
         for integrator in ('whitted', 'path'):
             rows = picture('sdf_box.json', '--size', '40x40', '--spp', '8', '--integrator', integrator)
@@ -54,16 +55,16 @@ class Scenes(unittest.TestCase):
         self.assertGreater(shown['path']['floor'], shown['whitted']['floor'])
 
     def test_the_published_spheres(self):
-        # And the plane that they stand on.
+        # The 87 shapes include the plane on which the spheres stand.
         self.assertEqual(info('phong_spheres.json')['shapes'], 87)
 
     def test_figures(self):
-        # The floor's disc is analytic; two lamps have four triangles, two stones 24.
+        # The floor is an analytic disc; two lamps have four triangles, and two stones have 24.
         triangles = info('figures.json', '-D', 'dragon_triangles=20000')['triangles']
         self.assertTrue(0.95 * 30528 < triangles < 1.05 * 30528, triangles)
 
     def test_the_sky_has_a_sun(self):
-        # Its image lights the near side of a ball; the shadow lies on the other.
+        # The image lights the near side of a ball, and the shadow is on the other side.
         rows = picture('sky.json', '--env', scene('models/sky.hdr'), '--size', '48x30', '--spp', '16',
                        '--exposure', '0')
         sky = mean(rows[0])

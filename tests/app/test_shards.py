@@ -30,7 +30,7 @@ if '--make-parts' in sys.argv:
     MAKE_PARTS = os.path.abspath(sys.argv[at + 1])
     del sys.argv[at:at + 2]
 SWIFTSHADER = '/usr/lib/chromium/vk_swiftshader_icd.json'
-# What tells a process which one it is.
+# Environment variables that tell a process its index.
 PLACES = re.compile(r'SLURM_|OMPI_|PMI_|PMIX_|JOB_COMPLETION')
 
 
@@ -73,8 +73,8 @@ class Shards(unittest.TestCase):
         return names
 
     def layers(self, name):
-        """All that an EXR file has behind its attributes, which say how long it took, and behind the
-        places of its blocks."""
+        """Returns the content of an EXR file after its attributes, which contain times, and after the offsets
+        of its blocks."""
         data, at = self.read(name), 8
         while data[at]:
             kind = data.index(b'\0', at) + 1
@@ -98,7 +98,8 @@ class Shards(unittest.TestCase):
         return result.stderr
 
     def merge_at_random(self, parts, generator):
-        """Some of those that are left become one, in any order, until one is left for the picture."""
+        """Merges random parts, in any order, until a single part is left, which is merged into the
+        picture."""
         left = list(parts)
         for step in range(3):
             some = generator.sample(left, generator.randrange(1, len(left) + 1))
@@ -189,7 +190,7 @@ class Missing(Shards):
 
 @unittest.skipUnless(MAKE_PARTS, 'no program that makes parts was given')
 class Many(Shards):
-    """A thousand parts, of which one was rendered: all have the film of its samples."""
+    """There are a thousand parts, all copies of one that was rendered: each has the film of its samples."""
 
     def test_a_thousand_parts(self):
         count = 1000
@@ -206,7 +207,7 @@ class Many(Shards):
             sums.append(f'sum{at}')
             self.succeed('merge', *parts[at:at + 100], '--checkpoint', sums[-1], '-q')
         self.assertEqual(self.picture(['merge', *sums], 'staged.exr')[:2], whole[:2])
-        # The mean of equal films is theirs, but for the rounding of the device.
+        # The mean of equal films is the same film, except for the rounding by the device.
         self.succeed('merge', 'one', '--partial', '-o', 'one.exr', '-q')
         self.succeed('compare', 'whole.exr', 'one.exr', '--max', 'relmse=1e-12', '-q')
 
@@ -249,7 +250,7 @@ class Damage(Shards):
             self.check(bytes(damaged), first)
 
     def test_blocks_of_another_file(self):
-        """Blocks have hashes that are right of their content, but belong to another part."""
+        """The blocks have correct hashes but belong to another part."""
         first, second = self.render_shards(2, '--spp', '4', size='200x100')
         one, two = self.read(first), self.read(second)
         self.assertEqual(len(one), len(two))
@@ -340,7 +341,7 @@ class Refused(Shards):
 
 
 class Auto(Shards):
-    """--shard auto: what Slurm, mpirun and Kubernetes set."""
+    """Tests --shard auto with the variables that Slurm, mpirun and Kubernetes set."""
 
     def name(self, shard='auto', **variables):
         before = set(os.listdir(self.folder.name))
@@ -365,7 +366,7 @@ class Auto(Shards):
                 (self.array(0, 5, 0, 4), '1-of-5'), (self.array(11, 4, 5, 11, 2), '4-of-4'),
                 # Each task of an array is a step of several processes.
                 ({**self.array(1, 3, 0, 2), **slurm}, '07-of-12'),
-                # A batch script itself.
+                # The process is a batch script itself.
                 ({**self.array(2, 3, 1, 3), 'SLURM_PROCID': '0'}, '2-of-3'),
                 ({**self.array(2, 3, 1, 3), 'SLURM_PROCID': '0', 'SLURM_NTASKS': '1'}, '2-of-3')):
             self.assertEqual(self.name(**variables), f'cornell.{name}.part', variables)
@@ -406,7 +407,7 @@ class Killed(Shards):
         return process.returncode != 0
 
     def test_shards_go_on(self):
-        """Shards are killed at random moments, and run again by the same command until they end."""
+        """Shards are killed at random times, and the same command is repeated until they end."""
         whole = self.picture(self.command('--spp', '600', '--aov', 'all'), 'whole.exr')
         generator, kills = random.Random(9), 0
         while kills < KILLS:
@@ -425,7 +426,8 @@ class Killed(Shards):
                 os.unlink(self.path(part))
 
     def test_an_unfinished_part(self):
-        """Either its samples count and the rest is missing, or it is told how it goes on."""
+        """Either the samples of the part count and the others are missing, or the error says how to continue
+        it."""
         command = self.command('--spp', '100k', '--shard', '1/2', '--checkpoint', 'a', '--checkpoint-every',
                                '0', '-q')
         self.assertTrue(self.kill_after(1.5, command, signal.SIGTERM))

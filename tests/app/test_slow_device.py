@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A device that somebody watches is given no more work at a time than it may take: on simulated slow
-devices (LAMPYRIS_LIMITS=group-ns=N,watchdog-ms=N) no submission is longer than the watchdog allows.
+"""A device with a watchdog gets no more work at a time than the watchdog permits: on simulated slow devices
+(LAMPYRIS_LIMITS=group-ns=N,watchdog-ms=N) no submission takes longer.
 
 Usage: test_slow_device.py LAMPYRIS SCENE_FOLDER [unittest arguments]
 """
@@ -25,7 +25,7 @@ class SlowDevice(unittest.TestCase):
 
     def render(self, words, *arguments, scene='cornell'):
         env = dict(os.environ, LAMPYRIS_LIMITS=limits(words)) if words else None
-        # The waves are large, as on GPUs; a lost device ends the render.
+        # Waves are as large as on GPUs. A lost device ends the render.
         return subprocess.run([LAMPYRIS, 'render', os.path.join(SCENES, scene + '.json'), '--size',
                                '128x128', '--spp', '2', '--wave', '1M', '--reopen', '0', '-q',
                                '--json', '-o', os.path.join(self.folder.name, 'a.exr'),
@@ -33,7 +33,8 @@ class SlowDevice(unittest.TestCase):
                               text=True, timeout=100, check=False, env=env)
 
     def launches(self, words, *arguments, **options):
-        """How often the kernel is launched that traces; the picture is that of a fast device."""
+        """Returns how many times the tracing kernel is launched. The picture must equal that of a fast
+        device."""
         fast = json.loads(self.render(None, *arguments, **options).stdout)
         result = self.render(words, *arguments, **options)
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -41,17 +42,17 @@ class SlowDevice(unittest.TestCase):
         for key in 'image_hash', 'rays', 'wave':
             self.assertEqual(slow[key], fast[key])
         for name, kernel in slow['kernels'].items():
-            # PACE_DISPATCH_NS; what is new may take twice as long.
+            # The limit is PACE_DISPATCH_NS; new work may take twice as long.
             self.assertLessEqual(kernel['longest_ms'], 100.0, name)
         return slow['kernels']['intersect_closest']['launches']
 
     def test_no_submission_is_too_long(self):
-        # 16384 pixels are 128 workgroups: a kernel over all of them takes from 1 to 400 ms, and a
-        # bounce several. PACE_SUBMISSION_NS is 200 ms.
+        # 16384 pixels are 128 workgroups. A kernel over all of them takes from 1 to 400 ms, and a bounce
+        # several times that. PACE_SUBMISSION_NS is 200 ms.
         launches = [self.launches('group-ns=%d,watchdog-ms=250' % ns)
                     for ns in (10000, 100000, 1000000, 3000000)]
         self.assertEqual(launches, sorted(launches))
-        self.assertGreater(launches[3], 5 * launches[0])  # by the size of waves
+        self.assertGreater(launches[3], 5 * launches[0])  # because waves become smaller
 
     def test_other_kernels(self):
         self.launches('group-ns=1000000,watchdog-ms=250', scene='all_classes')
@@ -59,7 +60,7 @@ class SlowDevice(unittest.TestCase):
         self.launches('group-ns=1000000,watchdog-ms=250', scene='whitted')
 
     def test_kernels_alone(self):
-        """Their times are those of all parts: 1 ms for each workgroup of 128 items."""
+        """The time of a kernel is the sum over its parts: 1 ms for each workgroup of 128 items."""
         for kernel, depth in (('generate_rays', None), ('intersect_closest', '0'),
                               ('intersect_closest', '1'), ('intersect_shadow', '1'),
                               ('shade_surface', '1'), ('prepare_dispatch', '0'),
@@ -73,11 +74,11 @@ class SlowDevice(unittest.TestCase):
                                     env=env)
             self.assertEqual(result.returncode, 0, f'{kernel}: {result.stderr}')
             row = json.loads(result.stdout)['variants'][0]['rows'][0]
-            if kernel != 'shade_surface':  # dispatched for all rays: some have missed
+            if kernel != 'shade_surface':  # this kernel is dispatched for all rays, some of which have missed
                 self.assertEqual(row['repeat_ms'], 2 * [math.ceil(row['items'] / 128)], kernel)
 
     def test_the_clock_tells_where_there_are_no_timestamps(self):
-        # Only simulated time counts: this machine may be busy with other programs.
+        # Only simulated time is tested, because other programs may keep this machine busy.
         self.launches('group-ns=20000,no-timestamps,watchdog-ms=250')
 
     def test_the_watchdog_bites(self):

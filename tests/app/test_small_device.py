@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A kernel binds the buffers that it names and no others: on a device that takes few buffers at once
-(LAMPYRIS_LIMITS=storage-count=N,texel-count=N) pictures keep their bits, or the kernel that needs more
-is named.
+"""A kernel binds only the buffers that it uses: on a device with few bindings
+(LAMPYRIS_LIMITS=storage-count=N,texel-count=N) pictures keep their bits, or the error names the kernel that
+needs more.
 
 Usage: test_small_device.py LAMPYRIS SCENE_FOLDER SmallDevice|EveryScene
 """
@@ -18,8 +18,8 @@ from program import need_device
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 SCENES = os.path.abspath(sys.argv.pop(1))
 
-# The storage buffers that shading binds: for the state of paths, as many as Vulkan guarantees, and
-# for scenes in storage buffers or as texels.
+# The number of storage buffers that shading binds: for the state of paths as many as Vulkan guarantees, and
+# for scenes in storage buffers or in texel buffers.
 STATE, SCENE_STORAGE, SCENE_TEXELS = 4, {'cornell': 9, 'all_classes': 10}, {'cornell': 6}
 LEAST = 'storage-count=%d' % STATE
 
@@ -43,7 +43,7 @@ class Case(unittest.TestCase):
         return json.loads(result.stdout)['image_hash']
 
     def same(self, scene, *arguments, **options):
-        """True where that is a picture, and no message."""
+        """Returns whether the render gives the same picture and no message."""
         results = [self.render(scene, limits, *arguments, **options) for limits in ('', LEAST)]
         is_picture = results[0].returncode == 0
         seen = [(result.returncode, json.loads(result.stdout)['image_hash'] if is_picture else result.stderr)
@@ -88,7 +88,8 @@ class SmallDevice(Case):
 
 
 class EveryScene(Case):
-    """By each integrator, in the long suite. What a scene is refused for is the same, too."""
+    """Renders every scene with each integrator (in the long suite). Scenes that are refused must be refused
+    for the same reason."""
 
     def test_every_scene(self):
         pictures = 0

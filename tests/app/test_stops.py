@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What signals do to renders: they end soon, with pictures in which every pixel has a sample, and say
-so where some have none.
+"""Tests signals during renders: the renders end soon, every pixel of their pictures has a sample, and
+otherwise the output says so.
 
 Usage: test_stops.py LAMPYRIS SCENE_FOLDER [unittest arguments]
 """
@@ -18,15 +18,15 @@ from program import by_the_clock, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
-# From the signal to the end: a second at most on a quiet machine.
+# The permitted time from the signal to the end. On a quiet machine it takes at most a second.
 SOON_SECONDS = 8.0
 # A picture whose first pass takes many waves.
 SLOW = ['--size', '1000x600', '--wave', '512', '--spp', '64']
-# One whose file is larger than those that drivers write their machine code to: 64 KiB are llvmpipe's, a
-# kernel of SwiftShader without texels has up to 146 KiB.
+# A picture whose file is larger than the files in which drivers cache machine code: llvmpipe's have 64 KiB,
+# and a kernel of SwiftShader without texel buffers has up to 146 KiB.
 LARGE = ['--size', '512x384', '--spp', '2']
 
-# Children inherit a signal that is ignored, as nohup has it with SIGHUP.
+# Child processes inherit an ignored signal, and nohup ignores SIGHUP.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
@@ -47,7 +47,7 @@ class Stops(unittest.TestCase):
                           prepare=prepare)
 
     def stop(self, process, *numbers, phase='Rendering'):
-        """Sends signals once a phase is seen; returns the exit code, the report and the messages."""
+        """Sends signals when a phase is displayed. Returns the exit code, the report and the messages."""
         before = ''
         while phase not in (line := process.stderr.readline()):
             self.assertTrue(line, 'it ended before: ' + before)
@@ -77,7 +77,7 @@ class Stops(unittest.TestCase):
         self.assertEqual(report['pixels_without_samples'], 0)
         self.assertEqual(self.attribute('pixels_without_samples'), '0')
 
-    # --- soon ---
+    # --- renders end soon ---
 
     @by_the_clock
     def test_a_clock_does_not_put_signals_off(self):
@@ -96,14 +96,14 @@ class Stops(unittest.TestCase):
             self.assertEqual(code, 143, messages)
             self.assertLess(self.seconds, SOON_SECONDS, arguments)
 
-    # --- who asks ---
+    # --- which signals end a render ---
 
     @by_the_clock
     def test_batch_systems_and_terminals(self):
         endless = ['--size', '16x16', '--spp', '1G']
         for number in (signal.SIGHUP, signal.SIGXCPU):
             self.check_stopped(endless, number)
-        # Neither insists.
+        # Neither of the two signals ends the render at once.
         code, report, messages = self.stop(self.render(*endless), signal.SIGHUP, signal.SIGHUP,
                                            signal.SIGXCPU, signal.SIGUSR1)
         self.assertEqual((code, report['ended_by']), (129, 'signal'), messages)
@@ -141,7 +141,8 @@ class Stops(unittest.TestCase):
         self.assertEqual(result.returncode, 0)
 
     def test_the_hard_limit_of_a_files_size(self):
-        """Between the sizes of a picture with 32 and with 16 bits a value; then below both."""
+        """The limit is between the sizes of a picture with 32 and with 16 bits per value, and then below
+        both."""
         sizes = []
         for more in ([], ['--half']):
             self.assertEqual((process := self.render(*LARGE, *more)).communicate(timeout=100) and
@@ -169,7 +170,7 @@ class Stops(unittest.TestCase):
         self.assertIn('%.1f MiB before compression' % (512 * 384 * 3 * 4 / 1048576), messages)
         self.assertIn('could not be saved in', messages)
 
-    # --- a sample of every pixel ---
+    # --- every pixel has a sample ---
 
     @by_the_clock
     def test_every_pixel_gets_a_sample_first(self):
@@ -177,11 +178,11 @@ class Stops(unittest.TestCase):
             code, report, messages = self.stop(self.render(*SLOW, *more), signal.SIGTERM)
             self.assertEqual(code, 143, messages)
             self.assertEqual((report['spp'], report['pixels_without_samples']), (1, 0), messages)
-            if self.seconds > 3:  # nobody is told of a wait of less than a second
+            if self.seconds > 3:  # waits of less than a second are not reported
                 self.assertIn('the others get one first', messages)
 
     def test_short_waits_are_not_told(self):
-        """Signals at all times of the first waves of a small picture."""
+        """Signals arrive at any time during the first waves of a small picture."""
         small = ['--size', '32x32', '--time', '60']
         start = time.monotonic()
         self.render('--size', '32x32', '--spp', '1').communicate(timeout=100)
@@ -203,7 +204,7 @@ class Stops(unittest.TestCase):
         self.assertEqual(os.listdir(self.folder.name), [])
 
     def test_black_pixels_are_counted(self):
-        def limit():  # of which the first is far, and the other would kill
+        def limit():  # the soft limit is high; the hard limit would end the process
             resource.setrlimit(resource.RLIMIT_CPU, (6000, 6001))
         for more in ([], ['--adaptive', 'on']):
             process = self.render(*SLOW, *more, prepare=limit)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Renders under Slurm by lampyris submit, where Slurm can be started, and compares with one process.
+"""Renders under Slurm with lampyris submit, if Slurm can be started here, and compares with the picture of
+one process.
 
 Usage: test_submit.py LAMPYRIS SCENE_FOLDER [unittest arguments]
 """
@@ -19,7 +20,7 @@ from test_shards import LAMPYRIS, PLACES, Shards
 
 
 class Files(Shards):
-    """What submit writes and says, without Slurm."""
+    """Tests the files and the output of `submit` without Slurm."""
 
     def submit(self, *arguments, code=0, **variables):
         result = self.run_one('submit', *self.command(*arguments)[1:], **variables)
@@ -48,7 +49,7 @@ class Files(Shards):
         self.assertNotIn('partition', self.read('cornell.shards.sh').decode())
 
     def test_the_files_render_the_picture(self):
-        """A shell runs them as Slurm does, one task after the other."""
+        """A shell runs the files as Slurm does, one task after the other."""
         whole = self.picture(self.command('--spp', '40'), 'whole.exr')
         self.submit('--spp', '40', '--parts', '3', '--dry-run', '-o', 'merged.exr')
         for task in (3, 1, 2):
@@ -171,7 +172,7 @@ class Slurm(Shards):
 
     def wait_until_both_render(self, job):
         self.cluster.wait(lambda: self.cluster.states(job) == ['RUNNING'] * 2, 'running tasks')
-        # A lock stands beside a part while it is rendered.
+        # A part has a lock file beside it while it is rendered.
         self.cluster.wait(lambda: sum(name.endswith('.lock') for name in os.listdir(self.folder.name)) == 2,
                           'rendering shards')
 
@@ -185,11 +186,12 @@ class Slurm(Shards):
         self.assertEqual(self.cluster.wait_for_end(other), ['COMPLETED'])
         self.check(jobs, 2, whole)
         self.assertIn('DUE TO PREEMPTION', self.logs())
-        # A task that begins anew says so; both did once.
+        # A task that starts from the beginning reports that; each of the two did so once.
         self.assertEqual(self.logs().count('rendering begins anew'), 2)
 
     def test_tasks_go_on_after_their_time(self):
-        """Slurm's least time is a minute, and it looks for tasks to be signalled every half minute."""
+        """Slurm's shortest time limit is a minute, and it checks every half minute whether to signal
+        tasks."""
         arguments = ('--spp', '120k')
         whole = self.picture(self.command(*arguments), 'whole.exr')
         jobs = self.submit(2, *arguments, '--slurm', '--time=1 --signal=B:USR1@55')

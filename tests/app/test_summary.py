@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What lampyris render says when it is done, and what --explain adds.
+"""Tests the summary of lampyris render, and the additional output of --explain.
 
     test_summary.py LAMPYRIS SOURCE_ROOT
 """
@@ -27,7 +27,7 @@ def scene(name):
 
 
 def on_terminal(*arguments):
-    """All that a terminal gets of a command, results and progress alike."""
+    """Returns all output of a command on a terminal, results as well as progress."""
     child, terminal = pty.fork()
     if child == 0:
         os.environ['TERM'] = 'xterm'
@@ -36,7 +36,7 @@ def on_terminal(*arguments):
     while True:
         try:
             part = os.read(terminal, 65536)
-        except OSError:  # the other end is closed
+        except OSError:  # the other end of the terminal was closed
             part = b''
         if not part:
             break
@@ -66,7 +66,7 @@ class Base(unittest.TestCase):
 
 class Summary(Base):
     def test_ten_lines(self):
-        # One with a class of surfaces, one with all of them.
+        # One scene has a single class of surfaces, the other one has all classes.
         for name in ('cornell', 'all_classes'):
             lines = self.render(scene(name)).splitlines()
             self.assertLessEqual(len(lines), 10, '\n'.join(lines))
@@ -74,7 +74,7 @@ class Summary(Base):
             self.assertRegex(lines[-1], r'^wrote     .*out\.exr$')
 
     def at_a_glance(self, path, most):
-        """The lines that a terminal gets of a render to EXR and PNG."""
+        """Returns the lines that a render to EXR and PNG prints on a terminal."""
         text = on_terminal('render', path, '--size', '64x64', '--spp', '32',
                            *(part for name in ('out.exr', 'out.png')
                              for part in ('-o', os.path.join(self.folder.name, name))))
@@ -124,7 +124,7 @@ class Summary(Base):
             self.assertEqual('two in flight' in text, count > 1)
 
     def test_no_more_paths_end_by_their_density_than_there_are(self):
-        # Where paths split, each branch may end: of a density that nothing has, nearly all do.
+        # If paths split, each branch may end. No density reaches this limit, so nearly all branches end.
         for splits, what in (('0', 'paths'), ('4', 'branches of paths')):
             bias, = json.loads(self.render(scene('classical'), '--size', '24x18', '--spp', '4', '--split-lobes',
                                            splits, '--min-density', '1e6', '--json'))['bias']
@@ -137,7 +137,7 @@ class Summary(Base):
         def kinds(*settings, name='edges'):
             return [bias['kind'] for bias in json.loads(self.render(scene(name), *settings, '--json'))['bias']]
 
-        # Only what refracts scales radiance.
+        # Only refraction scales radiance.
         self.assertEqual(kinds('--radiance-scaling', 'off'), [])
         self.assertEqual(kinds('--size', '8x8', name='glass'), [])
         self.assertEqual(kinds('--size', '8x8', '--radiance-scaling', 'off', name='glass'), ['radiance-scaling'])
@@ -152,7 +152,7 @@ class Summary(Base):
             self.assertEqual(kinds(*settings), expected, settings)
 
     def test_what_was_added_is_named_whatever_else_there_is_to_note(self):
-        # A triangle, and lines and an extension that are not shown.
+        # A model with a triangle, and with lines and an extension that are not supported.
         corners = base64.b64encode(struct.pack('<9f', 0, 0, 0, 1, 0, 0, 0, 1, 0)).decode()
         model = os.path.join(self.folder.name, 'model.gltf')
         with open(model, 'w', encoding='utf-8') as file:
@@ -174,7 +174,7 @@ class Summary(Base):
         self.assertRegex('\n'.join(every[1:]), r'lines are skipped')
 
     def test_pictures_where_nobody_names_them(self):
-        # A PNG besides where somebody watches.
+        # If stderr is a terminal, a PNG is written as well.
         arguments = ['render', scene('cornell'), '--size', '8x8', '--spp', '1']
         for run, names in ((lambda: subprocess.run([LAMPYRIS, *arguments], stdout=subprocess.PIPE,
                                                    stderr=subprocess.PIPE, check=True),
@@ -208,7 +208,7 @@ class Summary(Base):
 
 class Explain(Base):
     def explained(self, *arguments):
-        """SPIR-V instructions that are left, and rows of the table by kind and name."""
+        """Returns the number of remaining SPIR-V instructions, and the rows of the table by kind and name."""
         text = self.render(scene('cornell'), '--explain', *arguments, spp=1)
         left, of_all = re.search(r'^code      (\d+) SPIR-V instructions are left of (\d+)$', text,
                                  re.MULTILINE).groups()
@@ -237,7 +237,7 @@ class Explain(Base):
                              for part in self.json(scene('cornell'))['features']['left_out']))
 
     def test_a_feature_costs_what_the_table_says(self):
-        # Put in by the option that its reason names, it adds those instructions to the kernels.
+        # The option that the reason names adds these instructions to the kernels.
         left, table = self.explained()
         for name, option, arguments in (
                 ('lens', '--aperture', ['--aperture', '20', '--focus-distance', '1']),
@@ -295,13 +295,13 @@ class Progress(Base):
             text = on_terminal(*arguments)
             progress, bar, results = text.rpartition('\x1b[K')
             self.assertIn('%', progress, 'the bar was shown')
-            # The last line of the progress may say what time a phase took.
+            # The last line of the progress may be the time of a phase.
             results = re.sub(r'\A[A-Z][a-z ]+: [0-9.]+ s\n', '', results)
             self.assertTrue(results.startswith(first), results)
             self.assertNotRegex(results, r'(?m)^(Rendering|Warming up|Writing)')
 
     def remaining(self, *arguments):
-        """Seconds elapsed and seconds left, as the first line of the progress says that knows."""
+        """Returns the elapsed and the remaining seconds from the first line of the progress that has both."""
         result = subprocess.run(
             [LAMPYRIS, 'render', scene('cornell'), *arguments, '--json', '-o',
              os.path.join(self.folder.name, 'out.exr')],
@@ -314,15 +314,15 @@ class Progress(Base):
 
     @by_the_clock
     def test_what_is_left_of_a_time(self):
-        # By the samples, a million of a pixel, or by the error hours would be left.
+        # By a million samples per pixel or by the error limit alone, hours would remain.
         elapsed, left, _ = self.remaining('--size', '48x48', '--time', '2', '--spp', '1M', '--error',
                                           '1e-9')
         self.assertLess(abs(math.log2((elapsed + left) / 2)), 2)
 
     @by_the_clock
     def test_what_is_left_until_an_error(self):
-        # The error is first known after 2 samples, which is soon. How many it takes follows from
-        # it, long before the time is over.
+        # The error is known after 2 samples, which takes little time. The required number of samples follows
+        # from it, long before the time limit.
         elapsed, left, values = self.remaining('--size', '96x96', '--error', '4e-4', '--time',
                                                '600')
         self.assertEqual(values['ended_by'], 'error')

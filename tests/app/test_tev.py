@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""lampyris render --tev: the packets that a viewer gets, that the picture keeps its bits, and that no
-peer can hold up or spoil a render.
+"""Tests lampyris render --tev: the packets that the viewer receives, that the picture keeps its bits, and
+that no peer can delay or damage a render.
 
     test_tev.py LAMPYRIS SOURCE_ROOT
 """
@@ -23,13 +23,13 @@ LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 SCENE = os.path.join(ROOT, 'scenes', 'cornell.json')
 CREATE_IMAGE, UPDATE_IMAGE = 4, 5
-# Nine megabytes for the viewer: several packets, and more than fits into a connection's buffers.
+# The viewer gets nine megabytes: several packets, which together exceed the buffers of a connection.
 LARGE = ('--spp', '1', '--max-bounces', '0', '--aov', 'albedo,normal,position,direct,indirect')
-TYPES = {0: ('I', 4), 1: ('e', 2), 2: ('f', 4)}  # of EXR channels
+TYPES = {0: ('I', 4), 1: ('e', 2), 2: ('f', 4)}  # types of EXR channels: format and bytes
 
 
 class Packet:
-    """Reads a packet's fields; whoever reads past its end, or not to it, fails."""
+    """Reads the fields of a packet. Fails if a field is beyond its end, or if bytes are left."""
 
     def __init__(self, data):
         self.data, self.at = data, 0
@@ -62,7 +62,7 @@ class Packet:
 
 
 class Viewer:
-    """What tev would have after the packets: pictures by name, each a dict of channels."""
+    """The state of tev after the packets: images by name, each a dict of channels."""
 
     def __init__(self):
         self.pictures, self.sizes, self.updates, self.times = {}, {}, 0, []
@@ -109,7 +109,7 @@ class Viewer:
 
 
 class Server(threading.Thread):
-    """Listens; `behave(connection, viewer)` is what it does with the one who comes."""
+    """Listens for a connection and calls `behave(connection, viewer)` for it."""
 
     def __init__(self, behave, family=socket.AF_INET, host='127.0.0.1', buffer=None):
         super().__init__(daemon=True)
@@ -129,7 +129,7 @@ class Server(threading.Thread):
             with connection:
                 connection.settimeout(60)
                 self.behave(connection, self.viewer)
-        except Exception as problem:  # told by close()
+        except Exception as problem:  # close() raises it
             self.problem = problem
 
     def close(self):
@@ -163,7 +163,8 @@ def read_all(connection, viewer):
 
 
 def unpack_block(data, size):
-    """ZIP of the OpenEXR file layout: a difference of bytes, the even ones first."""
+    """Decompresses a ZIP block of the OpenEXR file layout: differences of bytes, those at even places
+    first."""
     if len(data) == size:
         return data
     plain = bytearray(zlib.decompress(data))
@@ -175,7 +176,8 @@ def unpack_block(data, size):
 
 
 def read_exr(path):
-    """(width, height), {channel: (type, bytes)}, by the OpenEXR file layout, of ZIP and scan lines."""
+    """Returns (width, height) and {channel: (type, bytes)} of a ZIP-compressed EXR with scan lines (OpenEXR
+    file layout)."""
     with open(path, 'rb') as file:
         data = file.read()
     at, attributes = 8, {}
@@ -233,14 +235,14 @@ class Base(unittest.TestCase):
             self.assertIn(word, said)
 
     def check_picture(self, viewer, out='out.exr'):
-        """That the last picture is the file's, in every channel and bit."""
+        """Checks that the viewer's last image equals the file in every channel, bit for bit."""
         size, channels = read_exr(self.path(out))
         self.assertEqual(list(viewer.pictures), [self.path(out)])
         picture = viewer.pictures[self.path(out)]
         self.assertEqual(viewer.sizes[self.path(out)], size)
         self.assertEqual(sorted(picture), sorted(channels))
         for name, (kind, expected) in channels.items():
-            if kind == 0:  # whole numbers: floats for the viewer
+            if kind == 0:  # integers are sent as floats
                 numbers = struct.unpack('<%dI' % (len(expected) // 4), expected)
                 expected = struct.pack('<%df' % len(numbers), *numbers)
             self.assertEqual(bytes(picture[name]), expected, name)
@@ -259,7 +261,7 @@ class Pictures(Base):
         with open(self.path('out.exr'), 'rb') as file:
             repeat = file.read().split(b'lampyris:repeat', 1)[1][:200]
         self.assertIn(b'--spp 16', repeat)
-        self.assertFalse(b'--tev' in repeat)  # who repeats it needs no viewer
+        self.assertFalse(b'--tev' in repeat)  # repeating the render needs no viewer
 
     def test_layers(self):
         server = Server(read_all)
@@ -396,7 +398,7 @@ class Slow(Base):
         try:
             server.close()
         except OSError:
-            pass  # the connection was cut off
+            pass  # the connection was closed
 
 
 if __name__ == '__main__':

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""lampyris render --trace and --reference: what is written on the way, that it changes no bit, and
-what twice the time would bring.
+"""Tests lampyris render --trace and --reference: the rows, that the picture keeps its bits, and the forecast
+for twice the time.
 
     test_trace.py LAMPYRIS SOURCE_ROOT
 """
@@ -20,7 +20,7 @@ from program import need_device
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 SCENE = os.path.join(ROOT, 'scenes', 'cornell.json')
-# All pixels alike, so that their noise is known from 16 samples on.
+# All pixels are alike, so their noise is known from 16 samples on.
 EVEN = (os.path.join(ROOT, 'src', 'check', 'scenes', 'plane.json'), '--env', 'sky:elevation=30')
 
 
@@ -67,7 +67,7 @@ class Base(unittest.TestCase):
         self.assertFalse(os.path.exists(self.path('out.exr')), 'it rendered')
 
     def rows(self, path=None):
-        """Numbers, None where a field is empty."""
+        """Returns the rows of a trace as numbers; an empty field is None."""
         with open(path or self.trace, newline='', encoding='utf-8') as file:
             rows = list(csv.DictReader(file))
         texts = ('render', 'reference', 'reason')
@@ -78,7 +78,7 @@ class Base(unittest.TestCase):
         return [int(row['spp']) for row in self.rows()]
 
     def reference(self, scene=(SCENE,)):
-        """A picture of many samples with its halves; made once."""
+        """Renders a picture of many samples with its halves, once for all tests."""
         path = os.path.join(self.shared.name, os.path.basename(scene[0]) + '.exr')
         if not os.path.exists(path):
             result = subprocess.run([LAMPYRIS, 'render', *scene, '--size', '20x18', '--spp', '1024',
@@ -235,7 +235,7 @@ class GoingOn(Base):
         self.assertGreaterEqual(len(rows), 7)
         self.assertEqual(rows, whole[:len(rows)])
         self.render('--spp', '1k', *self.checkpoint('--resume'))
-        # Killed between a checkpoint and the row that belongs to it, that row is lost.
+        # If the render was killed between a checkpoint and its row, that row is missing.
         self.assertIn(self.keys(), (whole, whole[:len(rows)] + whole[len(rows) + 1:]))
 
     def test_a_signal_keeps_the_rows(self):
@@ -318,12 +318,12 @@ class Reference(Base):
                           ('local_relmse_ci_high', 'ci_high'), ('local_relmse_at_most', 'at_most'),
                           ('relmse_at_most', 'relmse_at_most')):
             self.assertAlmostEqual(told[key] / error[name], 1, delta=1e-6)
-        # Where there is a bound alone, no estimate passes for more.
+        # If there is only a bound, no estimate is reported.
         error = self.render('--spp', '64', '--halves', 'contiguous', scene=EVEN)['error']
         told = self.attributes()
         self.assertEqual(set(told), {'local_relmse_at_most', 'relmse_at_most'})
         self.assertAlmostEqual(told['local_relmse_at_most'] / error['at_most'], 1, delta=1e-6)
-        # Nor where pixels depend on each other: neither interval nor bound.
+        # If pixels depend on each other, there is neither an interval nor a bound.
         error = self.render('--spp', '64', '--roulette', 'frame')['error']
         self.assertEqual((error['known'], error['ci_low'], error['at_most']), (False, None, None))
         self.assertGreater(error['local_relmse'], 0)
@@ -331,7 +331,8 @@ class Reference(Base):
         self.assertEqual(self.attributes(), {})
 
     def test_bias_is_found_and_only_where_it_is(self):
-        # The honest one errs in 0.05 % of seeds; the wrong one has a tenth of the light too much.
+        # The test fails for 0.05 % of the seeds of a correct program. The wrong reference has a tenth too
+        # much light.
         arguments = ['--spp', '128', '--sampler', 'pcg', '--reference', self.reference(EVEN)]
         report = self.render(*arguments, '--seed', '3', scene=EVEN)
         self.assertFalse(report['reference']['biased'])
@@ -387,7 +388,7 @@ class Forecast(Base):
         self.assertEqual((error['known'], error['local_relmse']), (False, None))
         self.assertTrue(forecast['upper_bound'])
         self.assertAlmostEqual(forecast['local_relmse'] / error['at_most'], 0.5, delta=1e-6)
-        # Pictures differ: half of what this one has is not what the next one has.
+        # Pictures differ: half of one picture's error is not the error of the next picture.
         self.assertLess(forecast['ci_low'], 0.9 * forecast['local_relmse'])
         self.assertGreater(forecast['ci_high'], 1.1 * forecast['local_relmse'])
 

@@ -1,4 +1,4 @@
-"""lampyris check: what it lists, what it says, how it ends.
+"""Tests lampyris check without a scene: its list, its output, and its exit codes.
 
     test_check.py LAMPYRIS SOURCE_ROOT [unittest's arguments]
 """
@@ -16,7 +16,7 @@ from program import checked, limits, need_device, run
 LAMPYRIS, ROOT = sys.argv[1:3]
 del sys.argv[1:3]
 
-# The checks of the group threads that need a feature which LAMPYRIS_LIMITS takes away.
+# The cases of the group `threads` that need a feature which LAMPYRIS_LIMITS disables.
 NEEDED_BY = {'no-ballot': {'subgroups', 'reconvergence'}, 'no-texel': {'texel buffers'},
              'no-timestamps': {'timestamps'}}
 
@@ -78,7 +78,7 @@ class Check(unittest.TestCase):
         self.assertIn('; seen all 16384 as expected (', result.stdout)
 
     def test_where_rounding_is_not_known(self):
-        # Bounds of errors are twice as wide, and so is what forms without variance allow.
+        # Error bounds are twice as wide, and so is the permitted error of forms without variance.
         environment = {**os.environ, 'LAMPYRIS_LIMITS': limits('no-rounding-mode')}
         result = run(LAMPYRIS, 'check', '--only', 'B19 field ball of fog', env=environment)
         self.assertEqual(result.returncode, 0, result.stdout)
@@ -93,7 +93,8 @@ class Check(unittest.TestCase):
         self.assertGreaterEqual(page.count('data:image/png'), 3)
 
     def test_a_lost_device(self):
-        """The case that loses it is run again; for good it was not run; the next one has it again."""
+        """The case that loses the device is run again. If the device stays lost, the case is not run, and the
+        next case opens the device again."""
         lost = run(LAMPYRIS, 'check', '--only', 'B6', '--json', '--lose-device', '1')
         once = run(LAMPYRIS, 'check', '--only', 'B6', '--json', '--lose-device', '1',
                    '--lose-devices', '1')
@@ -122,7 +123,8 @@ class Check(unittest.TestCase):
         self.assertEqual(json.loads(once.stdout)['findings'], [])
 
     def test_reports_that_cannot_be_written(self):
-        """Found before a device is opened: here is none. A scene that is checked is not written over."""
+        """The error is found before a device is opened, and no device exists here. The scene that is checked
+        is not overwritten."""
         environment = {**os.environ, 'VK_ICD_FILENAMES': '/nowhere', 'VK_DRIVER_FILES': '/nowhere'}
         with tempfile.TemporaryDirectory() as folder:
             os.mkdir(os.path.join(folder, 'b.html'))
@@ -142,7 +144,7 @@ class Check(unittest.TestCase):
                 self.assertEqual(file.read(), '{"lampyris": 1}')
 
     def test_signals(self):
-        """What was done so far is told, and written."""
+        """The cases that were finished before the signal are reported and written."""
         for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
             with tempfile.TemporaryDirectory() as folder:
                 path = os.path.join(folder, 'a.html')

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A device that is lost ends converge and bench with code 3; what was measured before is reported.
+"""If a device is lost, converge and bench end with code 3 and report what was measured before.
 
 Usage: test_lost_measurements.py LAMPYRIS FAILING_LOADER SCENE [unittest arguments]
 """
@@ -13,7 +13,8 @@ import unittest
 
 from program import need_device
 
-# Meson adds the folder of the failing loader, which is for the commands that are to fail alone.
+# Meson sets LD_LIBRARY_PATH to the folder of the failing loader. Only the commands under test may find that
+# loader.
 if os.environ.pop('LD_LIBRARY_PATH', None) is not None:
     os.execv(sys.executable, [sys.executable, *sys.argv])
 
@@ -23,7 +24,7 @@ SCENE = os.path.abspath(sys.argv.pop(1))
 
 
 def real_loader():
-    """The path of the system's loader: a name would find the failing one."""
+    """Returns the path of the system's Vulkan loader, because its name alone would find the failing one."""
     ctypes.CDLL('libvulkan.so.1')
     with open('/proc/self/maps', encoding='utf-8') as maps:
         return next(line.split()[-1] for line in maps if 'libvulkan.so' in line)
@@ -52,7 +53,8 @@ class LostMeasurements(unittest.TestCase):
         return result
 
     def check(self, key, name, *words):
-        """Two of something: the last submission of all is the second one's, the sixth the first one's."""
+        """Measures two items: the device is lost at the last submission of the second one, or at the last of
+        the first one."""
         last = self.lost_at(self.submissions(*words), *words)
         self.assertEqual(json.loads(last.stdout)[key], 1)
         self.assertIn('1 of 2 %s were complete and are reported' % name, last.stderr + last.stdout)

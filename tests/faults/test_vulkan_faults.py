@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Has every Vulkan function that can fail do so, at every call, and looks at how commands end.
+"""Makes every Vulkan function that can fail do so, at every call, and checks how commands end.
 
 Usage: test_vulkan_faults.py LAMPYRIS VIEWER FAILING_LOADER SCENE [--sample SECONDS] [--seed N]
 
@@ -20,29 +20,30 @@ import tempfile
 OUT_OF_HOST_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST = -1, -2, -4
 WORDS = {OUT_OF_HOST_MEMORY: 'out of host memory', OUT_OF_DEVICE_MEMORY: 'out of device memory',
          DEVICE_LOST: 'device lost'}
-# The program goes on without what these would have told, or says that there is no usable loader.
+# Functions without whose results the program continues, or reports that there is no usable loader.
 ASKING = ('vkEnumerateDeviceExtensionProperties', 'vkEnumerateInstanceExtensionProperties',
           'vkEnumerateInstanceVersion')
 NO_VULKAN = 69
 
 
 def real_loader():
-    """The path of the system's loader: a name would find the failing one."""
+    """Returns the path of the system's Vulkan loader, because its name alone would find the failing one."""
     ctypes.CDLL('libvulkan.so.1')
     with open('/proc/self/maps', encoding='utf-8') as maps:
         return next(line.split()[-1] for line in maps if 'libvulkan.so' in line)
 
 
 class Command:
-    """A command line, in a folder of its own, and what it writes."""
+    """A command line with a folder of its own, and the files that it writes."""
 
     def __init__(self, name, words, *outputs, recovers=False, lose=None, is_silent=False):
         self.name, self.words, self.outputs = name, words, outputs
-        # Smaller waves are not warned of, and only --only has it: it makes thousands of calls.
+        # The command does not warn about smaller waves. It has the option --only, because it makes thousands
+        # of calls.
         self.is_silent = is_silent
-        # The viewer opens a lost device again, and goes on without what cannot be had.
+        # The viewer reopens a lost device, and continues without optional objects that cannot be created.
         self.recovers = recovers
-        # The submission at which the device is lost before anything else fails.
+        # The submission at which the device is lost, before any other failure.
         self.variables = {'VKF_LOSE': str(lose)} if lose else {}
         self.reference = None
 
@@ -64,7 +65,7 @@ def report(process):
 
 
 def judge(command, function, result, process, left):
-    """What is wrong with how it ended, or None."""
+    """Returns what is wrong with the end of the process, or None."""
     code, words = process.returncode, process.stderr
     if code < 0 or 'Sanitizer' in words or 'runtime error' in words:
         return 'it crashed'
@@ -73,7 +74,7 @@ def judge(command, function, result, process, left):
     if code == 0:
         if command.recovers:
             return None
-        # A lost device is opened again; waves become smaller where memory runs out.
+        # A lost device is reopened, and waves become smaller if memory runs out.
         went_on = len(re.findall('opening the device again|paths in place of', words))
         is_noticed = result != OUT_OF_HOST_MEMORY and went_on > len(command.variables)
         is_noticed |= result == OUT_OF_DEVICE_MEMORY and command.is_silent
@@ -84,7 +85,8 @@ def judge(command, function, result, process, left):
         return None
     if code == NO_VULKAN and function in ASKING:
         return None
-    if command.recovers and code == 1:  # a command of the script fails, where nothing is to be had
+    if command.recovers and code == 1:  # a command of the script fails, because an object that it needs
+                                        # cannot be created
         return None if 'script:' in words else 'no reason'
     if code != 3:
         return 'exit code %d, expected 3' % code
@@ -103,7 +105,7 @@ def judge(command, function, result, process, left):
 
 
 def read_counts(path):
-    """How often each function was called."""
+    """Returns how many times each function was called."""
     with open(path, encoding='utf-8') as file:
         return {name: int(count) for name, count in (line.split() for line in file)}
 
@@ -123,7 +125,7 @@ def list_faults(loader, command):
 
 
 def choose(faults, generator):
-    """All in a random order, one of each function first."""
+    """Returns all faults in random order; one of each function comes first."""
     generator.shuffle(faults)
     first, rest, seen = [], [], set()
     for fault in faults:
@@ -148,8 +150,8 @@ def main():
     parser.add_argument('--only', help='part of a command\'s name')
     parser.add_argument('--function', help='part of a function\'s name')
     options = parser.parse_args()
-    # Meson adds the folder of the failing loader, which is for the commands that are to fail alone:
-    # neither this process, which looks for the real one, nor `lampyris devices` may find it.
+    # Meson sets LD_LIBRARY_PATH to the folder of the failing loader. Only the commands under test may find
+    # that loader: neither this process, which searches for the system's one, nor `lampyris devices`.
     if os.environ.pop('LD_LIBRARY_PATH', None) is not None:
         os.execv(sys.executable, [sys.executable, *sys.argv])
     if subprocess.run([options.lampyris, 'devices'], stdout=subprocess.DEVNULL,
@@ -187,7 +189,7 @@ def main():
             path = os.path.join(folder, 'count')
             process, left = command.run(options.loader, VKF_NAME=function, VKF_N=str(n),
                                         VKF_RESULT=str(result), VKF_COUNT=path)
-            # Films are copied by the clock: some calls need not come every time.
+            # Copies of the film depend on the clock, so some calls do not occur in every run.
             if process.returncode == 0 and read_counts(path)[function] < n:
                 continue
         tried += 1

@@ -1,4 +1,4 @@
-"""What a feature's bit leaves in the code.
+"""Checks what the bit of a feature changes in the code of kernels.
 
 For each feature: the kernels' SPIR-V with the specialization constants frozen, with the feature and
 without it, as a driver's compiler would see it. Functions, buffers and push constants that only the
@@ -23,18 +23,18 @@ import subprocess
 import sys
 import tempfile
 
-# Local variables become values before constants are followed through branches; twice, since a
-# branch that falls leaves constants behind.
+# Passes that replace local variables by values, and then propagate constants through branches. They run
+# twice, because a removed branch leaves new constants.
 PASSES = """--freeze-spec-const --fold-spec-const-op-composite
     --ssa-rewrite --ccp --eliminate-dead-branches --merge-blocks
     --ssa-rewrite --ccp --eliminate-dead-branches --merge-blocks
     --eliminate-dead-functions --eliminate-dead-code-aggressive
     --eliminate-dead-variables --eliminate-dead-const""".split()
-# For the size: each call counts, as drivers inline them.
+# For the size, each call counts as inlined, because drivers inline calls.
 INLINE = """--merge-return --inline-entry-points-exhaustive --eliminate-dead-functions --ssa-rewrite --ccp
     --eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive""".split()
 
-SDF_ALL = (1 << 26) - 1  # every operation of distance fields
+SDF_ALL = (1 << 26) - 1  # all operations of distance fields
 
 # name: (features without which the rest is looked at, {kernel: what must go}). What must go is
 #   name()       a function
@@ -259,7 +259,7 @@ FEATURES = {
         "accumulate": ["radiance_texels"],
     }),
 }
-# Tests of lobes in shade_surface: (lobes compiled in besides, functions that must vanish).
+# For each lobe in shade_surface: the lobes compiled in addition, and the functions that must vanish.
 PRINCIPLED = ["PRINCIPLED", "ROUGH"]
 LOBES = {
     "LAMBERT": ([], ["eval_lambert()", "sample_lambert()"]),
@@ -292,9 +292,9 @@ LOBES = {
     "DIFFUSE_TRANSMISSION": (PRINCIPLED + ["THIN"], ["-"]),
     "SEPARABLE": (["DIELECTRIC", "ROUGH"], ["-"]),
 }
-ALL_VERTICES = 0xffffffff # as in shared/bindings.h
-# The functions of lib/light.glsl and lib/light_tree.glsl that each way to choose an emitter needs,
-# in the order of shared/methods.h.
+ALL_VERTICES = 0xffffffff # see shared/bindings.h
+# The functions of lib/light.glsl and lib/light_tree.glsl that each strategy of light sampling needs, in the
+# order of shared/methods.h.
 DOWN = {"choose_below", "width_below", "light_importance", "take_first", "receiver_of", "triangle_area",
         "shape_area"}
 LIGHT_CHOICES = {
@@ -316,10 +316,10 @@ SAMPLERS = {
     "blue-noise": SOBOL | {"blue_noise", "spread_bits"},
     "sine": {"random_sine"},
 }
-# The others then cost spirv-opt no time.
+# All other lobes are left out, which saves time in spirv-opt.
 FEW_LOBES = ["LAMBERT", "MIRROR", "PHONG", "DISPERSION"]
 
-# With texel reads the other way takes their place, so the code need not become smaller.
+# Texel reads replace other code, so the code need not become smaller.
 EXCHANGED = {
     "texel reads of the scene": {
         "intersect_closest": ["[nodes]", "[triangles]", "[shapes]"],
@@ -333,8 +333,8 @@ EXCHANGED = {
     },
 }
 
-# Shadow rays are traversed by the code that closest hits are; the other integrators shade by the code of
-# shade_surface.
+# Shadow rays use the traversal code of closest hits, and the other integrators use the shading code of
+# shade_surface. So these kernels represent all others.
 SHORT_KERNELS = {"generate_rays", "intersect_closest", "shade_surface", "shade_miss", "accumulate"}
 
 failures = 0
@@ -348,7 +348,7 @@ def fail(message):
 
 
 def read_bits(path, prefix):
-    """The bits of a header by name."""
+    """Returns the bits of a header by name."""
     with open(path, encoding="utf-8") as file:
         found = re.findall(r"#define %s_(\w+) \(1u << (\d+)\)" % prefix, file.read())
     return {name: 1 << int(bit) for name, bit in found}
@@ -362,7 +362,7 @@ def disassemble(path):
 
 
 def code_of(lines):
-    """Without declarations: from the first function on."""
+    """Returns the lines from the first function on, without declarations."""
     return lines[next(i for i, line in enumerate(lines) if " OpFunction " in line):]
 
 
@@ -372,12 +372,12 @@ def freeze(path, features, lobes, folder, aovs=0, choices=""):
 
 
 class Module:
-    """A frozen kernel: its size and the names of what is left in it."""
+    """A frozen kernel: its size, and the names that remain in it."""
 
     def __init__(self, path, features, lobes, folder, aovs, choices):
         frozen = os.path.join(folder, "frozen.spv")
         inlined = os.path.join(folder, "inlined.spv")
-        # Ids as in shared/bindings.h; all queues exist.
+        # Ids as in shared/bindings.h. All queues exist.
         constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d 8:%d 20:%d %s" % (
             features & 0xffffffff, lobes, features >> 32 & 0xffffffff, aovs, features >> 64,
             choices if "21:" in choices else "21:%d %s" % (SDF_ALL, choices))
@@ -394,7 +394,7 @@ class Module:
 
     @staticmethod
     def find_names(lines):
-        """How often each of the names that FEATURES may ask for is there."""
+        """Returns how many times each name that FEATURES may contain occurs."""
         names = {}
 
         def add(name, count=1):
@@ -468,7 +468,7 @@ def check_lobe(name, bits, lobes, kernels, folder):
 
 
 def usual(bits):
-    """Without the geometry that makes kernels several times as long: for what is not about it."""
+    """Removes the geometry that makes kernels several times as long, for tests that do not concern it."""
     return {name: bit for name, bit in bits.items()
             if name not in SHAPES or name in ("GEOMETRY_SPHERES", "GEOMETRY_DISCS",
                                               "EMITTER_SPHERES", "EMITTER_DISCS")}
@@ -500,7 +500,7 @@ def check_feature(name, bits, lobes, kernels, folder):
 
 
 def check_ballot(bits, lobes, kernels, folder):
-    """Ballot is another module rather than a constant."""
+    """Ballot is selected by another module, not by a constant."""
     for kernel in ("intersect_closest", "shade_surface"):
         on = freeze(kernels[kernel], sum(bits.values()), lobes, folder)
         off = freeze(kernels[kernel + "_plain"], sum(bits.values()), lobes, folder)
@@ -508,8 +508,8 @@ def check_ballot(bits, lobes, kernels, folder):
         check_gone("no ballot, " + kernel, "OpControlBarrier", off, on)
 
 
-# The code that pictures besides the radiance bring into kernels, in FEATURES' terms: the code that
-# all of them need, and the code that must vanish with all kinds but one.
+# The code that AOVs add to kernels, in the notation of FEATURES: the code that all of them need, and the code
+# that must vanish if only one other kind is left.
 AOVS = {
     "intersect_closest": {"STEPS": ["store_steps()", "[radiance]"]},
     "shade_surface": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION IDS ALPHA": [
@@ -546,7 +546,7 @@ def check_aovs(aovs, bits, lobes, kernels, folder):
 
 
 def check_samplers(bits, kernels, folder):
-    """Of all samplers' code, only what the chosen one needs is there."""
+    """Of the code of all samplers, only the code that the chosen one needs is left."""
     owned = set().union(*SAMPLERS.values())
     features = bits["JITTER"]
     for number, (name, wanted) in enumerate(SAMPLERS.items()):
@@ -557,7 +557,7 @@ def check_samplers(bits, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "generate_rays", module.instructions))
 
 
-# The functions that a choice of places in the pixel needs and the others do not.
+# The functions that one kind of pixel sampling needs and the others do not.
 PIXEL_SAMPLINGS = {
     "sampler": set(),
     "centre": set(),
@@ -568,10 +568,11 @@ PIXEL_SAMPLINGS = {
 
 
 def check_pixel_samplings(bits, kernels, folder):
-    """Places of a pixel that the sampler does not choose leave its code out, and it theirs."""
+    """If the sampler does not choose the place in the pixel, that code of the sampler is left out, and
+    otherwise the code of pixel sampling."""
     owned = set().union(*PIXEL_SAMPLINGS.values()) | {"sobol_4d"}
     for number, (name, wanted) in enumerate(PIXEL_SAMPLINGS.items()):
-        jitter = 0 if name == "centre" else bits["JITTER"] # as specialize() has it
+        jitter = 0 if name == "centre" else bits["JITTER"] # see specialize()
         choice = 0 if name == "centre" else number
         module = freeze(kernels["generate_rays"], jitter, 0, folder, 0, "10:0 25:%d" % choice)
         there = {function for function in owned if module.count(function + "()")}
@@ -582,7 +583,7 @@ def check_pixel_samplings(bits, kernels, folder):
 
 
 def check_accumulations(bits, kernels, folder):
-    """The film's sums are binned, or divisions make running means, or neither is there."""
+    """The film's sums are binned, or divided to running means, or the code has neither."""
     for number, (name, wanted) in enumerate({"binned": (True, False), "sum": (False, False),
                                              "running": (False, True)}.items()):
         module = freeze(kernels["accumulate"], 0, 0, folder, 0, "29:%d" % number)
@@ -598,7 +599,7 @@ def check_accumulations(bits, kernels, folder):
 
 
 def check_light_choices(bits, lobes, kernels, folder):
-    """Of all ways to choose an emitter, only the chosen one is there."""
+    """Of all strategies of light sampling, only the chosen one is left."""
     owned = set().union(*LIGHT_CHOICES.values())
     names = ["TRIANGLES", "GEOMETRY_SPHERES", "EMISSION", "NEE", "BSDF_HITS_EMITTERS", "EMITTER_TRIANGLES",
              "EMITTER_SPHERES"]
@@ -613,7 +614,7 @@ def check_light_choices(bits, lobes, kernels, folder):
 
 
 def check_environment_filters(bits, kernels, folder):
-    """Of both ways to look an image up, only the chosen one is there, and none without an image."""
+    """Of the two kinds of environment lookup, only the chosen one is left, and none without an image."""
     owned = ["environment_place_of", "load_environment_cell", "cell_density", "environment_texel"]
     image = bits["ENVIRONMENT"] | bits["ENVIRONMENT_IMAGE"] | bits["EMITTER_ENVIRONMENT"]
     for name, features, number, wanted in (("bilinear", image, 0, owned[:3]),
@@ -627,7 +628,7 @@ def check_environment_filters(bits, kernels, folder):
 
 
 def check_normals(bits, lobes, kernels, folder):
-    """Of both ways to draw microfacets' normals, only the chosen one is there."""
+    """Of the two ways to sample microfacet normals, only the chosen one is left."""
     owned = ["sample_ggx_vndf", "sample_ggx_ndf"]
     for number, name in enumerate(owned):
         module = freeze(kernels["shade_surface"], bits["TRIANGLES"],
@@ -640,7 +641,7 @@ def check_normals(bits, lobes, kernels, folder):
 
 
 def check_stacks(bits, kernels, folder):
-    """Of the private and the shared part of a stack, only those are there that hold some of it."""
+    """Of the private and the shared part of the traversal stack, only those that hold entries are left."""
     owned = ["stack_private", "stack_shared"]
     for kernel in ("intersect_closest", "intersect_shadow"):
         for name, entries, shared, wanted in (("private stack", 41, 0, owned[:1]),
@@ -655,7 +656,7 @@ def check_stacks(bits, kernels, folder):
 
 
 def check_nodes(bits, kernels, folder):
-    """Of both kinds of nodes, only the test of the chosen one's boxes is there."""
+    """Only the box test of the chosen kind of nodes is left."""
     owned = ["test_quantised_children", "test_float_children"]
     for kernel in ("intersect_closest", "intersect_shadow"):
         for number, name in enumerate(owned):
@@ -666,24 +667,24 @@ def check_nodes(bits, kernels, folder):
             print("%-26s %-18s %5d instructions" % (name, kernel, module.instructions))
 
 
-# Operations of distance fields whose function has another name, or none.
+# Operations of distance fields whose function has another name, or that have none.
 SDF_FUNCTIONS = {"METABALLS": "sdf_ball", "RESTORE": None}
 
 
 def check_sdf_operations(sdfs, bits, kernels, folder):
-    """Of all operations of distance fields, only the scene's are there."""
+    """Only those operations of distance fields that the scene uses are left."""
     kernel = kernels["intersect_closest"]
     features = bits["GEOMETRY_SDFS"]
     functions = {name: SDF_FUNCTIONS.get(name, "sdf_" + name.lower()) for name in sdfs}
     owned = {function for function in functions.values() if function}
-    # Each with half of the others, by its number's bits: any two are told apart by some of these.
+    # Each turn selects half of the operations by a bit of their numbers, so that any two differ in some turn.
     for turn in range(10):
         wanted = {name for name, number in sdfs.items() if (number >> turn // 2 & 1) == turn % 2}
         chosen = sum(1 << sdfs[name] for name in wanted)
         module = freeze(kernel, features, 0, folder, 0, "21:%d" % chosen)
         there = {function for function in owned if module.count(function + "()")}
         expected = {functions[name] for name in wanted if functions[name]}
-        # A difference is an intersection with the other side.
+        # A difference is an intersection with the inverted operand.
         expected |= {"sdf_intersection"} if "DIFFERENCE" in wanted else set()
         if there != expected:
             fail("distance fields: has %s, expected %s" % (sorted(there), sorted(expected)))
@@ -708,7 +709,7 @@ def main():
         if not shutil.which(tool):
             print("skipped: there is no %s" % tool)
             return 1 if os.environ.get("LAMPYRIS_NO_SKIP") else 77
-    # Emitters and geometry are bits of further constants: above the features here.
+    # Emitters and geometry are bits of other constants; here they are placed above the features.
     bits = read_bits(sys.argv[1], "FEATURE")
     for prefix, shift in (("EMITTER", 32), ("GEOMETRY", 64)):
         for name, bit in read_bits(sys.argv[1], prefix).items():

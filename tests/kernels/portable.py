@@ -1,4 +1,4 @@
-"""Whether the kernels ask of a device only what every device has to give: docs/portability.md.
+"""Checks that kernels require only what every device provides: docs/portability.md.
 
     portable.py NAME.spv ... NAME.spv.h ...
 
@@ -39,7 +39,7 @@ DECORATION_NON_WRITABLE = 24
 DECORATION_BINDING = 33
 STORAGE_BUFFER = 12
 DIM_BUFFER = 5
-# The first texel buffer reads what storage buffer 0 is: TEXEL_BINDING_FIRST.
+# The first texel buffer reads the memory of storage buffer 0: TEXEL_BINDING_FIRST.
 FIRST_TEXEL = 16
 # Shader, SampledBuffer, GroupNonUniform, -Vote, -Arithmetic, -Ballot.
 CAPABILITIES = (1, 46, 61, 62, 63, 64)
@@ -48,7 +48,7 @@ TRIGONOMETRY = {13: 'sin', 14: 'cos', 15: 'tan', 16: 'asin', 17: 'acos', 18: 'at
 
 
 def read_words(path):
-    """The words of a module."""
+    """Returns the words of a module."""
     if path.suffix == '.spv':
         data = path.read_bytes()
         return struct.unpack('<%dI' % (len(data) // 4), data)
@@ -57,7 +57,7 @@ def read_words(path):
 
 
 def instructions(words):
-    """Opcode and operands of each instruction."""
+    """Yields the opcode and the operands of each instruction."""
     at = 5
     while at < len(words):
         length = words[at] >> 16
@@ -66,7 +66,8 @@ def instructions(words):
 
 
 def functions_that_meet(words):
-    """Functions with operations of groups, in themselves or in what they call, and their returns."""
+    """Returns functions that contain, or call functions that contain, group operations, with their numbers of
+    returns."""
     meets, calls, returns, current = set(), {}, {}, None
     for op, operands in instructions(words):
         if op == OP_FUNCTION:
@@ -86,7 +87,8 @@ def functions_that_meet(words):
 
 
 def unaliased(words):
-    """Bindings of buffers that are written, and read through a texel buffer, without `Aliased`."""
+    """Returns the bindings of buffers that are written, and also read through a texel buffer, but are not
+    `Aliased`."""
     decorations, read_only, pointers, variables, images = {}, set(), {}, {}, set()
     for op, operands in instructions(words):
         if op == OP_DECORATE:
@@ -116,7 +118,7 @@ def unaliased(words):
 
 
 def complaints(words):
-    """What a module asks for that a device need not have."""
+    """Returns the module's requirements that a device need not fulfil."""
     for op, operands in instructions(words):
         if op == OP_EXT_INST and operands[3] in TRIGONOMETRY:
             yield 'calls %s(): expected cos_sin_turns() and atan_turns() of lib/angle.glsl' % \
@@ -133,7 +135,7 @@ def complaints(words):
 
 
 def main():
-    """Prints what each module asks for."""
+    """Prints the requirements of each module."""
     failed = False
     for path in map(pathlib.Path, sys.argv[1:]):
         words = read_words(path)

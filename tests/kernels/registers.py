@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Registers and instructions of the kernels on an AMD GPU, as RADV's compiler makes them without one.
+"""Measures registers and instructions of the kernels on an AMD GPU with RADV's compiler, which needs no such
+GPU.
 
     registers.py [--write | --print] [--family NAME] [--limits WORDS] REGISTERS TABLE
 
@@ -16,10 +17,11 @@ import os
 import subprocess
 import sys
 
-# Chosen so that every kernel occurs, and traversal with each kind of leaf; what they are for:
+# The scenes together use every kernel, and traversal with each kind of leaf. Each line says what its scene
+# adds:
 SCENES = [
-    'scenes/cornell.json',                       # little of everything
-    'scenes/cornell.json,stack_entries=41',      # as if it had a million triangles
+    'scenes/cornell.json',                       # a little of everything
+    'scenes/cornell.json,stack_entries=41',      # a stack as for a million triangles
     'scenes/cornell.json,settings.integrator=ao',
     'scenes/whitted.json',
     'scenes/materials_frosted.json',             # rough glass: the longest kernel
@@ -36,24 +38,24 @@ SKIPPED = 77
 
 
 def radv():
-    """The driver's manifest, or None."""
+    """Returns the path of the driver's manifest, or None."""
     found = glob.glob('/usr/share/vulkan/icd.d/radeon_icd*.json') + \
         glob.glob('/usr/local/share/vulkan/icd.d/radeon_icd*.json')
     return found[0] if found else None
 
 
 def skip(reason):
-    """Leaves as skipped, or as failed where that must not be."""
+    """Ends the test as skipped, or as failed if skipping is not allowed."""
     print('skipped: ' + reason)
     sys.exit(1 if os.environ.get('LAMPYRIS_NO_SKIP') else SKIPPED)
 
 
 def measure(program, family, limits):
-    """Device with its driver, and {(scene, kernel): figures in the order of COLUMNS}."""
+    """Returns the device with its driver, and {(scene, kernel): figures in the order of COLUMNS}."""
     driver = radv()
     if not driver:
         skip("RADV's radeon_icd.*.json is not there (Debian: mesa-vulkan-drivers)")
-    # No cache: it would keep what an older compiler has made.
+    # The cache is disabled, because it may contain code of an older compiler.
     environment = dict(os.environ, RADV_FORCE_FAMILY=family, VK_ICD_FILENAMES=driver,
                        VK_DRIVER_FILES=driver, MESA_SHADER_CACHE_DISABLE='true', LAMPYRIS_LIMITS=limits)
     done = subprocess.run([program] + SCENES, env=environment, stdout=subprocess.PIPE, text=True)
@@ -71,7 +73,7 @@ def measure(program, family, limits):
 
 
 def as_text(device, rows):
-    """The table as its file has it."""
+    """Returns the text of the table's file."""
     words = [[scene, kernel] + [str(figure) for figure in figures]
              for (scene, kernel), figures in rows.items()]
     head = ['scene', 'kernel'] + [name.replace(' ', '_') for name in COLUMNS.values()]
@@ -83,7 +85,7 @@ def as_text(device, rows):
 
 
 def from_text(text):
-    """as_text() backwards."""
+    """The inverse of as_text()."""
     device, _, *lines = text.splitlines()
     rows = {}
     for line in lines:
@@ -93,7 +95,7 @@ def from_text(text):
 
 
 def complaints(rows, expected):
-    """What is worse than the table says."""
+    """Returns the kernels that are worse than in the table."""
     for scene, kernel in sorted(set(rows) ^ set(expected)):
         yield '%s: %s: %s the table' % (scene, kernel, 'not in' if (scene, kernel) in rows else 'only in')
     for key in (key for key in rows if key in expected):
@@ -109,7 +111,7 @@ def complaints(rows, expected):
 
 
 def main():
-    """Measures, and prints, writes or compares."""
+    """Measures the kernels, and prints, writes or compares the table."""
     arguments = argparse.ArgumentParser()
     arguments.add_argument('--write', action='store_true')
     arguments.add_argument('--print', action='store_true')

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The library as it is installed: its names, its header, and a program outside of the tree.
+"""Tests the installed library: its symbols, its header, and a program outside the tree.
 
 test_interface.py SOURCE_ROOT BUILD_ROOT [--write] [unittest's arguments]. --write keeps the interface
 as it is now in interface.txt: callers that were compiled before then may have to be compiled again, so
@@ -31,7 +31,7 @@ def header():
 
 
 def interface():
-    """The declarations of the header, one a line, without comments and preprocessor."""
+    """Returns the declarations of the header, one per line, without comments and preprocessor directives."""
     with open(header(), encoding='utf-8') as file:
         text = re.sub(r'//[^\n]*', '', file.read())
     text = re.sub(r'#ifdef __cplusplus.*?#endif', '', text, flags=re.DOTALL)
@@ -75,7 +75,7 @@ class Interface(unittest.TestCase):
 
 
 class Installed(unittest.TestCase):
-    """A program outside of the tree, against an installed prefix."""
+    """Builds a program outside the tree with an installed library."""
 
     @classmethod
     def setUpClass(cls):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The examples of docs/library.md and docs/python.md run as they stand there: `test_pages.py LAMPYRIS SOURCE_ROOT
-BUILD_ROOT`."""
+"""Runs the examples of docs/library.md and docs/python.md as they are written there: `test_pages.py LAMPYRIS
+SOURCE_ROOT BUILD_ROOT`."""
 import os
 import re
 import subprocess

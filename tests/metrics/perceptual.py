@@ -1,6 +1,6 @@
-"""The metrics of the pictures of test_perceptual.c, computed from the papers' formulas in double
-precision and without separable filters, against what the program prints: SSIM, FLIP and HDR-FLIP
-with each pixel of their maps, MSE, relMSE, local relMSE, SMAPE, PSNR and the intervals.
+"""Computes the metrics of the pictures of test_perceptual.c from the papers' formulas, in double precision
+and without separable filters, and compares them with the program's output: SSIM, FLIP and HDR-FLIP with each
+pixel of their maps, MSE, relMSE, local relMSE, SMAPE, PSNR and the intervals.
 
     perceptual.py PROGRAM
 
@@ -16,7 +16,7 @@ PPD = 0.7 * 3840 / 0.7 * math.pi / 180
 
 
 def single(x):
-    """Rounded to single precision."""
+    """Rounds a number to single precision."""
     import struct
     return struct.unpack("f", struct.pack("f", x))[0]
 
@@ -84,7 +84,7 @@ def relative_xyz(rgb):
 
 
 def invert(m):
-    """Gauss and Jordan's."""
+    """Inverts a matrix by the Gauss-Jordan method."""
     n = len(m)
     rows = [list(row) + [float(i == j) for j in range(n)] for i, row in enumerate(m)]
     for i in range(n):
@@ -124,7 +124,7 @@ def hyab(a, b):
 
 
 def normalise(kernel):
-    """Positive weights to a sum of 1, negative ones to -1."""
+    """Scales the positive weights to a sum of 1 and the negative ones to a sum of -1."""
     up = sum(v for row in kernel for v in row if v > 0)
     down = -sum(v for row in kernel for v in row if v < 0)
     return [[v / up if v > 0 else v / down if v < 0 else 0 for v in row] for row in kernel]
@@ -246,9 +246,9 @@ def psnr(image, reference, stops):
 
 
 def interval(image, reference, term):
-    """Tiles of 4 x 4, the largest power of two below 17 that gives 16 of them or more: 6 x 5, the
-    last row half as high. By the linearised ratio's variance; t_.975 of 29 degrees of freedom from
-    tables."""
+    """The interval from tiles of 4 x 4 pixels: this is the largest power of two below 17 that gives at least
+    16 tiles. There are 6 x 5 tiles, those of the last row half as high. The variance is that of the
+    linearised ratio; t_.975 with 29 degrees of freedom is from tables."""
     side, tiles = 4, {}
     for i, (p, q) in enumerate(zip(image, reference)):
         tile = tiles.setdefault((i // WIDTH // side, i % WIDTH // side), [])
@@ -275,7 +275,7 @@ def main():
               ("PSNR", psnr(image, reference, 0)), ("PSNR at -2.5", psnr(image, reference, -2.5))]
     for name, term in (("MSE", squared), ("relMSE", relative_squared)):
         values += zip((name + " low", name + " high"), interval(image, reference, term))
-    # Differences as pictures whose reference is 0, relative to the means.
+    # Differences, as images whose reference is 0, with the means to which they are related.
     pairs = [[(x - r, m) for x, r, m in zip(*p)]
              for p in zip(image, reference, local_means(reference))]
     zeros = [[0, 0, 0]] * len(pairs)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What is installed: by meson into an empty folder, and by Debian's packages into a new system, which
-debootstrap makes. Both programs, their pages, completion and scenes are used there, and then removed
+"""Tests installation by meson into an empty folder, and of Debian's packages into a new system that
+debootstrap makes. Both programs, their manual pages, completion and scenes are used there, and then removed
 without a trace.
 
 Usage: test_package.py SOURCE_ROOT BUILD_ROOT [unittest arguments]
@@ -21,7 +21,7 @@ import unittest
 SOURCES = os.path.abspath(sys.argv.pop(1))
 BUILD = os.path.abspath(sys.argv.pop(1))
 MIRROR = os.environ.get('LAMPYRIS_MIRROR', 'http://deb.debian.org/debian')
-# Neither names of this machine's folders nor its environment are to matter.
+# The environment contains neither names of this machine's folders nor other variables.
 CLEAN = {'PATH': '/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin', 'LC_ALL': 'C.UTF-8',
          'DEBIAN_FRONTEND': 'noninteractive',
          **{name: os.environ[name] for name in ('VK_DRIVER_FILES', 'VK_ICD_FILENAMES', 'http_proxy')
@@ -36,7 +36,7 @@ def skip(why):
 
 
 def files_below(root, left_out=()):
-    """All files, links and folders, by their names within the root."""
+    """Returns all files, links and folders, named relative to the root."""
     found = set()
     for folder, folders, names in os.walk(root):
         within = '/' + os.path.relpath(folder, root)
@@ -47,7 +47,7 @@ def files_below(root, left_out=()):
 
 
 class Installed(unittest.TestCase):
-    """What the installed programs do. Subclasses run a command in their place."""
+    """Tests of the installed programs. Subclasses define how a command is run there."""
 
     def ok(self, *command, **more):
         result = self.run_there(*command, **more)
@@ -55,7 +55,7 @@ class Installed(unittest.TestCase):
         return result.stdout
 
     def use_programs(self, prefix, work):
-        """work: an empty folder, as the commands see it."""
+        """Uses the programs. `work` is an empty folder, as the commands see it."""
         scenes = f'{prefix}/share/lampyris/scenes'
         self.assertRegex(self.ok('lampyris', '--version'), r'^lampyris \d')
         self.ok('lampyris', 'render', f'{scenes}/cornell.json', '--size', '32x32', '--spp', '2',
@@ -63,9 +63,9 @@ class Installed(unittest.TestCase):
         self.ok('lampyris', 'render', f'{scenes}/models/vase.glb', '--env', f'{scenes}/models/gallery.hdr',
                 '--size', '16x16', '--spp', '1', '-o', f'{work}/vase.exr')
         self.ok('lampyris', 'compare', f'{work}/box.exr', f'{work}/box.exr', '--max', 'mse=0')
-        # By the pages: scenes lie beside docs.
+        # As the pages say: the scenes are beside the docs.
         self.ok('lampyris', 'info', f'{prefix}/share/doc/lampyris/scenes/glass.json')
-        # `lampyris view` finds the other program.
+        # `lampyris view` must find the other program.
         script = self.outside(f'{work}/end.txt')
         with open(script, 'w', encoding='utf-8') as file:
             file.write('wait 1 samples\n')
@@ -77,7 +77,7 @@ class Installed(unittest.TestCase):
         self.assertEqual(shown, 'sobol\n')
 
     def use_library(self, prefix, work):
-        """The Python package, and through it the library."""
+        """Uses the Python package, and through it the library."""
         code = ('import sys, lampyris\n'
                 'picture = lampyris.render(sys.argv[1], size=(16, 16), spp=2)\n'
                 'picture.save(sys.argv[2])\n'
@@ -107,7 +107,7 @@ class Installed(unittest.TestCase):
                 subprocess.run([*tool.split(), os.path.join(inside, 'share', name)], check=True)
 
     def check_links(self, pages):
-        """No installed page has a link to a file that is not installed."""
+        """Checks that no installed page has a link to a file that is not installed."""
         found = 0
         for folder, _, names in os.walk(pages, followlinks=True):
             for name in filter(re.compile(r'\.md$').search, names):
@@ -117,7 +117,7 @@ class Installed(unittest.TestCase):
                     if re.match(r'\w+:|#', target):
                         continue
                     found += 1
-                    # By names, as browsers go: scenes is a link to another folder.
+                    # Resolves the name as browsers do, because `scenes` is a link to another folder.
                     path = os.path.normpath(os.path.join(folder, target.partition('#')[0]))
                     self.assertTrue(os.path.exists(path), f'{folder}/{name}: {target}')
         self.assertGreater(found, 100)
@@ -230,7 +230,7 @@ class Debian(Installed):
         needed = sorted({name for path in packages for name in self.depends(path)} - own)
         self.ok('apt-get', 'install', '-qq', '-y', '--no-install-recommends', 'mesa-vulkan-drivers', 'man-db',
                 'shared-mime-info', 'desktop-file-utils', 'hicolor-icon-theme', *needed)
-        # Triggers have run once with nothing of ours.
+        # Files that dpkg's triggers have created do not belong to the packages.
         kept = ('/var/lib/dpkg', '/var/log', '/var/cache', '/proc', '/sys', '/dev', '/tmp', '/root')
         before = files_below(self.root, kept)
         mime = self.mime_types()

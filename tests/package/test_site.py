@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The web site of all pages: .ci/site makes it of what git has, and finds links that lead nowhere.
+"""Tests the web site of all pages: .ci/site makes it from the files in git, and finds broken links.
 
 Usage: test_site.py SOURCE_ROOT [unittest arguments]; skipped (77) without mkdocs.
 """

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The Python package, from the build folder: `PYTHONPATH=BUILD/python test_package.py LAMPYRIS SOURCE_ROOT`.
+"""Tests the Python package in the build folder: `PYTHONPATH=BUILD/python test_package.py LAMPYRIS
+SOURCE_ROOT`.
 
 With LAMPYRIS_WITHOUT_NUMPY in the environment, numpy is not to be had; without it, it must be there.
 """
@@ -361,7 +362,7 @@ class Calls(unittest.TestCase):
         self.assertEqual(lampyris.render(CORNELL, **SMALL).hash, picture.hash)
 
     def interrupt(self, **settings):
-        """Renders what would take hours, and is interrupted as soon as it renders."""
+        """Begins a render that would take hours, and interrupts it as soon as it renders."""
         rendering = threading.Event()
 
         def told(moment):
@@ -415,13 +416,13 @@ class Calls(unittest.TestCase):
             with open('/proc/self/statm', encoding='ascii') as file:
                 return int(file.read().split()[1])
         with lampyris.Context() as context:
-            gc.disable()  # nothing waits for it
+            gc.disable()  # so that objects are only freed by reference counts
             self.addCleanup(gc.enable)
             for i in range(120):
                 lampyris.render(CORNELL, size=(16, 16), spp=1, context=context)
                 if i == 40:
                     before = resident()
-        # A render that is lost keeps its scene and its film at least: more than two pages.
+        # A leaked render would keep at least its scene and its film, which are more than two pages each.
         self.assertLess(resident() - before, 160)
 
     def test_nothing_is_said_at_exit(self):
@@ -435,7 +436,7 @@ class Calls(unittest.TestCase):
 
 class Package(unittest.TestCase):
     def test_structs_are_those_of_the_header(self):
-        """Sizes and offsets, as a C compiler has them."""
+        """The sizes and offsets of the structs equal those that a C compiler computes."""
         structs = [cls for cls in vars(_native).values()
                    if isinstance(cls, type) and issubclass(cls, ctypes.Structure) and hasattr(cls, '_fields_')]
         self.assertGreater(len(structs), 12)

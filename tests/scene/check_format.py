@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Holds the scene format's schema against its loader.
+"""Compares the schema of the scene format with the loader.
 
 check_format.py SOURCE_ROOT LOAD_SCENE [--write]: every file of scenes/ fits the schema and loads, and so does
 what is written down of it after random edits; every bad
@@ -21,7 +21,7 @@ except ImportError:
     print("skipped: no module jsonschema")
     sys.exit(1 if os.environ.get("LAMPYRIS_NO_SKIP") else 77)
 
-# A PNG of one texel.
+# A PNG with one texel.
 TEXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==")
 ERR_USAGE, ERR_INPUT = 1, 2
@@ -35,7 +35,7 @@ def fail(name, text):
 
 
 def load(loader, folder, case):
-    """Writes the case's document and runs the loader; returns (status, code, message)."""
+    """Writes the case's document, runs the loader, and returns (status, code, message)."""
     path = os.path.join(folder, "scene.json")
     with open(path, "w", encoding="utf-8", newline="") as file:
         file.write(case["text"] if "text" in case else json.dumps({"lampyris": 1} | case["scene"]))
@@ -46,7 +46,7 @@ def load(loader, folder, case):
 
 
 def check_scene(loader, validator, path, mesh):
-    """A scene that stands in the tree; one with a mesh of the user's gets `mesh`."""
+    """Checks a scene file of the tree. A scene that needs a mesh of the user gets `mesh`."""
     name = os.path.basename(path)
     with open(path, encoding="utf-8") as file:
         scene = json.load(file)
@@ -60,7 +60,7 @@ def check_scene(loader, validator, path, mesh):
         fail(name, done.stdout.strip())
         return
     if os.path.getsize(written) > 1 << 20:
-        return  # the module takes a second for each megabyte
+        return  # the Python module needs a second per megabyte
     with open(written, encoding="utf-8") as file:
         edited = json.load(file)
     for error in validator.iter_errors(edited):
@@ -116,7 +116,7 @@ def check_parameters(loader, validator, description):
 
 
 def schema_of(row):
-    """The line of the schema for a row of the table of settings."""
+    """Returns the schema's line for a row of the table of settings."""
     least, greatest = row["range"]
     values = {"switch": {"type": "boolean"}, "choice": {"enum": row["words"]},
               "count": {"type": "integer", "minimum": int(least), "maximum": int(greatest)},
@@ -127,7 +127,7 @@ def schema_of(row):
 
 
 def description_of(row):
-    """Its line in scene-format.md."""
+    """Returns the line of scene-format.md for a row of the table of settings."""
     quoted = [f'`"{word}"`' for word in row["words"] + ([row["word"]] if row["word"] else [])]
     values = {"switch": "`true` or `false`", "choice": ", ".join(quoted[:-1]) + " or " + "".join(quoted[-1:])}
     least, greatest = (f"{value:.15g}" for value in row["range"])
@@ -143,7 +143,8 @@ def replaced(text, begin, end, lines):
 
 
 def check_settings(root, loader, writes):
-    """The schema and the description have the settings as the program's table has them."""
+    """Checks that the schema and the description agree with the program's table of settings, or updates
+    them."""
     table = json.loads(subprocess.run([loader, "--settings"], stdout=subprocess.PIPE, encoding="utf-8").stdout)
     for name in ("scene.schema.json", "scene-format.md"):
         path = os.path.join(root, "docs", name)

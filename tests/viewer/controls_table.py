@@ -1,4 +1,4 @@
-"""What the tour does to every control of the panel.
+"""Defines what the tour does with every control of the panel.
 
 An entry is (id, value[, effect[, back]]): the value that is set, what has to change because of it
 (result: the picture or what is known of it; picture; state: what the viewer says it is doing), and
@@ -11,34 +11,34 @@ UNDO = 'undo'
 
 
 def each(name, first, words, effect='result'):
-    """One word after the other, and the first again."""
+    """Sets each word, and finally the first one again."""
     return [(name, word, effect, None) for word in words[:-1]] + [(name, words[-1], effect, first)]
 
 
 VIEW = [
     ('view.exposure', '1.5', 'picture'),
     ('view.exposure_auto', 'on', 'picture', None),
-    ('view.exposure_auto', 'off', 'none', None),  # it stays what was found
+    ('view.exposure_auto', 'off', 'none', None),  # the exposure stays as computed
     ('view.exposure', '0', 'picture', None),
     *each('view.tone', 'none', ['reinhard', 'aces', 'agx'], 'picture'),
     *each('view.aov', 'radiance', ['albedo', 'normal', 'objects', 'materials', 'samples', 'variance', 'steps',
                        'emission', 'direct', 'indirect'], 'picture'),
     ('view.aov', 'depth', 'picture', None),
-    ('view.automatic', 'off', 'none', None),  # the range stays what it was until it is changed
+    ('view.automatic', 'off', 'none', None),  # the range stays until it is changed
     ('view.range_low', '1', 'picture', None),
     ('view.range_high', '7', 'picture', None),
     ('view.automatic', 'on', 'picture', None),
     ('view.aov', 'radiance', 'picture', None),
-    # Pixels are squares where the picture has fewer than the window: while the camera moves.
+    # The squares are only visible if the picture has fewer pixels than the window, as while the camera moves.
     ('view.nearest', 'on', 'none'),
     ('view.denoise', 'on', 'picture', None),
     ('view.denoise_iterations', '1', 'picture'),
-    # Says what is taken along when the camera moves.
+    # This setting has an effect only while the camera moves.
     ('view.denoise_temporal', 'off', 'none'),
     ('view.denoise', 'off', 'picture', None),
     ('view.split', 'on', 'result', None),
     ('view.split_at', '0.25', 'picture'),
-    ('renderer.side', 'B', 'none', None),  # both have the same settings so far
+    ('renderer.side', 'B', 'none', None),  # both sides have the same settings so far
     ('renderer.max_bounces', '0', 'picture', None),
     ('renderer.side', 'A', 'state', None),
     ('view.swap', '', 'picture'),
@@ -49,7 +49,7 @@ VIEW = [
     ('view.pause', 'on', 'state', 'off'),
     ('view.undocked', 'on', 'state', None),
     'wait 2 frames', 'expect window.picture.2 == 240', 'expect window.panel_place.0 > 10',
-    # It is moved by its bar: the camera stays.
+    # The bar moves the window; the camera does not move.
     'mouse 60 32', 'button left down', 'wait 2 frames', 'mouse 90 52', 'wait 2 frames',
     'button left up', 'wait 2 frames', 'expect window.panel_place.0 > 40',
     'expect window.panel_place.1 > 30', 'expect camera.position.2 < 1e9',
@@ -70,7 +70,7 @@ RENDERER = [
     ('renderer.direction_exponent', '4'),
     ('renderer.directions', 'bsdf', 'result', None),
     ('renderer.normals', 'ndf'),
-    # Only views through closed bodies would change, and here there are none.
+    # This changes only views from inside closed bodies, and there are none here.
     ('renderer.radiance_scaling', 'off', 'none'),
     ('renderer.clamp', '0.3'),
     ('renderer.roulette', 'off'),
@@ -95,13 +95,13 @@ RENDERER = [
     ('renderer.filter_radius', '2'),
     *each('renderer.sampler', 'sobol', ['pcg', 'lcg', 'stratified', 'grid', 'blue-noise', 'sine']),
     ('renderer.halves', 'contiguous'),
-    # A half of a single sample is the same as a sum and as a mean; tests of the film tell them apart.
+    # With one sample per half, sum and running mean are equal; tests of the film distinguish them.
     ('renderer.film_accumulation', 'running', 'none', None),
     ('renderer.film_accumulation', 'binned', 'none', None),
     ('renderer.wave', '1024'),
     ('renderer.workgroup', '32'),
     ('renderer.features', 'all'),
-    # Each frame begins anew, and so none has two samples.
+    # Each frame is a new picture, so none has two samples.
     'set renderer.samples_a_frame 1', 'set renderer.accumulation "fresh frames"', 'wait 10 frames',
     'expect sides.0.samples <= 1', 'set renderer.accumulation accumulate', 'wait 2 samples',
     'set renderer.samples_a_frame 0',
@@ -194,7 +194,7 @@ LIGHTS = [
     ('lights.add_area', ''),
 ]
 
-# The number of each material of the scene, and what of it is changed.
+# For each material of the scene: its number, and the controls that are changed.
 MATERIALS = [
     ('materials.filter', 'gro', 'state', ''),
     ('materials.1', 'on', 'state', None),
@@ -240,13 +240,13 @@ MATERIALS = [
     ('material.compensate', 'off'),
     ('material.separable', 'on'),
     ('material.extinction', '3,1,9'),
-    ('material.alpha', 'blend', 'none', None),  # opaque so far
+    ('material.alpha', 'blend', 'none', None),  # the material is opaque so far
     ('material.opacity', '0.5', 'result', None),
     ('material.alpha', 'mask', 'result', None),
     ('material.alpha_cutoff', '0.8'),
     ('material.alpha', 'opaque', 'result', None),
     ('materials.2', 'on', 'state', None),
-    ('material.medium_priority', '3', 'none'),  # nothing else overlaps it
+    ('material.medium_priority', '3', 'none'),  # no other medium overlaps it
     ('material.extinction', '9,9,9'),
     ('materials.3', 'on', 'state', None),
     *each('material.distribution', 'ggx', ['beckmann', 'phong']),
@@ -296,7 +296,7 @@ FILES = [
     'press history.undo',
 ]
 
-# A scene's own camera is there to be chosen in a file with several.
+# These controls need a file with several cameras.
 CAMERAS = [
     ('camera.of_scene', '1', 'picture'),
     ('animation.time', '0.5', 'picture'),

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the viewer accumulates is what `lampyris render` makes, bit for bit.
+"""The viewer's film equals the picture of `lampyris render`, bit for bit.
 
     test_bits.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -17,7 +17,8 @@ DUCK = os.path.join(DATA, 'gltf', 'Duck', 'Duck.glb')
 
 
 def moving_triangles():
-    """Two triangles as glTF, the second of which moves for a second and then stands for one."""
+    """Makes a glTF file with two triangles. The second one moves for a second and then stands still for a
+    second."""
     data = struct.pack('<9f3f9f', -1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 1, 2, 0, 0, 1, 1, 0.5, 1, 1, 0.5, 1)
     uri = 'data:application/octet-stream;base64,' + base64.b64encode(data).decode()
     return {'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0, 1, 2]}],
@@ -64,7 +65,7 @@ class Bits(Case):
                 self.check(CORNELL, *arguments)
 
     def test_without_anisotropy(self):
-        """The panel's switch is the option of `render`."""
+        """The panel's switch has the same effect as the option of `render`."""
         scene = os.path.join(SCENES, 'materials_anisotropic.json')
         result = self.view('set renderer.anisotropy off\nwait 2 samples\nhash hash.jsonl\n'
                            'key Ctrl+z\nwait 2 samples\nhash hash.jsonl\n', '--spp', '2',
@@ -75,7 +76,7 @@ class Bits(Case):
         self.expect_same(off, self.render(scene, '--spp', '2', '--anisotropy', 'off', size='48x32'))
 
     def test_another_limit(self):
-        """Samples that a limit planned are void when it changes."""
+        """If the limit changes, samples that were planned for the old limit are discarded."""
         for method in (['--sampler', 'blue-noise'], ['--sampler', 'stratified'],
                        ['--halves', 'contiguous'], ['--sampler', 'sobol']):
             with self.subTest(method):
@@ -98,7 +99,7 @@ class Bits(Case):
         self.check(DUCK if DUCK in models else min(models, key=os.path.getsize))
 
     def test_moved_camera(self):
-        """Round trip: what is seen after moving, saved as a scene, rendered."""
+        """The view after a movement is saved as a scene and rendered to the same bits."""
         for scene, keys in ((CORNELL, 'wd'), (SPHERES, 'sqa')):
             with self.subTest(scene):
                 moves = ''.join(f'key {key} down\nwait 4 frames\nkey {key} up\n' for key in keys)
@@ -116,7 +117,7 @@ class Bits(Case):
                                     self.render(scene, '--spp', '3')['image_hash'])
 
     def test_twenty_edits_undone_and_redone(self):
-        """Back to the bits of the beginning, and forth again to those of the end."""
+        """Undoing all edits gives the bits of the beginning, and redoing them those of the end."""
         choice = random.Random(7)
         edits = []
         for _ in range(20):
@@ -147,8 +148,8 @@ class Bits(Case):
                          ['image_hash'], edited)
 
     def test_animations(self):
-        """What is shown at a time is what --at renders, with edits on top; and what stands still
-        goes on accumulating."""
+        """The picture at a time equals that of --at, with edits applied. A picture that does not move
+        continues to accumulate."""
         path = self.write('moving.gltf', json.dumps(moving_triangles()))
         result = self.view('wait 2 samples\nset animation.time 0.5\nwait 2 samples\n'
                            'hash hash.jsonl\nset object.1 on\nset object.turn 0,0,40\n'
@@ -166,7 +167,7 @@ class Bits(Case):
         for hashed, name in zip(hashes[1:], ('edited.json', 'undone.json', 'played.json')):
             self.expect_same(hashed, self.render(self.path(name), '--allow-outside-paths',
                                                  size='48x32'))
-        # A saved scene is played on from where it was saved.
+        # The animation continues from the time at which the scene was saved.
         os.remove(self.path('hash.jsonl'))
         result = self.view('wait 2 samples\nset animation.time 0.25\nwait 2 samples\n'
                            'hash hash.jsonl\nscene edited.json\n', '--spp', '2',
@@ -175,7 +176,7 @@ class Bits(Case):
             self.path('edited.json'), '--allow-outside-paths', size='48x32'))
 
     def test_playing_is_no_edit(self):
-        """While it plays, what was edited is undone and redone; time that passes is no step of it."""
+        """Edits can be undone and redone while the animation plays; the progress of time is not an edit."""
         path = self.write('moving.gltf', json.dumps(moving_triangles()))
         self.view('set object.1 on\nset object.position 0.5,0.5,0.5\nset object.scale 2,2,2\n'
                   'set animation.plays on\nwait 10 frames\nexpect counts.undo == 2\nkey Ctrl+z\n'
@@ -187,7 +188,7 @@ class Bits(Case):
                   'key Ctrl+z\nexpect counts.undo == 0\n', scene=path, size='48x32')
 
     def test_the_played_time_begins_anew_from_the_first_frame_on(self):
-        """Its range is the animation's, which the viewer knows before it is played."""
+        """The control's range is the length of the animation, which the viewer knows before it is played."""
         path = self.write('moving.gltf', json.dumps(moving_triangles()))
         for speed in (-3, 100):
             with self.subTest(speed):
@@ -197,7 +198,7 @@ class Bits(Case):
         self.view('set animation.time 2.5\n', scene=path, size='48x32', code=1)
 
     def test_a_scene_saved_right_after_playing_is_what_is_shown_then(self):
-        """Its time, and its camera, which moves along, are those that the viewer settles on."""
+        """The saved scene has the time, and the moving camera, at which the viewer stops."""
         moving = moving_triangles()
         moving['animations'][0]['channels'].append(
             {'sampler': 0, 'target': {'node': 2, 'path': 'translation'}})
@@ -233,7 +234,7 @@ class Bits(Case):
                   size='48x32')
 
     def test_a_large_scene_is_built_anew_meanwhile(self):
-        """The old picture goes on; edits that come before the new one are for the next."""
+        """The old picture continues during the build. Edits in the meantime apply to the next build."""
         path = self.write('large.json', json.dumps({
             'lampyris': 1, 'materials': {'m': {'base_color': [0.6, 0.5, 0.4]}},
             'environment': {'radiance': [1, 1, 1]},
@@ -252,7 +253,7 @@ class Bits(Case):
                                                  size='32x24'))
 
     def test_random_edits_of_objects_and_lights(self):
-        """After any sequence of edits, some of them undone: what is saved renders to the very bits."""
+        """After random edits, some of which are undone, the saved scene renders the same bits."""
         choice = random.Random(11)
 
         def vector(low, high):
@@ -271,7 +272,7 @@ class Bits(Case):
                 f'set material.emission {vector(0, 3)}',
                 'set surroundings.kind sky\nset surroundings.strength 0.01',
                 'key Ctrl+z', 'key Ctrl+z', 'key Ctrl+y']))
-        # One control of each kind at least, and lamps for lights.
+        # At least one control of each kind, and lamps that are replaced by lights.
         lines += ['press lights.add_area', 'press object.exchange', 'set light.intensity 2',
                   'press light.exchange', 'set object.turn 0,30,0', 'set object.scale 2,1,1',
                   'key Ctrl+z']
@@ -282,7 +283,7 @@ class Bits(Case):
         self.assertGreater(result.state()['counts']['undo'], 10)
         saved = self.render(self.path('saved.json'), '--allow-outside-paths', size='64x48')
         self.expect_same(edited, saved)
-        # Opened again and edited further, it is saved over itself.
+        # The scene is opened again, edited and saved over itself.
         os.remove(self.path('hash.jsonl'))
         result = self.view('wait 1 samples\nset object.2 on\nset object.turn 0,45,0\n'
                            'press lights.add\nwait 2 samples\nhash hash.jsonl\nscene saved.json\n',

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every control of the panel is used, and does something.
+"""Uses every control of the panel, and checks that it has an effect.
 
     test_controls.py LAMPYRIS VIEWER SOURCE_ROOT [Tour[.TEST]|Long]
 
@@ -21,7 +21,7 @@ from viewer_run import ROOT, Case
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SIZE = '240x135'
-# Steps that do not use tour.json: the kernels of other scenes compile in less time.
+# Steps that use another scene than tour.json, because its kernels compile faster.
 FILES = {'view': 'other.json', 'renderer': 'other.json', 'cameras': 'cameras.gltf'}
 TOURS = {'picture': ['view', 'renderer', 'camera', 'scene'], 'materials': ['materials'],
          'objects': ['lights', 'objects', 'files', 'cameras']}
@@ -29,7 +29,7 @@ assert sorted(sum(TOURS.values(), [])) == sorted(STEPS)
 
 
 def bumps():
-    """A small normal map, as PNG."""
+    """Makes a small normal map as PNG."""
     def chunk(kind, data):
         return (struct.pack('>I', len(data)) + kind + data
                 + struct.pack('>I', zlib.crc32(kind + data)))
@@ -41,7 +41,7 @@ def bumps():
 
 
 def two_cameras():
-    """A triangle that moves and two cameras, as glTF."""
+    """Makes a glTF file with a moving triangle and two cameras."""
     data = struct.pack('<9f2f6f', -1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0.5, 0.5, 0)
     uri = 'data:application/octet-stream;base64,' + base64.b64encode(data).decode()
     lens = {'type': 'perspective', 'perspective': {'yfov': 0.8, 'znear': 0.01}}
@@ -65,7 +65,7 @@ def two_cameras():
 
 
 def commands(step):
-    """Lines of a script."""
+    """Returns the lines of a script for a step."""
     if isinstance(step, str):
         return [step]
     name, value, effect, back = step + ('result', UNDO)[len(step) - 2:]
@@ -78,7 +78,7 @@ def commands(step):
 
 
 def used(step):
-    """The ids of controls that it uses, their numbers as '#'."""
+    """Returns the ids of the controls that a step uses, with '#' for numbers."""
     words = step.split() if isinstance(step, str) else ('set', step[0])
     if words[0] not in ('set', 'press', 'click', 'drag', 'check'):
         return set()
@@ -90,7 +90,8 @@ def any_row(name):
 
 
 def one_in_four(steps):
-    """Steps of the script and what stays are kept: later steps need them."""
+    """Selects one in four steps. Steps with commands of their own, and those that are not taken back, are
+    kept, because later steps need them."""
     kept, undone = [], 0
     for step in steps:
         stays = isinstance(step, str) or step[3:] == (None,)
@@ -112,8 +113,8 @@ class TourCase(Case):
         return self.path('tour.json')
 
     def run_steps(self, steps, scene, **options):
-        """All that can be done; returns what failed, and the ids that there were. After a failure
-        it goes on behind the step that failed, with what was to stay before it."""
+        """Runs the steps. Returns the failures and the ids of all controls. After a failure it continues
+        after the failed step, restoring the state of the steps before it that are not taken back."""
         failures, begin = [], 0
         while True:
             lines = ['wait 2 samples', 'state first.json']
@@ -151,7 +152,7 @@ class TourCase(Case):
             failures += own_failures
             ids.update(own_ids)
         touched = {'view.vsync'}.union(*(used(step) for steps in STEPS.values() for step in steps))
-        # Vsync is of windows, and groups are opened by hand: test_mouse_and_keys.py.
+        # Vsync exists only with a window, and groups are opened by hand: see test_mouse_and_keys.py.
         untouched = sorted(name for name, kind in ids.items()
                            if kind != 'group' and name not in touched)
         self.assertEqual((failures, untouched), ([], []))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Where the viewer says that the error comes from: as `lampyris render` says it of the same picture.
+"""The viewer reports the same sources of the error as `lampyris render` for the same picture.
 
     test_error_by.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -25,7 +25,7 @@ class ErrorBy(Case):
         commands = [path.pop('command') for path in told['error_by']['brightest']]
         self.assertEqual([path.pop('command') for path in shown['brightest']], [None] * 10)
         self.assertEqual(shown, told['error_by'])
-        # The saved scene is enough to follow one.
+        # The saved scene is sufficient to follow a path.
         path = told['error_by']['brightest'][0]
         followed = subprocess.run(
             [LAMPYRIS, 'render', self.path('saved.json'), '--size', SIZE, '--pixel',

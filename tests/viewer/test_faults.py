@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What goes wrong around the viewer: displays, scenes, shaders, devices, folders, scripts, signals.
+"""Tests the viewer with faulty displays, scenes, shaders, devices, folders and scripts, and with signals.
 
     test_faults.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -69,7 +69,7 @@ class Faults(Case):
         self.assertEqual(len({h['image_hash'] for h in result.hashes()}), 1)
 
     def shaders(self):
-        """A copy of the source that may be changed."""
+        """Copies the shaders' source code so that it can be changed."""
         return shutil.copytree(os.path.join(ROOT, 'shaders'), self.path('shaders'))
 
     def test_broken_shader_keeps_the_old_kernels(self):
@@ -87,7 +87,7 @@ class Faults(Case):
         self.assertEqual(len({h['image_hash'] for h in result.hashes()}), 1)
 
     def test_changed_shader_is_used(self):
-        """Samples count twice: another picture; and back again."""
+        """Counting samples twice gives another picture. Undoing the change gives the first one again."""
         name = os.path.join(self.shaders(), 'accumulate.comp')
         shutil.copy(name, self.path('whole.comp'))
         with open(name, encoding='utf-8') as file:
@@ -162,15 +162,16 @@ class Faults(Case):
                   'expect scene ~ cornell.json\nwait 1 samples\n', '--spp', '1')
 
     def test_moving_while_denoising_rests(self):
-        """An AOV is shown, of small pictures: the denoiser is there, and its layers are not."""
+        """An AOV is displayed while small pictures are rendered: the denoiser exists, but its layers do
+        not."""
         self.view('wait 1 samples\nset view.denoise on\nwait 1 samples\nset view.aov steps\n'
                   'wait 1 samples\nkey w down\nwait 6 frames\nkey w up\nwait 1 samples\n'
                   'set view.aov radiance\nwait 1 samples\n', '--spp', '1', '--frame-ms', '4',
                   size='320x180')
 
     def denoise(self, limits, *script):
-        """After a box has moved, so that what is seen is compared with the history: of four frames
-        of a sample each, however long they take: in the time of a frame no picture is made smaller."""
+        """Denoises after a box has moved, so that the history is used. Each of four frames has one sample,
+        however long it takes; so no picture is made smaller."""
         scene = os.path.join(ROOT, 'tests', 'render', 'scenes', 'moved_box.json')
         env = dict(os.environ, LAMPYRIS_LIMITS=limits)
         return self.view('set renderer.samples_a_frame 1\nset renderer.spp 4\nset view.denoise on\n'
@@ -180,7 +181,8 @@ class Faults(Case):
                          '--frame-ms', '1000', scene=scene, size='64x43', env=env)
 
     def test_denoiser_on_a_small_device(self):
-        """Where it binds more buffers than the device takes it is switched off, and all else goes on."""
+        """If denoising needs more buffers than the device supports, it is switched off and the viewer
+        continues."""
         for limits in ('', 'storage-count=4', 'no-texel,storage-count=11'):
             result = self.denoise(limits, 'expect item.view.denoise == on', 'exr seen.exr a denoised')
             self.assertNotIn('denoising', result.err)
@@ -216,7 +218,7 @@ class Faults(Case):
         self.assertIn('spp', out)
 
     def test_signals(self):
-        # Children inherit a signal that is ignored, as nohup has it with SIGHUP.
+        # Child processes inherit an ignored signal, and nohup ignores SIGHUP.
         self.addCleanup(signal.signal, signal.SIGHUP, signal.signal(signal.SIGHUP, signal.SIG_DFL))
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1,
                        signal.SIGXCPU):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Resizing, reloading and saving over and over takes no more memory in the end.
+"""Repeated resizing, reloading and saving must not increase the memory that the viewer uses.
 
     test_leaks.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -11,16 +11,16 @@ import viewer_run
 from program import by_the_clock
 from viewer_run import ROOT, Case
 
-# The growth allowed to the process once it has done everything: the driver keeps some code of each
-# pipeline that it ever made, and malloc keeps some of its pages.
+# The permitted growth of the process after it has used all functions once: the driver keeps some code of each
+# pipeline, and malloc keeps some pages.
 SLACK = 8 << 20
 
 
 class Leaks(Case):
     def expect_flat(self, script, states, *arguments, **options):
-        """How much the device holds depends on the clock, too, by the sizes of previews: what leaks
-        makes the least of the later rounds more than the most of the earlier ones. The panel is
-        hidden: its buffers grow with its words, and "1 min 5 s" is longer than "59 s"."""
+        """Checks device memory, which also depends on timing through the sizes of previews. A leak would make
+        the least memory of the later rounds exceed the most of the earlier ones. The panel is hidden, because
+        its buffers grow with its text, and "1 min 5 s" is longer than "59 s"."""
         result = self.view('key F1\n' + script, *arguments, validation=False, timeout=300, **options)
         times = [result.state(name)['times'] for name in states]
         half = len(states) // 2
@@ -31,7 +31,7 @@ class Leaks(Case):
 
     @by_the_clock
     def test_500_resizes(self):
-        """The same sizes over and over."""
+        """The same sizes are used again and again."""
         choice = random.Random(3)
         sizes = [(choice.randrange(32, 300), choice.randrange(32, 200)) for _ in range(50)]
         script, states = [], []
@@ -43,7 +43,7 @@ class Leaks(Case):
 
     @by_the_clock
     def test_100_reloads(self):
-        """Kernels that differ each time, and the scene with them."""
+        """Reloads different kernels each time, and the scene with them."""
         folder = shutil.copytree(os.path.join(ROOT, 'shaders'), self.path('shaders'))
         with open(os.path.join(folder, 'resolve.comp'), encoding='utf-8') as file:
             source = file.read()
@@ -62,7 +62,7 @@ class Leaks(Case):
                          scene=scene)
 
     def test_a_bit_of_everything(self):
-        """Also for a build with sanitizers, which say at the end what was lost."""
+        """Sanitizers, if the build has them, report leaks at the end."""
         folder = shutil.copytree(os.path.join(ROOT, 'shaders'), self.path('shaders'))
         with open(os.path.join(folder, 'resolve.comp'), encoding='utf-8') as file:
             source = file.read()
@@ -84,7 +84,7 @@ class Leaks(Case):
                   '--shaders', 'shaders', scene=scene, validation=False)
 
     def test_nothing_is_left_behind(self):
-        """Not of compiling, and not of pictures."""
+        """No temporary files remain, neither of compiling nor of pictures."""
         env = {**os.environ, 'TMPDIR': self.path('tmp')}
         os.mkdir(self.path('tmp'))
         self.view('wait 1 samples\nkey F5\nwait 2 frames\nwait idle\nkey F12\nkey F5\nquit\n',

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/viewer.md has every key and every control of the panel, with the words of the program.
+"""docs/viewer.md contains every key and every control of the panel, in the words of the program.
 
     test_manual.py LAMPYRIS VIEWER SOURCE_ROOT [--write]
 
@@ -20,13 +20,14 @@ MODELS = ['conductor', 'microfacet', 'blinn_phong', 'dielectric', 'principled']
 
 class Manual(Tour):
     def controls(self):
-        """In the panel's order; those that only some materials have come where these have them."""
+        """Returns the controls in the panel's order. Controls of some materials only are listed where these
+        have them."""
         scene = self.set_up_files()
         script = 'wait 1 samples\nset scene.path other.json\nwait 3 frames\n'
         script += 'set scene.path tour.json\nwait 3 frames\n'
         for model in MODELS:
             script += f'set material.model {model}\nwait 2 frames\nstate {model}.json\n'
-        # SwiftShader takes minutes for the kernels of all these materials.
+        # SwiftShader takes minutes to compile the kernels of all these materials.
         result = self.view(script, '--spp', '1', scene=scene, validation=False, timeout=1500)
         rows = {}
         for model in reversed(MODELS):

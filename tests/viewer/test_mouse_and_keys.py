@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A window on a display (xvfb-run), used by mouse and keys as people do.
+"""Uses a window on a display (xvfb-run) with mouse and keys as people do.
 
     test_mouse_and_keys.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -31,7 +31,7 @@ class Hands(Case):
         self.use(script)
 
     def test_controls_of_all_kinds(self):
-        """Clicked, dragged and typed at, wherever they are in the panel."""
+        """Clicks, drags and types into controls of all kinds, wherever the panel shows them."""
         items = self.items()
         script = 'wait 1 samples\n'
         for name in ('view.nearest', 'view.pause', 'renderer.nee', 'object.3.visible',
@@ -63,7 +63,7 @@ class Hands(Case):
                  'expect message.text ~ cornell-0001.png\n')
 
     def test_vsync(self):
-        """Lavapipe's surfaces can wait, and need not."""
+        """Surfaces of lavapipe support presentation with and without vsync."""
         self.use('wait 1 samples\nexpect window.present_mode == fifo\nset view.vsync off\n'
                  'wait 3 frames\nexpect window.present_mode != fifo\nset view.vsync on\n'
                  'wait 3 frames\nexpect window.present_mode == fifo\n')

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What is seen, pixel by pixel: against the files of `lampyris render`.
+"""Compares the displayed picture, pixel by pixel, with the files of `lampyris render`.
 
     test_pictures.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -24,7 +24,8 @@ class Pictures(Case):
         return png_pixels.read(self.path(name))
 
     def test_tone_and_exposure(self):
-        """At most one code of 255 beside that of `render`: the logarithms are another device's."""
+        """Codes differ by at most 1 from those of `render`, because another device computes the
+        logarithms."""
         for tone, stops in (('none', '0'), ('reinhard', '1'), ('aces', '-1.5'), ('agx', '0.5')):
             with self.subTest(tone):
                 arguments = ['--spp', '4', '--tone', tone, '--exposure', stops]
@@ -34,7 +35,7 @@ class Pictures(Case):
                 self.assertLessEqual(difference, 1)
 
     def test_split_halves(self):
-        """Left of the line one setting's picture, right of it the other's."""
+        """The left part shows the picture with one setting, the right part that with the other."""
         self.view('set view.split on\nset renderer.side B\nset renderer.max_bounces 1\n'
                   'wait 4 samples\nwait idle\nscreenshot seen.png\nhash a.jsonl a\nhash b.jsonl b\n'
                   'exr b.exr b\n', '--spp', '4', '--tone', 'none', '--exposure', '0')
@@ -48,7 +49,7 @@ class Pictures(Case):
         self.assertGreater(png_pixels.most_different(left, right, (line + 2, WIDTH)), 30)
 
     def test_exr_is_renders(self):
-        """All pixels alike, and metadata that says how they came about."""
+        """All pixels are equal, and the metadata describe how the picture was made."""
         self.view('wait 3 samples\nexr seen.exr\n', '--spp', '3')
         self.render(CORNELL, '--spp', '3')
         against = self.compare(self.path('seen.exr'), self.path('render.exr'))
@@ -60,7 +61,7 @@ class Pictures(Case):
             self.assertIn(key, head)
 
     def test_aovs_show_surfaces(self):
-        """The white and the red wall, without noise; and false colours, which are many."""
+        """The white and the red wall are shown without noise, and false colours have many shades."""
         for what in ('albedo', 'normal', 'objects', 'materials', 'depth', 'steps', 'variance'):
             with self.subTest(what):
                 self.view(f'set view.aov {what}\nwait 4 samples\nwait idle\n'
@@ -70,7 +71,7 @@ class Pictures(Case):
                 self.assertGreater(len(colours), 4)
 
     def test_denoised_is_smoother(self):
-        """Next to the converged picture; and the film stays what it is."""
+        """The denoised picture is near the converged one, and the film does not change."""
         scene = os.path.join(SCENES, 'cornell.json')
         self.view('wait 4 samples\nwait idle\nhash h.jsonl\nscreenshot noisy.png\n'
                   'set view.denoise on\nwait 4 samples\nwait idle\nwait 3 frames\nhash h.jsonl\n'
@@ -86,8 +87,8 @@ class Pictures(Case):
             self.assertEqual(len(set(file)), 1)
 
     def test_the_denoiser_follows_what_moves(self):
-        """One sample after a box moved is nearer to the truth with the history of 64; the film is
-        the same."""
+        """After a box has moved, one sample with the history of 64 is nearer to the truth. The film is the
+        same."""
         scene = os.path.join(ROOT, 'tests', 'render', 'scenes', 'moved_box.json')
         errors, hashes = [], []
         self.render(scene, '-D', 'left=-0.1', '-D', 'right=0.9', '--spp', '256', size='128x86')

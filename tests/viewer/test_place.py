@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Where the picture is in the window, what the mouse meets there, and how models open.
+"""Tests the place of the picture in the window, what the mouse picks there, and the initial views of models.
 
     test_place.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -7,7 +7,7 @@ import png_pixels
 import viewer_run
 from viewer_run import CORNELL, Case
 
-SIZE = '320x180'  # the panel has 128 of it
+SIZE = '320x180'  # the panel covers 128 pixels of the width
 BOX = """v 3 0 0
 v 7 0 0
 v 7 2 0
@@ -53,7 +53,8 @@ class Place(Case):
             self.assertEqual(self.pixel('shown.png', 224, y), (0, 0, 0))
 
     def test_the_mouse_meets_what_is_seen(self):
-        """The same pixel of the film is picked where it is shown; beside the picture, nothing."""
+        """A click on a displayed pixel picks the surface in that pixel of the film; beside the picture it
+        picks nothing."""
         click = 'button left\nwait 3 frames\n'
         result = self.view('wait 2 samples\nmouse 224 51\n' + click + 'state shown.json\n'
                            'mouse 224 10\n' + click + 'state beside.json\nkey F1\nwait 2 frames\n'
@@ -65,20 +66,21 @@ class Place(Case):
         self.assertNotEqual(beside, shown)
 
     def test_the_line_follows_the_mouse(self):
-        """The line of a split view, from the middle of the picture to a quarter of it."""
+        """The dividing line is dragged from the middle of the picture to a quarter of it."""
         self.view('set view.split on\nwait 2 samples\nmouse 224 90\nbutton left down\n'
                   'mouse 200 90\nmouse 176 90\nbutton left up\nwait 2 frames\n'
                   'expect item.view.split_at == 0.25\n', '--spp', '2', size=SIZE)
 
     def test_models_are_exposed(self):
-        """By their luminance, until somebody sets it."""
+        """The exposure is computed from the luminance until the user sets it."""
         self.view('wait 16 samples\nexpect item.view.exposure_auto == on\n'
                   'expect item.view.exposure != 0\nexpect item.view.tone == aces\n'
                   'set view.exposure 1\nwait 3 frames\nexpect item.view.exposure_auto == off\n'
                   'expect item.view.exposure == 1\n', scene=self.write('box.obj', BOX), size=SIZE)
 
     def test_models_open_in_orbit(self):
-        """About their centre; Home shows them whole again, in a window of another size, too."""
+        """The camera orbits the model's centre. Home shows the whole model again, also after the window's
+        size has changed."""
         model = self.write('box.obj', BOX)
         turn = ('mouse 224 90\nbutton right down\nmouse 254 100\nbutton right up\n'
                 'wait 2 frames\nscroll 0 3\nwait 2 frames\nmouse 224 90\nbutton middle down\n'
@@ -104,7 +106,7 @@ class Place(Case):
         self.assertEqual(fitted['camera'], result.state('opened.json')['camera'])
 
     def test_scenes_with_a_camera_open_as_before(self):
-        """Home is their camera, and they are flown through."""
+        """Home restores the scene's camera, and the camera flies."""
         result = self.view('wait 1 samples\nstate opened.json\nkey W down\nwait 3 frames\n'
                            'key W up\nwait 2 frames\nstate flown.json\nkey Home\nwait 2 frames\n'
                            'state home.json\n', '--spp', '1', size=SIZE)

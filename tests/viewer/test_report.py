@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The viewer does not end without saying how fast it was and how good the picture is.
+"""At the end, the viewer reports its speed and the error of the picture.
 
     test_report.py LAMPYRIS VIEWER SOURCE_ROOT
 """

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What the viewer saves as a scene is rendered to the very bits that it shows: scenes of several
-kinds, each edited, saved, opened again, edited further and saved over itself.
+"""A scene saved by the viewer renders the same bits that the viewer shows. Scenes of several kinds are
+edited, saved, opened again, edited further and saved over themselves.
 
     test_saved.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -15,7 +15,7 @@ SMALL = '80x60'
 
 class Saved(Case):
     def edit(self, scene, edits, *arguments):
-        """Edits and saves; returns the hash of what the viewer has then."""
+        """Edits a scene and saves it. Returns the hash of the viewer's picture."""
         script = ''.join(f'set {edit}\n' for edit in edits)
         name = self.path('hash.jsonl')
         if os.path.exists(name):

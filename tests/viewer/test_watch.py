@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""--watch: what changes on the disk changes in the picture.
+"""--watch: changes of files on the disk appear in the picture.
 
     test_watch.py LAMPYRIS VIEWER SOURCE_ROOT
 """
@@ -12,7 +12,8 @@ from viewer_run import ROOT, Case
 
 class Watch(Case):
     def test_scene(self):
-        """Replaced by rename; broken meanwhile; and the camera stays where it was moved to."""
+        """The file is replaced by renaming, and is invalid in between. The camera stays where it was moved
+        to."""
         scene = self.scene()
         with open(scene, encoding='utf-8') as file:
             text = file.read()

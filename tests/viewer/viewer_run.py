@@ -1,4 +1,4 @@
-"""Runs lampyris-view with a script in a folder of its own; shared by the tests of the viewer.
+"""Runs lampyris-view with a script in a folder of its own. The tests of the viewer share this file.
 
     test_X.py LAMPYRIS VIEWER SOURCE_ROOT [CASE…]
 """
@@ -61,7 +61,7 @@ class Case(unittest.TestCase):
         return self.path(name)
 
     def scene(self, name='cornell.json'):
-        """A copy that may be changed."""
+        """Copies a scene so that it can be changed."""
         return shutil.copy(os.path.join(SCENES, name), self.path(name))
 
     def command(self, script, *arguments, scene=CORNELL, size=SIZE, window=False, validation=True):
@@ -72,7 +72,8 @@ class Case(unittest.TestCase):
         return [*command, *arguments]
 
     def view(self, script, *arguments, code=0, env=None, timeout=200, **options):
-        """Runs it and expects that exit code. The layers' messages end the viewer with 3."""
+        """Runs the viewer, and checks its exit code. Messages of the validation layers end the viewer with
+        code 3."""
         process = subprocess.run(self.command(script, *arguments, **options), cwd=self.folder,
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                  timeout=timeout, env=env)
@@ -80,7 +81,7 @@ class Case(unittest.TestCase):
         return Result(process, self.folder)
 
     def render(self, scene, *arguments, size=SIZE):
-        """What `lampyris render` says of the same picture."""
+        """Returns the output of `lampyris render` for the same picture."""
         result = subprocess.run([LAMPYRIS, 'render', scene, '--size', size, '--json', '-q', '-o',
                                  self.path('render.exr'), *arguments],
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

@@ -1,4 +1,4 @@
-"""Runs within Blender: makes a scene of a description, and renders it by Cycles as often as it is asked to.
+"""Runs inside Blender. Makes a scene from a description, and renders it with Cycles as often as requested.
 
     blender -b --factory-startup --python-exit-code 1 --python cycles_scene.py -- FOLDER SCENE
 
@@ -19,7 +19,7 @@ from mathutils import Matrix, Vector
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import geometry  # noqa: E402
 
-# y is up in the descriptions, and z in Blender.
+# In the descriptions y is up, in Blender z.
 UPRIGHT = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 
 
@@ -154,8 +154,9 @@ def set_world(scene, description, folder):
     texture.image.colorspace_settings.name = 'Linear'
     texture.interpolation = 'Linear'
     world.node_tree.links.new(texture.outputs['Color'], background.inputs['Color'])
-    # The map is constant in each of its cells, and what it stands for is bilinear: with the image's own resolution, the
-    # default, light from the sun's limb has next to no chance, and the error on the mesh is ten times as large.
+    # The sampling map is constant in each cell, but the radiance is bilinear. With the image's own
+    # resolution, which is the default, light from the sun's limb has almost no probability, and the error on
+    # the mesh is ten times as large.
     world.cycles.sampling_method = 'MANUAL'
     world.cycles.sample_map_resolution = 4 * texture.image.size[0]
     world.cycles.max_bounces = 1024
@@ -175,7 +176,8 @@ def set_camera(scene, description):
 
 
 def set_cycles(scene, max_bounces):
-    """What Lampyris does: every contribution counts as it is, and all paths of max_bounces scattering events."""
+    """Sets Cycles up like Lampyris: no contribution is clamped, and paths have max_bounces scattering
+    events."""
     scene.render.engine = 'CYCLES'
     cycles = scene.cycles
     cycles.device = 'CPU'
@@ -187,8 +189,8 @@ def set_cycles(scene, max_bounces):
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.light_sampling_threshold = 0
     cycles.caustics_reflective = cycles.caustics_refractive = True
-    cycles.pixel_filter_type = 'BOX'  # of one pixel, whatever filter_width says
-    # Cycles counts the surfaces between the first and the last one.
+    cycles.pixel_filter_type = 'BOX'  # the filter has the width of a pixel, whatever filter_width is
+    # Cycles counts only the surfaces between the first and the last one.
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = max_bounces - 1
     cycles.transmission_bounces = cycles.transparent_max_bounces = max_bounces - 1
 

@@ -1,19 +1,20 @@
-"""What the pictures say: errors without a reference's own noise, means, and ratios with their intervals.
+"""Estimates from pictures: errors without the reference's own noise, means, and ratios with their intervals.
 
 A picture is (width, height, three planes), as exr.read() returns it.
 """
 import math
 
-EPSILON = 0.01  # of relMSE, as in docs/comparing.md
-TILES = 4  # on a side, at least, of at most 16 x 16 pixels
+EPSILON = 0.01  # the epsilon of relMSE, see docs/comparing.md
+TILES = 4  # at least this many tiles per side, each of at most 16 x 16 pixels
 
-# Student's t, 97.5 %, for 1 to 30 degrees of freedom.
+# The 97.5 % quantiles of Student's t for 1 to 30 degrees of freedom.
 T_975 = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131, 2.120,
          2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042)
 
 
 def t_975(degrees):
-    """For a number of degrees that is rounded down, which makes intervals wider."""
+    """Returns the quantile for a number of degrees of freedom, which is rounded down, so that intervals
+    become wider."""
     return T_975[max(1, min(len(T_975), int(degrees))) - 1]
 
 
@@ -27,7 +28,7 @@ def _same_size(*pictures):
 
 
 def error(picture, references):
-    """relMSE against what two independent references estimate. Their noise averages out of (x - a)(x - b)."""
+    """Returns relMSE with two independent references. The noise of both averages out of (x - a)(x - b)."""
     _same_size(picture, *references)
     a, b = references
     values = _values(picture)
@@ -36,7 +37,7 @@ def error(picture, references):
 
 
 def difference(ours, theirs):
-    """relMSE between the means of two renderers, again without the noise of their pairs of references."""
+    """Returns relMSE between the means of two renderers, without the noise of their pairs of references."""
     _same_size(*ours, *theirs)
     terms = ((a - c) * (b - d) / (.0625 * (a + b + c + d)**2 + EPSILON)
              for a, b, c, d in zip(*map(_values, (*ours, *theirs))))
@@ -44,7 +45,8 @@ def difference(ours, theirs):
 
 
 def mean(references):
-    """The mean radiance, and its standard error by the differences of tiles, which are independent."""
+    """Returns the mean radiance and its standard error, from the differences of tiles, which are
+    independent."""
     _same_size(*references)
     (width, height, a), (_, _, b) = references
     tiles, side = {}, min(16, width // TILES)
@@ -60,21 +62,23 @@ def mean(references):
 
 
 def ratio_of_means(ours, theirs):
-    """(ratio, low, high): mean radiances of two renderers, a normal interval of 95 %."""
+    """Returns (ratio, low, high) of the mean radiances of two renderers; the interval is normal, with 95
+    %."""
     (a, sa), (b, sb) = mean(ours), mean(theirs)
     half = 1.96 * a / b * math.hypot(sa / a, sb / b)
     return a / b, a / b - half, a / b + half
 
 
 class Logarithm:
-    """An estimate of a ratio's logarithm, with its standard error and degrees of freedom; the value is None where a mean
-    was not above 0, as a time that is lost in the noise of short renders."""
+    """The estimated logarithm of a ratio, with its standard error and degrees of freedom. The value is None
+    if a mean was not above 0, such as a time that is smaller than the noise of short renders."""
 
     def __init__(self, value, error, degrees):
         self.value, self.error, self.degrees = value, error, degrees
 
     def interval(self):
-        """(ratio, low, high) of 95 %, None where they are not known: a single turn knows nothing of the ends."""
+        """Returns (ratio, low, high) with 95 %; values that are not known are None: with a single turn there
+        is no interval."""
         if self.value is None:
             return None, None, None
         if self.degrees < 1:
@@ -109,7 +113,8 @@ def ratio(ours, theirs):
 
 
 def geometric_mean(logarithms):
-    """Of ratios of independent scenes; degrees of freedom by Welch (1947) and Satterthwaite (1946)."""
+    """Returns the geometric mean of ratios of independent scenes; degrees of freedom by Welch (1947) and
+    Satterthwaite (1946)."""
     count = len(logarithms)
     if any(one.value is None for one in logarithms):
         return Logarithm(None, math.inf, 0)

@@ -1,4 +1,5 @@
-"""OpenEXR files of 32-bit floats with the channels R, G and B: one part, scan lines, not compressed or by ZIP.
+"""Reads and writes OpenEXR files with 32-bit floats and the channels R, G and B: one part, scan lines,
+uncompressed or ZIP.
 
 That is what both renderers write, and what both read as an environment (OpenEXR: "The OpenEXR file layout", openexr.com).
 Modules of other authors are not needed, so that the comparison runs wherever Python does.
@@ -9,7 +10,7 @@ import sys
 import zlib
 
 FLOAT = 2
-LINES = {0: 1, 2: 1, 3: 16}  # in a block: not compressed, ZIPS, ZIP
+LINES = {0: 1, 2: 1, 3: 16}  # lines per block, by compression: none, ZIPS, ZIP
 
 
 def _string(data, at):
@@ -18,7 +19,7 @@ def _string(data, at):
 
 
 def _header(data):
-    """The attributes' values by name, and where the table of offsets begins."""
+    """Returns the attributes' values by name, and the place of the table of offsets."""
     if data[:4] != b'\x76\x2f\x31\x01':
         raise ValueError('this is no OpenEXR file')
     at, attributes = 8, {}
@@ -44,7 +45,7 @@ def _channels(value):
 
 
 def _unzip(data, size):
-    """ZIP's predictor and its two interleaved halves, undone."""
+    """Decompresses a block and inverts ZIP's predictor and its interleaving of two halves."""
     if len(data) == size:
         return data
     differences = zlib.decompress(data)
@@ -65,7 +66,7 @@ def _floats(data):
 
 
 def read(path):
-    """(width, height, (red, green, blue)): three arrays of floats, row by row from the top."""
+    """Returns (width, height, (red, green, blue)) with three arrays of floats, row by row from the top."""
     with open(path, 'rb') as file:
         data = file.read()
     attributes, at = _header(data)
@@ -94,7 +95,7 @@ def _attribute(name, kind, value):
 
 
 def write(path, width, height, planes):
-    """Writes three arrays of floats, which are red, green and blue, without compression."""
+    """Writes three arrays of floats, for red, green and blue, without compression."""
     window = struct.pack('<4i', 0, 0, width - 1, height - 1)
     channels = b''.join(name + b'\0' + struct.pack('<iB3xii', FLOAT, 0, 1, 1) for name in (b'B', b'G', b'R'))
     header = b''.join((

@@ -1,4 +1,4 @@
-"""Meshes of the scenes, and the PLY files through which both renderers get them.
+"""Makes the meshes of the scenes, and the PLY files from which both renderers read them.
 
 A mesh is (vertices, triangles, normals): lists of (x, y, z), of three indices, and of vertices' normals or None where
 its triangles are shaded as the planes that they are.
@@ -8,7 +8,7 @@ import struct
 
 
 def quad(corner, u, v):
-    """A parallelogram whose normal is u x v."""
+    """Makes a parallelogram whose normal is u x v."""
     a = tuple(corner)
     b = tuple(p + q for p, q in zip(corner, u))
     d = tuple(p + q for p, q in zip(corner, v))
@@ -17,7 +17,7 @@ def quad(corner, u, v):
 
 
 def joined(*meshes):
-    """One mesh of several that have no normals."""
+    """Joins meshes without normals to one mesh."""
     vertices, triangles = [], []
     for more, faces, _ in meshes:
         triangles += [tuple(i + len(vertices) for i in face) for face in faces]
@@ -26,7 +26,7 @@ def joined(*meshes):
 
 
 def box(low, high, turn_degrees=0.0):
-    """A box along the axes, turned about the vertical through its middle; normals point outwards."""
+    """Makes a box, rotated about the vertical axis through its centre. Normals point outwards."""
     angle = math.radians(turn_degrees)
     middle = [(p + q) / 2 for p, q in zip(low, high)]
     corners = []
@@ -50,7 +50,7 @@ def _middle(vertices, known, a, b):
 
 
 def icosphere(subdivision):
-    """The unit sphere by 20 * 4^subdivision triangles, with its own normals at the vertices."""
+    """Makes the unit sphere with 20 * 4^subdivision triangles and the sphere's normals at the vertices."""
     g = (1 + math.sqrt(5)) / 2
     length = math.hypot(1, g)
     vertices = [tuple(p / length for p in v) for v in (
@@ -69,7 +69,8 @@ def icosphere(subdivision):
 
 
 def globe(segments, rings):
-    """The unit sphere by 2 * segments * (rings - 1) flat triangles between meridians and circles of latitude."""
+    """Makes the unit sphere with 2 * segments * (rings - 1) flat triangles between meridians and
+    parallels."""
     vertices = [(0, 1, 0)]
     for i in range(1, rings):
         theta = math.pi * i / rings
@@ -89,7 +90,8 @@ def globe(segments, rings):
 
 
 def displaced_torus(around, about):
-    """A torus about y of 2 * around * about flat triangles, of radii 1 and .45, displaced by waves of seven lengths."""
+    """Makes a torus about y with 2 * around * about flat triangles and radii 1 and .45, displaced by waves of
+    seven lengths."""
     def height(p, q):
         total = 0.0
         for n, (a, b, phase) in enumerate(((5, 3, .3), (9, 7, 1.1), (17, 11, 2.3), (31, 23, .7), (61, 41, 1.9),
@@ -112,7 +114,7 @@ def displaced_torus(around, about):
 
 
 def write_ply(path, mesh):
-    """A binary PLY file: vertices of floats, with normals where there are any, and triangles."""
+    """Writes a binary PLY file with vertices, normals if there are any, and triangles."""
     vertices, triangles, normals = mesh
     names = ('x', 'y', 'z') + (('nx', 'ny', 'nz') if normals else ())
     header = ['ply', 'format binary_little_endian 1.0', 'element vertex %d' % len(vertices),
@@ -128,7 +130,8 @@ def write_ply(path, mesh):
 
 
 def read_ply(path):
-    """(vertices, triangles, normals or None) of a file of write_ply(), as arrays of numpy: Blender has it."""
+    """Returns (vertices, triangles, normals or None) from a file of write_ply(), as arrays of numpy, which
+    Blender contains."""
     import numpy
     with open(path, 'rb') as file:
         data = file.read()

@@ -1,4 +1,4 @@
-"""Scene files of Lampyris (docs/scene-format.md) from descriptions of scenes.py."""
+"""Writes scene files of Lampyris (docs/scene-format.md) from the descriptions in scenes.py."""
 import json
 import os
 
@@ -10,12 +10,14 @@ def _material(description):
     if kind == 'glass':
         return {'type': 'dielectric', 'ior': description['ior']}
     if kind == 'metal':
-        # Schlick's curve from white is white at every angle, and "mixed" multiplies it by the specular colour.
+        # With a specular colour of white, Schlick's curve is white at every angle; "mixed" multiplies it by
+        # the specular colour.
         return {'type': 'principled', 'metallic': 1, 'base_color': [1, 1, 1], 'specular_fresnel': 'mixed',
                 'specular_color': description['color'], 'roughness': description['roughness'],
                 'masking': 'separable', 'compensate': False}
     if kind == 'plastic':
-        # With glTF's layers the base is Lambert's surface, and a smooth layer leaves it 1 - F (docs/materials.md).
+        # With glTF's layers the base is a Lambertian surface, which a smooth layer weights by 1 - F
+        # (docs/materials.md).
         return {'type': 'principled', 'layers': 'gltf', 'base_color': description['color'], 'roughness': 0,
                 'ior': description['ior']}
     if kind == 'light':
@@ -24,7 +26,7 @@ def _material(description):
 
 
 def _shapes(description):
-    """Objects of their own where a mesh stands once, else instances of a hidden one."""
+    """Returns a shape for each mesh that occurs once; other meshes become instances of a hidden one."""
     uses = {}
     for thing in description['objects']:
         uses[thing['mesh']] = uses.get(thing['mesh'], 0) + 1
@@ -62,7 +64,7 @@ def document(description):
 
 
 def write(description, folder):
-    """The path of the scene file, which stands beside its meshes and its sky."""
+    """Writes the scene file, beside its meshes and its sky, and returns its path."""
     path = os.path.join(folder, description['name'] + '.json')
     with open(path, 'w') as file:
         json.dump(document(description), file)

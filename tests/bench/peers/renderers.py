@@ -1,4 +1,4 @@
-"""The two renderers behind one interface: open() a scene, render() it with samples and a seed, close().
+"""Runs both renderers through one interface: open() a scene, render() it with samples and a seed, close().
 
 render() returns wall and processor seconds. Both include some time that does not depend on the number of samples. Lampyris'
 processor seconds are those of its process, from loading to writing; its wall seconds are those of rendering alone. Both of
@@ -22,7 +22,7 @@ def _hash(path):
 
 
 class Failure(Exception):
-    """A renderer ended with an error; the message is what it said."""
+    """A renderer ended with an error. The message is its output."""
 
 
 def _processor_seconds_of_children():
@@ -31,13 +31,13 @@ def _processor_seconds_of_children():
 
 
 class Lampyris:
-    """A process for each render."""
+    """Runs a new process for each render."""
 
     family = 'Lampyris'
 
     def __init__(self, name, program, options=()):
         self.name, self.program, self.options = name, os.path.abspath(program), list(options)
-        # Rows are of one program and of one way to make scenes.
+        # Rows of results belong to one version of the program and of the code that writes scenes.
         self.version = ' '.join([_hash(self.program), _hash(lampyris_scene.__file__), *self.options])
         self.scene = None
 
@@ -60,13 +60,13 @@ class Lampyris:
 
 
 class Cycles:
-    """A process for each scene, which keeps its BVH from one render to the next."""
+    """Runs a process for each scene, which keeps its BVH between renders."""
 
     name = family = 'Cycles'
 
     def __init__(self, blender):
         self.blender = shutil.which(blender)
-        # Blender looks for its modules beside the first Python of PATH, which need not be the system's.
+        # Blender looks for its modules beside the first Python in PATH, which may not be the system's.
         self.environment = dict(os.environ, PATH='/usr/bin:/bin')
         self.environment.pop('PYTHONPATH', None)
         words = subprocess.run([blender, '--version'], stdout=subprocess.PIPE, text=True, check=True).stdout.split()

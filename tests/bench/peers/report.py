@@ -1,4 +1,4 @@
-"""Results as plain values, and as tables of Markdown that people read as they are."""
+"""Makes plain values of the results, and tables in Markdown."""
 import estimate
 
 
@@ -13,7 +13,7 @@ def _renderer(comparison, renderer, costs):
         result[key] = _mean(costs[key])
     for kind, speed in (('seconds', 'msamples_per_s'), ('processor_seconds', 'msamples_per_processor_s')):
         mean = _mean(costs[kind])
-        known = mean > 0  # few samples are lost in the noise of what else a render does
+        known = mean > 0  # with few samples, the noise of other work may exceed their cost
         result[kind], result[kind + '_1'] = mean if known else None, costs[kind + '_1']
         result[speed] = samples / mean * 1e-6 if known else None
         result['relmse_' + kind] = result['relmse'] * mean if known else None
@@ -27,19 +27,21 @@ RATIOS = {'relmse': ('relmse',), 'processor_seconds': ('processor_seconds',), 's
 
 
 def _against(comparison, ours, theirs, costs):
-    """Lampyris over another one, as logarithms, and whether both solve the same problem."""
+    """Compares Lampyris with another renderer: ratios as logarithms, and whether both solve the same
+    problem."""
     a, b = costs[ours.name], costs[theirs.name]
     logarithms = {name: estimate.ratio([a[key] for key in keys], [b[key] for key in keys])
                   for name, keys in RATIOS.items()}
     pair = comparison.references[ours.family], comparison.references[theirs.family]
     result = {'renderer': theirs.name, 'mean': estimate.ratio_of_means(*pair), 'difference': estimate.difference(*pair)}
     if ours.family == theirs.family:
-        result['mean'], result['difference'] = (1, 1, 1), 0  # they share their references
+        result['mean'], result['difference'] = (1, 1, 1), 0  # both have the same references
     return result, logarithms
 
 
 def results(compared):
-    """Of comparisons that have run. Ratios are [estimate, low, high] of 95 %, Lampyris over the other."""
+    """Returns the results of finished comparisons. Ratios are [estimate, low, high] with 95 %, Lampyris
+    divided by the other renderer."""
     options = compared[0].options
     found = {'size': options.size, 'spp': options.spp, 'reference_spp': options.reference_spp, 'turns': options.turns,
              'max_bounces': compared[0].description['max_bounces'], 'scenes': [], 'geometric_means': {}}

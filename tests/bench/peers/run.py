@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Compares Lampyris with Cycles: five scenes, by turns, each renderer against its own reference. See docs/peers.md.
+"""Compares Lampyris with Cycles on five scenes, in alternation, each renderer against its own reference. See
+docs/peers.md.
 
     tests/bench/peers/run.py --lampyris build/src/cli/lampyris [--quick] [-o FOLDER]
 
@@ -55,7 +56,7 @@ def arguments():
 
 
 def contestants(options):
-    """Lampyris first: all others are compared with it."""
+    """Returns the renderers. Lampyris is the first one, with which all others are compared."""
     result = [renderers.Lampyris('Lampyris', shutil.which(options.lampyris), options.options.split()),
               renderers.Cycles(options.blender)]
     for also in options.also:
@@ -65,7 +66,7 @@ def contestants(options):
 
 
 class Rows:
-    """One for each render that was timed, kept in a file from the first one on."""
+    """Results, one row for each timed render, stored in a file as soon as they are known."""
 
     def __init__(self, folder):
         self.path, self.rows = os.path.join(folder, 'rows.csv'), []
@@ -94,7 +95,7 @@ class Rows:
 
 
 class Comparison:
-    """One scene, of which all renderers are open."""
+    """The comparison for one scene, with all renderers open."""
 
     def __init__(self, options, name, renderers_, rows):
         self.options, self.renderers, self.rows = options, renderers_, rows
@@ -105,7 +106,7 @@ class Comparison:
         self.key = {'scene': name, 'identity': self.identity, 'size': options.size, 'spp': options.spp}
 
     def reference(self, renderer):
-        """Two pictures of independent seeds; builds of Lampyris share theirs."""
+        """Returns two pictures with independent seeds. Builds of Lampyris share theirs."""
         folder = os.path.join(self.options.output, 'references')
         os.makedirs(folder, exist_ok=True)
         pictures = []
@@ -123,7 +124,8 @@ class Comparison:
         print('%-8s %s' % (self.key['scene'], text), file=sys.stderr, flush=True)
 
     def turn(self, renderer, number):
-        """A render, and one of a single sample: what both have in common is not the samples' cost."""
+        """Measures a render, and one with a single sample, whose cost is subtracted because it is not the
+        samples'."""
         own = dict(self.key, renderer=renderer.name, version=renderer.version, turn=number)
         if self.rows.select(**own):
             return
@@ -153,13 +155,15 @@ class Comparison:
                 renderer.close()
 
     def costs(self, renderer):
-        """By turns: relMSE, and wall and processor seconds of the samples alone. An earlier run may have had more turns."""
+        """Returns, for each turn, relMSE and the wall and processor seconds of the samples alone. An earlier
+        run may have had more turns."""
         rows = sorted((row for row in self.rows.select(**self.key, renderer=renderer.name, version=renderer.version)
                        if row['turn'] < self.options.turns), key=lambda row: row['turn'])
         part = self.options.spp / (self.options.spp - 1)
         result = {'relmse': [row['relmse'] for row in rows], 'load': [row['load'] for row in rows]}
         for kind in ('seconds', 'processor_seconds'):
-            # A median, since a moment's load of the machine would be added to, or taken from, one turn alone.
+            # The median is used, because a moment of load on the machine would be added to, or subtracted
+            # from, one turn only.
             one = statistics.median(row[kind + '_1'] for row in rows)
             result[kind] = [(row[kind] - one) * part for row in rows]
             result[kind + '_1'] = one

@@ -1,4 +1,4 @@
-"""The five scenes, each described once.
+"""Describes the five scenes, each once for both renderers.
 
 A description is a dict of plain values, from which lampyris_scene.py makes a scene file and cycles_scene.py the objects of
 Blender. Lengths are metres, y is up, colours and radiances are linear Rec. 709, and the picture is a square.
@@ -46,13 +46,13 @@ def _sky_radiance(direction, sun):
     up = math.sqrt(y)
     sky = [a + (b - a) * up for a, b in zip((.9, .95, 1.0), (.25, .45, .9))]
     angle = math.degrees(math.acos(min(1, x * sun[0] + y * sun[1] + z * sun[2])))
-    # The sun's limb is a texel or two wide, so that interpolation has something to interpolate.
+    # The sun's limb is one or two texels wide, so that the interpolation matters.
     part = min(1, max(0, (SUN['radius_degrees'] + .25 - angle) / .5))
     return [a + part * b for a, b in zip(sky, SUN['radiance'])]
 
 
 def write_sky(path):
-    """A gradient with a sun of 3 degrees, in the convention of docs/lighting.md."""
+    """Writes a gradient with a sun of 3 degrees, in the convention of docs/lighting.md."""
     width, height = SKY_SIZE
     elevation, azimuth = (math.radians(SUN[key]) for key in ('elevation_degrees', 'azimuth_degrees'))
     sun = (math.cos(elevation) * math.cos(azimuth), math.sin(elevation), math.cos(elevation) * math.sin(azimuth))
@@ -68,17 +68,17 @@ def write_sky(path):
 
 
 def write_even(path):
-    """Radiance 1 from everywhere, in which a surface shows its albedo."""
+    """Writes radiance 1 in all directions, under which a surface shows its albedo."""
     exr.write(path, 16, 8, [array.array('f', [1] * (16 * 8)) for _ in range(3)])
 
 
-# Environments and meshes by the name of their file; made when a scene asks for them.
+# Functions that make environments and meshes, by the name of the file; a file is made when a scene needs it.
 ENVIRONMENTS = {'sky.exr': write_sky, 'even.exr': write_even}
 MESHES = {
     'floor.ply': lambda: geometry.quad((-60, 0, 60), (120, 0, 0), (0, 0, -120)),
     'white.ply': lambda: geometry.joined(
         geometry.quad((-1, 0, 1), (2, 0, 0), (0, 0, -2)), geometry.quad((-1, 0, -1), (2, 0, 0), (0, 2, 0)),
-        # The ceiling has a hole for the lamp: nothing is to see of its back.
+        # The ceiling has a hole for the lamp, so that the lamp's back is not visible.
         geometry.quad((-1, 2, -1), (2, 0, 0), (0, 0, .7)), geometry.quad((-1, 2, .3), (2, 0, 0), (0, 0, .7)),
         geometry.quad((-1, 2, -.3), (.6, 0, 0), (0, 0, .6)), geometry.quad((.4, 2, -.3), (.6, 0, 0), (0, 0, .6))),
     'left.ply': lambda: geometry.quad((-1, 0, 1), (0, 0, -2), (0, 2, 0)),
@@ -194,7 +194,8 @@ def describe(name):
 
 
 def write_files(description, folder):
-    """The meshes and the environment that are not in the folder yet, then the description; returns what identifies the scene."""
+    """Writes missing meshes and the environment, then the description. Returns a value that identifies the
+    scene."""
     files = list(description['meshes'].values())
     if description['environment']:
         files.append(description['environment'])

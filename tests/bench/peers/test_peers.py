@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The comparison with Cycles itself: its estimates, its files, and that both programs get the same scenes.
+"""Tests the comparison with Cycles: its estimates, its files, and that both programs get the same scenes.
 
     test_peers.py LAMPYRIS [CLASS...]
 
@@ -30,14 +30,14 @@ LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 
 
 def noisy(truth, deviation, numbers, size=64):
-    """A picture of that mean, each value with noise of its own."""
+    """Returns a picture with this mean, whose values have independent noise."""
     planes = [array.array('f', (numbers.gauss(truth, deviation) for _ in range(size * size))) for _ in range(3)]
     return size, size, planes
 
 
 class Estimates(unittest.TestCase):
     def test_the_noise_of_references_is_not_counted(self):
-        # relMSE of a picture is s^2 / (r^2 + .01); the references' own variance is four times that.
+        # relMSE of a picture is s^2 / (r^2 + .01). The variance of the references is four times as large.
         numbers = random.Random(3)
         references = [noisy(2, .1, numbers) for _ in range(2)]
         found = [estimate.error(noisy(2, .05, numbers), references) for _ in range(8)]
@@ -58,11 +58,11 @@ class Estimates(unittest.TestCase):
         for _ in range(200):
             mean, error = estimate.mean([noisy(1, .5, numbers, 32) for _ in range(2)])
             held += abs(mean - 1) < 1.96 * error
-        self.assertGreater(held, 175)  # 186 are expected: the error is that of 16 tiles, and uncertain itself
+        self.assertGreater(held, 175)  # 186 are expected: the interval is from 16 tiles, and uncertain itself
         self.assertLess(held, 198)
 
     def test_intervals_of_ratios_hold(self):
-        # Turns share what the machine did to both; it cancels.
+        # What the machine does in a turn affects both renderers, and cancels.
         numbers, held, widths = random.Random(6), 0, []
         for _ in range(400):
             load = [numbers.uniform(1, 3) for _ in range(6)]
@@ -136,7 +136,7 @@ class Files(unittest.TestCase):
 
 
 class Scenes(unittest.TestCase):
-    """Lampyris takes the files. The long form Means has the larger scenes, too."""
+    """Lampyris accepts the files. The long class Means has the larger scenes, too."""
 
     names = ['box', 'plates']
 
@@ -158,7 +158,7 @@ class Scenes(unittest.TestCase):
                 self.assertGreater(min(sum(plane) for plane in planes), 0)
 
     def test_pictures_of_both_readers_are_one(self):
-        # Our reader of EXR against the program's: a picture that goes through ours keeps its bits.
+        # A picture that this EXR reader reads and writes keeps its bits in the program.
         description = scenes.describe('box')
         scenes.write_files(description, self.folder.name)
         lampyris = renderers.Lampyris('Lampyris', LAMPYRIS)
@@ -171,7 +171,7 @@ class Scenes(unittest.TestCase):
 
 
 class Both(unittest.TestCase):
-    """What is rendered by both renderers."""
+    """Tests that need both renderers."""
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -191,7 +191,8 @@ class Both(unittest.TestCase):
             renderer.close()
 
     def ratio(self, description, spp, change=None):
-        """Of means, with its ends. change is made to the description after Lampyris has had it."""
+        """Returns the ratio of means with its interval. `change` modifies the description after Lampyris has
+        read it."""
         ours = self.references(renderers.Lampyris('Lampyris', LAMPYRIS), description, spp)
         if change:
             change(description)
@@ -203,7 +204,8 @@ class Both(unittest.TestCase):
 
 
 class Materials(Both):
-    """A ball of each material in even light: its albedo is the same in both, to what single precision does to it."""
+    """A ball of each material under constant light has the same albedo in both renderers, within single
+    precision."""
 
     cases = {'diffuse': {'kind': 'diffuse', 'color': (.5, .2, .1)}, 'glass': {'kind': 'glass', 'ior': 1.5},
              'plastic': {'kind': 'plastic', 'color': (.5, .2, .1), 'ior': 1.5},
@@ -233,9 +235,10 @@ class Materials(Both):
 class Means(Both):
     """Both renderers solve the same problem."""
 
-    # Samples per pixel of each of two references of 48 x 48 pixels, and what the half-width of the interval is to be.
+    # For each scene, the samples per pixel of two references with 48 x 48 pixels, and the required half-width
+    # of the interval.
     cases = {'box': (128, .01), 'glass': (256, .015), 'mesh': (64, .015), 'plates': (1024, .06), 'spheres': (256, .05)}
-    z = 3.9  # of five intervals, one in two thousand misses by chance
+    z = 3.9  # of five intervals, one in two thousand fails by chance
 
     def interval(self, name, change=None):
         value, low, high = self.ratio(scenes.describe(name), self.cases[name][0], change)
@@ -259,7 +262,7 @@ class Means(Both):
         command = [sys.executable, os.path.join(os.path.dirname(os.path.abspath(__file__)), 'run.py'), '--quick',
                    '--lampyris', LAMPYRIS, '--also', 'before=' + LAMPYRIS, '--scenes', 'box', '-o', self.folder.name]
         told = []
-        for _ in range(2):  # the second time all rows are there
+        for _ in range(2):  # the second run finds all rows
             result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
             self.assertEqual(result.returncode, 0, result.stderr)
             told.append(result.stdout)
@@ -271,7 +274,7 @@ class Means(Both):
             scene, = json.load(file)['scenes']
         cycles, before = scene['ratios']
         self.assertEqual((cycles['renderer'], before['renderer']), ('Cycles', 'before'))
-        self.assertEqual(before['relmse'][0], 1)  # the same program and the same seeds
+        self.assertEqual(before['relmse'][0], 1)  # the same program with the same seeds
 
 
 if __name__ == '__main__':

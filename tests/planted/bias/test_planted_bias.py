@@ -1,5 +1,5 @@
-"""Whether lampyris converge finds an estimator that is wrong: a program whose densities of light
-sampling are 1.02 times what they should be, beside the honest one, against an honest reference.
+"""Tests that lampyris converge finds a biased estimator: a program whose densities of light sampling are 1.02
+times the correct ones is compared with the correct program, against a correct reference.
 
     test_planted_bias.py LAMPYRIS LAMPYRIS_BIASED
 """
@@ -16,7 +16,7 @@ HONEST, BIASED = sys.argv[1:3]
 del sys.argv[1:3]
 SCENES = os.path.join(os.environ['LAMPYRIS_SOURCE_ROOT'], 'scenes')
 
-# A floor that fills the picture, far brighter than relMSE's epsilon, and a lamp above the camera.
+# A floor that fills the picture and is much brighter than relMSE's epsilon, and a lamp above the camera.
 FLOOR = {
     'lampyris': 1,
     'camera': {'position': [0, 2, 1], 'target': [0, 0, 0], 'fov_degrees': 40},
@@ -29,7 +29,7 @@ FLOOR = {
         {'type': 'quad', 'material': 'lamp', 'corner': [-1, 3, -1], 'u': [2, 0, 0], 'v': [0, 0, 2]},
     ],
 }
-# All light comes by connections, each divided by a density that is too large: x = r / 1.02.
+# All light comes from connections, each divided by a density that is too large: x = r / 1.02.
 BIAS = (1 - 1 / 1.02) ** 2
 
 
@@ -56,7 +56,8 @@ class Planted(unittest.TestCase):
                                 '--sampler', 'pcg', *arguments))
         return result['curves'][0]
 
-    # The interval leaves out the truth in 5 % of cases at most, above it in 2.5 %; seeds are fixed.
+    # The interval excludes the truth in at most 5 % of cases, and lies above it in 2.5 %. The seeds are
+    # fixed.
     def check(self, scene, reference, *arguments):
         honest = self.curve(HONEST, scene, reference, *arguments)
         biased = self.curve(BIASED, scene, reference, *arguments)
@@ -73,12 +74,12 @@ class Planted(unittest.TestCase):
         self.assertLess(biased['bias']['ci_low'], BIAS)
         self.assertGreater(biased['bias']['ci_high'], BIAS)
         self.assertLess(biased['bias']['ci_high'] - biased['bias']['ci_low'], 0.2 * BIAS)
-        # The remaining error exceeds this target: no time leads there.
+        # The remaining error exceeds this target, so no rendering time reaches it.
         self.assertIsNone(biased['time_to'][2]['seconds']['value'])
-        # The heuristic shares what is found by both techniques out: less of it is wrong.
+        # With the heuristic, light that both techniques find is divided between them, so less of it is wrong.
         self.check(self.floor, reference, *points)
 
-    # Its kernels are others, though all else of the build is the same.
+    # The kernels differ, although the rest of the build is the same.
     def test_it_does_not_go_on_with_an_honest_render(self):
         checkpoint = os.path.join(self.folder.name, 'a.checkpoint')
         output = os.path.join(self.folder.name, 'a.exr')

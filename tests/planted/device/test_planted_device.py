@@ -1,5 +1,5 @@
-"""Whether lampyris check finds a faulty device: for each group of cases a program with a fault that the
-group must find, beside the honest one.
+"""Tests that lampyris check finds a faulty device: for each group of cases, a program has a fault that the
+group must find, and the correct program has none.
 
     test_planted_device.py LAMPYRIS LAMPYRIS_FAULTY
 """
@@ -14,7 +14,8 @@ from program import checked, need_device, run
 HONEST, FAULTY = sys.argv[1:3]
 del sys.argv[1:3]
 
-# A quick case of each group that finds a fault of meson.build here: the table of planted faults.
+# For each group, a fast case that finds a fault of this folder's meson.build, from the table of planted
+# faults.
 with open(os.path.join(os.environ['LAMPYRIS_SOURCE_ROOT'], 'docs/verification.md'), encoding='utf-8') as page:
     CASES = dict(re.findall(r'^\| `([a-z-]+)` \| ([^|]+) \| [^|]+ \|$', page.read(), re.MULTILINE))
 
