@@ -1,7 +1,7 @@
-// For LD_PRELOAD: makes allocation number FAIL_AT of the program and of the libraries that it
-// decodes files with fail, counted from 1, and with FAIL_ON set all later ones too. Those of the
-// driver and of the C library for itself are left alone. COUNT_INTO: a file that gets the number of
-// allocations.
+// A library for LD_PRELOAD that makes allocation number FAIL_AT (counted from 1) of the program and
+// of its image and file libraries fail; with FAIL_ON set, all later ones fail, too. Allocations of
+// the driver and of the C library itself succeed. COUNT_INTO names a file to which the number of
+// allocations is written.
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// glibc's own, which need no look-up: dlsym would allocate.
+// glibc's own functions need no look-up by dlsym, which would allocate.
 extern void *__libc_malloc(size_t);
 extern void *__libc_calloc(size_t, size_t);
 extern void *__libc_realloc(void *, size_t);
@@ -32,7 +32,7 @@ static int add_ranges(struct dl_phdr_info *object, size_t size, void *context)
 {
     static const char *const libraries[] = {"jansson", "png",     "jpeg", "EXR",
                                             "Imath",   "meshopt", "libz"};
-    bool is_wanted = !*object->dlpi_name; // the program itself
+    bool is_wanted = !*object->dlpi_name; // an empty name means the program itself
     (void)size, (void)context;
     for (size_t i = 0; i < sizeof libraries / sizeof libraries[0]; i++)
         is_wanted |= strstr(object->dlpi_name, libraries[i]) != NULL;

@@ -1,4 +1,4 @@
-// The conclusions of `lampyris bench`, from made-up times and pictures.
+// Tests the conclusions of `lampyris bench` with invented times and pictures.
 #include "cli/bench/bench.h"
 #include "test.h"
 
@@ -19,7 +19,7 @@ TEST(every_variant_runs_once_a_round)
                 last = v;
             }
         }
-        // None has the same one before it all the time.
+        // No variant always follows the same other one.
         for (uint32_t a = 0; variants > 2 && a < variants; a++)
             for (uint32_t b = 0; b < variants; b++)
                 CHECK(follows[a][b] < rounds, "%u always follows %u of %u", b, a, variants);
@@ -94,7 +94,7 @@ TEST(pictures_that_differ_are_named)
           "%s", m.b.difference.msg);
 }
 
-// Times of an earlier run: `factor` times those of now.
+// Makes a baseline whose times are `factor` times the present ones.
 static json_t *make_baseline(struct made_up *m, double factor)
 {
     json_t *variants = json_array();
@@ -121,8 +121,11 @@ TEST(changes_since_a_baseline)
         double factor;
         enum curve_verdict verdict;
     } cases[] = {
-        {0.5, CURVE_WORSE},          {2.0, CURVE_BETTER},
-        {1.0, CURVE_NOT_TOLD_APART}, {1 / 1.04, CURVE_NOT_TOLD_APART}, // below what is told
+        {0.5, CURVE_WORSE},
+        {2.0, CURVE_BETTER},
+        {1.0, CURVE_NOT_TOLD_APART},
+        {1 / 1.04, CURVE_NOT_TOLD_APART}, // smaller changes than are
+                                          // reported
         {1 / 1.25, CURVE_WORSE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -141,7 +144,7 @@ TEST(changes_since_a_baseline)
     }
 }
 
-// Times that are not known, or of which there are too few, are no change.
+// Times that are not known, or too few to compare, are not reported as changes.
 TEST(what_is_not_known_has_not_changed)
 {
     struct made_up m;

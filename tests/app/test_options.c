@@ -5,7 +5,7 @@
 
 enum { MOST_WORDS = 32 };
 
-// Splits at blanks and parses; '_' in a word stands for a blank.
+// Splits a line at blanks and parses it; '_' in a word stands for a blank.
 static bool parse(const char *line, struct options *options, struct err *err)
 {
     static char text[2048];
@@ -290,7 +290,7 @@ static void check_setting(const struct option_def *def, const char *value,
     options_finish(&o);
 }
 
-// Every word and both ends of every range, and the default in the help's own words.
+// Tests every word and both ends of every range, and that the help has the default.
 TEST(settings_take_what_their_table_says)
 {
     for (int i = 0; i < OPTION_TOTAL; i++) {

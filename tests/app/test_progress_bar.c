@@ -3,7 +3,7 @@
 
 #define MS UINT64_C(1000000)
 
-// A bar that draws into a file, read back by `drawn`.
+// Opens a bar that draws into a file, which `drawn` reads.
 static bool open_bar(struct progress_bar *bar, bool is_terminal)
 {
     FILE *file = tmpfile();
@@ -94,7 +94,7 @@ TEST(messages_do_not_run_into_the_bar)
     fclose(bar.stream);
 }
 
-// An error is what the program ends with: nothing of the progress follows it.
+// The program ends with an error, so no progress may follow it.
 TEST(an_error_ends_the_phase)
 {
     struct progress_bar bar;
@@ -111,7 +111,7 @@ TEST(an_error_ends_the_phase)
     fclose(bar.stream);
 }
 
-// Results follow on another stream, so that the listener has to be told.
+// Results are printed to another stream, so the bar must be ended before them.
 TEST(progress_ends_before_results)
 {
     struct progress_bar bar;
@@ -128,7 +128,7 @@ TEST(progress_ends_before_results)
     fclose(bar.stream);
 }
 
-// Samples of an earlier run do not count towards the speed.
+// Samples of an earlier run do not count for the speed.
 TEST(a_resumed_render_knows_what_is_left)
 {
     struct progress_bar bar;
@@ -140,7 +140,7 @@ TEST(a_resumed_render_knows_what_is_left)
     fclose(bar.stream);
 }
 
-// As when an error turns out to fall more slowly than was expected.
+// The fraction decreases, as it does if the error decreases more slowly than expected.
 TEST(a_goal_that_moved_away)
 {
     struct progress_bar bar;
@@ -153,7 +153,7 @@ TEST(a_goal_that_moved_away)
     fclose(bar.stream);
 }
 
-// The bar of the phase before would be wrong; and a line each would be too much.
+// The bar of the previous phase must not remain, but not every phase needs a line of its own.
 TEST(a_terminal_names_phases_as_they_begin)
 {
     struct progress_bar bar;

@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// Runs a function in a child, since signals change the process; returns the exit status.
+// Runs a function in a child process, because signals change the process. Returns its exit status.
 static int run_child(int (*run)(void))
 {
     pid_t child = fork();

@@ -1,5 +1,5 @@
-// Whatever a command writes is verified before it replaces an older file: whole runs of the
-// program, each in a process of its own, with one bit that changes on the way.
+// Every file is verified before it replaces an older one. The tests run the whole program, each
+// time in a process of its own, with one bit changed on the way.
 #define _GNU_SOURCE // nftw
 #include "base/file.h"
 #include "base/temporary_folder.h"
@@ -92,7 +92,8 @@ TEST(pictures_that_are_encoded_wrongly)
     leave(folder);
 }
 
-// The first file that is written: of these outputs, the checkpoint. The others arrive.
+// The fault affects the first file that is written, which is the checkpoint. The other outputs are
+// written correctly.
 TEST(files_that_are_stored_wrongly)
 {
     char folder[200];
@@ -101,7 +102,7 @@ TEST(files_that_are_stored_wrongly)
         {"-o", "a.exr"}, {"-o", "a.png"}, {"--checkpoint", "a.ck"}};
     for (int i = 0; i < 3; i++) {
         const char *path = outputs[i][1];
-        bool is_new = i == 2; // for a checkpoint that is there would have to be gone on from
+        bool is_new = i == 2; // an existing checkpoint would be resumed
         REQUIRE(is_new || temporary_write(path, "old"));
         int code = RENDER(((struct fault){.file_byte = 150}), outputs[i][0], path, "-o", "b.exr");
         if (code == NO_DRIVER) {
@@ -117,8 +118,8 @@ TEST(files_that_are_stored_wrongly)
     leave(folder);
 }
 
-// The encoder, or the disk, of the one picture that was asked for: it is kept in another place, in
-// the simplest way.
+// The encoder or the disk damages the only requested picture, so it is saved in another folder,
+// without compression.
 TEST(pictures_are_kept_elsewhere)
 {
     char folder[200];

@@ -1,4 +1,4 @@
-// A fresh folder that a test may fill; the working directory while the test runs.
+// A new folder for the files of a test, which is the working directory while the test runs.
 #ifndef LAMPYRIS_TESTS_TEMPORARY_FOLDER_H
 #define LAMPYRIS_TESTS_TEMPORARY_FOLDER_H
 
@@ -16,7 +16,7 @@ static int temporary_remove(const char *path, const struct stat *status, int kin
     return remove(path);
 }
 
-// Enters a new folder and puts its path into the buffer.
+// Creates a folder, enters it and writes its path to the buffer.
 static inline int temporary_enter(char *path, size_t size)
 {
     const char *parent = getenv("TMPDIR");
@@ -39,7 +39,7 @@ static inline int temporary_write(const char *path, const char *text)
     return fclose(file) == 0 && ok;
 }
 
-// The number of entries, "." and ".." not counted.
+// Returns the number of entries without "." and "..".
 static inline int temporary_entries(const char *path)
 {
     DIR *folder = opendir(path);

@@ -7,8 +7,9 @@ TEST(the_case_of_ascii_letters_does_not_matter)
 {
     CHECK(ascii_equal("glTF", "GLtf") && ascii_equal("", ""));
     CHECK(!ascii_equal("json", "jso") && !ascii_equal("jso", "json"));
-    CHECK(!ascii_equal("[", "{") && !ascii_equal("@", "`")); // which differ as letters' cases do
-    CHECK(!ascii_equal("\xc3\x84", "\xc3\xa4"));             // Ä and ä, whatever the locale
+    CHECK(!ascii_equal("[", "{") && !ascii_equal("@", "`")); // these codes differ in the same bit
+                                                             // as upper and lower case letters
+    CHECK(!ascii_equal("\xc3\x84", "\xc3\xa4"));             // Ä and ä differ in any locale
 }
 
 TEST(prefixes)

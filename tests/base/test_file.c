@@ -88,7 +88,7 @@ static void check_rejected(const char *relative, bool decode, const char *expect
     CHECK(strstr(err.msg, expected), "%s", err.msg);
 }
 
-// base/ with files and links inside, beside it base-secret and secret.
+// Makes the folder base/ with files and links, and base-secret and secret beside it.
 static bool make_tree(void)
 {
     return mkdir("base", 0700) == 0 && mkdir("base/sub", 0700) == 0 &&

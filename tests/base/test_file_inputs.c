@@ -57,7 +57,8 @@ TEST(inputs_are_not_written_over)
     temporary_leave(folder);
 }
 
-// An editor's new file in the old one's place is an input; what was renamed away is none.
+// A new file that an editor puts in place of an input is an input; the file that was renamed away
+// is not.
 TEST(inputs_are_looked_at_as_they_are)
 {
     char folder[200];

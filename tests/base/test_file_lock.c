@@ -44,7 +44,7 @@ TEST(links_lead_to_one_lock)
     temporary_leave(folder);
 }
 
-// The file that is to be made has one lock by whatever name.
+// Links to a file that does not exist yet share the lock of that file.
 TEST(links_that_lead_nowhere_share_the_lock)
 {
     char folder[200];
@@ -61,7 +61,7 @@ TEST(links_that_lead_nowhere_share_the_lock)
     temporary_leave(folder);
 }
 
-// As after kill -9: the hidden file stays, and locks nothing.
+// After kill -9 the lock file remains, but locks nothing.
 TEST(a_dead_holder_holds_nothing)
 {
     char folder[200];

@@ -104,7 +104,7 @@ static void check_unwritable(const char *path, const char *expected)
     CHECK(err.code == ERR_OUTPUT && strstr(err.msg, expected), "%s", err.msg);
 }
 
-// The file that the link names, by way of other links, is created; the link stays.
+// The file that the link leads to, by way of other links, is created; the link remains.
 TEST(links_that_lead_nowhere_are_followed)
 {
     char folder[200];
@@ -125,7 +125,7 @@ TEST(links_that_lead_nowhere_are_followed)
     temporary_leave(folder);
 }
 
-// One bit of any byte, in a first, a middle and a last block of what is written.
+// Changes one bit of a byte in the first, a middle and the last block of the file.
 TEST(what_reads_back_otherwise_replaces_nothing)
 {
     enum { SIZE = 200000 };
@@ -205,7 +205,7 @@ TEST(pipes_are_written_to_when_somebody_reads)
     temporary_leave(folder);
 }
 
-// A limit on the size of files stands for the disk that fills up in mid-write.
+// A limit of the file size simulates a disk that becomes full during writing.
 TEST(a_disk_that_fills_up_loses_nothing)
 {
     char folder[200];
@@ -255,7 +255,7 @@ TEST(space_is_known_before_writing)
     temporary_leave(folder);
 }
 
-// Linux only: elsewhere the temporary file has a name from the start.
+// Only on Linux: on other systems the temporary file has a name from the start.
 TEST(a_killed_process_leaves_nothing)
 {
 #ifndef O_TMPFILE

@@ -2,7 +2,7 @@
 #include "base/hash.h"
 #include "test.h"
 
-// The vectors of the FNV reference distribution (Noll, test_fnv.c).
+// Test vectors of the FNV reference distribution (Noll, test_fnv.c).
 TEST(fnv1a_reference_values)
 {
     CHECK(hash_bytes(HASH_INIT, "", 0) == UINT64_C(0xcbf29ce484222325));
@@ -28,8 +28,8 @@ TEST(the_clock_never_goes_back)
     CHECK(seconds >= 0 && seconds < 60, "%g", seconds);
 }
 
-// Hashes of the reference implementation (Appleby, MurmurHash3.cpp), as widely published; a tail of
-// every length is tested, and each byte counts.
+// Hashes of the reference implementation (Appleby, MurmurHash3.cpp), as widely published. Tests a
+// tail of every length, and that each byte affects the hash.
 TEST(hash128)
 {
     const char *text = "The quick brown fox jumps over the lazy dog.";

@@ -1,5 +1,5 @@
-// The memory that the machine leaves to a process, read from made-up files, and the budget of the
-// process.
+// Tests the memory that the machine leaves to a process, with invented files of the system, and the
+// budget of the process.
 #define _GNU_SOURCE // nftw
 #include "base/memory.h"
 #include "temporary_folder.h"
@@ -10,7 +10,7 @@
 
 static char folder[64];
 
-// Writes a file with all folders that lead to it.
+// Writes a file, and creates the folders of its path.
 static void put(const char *path, const char *text)
 {
     char part[256];
@@ -38,7 +38,7 @@ TEST(the_least_of_machine_and_groups)
     put("./proc/meminfo", "MemTotal:       32768000 kB\nMemFree:          100000 kB\n"
                           "MemAvailable:    8000000 kB\n");
     check_available(8000000ull * 1024);
-    // Version 2: the group has no limit, the one that it is in has, and has used some of it.
+    // Version 2: the group has no limit, but its parent has one, and has used some of it.
     put("./proc/self/cgroup", "0::/batch/job\n");
     put("./sys/fs/cgroup/batch/job/memory.max", "max\n");
     check_available(8000000ull * 1024);
@@ -55,7 +55,7 @@ TEST(the_least_of_machine_and_groups)
     temporary_leave(folder);
 }
 
-// The path is the host's, of which a container sees its own group alone, as the root.
+// The path is that of the host; a container sees only its own group, as the root.
 TEST(version_1_in_a_container)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
@@ -113,7 +113,7 @@ TEST(allocations_come_from_the_budget)
     CHECK(memory_used() == 0);
 }
 
-// The system's fault and the budget's are told apart.
+// A lack of memory of the system and of the budget have different messages.
 TEST(errors_say_who_refused)
 {
     struct err err = {0};

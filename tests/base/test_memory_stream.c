@@ -20,7 +20,7 @@ TEST(nothing_is_an_empty_text)
     struct memory_stream stream;
     REQUIRE(memory_stream_open(&stream));
     CHECK(memory_stream_close(&stream) && stream.size == 0 && strcmp(stream.text, "") == 0);
-    CHECK(!memory_stream_close(&stream)); // there is none any more
+    CHECK(!memory_stream_close(&stream)); // the stream is already closed
     memory_stream_finish(&stream);
     memory_stream_finish(&stream);
 }

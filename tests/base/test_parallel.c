@@ -76,7 +76,7 @@ TEST(absurd_thread_numbers_are_capped)
     check_each_once(COUNT, 1, 1000000);
 }
 
-// No thread starts whose stack is larger than the address space.
+// The stacks are larger than the address space, so no thread starts.
 TEST(work_is_done_when_no_thread_can_be_started)
 {
     pthread_attr_t before, huge;

@@ -1,4 +1,4 @@
-// The contracts of base/ on every system: files, folders, locks and processes.
+// Tests the functions of base/ that depend on the system: files, folders, locks and processes.
 #include "test.h"
 
 #include "base/clock.h"
@@ -10,12 +10,11 @@
 #include "base/process.h"
 #include "base/system.h"
 
-// "ä", "→" and a character outside of the Basic Multilingual Plane, as they occur in users' file
-// names.
+// "ä", "→" and a character outside the Basic Multilingual Plane, as in users' file names.
 #define NAME "\xc3\xa4\xe2\x86\x92\xf0\x9f\x90\x9b.txt"
 
 static struct arena arena;
-static char *folder; // each test's, made before it and empty after it
+static char *folder; // the folder of the current test, created before it and empty afterwards
 
 static const char *in_folder(const char *name)
 {
@@ -68,7 +67,7 @@ TEST(files_are_replaced_whole)
     end();
 }
 
-// Somebody who reads keeps what was there, and does not hinder who writes.
+// A process that reads a file keeps its content, and does not prevent its replacement.
 TEST(a_file_that_is_read_can_be_replaced)
 {
     begin();
@@ -96,7 +95,7 @@ TEST(statuses)
     CHECK(file_write_atomic(path, "12345", 5, NULL));
     REQUIRE(file_status(path, &status));
     CHECK(status.kind == FILE_REGULAR && status.size == 5);
-    CHECK(status.changed_ns + UINT64_C(3000000000) > before_ns); // FAT counts steps of 2 s
+    CHECK(status.changed_ns + UINT64_C(3000000000) > before_ns); // FAT has time steps of 2 s
     CHECK(status.changed_ns < clock_wall_ns() + UINT64_C(3000000000));
     CHECK(file_is_writable(path) && !file_is_link(path) && file_is_regular(path));
     char *real = file_real_path(path);
@@ -140,7 +139,7 @@ TEST(folders)
     folder_close(reader);
     CHECK(seen == 17, "%u", seen);
     CHECK(!folder_open(in_folder("no")));
-    CHECK(!folder_remove(folder)); // it is not empty
+    CHECK(!folder_remove(folder)); // the folder is not empty
     CHECK(file_remove(in_folder(NAME)) && folder_remove(below));
     uint64_t space = 0;
     CHECK(file_system_space(folder, &space) && space > 0);
@@ -181,7 +180,7 @@ TEST(one_holder_has_a_lock)
     file_lock_release(&first);
     CHECK(file_lock_take(&first, in_folder(NAME), &err), "%s", err.msg);
     file_lock_release(&first);
-    end(); // so nothing is left of them
+    end(); // no process remains
 }
 
 TEST(inputs_are_not_replaced)

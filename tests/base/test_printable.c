@@ -15,7 +15,8 @@ TEST(what_is_seen_stays)
 {
     check("", "");
     check("plain, ~!", "plain, ~!");
-    // Latin, Greek, Hebrew, Arabic, Devanagari, Chinese, an emoji, the last code point but two.
+    // Latin, Greek, Hebrew, Arabic, Devanagari and Chinese letters, an emoji, and one of the last
+    // code points.
     static const char words[] = "\u00e9 \u03c0 \u05d0\u05d1 \u0627\u0644 \u0915\u093f \u4e2d "
                                 "\U0001f600 \U0010fffd \u2026";
     check(words, words);
@@ -23,7 +24,7 @@ TEST(what_is_seen_stays)
 
 TEST(directions_cannot_be_changed)
 {
-    // "gpj.exe" shown as "exe.jpg": every control of Bidi_Control.
+    // "gpj.exe" displayed as "exe.jpg": tests every character with the property Bidi_Control.
     check("a\u202egpj.exr", "a?gpj.exr");
     check("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069",
           "????????????");
@@ -41,10 +42,11 @@ TEST(no_control_of_a_terminal)
 {
     check("\x01\t\n\r\x1b[2J\x7f", "?????[2J?");
     check("\xc2\x80\xc2\x85\xc2\x9b[2J\xc2\x9f", "???[2J?");
-    check("\u00a0\u00ac\u00ae", "\u00a0\u00ac\u00ae"); // next to them
+    check("\u00a0\u00ac\u00ae", "\u00a0\u00ac\u00ae"); // neighbours of masked characters
 }
 
-// Each byte by itself, so that a cut character does not swallow what follows.
+// Each invalid byte is masked separately, so that an incomplete character does not mask the text
+// after it.
 TEST(what_is_no_utf8)
 {
     check("\x9b"

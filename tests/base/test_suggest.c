@@ -19,7 +19,7 @@ TEST(distances)
     check_distance("spp", "sppp", 1);
     check_distance("spp", "stp", 1);
     check_distance("kitten", "sitting", 3);
-    check_distance("ca", "abc", 3); // 2 if a swapped place might be edited again
+    check_distance("ca", "abc", 3); // it would be 2 if a transposed letter could be edited again
 }
 
 TEST(long_words_are_infinitely_far)

@@ -40,7 +40,7 @@ TEST(a_condition_wakes_who_waits)
     mutex_finish(&shared.mutex);
 }
 
-// A wait may end early without a reason, but then it does not say that the time has come.
+// A wait may end early without a reason, but must not report that the deadline has passed.
 TEST(a_deadline_ends_a_wait)
 {
     struct shared shared = make_shared();

@@ -12,7 +12,7 @@ struct yardstick {
     RTCDevice device;
     RTCScene scene;
     unsigned threads;
-    // of the call under way
+    // The following members belong to the current call.
     bool shadow;
     const struct probe_ray *rays;
     struct probe_hit *hits;

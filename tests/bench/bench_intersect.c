@@ -1,5 +1,5 @@
-// Mrays/s of the traversal kernels beside Embree's rtcIntersect1 and rtcOccluded1 on the same rays,
-// as many threads for both, measured in turns in one run.
+// Measures the traversal kernels in Mrays/s beside Embree's rtcIntersect1 and rtcOccluded1, on the
+// same rays, with the same number of threads, in alternation.
 //
 //   bench_intersect [TRIANGLES…]     meshes of about so many triangles in a room; 100000 1000000
 #include "base/parallel.h"
@@ -152,7 +152,7 @@ static bool measure(struct bench *b, enum ray_kind kind, struct err *err)
     printf("  %-8s %8.2f Mrays/s", names[kind], mrays / median(ours, ROUNDS));
     if (b->yardstick) {
         uint32_t wrong = disagreements(shadow, b->hits, b->reference, count);
-        double ratio = median(ratios, ROUNDS); // sorts them
+        double ratio = median(ratios, ROUNDS); // median() sorts the ratios
         printf("   Embree %8.2f   ratio %.2f (%.2f to %.2f)   %u of %u hits differ",
                mrays / median(theirs, ROUNDS), ratio, ratios[0], ratios[ROUNDS - 1], wrong, count);
     }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-// pcg hash, O'Neill 2014 in the form of Jarzynski and Olano 2020.
+// The hash PCG (O'Neill 2014) in the form of Jarzynski and Olano 2020.
 static float uniform(uint32_t *state)
 {
     uint32_t s = *state;
@@ -38,8 +38,9 @@ void rays_primary(const struct camera *camera, const double origin[3], uint32_t 
     }
 }
 
-// The hit point, moved off the surface by a ten-thousandth of the distance: a benchmark's rays need
-// not be exact, only the same for everyone. The normal faces the ray's origin.
+// Computes the hit point, moved off the surface by a ten-thousandth of the distance. Rays of a
+// benchmark need not be exact, but must be the same for all programs. The normal faces the ray's
+// origin.
 static void leave_surface(const struct flat_scene *flat, const struct probe_ray *ray,
                           const struct probe_hit *hit, float point[3], float normal[3])
 {
@@ -69,8 +70,8 @@ uint32_t rays_diffuse(const struct flat_scene *flat, const struct probe_ray *fro
         struct probe_ray *ray = &rays[made++];
         float normal[3];
         leave_surface(flat, &from[i], &hits[i], ray->origin, normal);
-        // A point of the unit sphere about the normal's tip is cosine-distributed as seen from its
-        // foot.
+        // A uniform point of the unit sphere about the normal's tip is cosine-distributed as seen
+        // from the hit point.
         float z = 1.0f - 2.0f * uniform(&state), angle = 6.2831853f * uniform(&state);
         float radius = sqrtf(fmaxf(0.0f, 1.0f - z * z));
         const float point[3] = {radius * cosf(angle), radius * sinf(angle), z};
@@ -93,7 +94,7 @@ uint32_t rays_shadow(const struct flat_scene *flat, const struct probe_ray *from
         float normal[3];
         leave_surface(flat, &from[i], &hits[i], ray->origin, normal);
         float u = uniform(&state), v = uniform(&state);
-        // Ends short of the light, which is a surface too.
+        // The segment ends before the light, which is a surface, too.
         for (int c = 0; c < 3; c++)
             ray->direction[c] =
                 0.999f * (light[0][c] + u * light[1][c] + v * light[2][c] - ray->origin[c]);

@@ -1,6 +1,6 @@
-// How long building takes, how good the tree is, and how many steps a ray takes through it, by each
-// builder and with each kind of nodes: on a procedural mesh of a million triangles and on scanned
-// ones where they are at hand.
+// Measures the time of building, the quality of the tree, and the number of traversal steps per
+// ray, for each builder and kind of nodes: on a procedural mesh of a million triangles, and on
+// scanned meshes if they are available.
 #include "bvh_trace.h"
 #include "meshes.h"
 
@@ -10,7 +10,7 @@
 
 enum { REPEATS = 3, RAYS = 20000 };
 
-// From vertex to vertex, beyond both.
+// Makes a ray from a vertex to another one, with both ends outside.
 static struct bvh_ray some_ray(const struct mesh *mesh, struct random *random)
 {
     struct bvh_ray ray = {.t_max = INFINITY, .ignore = {UINT32_MAX, UINT32_MAX}};
@@ -21,7 +21,7 @@ static struct bvh_ray some_ray(const struct mesh *mesh, struct random *random)
         ray.origin[axis] = (double)from[axis] - 2 * direction;
         ray.direction[axis] = direction;
     }
-    ray.direction[0] += 1e-30; // from a vertex to itself
+    ray.direction[0] += 1e-30; // the two vertices may be the same
     return ray;
 }
 
@@ -55,7 +55,8 @@ static int measure(const char *name, const struct mesh *mesh, struct bvh_method 
         struct err err;
         struct bvh_params params = mesh_params(mesh);
         params.method = method;
-        clock_t start = clock(); // clock of all threads: on a machine in use it says more
+        clock_t start = clock(); // processor time of all threads, which on a busy machine is more
+                                 // meaningful than elapsed time
         if (!bvh_build(&params, &arena, &bvh, &err)) {
             fprintf(stderr, "%s: %s\n", name, err.msg);
             return 1;

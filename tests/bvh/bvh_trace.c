@@ -1,12 +1,11 @@
-// The CPU reference: closest hit, any hit and brute force in double precision.
+// The CPU reference: closest hit, any hit and brute force, in double precision.
 //
-// The tree never changes the answer, for any input. A primitive counts as hit only where the ray
-// also hits the primitive's own box by the same slab test as the nodes' boxes, and its t is clamped
-// to that box's interval. The slab test is monotone: rounding preserves order, so of two nested
-// boxes the outer one's interval contains the inner one's, bit for bit. Hence no node above a hit
-// primitive is missed or begins behind its t. The boxes are widened by more than the rounding
-// errors of the triangle test, so that neither rule touches a hit that is not itself rounding
-// noise.
+// The tree never changes the result, for any input. A primitive counts as hit only if the ray also
+// hits the primitive's own box, by the same slab test as for nodes, and its t is clamped to that
+// box's interval. The slab test is monotone: rounding preserves order, so the interval of a box
+// contains that of any box inside it, bit for bit. Hence no node above a hit primitive is missed or
+// begins behind its t. Boxes are enlarged by more than the rounding errors of the triangle test, so
+// these rules only affect hits that are rounding errors themselves.
 #include "bvh_trace.h"
 
 #include "bvh/bvh_node.h"
@@ -19,7 +18,7 @@
 
 // The shear that turns the ray into the unit z axis.
 struct shear_ray {
-    int kx, ky, kz; // kz: the direction's largest component
+    int kx, ky, kz; // kz is the largest component of the direction
     double sx, sy, sz;
 };
 
@@ -37,9 +36,9 @@ static struct shear_ray shear_ray_for(const struct bvh_ray *ray)
     return shear;
 }
 
-// Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection", without culling. The edge
-// functions of an edge shared by two triangles are exact negatives of each other, and zero counts
-// as inside for both.
+// Tests a triangle from both sides (Woop, Benthin, Wald 2013, "Watertight ray/triangle
+// intersection"). For an edge that two triangles share, the two edge functions are exact negatives
+// of each other, and zero counts as inside for both.
 static bool triangle_test(const struct shear_ray *shear, const double origin[3],
                           const float vertices[3][3], struct bvh_hit *hit)
 {
@@ -55,7 +54,7 @@ static bool triangle_test(const struct shear_ray *shear, const double origin[3],
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0))
         return false;
     double determinant = u + v + w;
-    if (determinant == 0) // edge-on, or without area
+    if (determinant == 0) // seen edge-on, or without area
         return false;
     hit->t = (u * z[0] + v * z[1] + w * z[2]) * shear->sz / determinant;
     hit->u = v / determinant;
@@ -65,13 +64,13 @@ static bool triangle_test(const struct shear_ray *shear, const double origin[3],
 
 // --- Primitives ---------------------------------------------------------------------------------
 
-// A ray in the world, or in the space of an instance's tree.
+// A ray in world space, or in the space of an instance's tree.
 struct tracer {
     const struct bvh_trace_scene *scene;
     const struct bvh_ray *ray;
     struct slab_ray slab;
     struct shear_ray shear;
-    uint32_t instance;  // UINT32_MAX: in the world
+    uint32_t instance;  // UINT32_MAX: world space
     double interval[2]; // range of t within the instance's box
 };
 
@@ -85,7 +84,8 @@ static struct tracer tracer_for(const struct bvh_trace_scene *scene, const struc
                            {-INFINITY, INFINITY}};
 }
 
-// The interval of t that a ray spends in a box of single precision; false when there is none.
+// Computes the interval of t in which a ray is inside a box of single precision. Returns false if
+// there is none.
 static bool box_test(const struct slab_ray *ray, const struct bvh_box *box, double interval[2])
 {
     double min[3], max[3];
@@ -96,7 +96,8 @@ static bool box_test(const struct slab_ray *ray, const struct bvh_box *box, doub
     return slab_test(ray, min, max, interval);
 }
 
-// Enters an instance; false when the ray misses its box. `ray` is where the transformed one is put.
+// Enters an instance. Returns false if the ray misses its box. The transformed ray is written to
+// `ray`.
 static bool enter_instance(const struct tracer *world, uint32_t instance, struct bvh_ray *ray,
                            struct tracer *out)
 {
@@ -134,7 +135,7 @@ static struct bvh_box triangle_box(const float vertices[3][3])
     return box;
 }
 
-// The hit with a primitive, whatever lies before it.
+// Computes the hit with a primitive, without regard to other hits.
 static bool primitive_test(const struct tracer *tracer, uint32_t primitive, struct bvh_hit *hit)
 {
     const struct bvh_ray *ray = tracer->ray;
@@ -164,15 +165,16 @@ static bool primitive_test(const struct tracer *tracer, uint32_t primitive, stru
            hit->t <= tracer->interval[1];
 }
 
-// Returns whether a hit wins over one at the same distance.
+// Returns whether a hit precedes another one at the same distance.
 static bool comes_first(const struct bvh_hit *hit, const struct bvh_hit *other)
 {
     if (hit->instance != other->instance)
-        return hit->instance + 1 < other->instance + 1; // none, UINT32_MAX, is first
+        return hit->instance + 1 < other->instance + 1; // hits without an instance, UINT32_MAX,
+                                                        // come first
     return hit->primitive < other->primitive;
 }
 
-// Keeps the nearer hit, of equal ones the first. The counts in *best go on.
+// Keeps the nearer hit, or the first one of equal hits. The counts in *best increase.
 static void consider(const struct tracer *tracer, uint32_t primitive, struct bvh_hit *best)
 {
     struct bvh_hit hit;
@@ -199,7 +201,7 @@ struct stack_entry {
     uint32_t child;
 };
 
-// Pushes the children that the ray hits, the nearest on top.
+// Pushes the children that the ray hits, so that the nearest one is on top.
 static uint32_t push_children(const struct tracer *tracer, uint32_t node, double t_max,
                               struct stack_entry *stack, uint32_t size)
 {
@@ -240,11 +242,12 @@ static void test_leaf(const struct tracer *tracer, uint32_t leaf, bool any, stru
         consider(tracer, tracer->scene->bvh->triangle_order[first + i], best);
 }
 
-// Boxes at the distance of the best hit are not culled: there may be an equal hit that comes first.
-// Recurs once, into instances.
+// Boxes at the distance of the best hit are not culled, because they may contain an equal hit that
+// precedes it. Recursion enters instances, one level deep.
 static void traverse(const struct tracer *tracer, uint32_t root, bool any, struct bvh_hit *best)
 {
-    // The child in hand is on this stack, too, hence one more than are pending besides it.
+    // The current child is on this stack, too, so there is one entry more than there are pending
+    // children.
     struct stack_entry stack[BVH_STACK_ENTRIES_MAX + 1];
     uint32_t size = 1;
     stack[0] = (struct stack_entry){-INFINITY, root};

@@ -217,7 +217,7 @@ static uint32_t count_lines(FILE *file, const char *prefix)
     return count;
 }
 
-// Adds the fan of a face; "12/3/4 13/…", counted from 1.
+// Adds the triangles of a face "12/3/4 13/…", whose indices are counted from 1.
 static void add_face(struct mesh *mesh, float (*points)[3], uint32_t point_count, char *line)
 {
     uint32_t corners[3], seen = 0;
@@ -239,7 +239,7 @@ bool mesh_load(struct arena *arena, const char *name, struct mesh *mesh)
     if (!file)
         return false;
     uint32_t point_count = count_lines(file, "v "), face_count = count_lines(file, "f ");
-    *mesh = mesh_new(arena, 2 * face_count); // quads at most
+    *mesh = mesh_new(arena, 2 * face_count); // all faces may be quads
     mesh->count = 0;
     float(*points)[3] = arena_alloc(arena, point_count, sizeof *points);
     uint32_t next = 0;

@@ -1,5 +1,5 @@
-// The builder: every tree is validated, bounded, and the same for any number of threads; and the
-// validation finds what is broken.
+// Tests the builder: every tree is valid, its size is bounded, and it is the same for any number of
+// threads. Also tests that the validation finds errors.
 #include "bvh/bvh.h"
 #include "meshes.h"
 #include "test.h"
@@ -25,7 +25,7 @@ static const struct bvh_method ways[] = {
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
-// Builds and validates; the test fails with the message of whichever goes wrong.
+// Builds and validates a tree. The test fails with the message of the function that fails.
 static bool build(const struct bvh_params *params, struct arena *arena, struct bvh *bvh)
 {
     struct err err = {0};
@@ -44,7 +44,7 @@ static const uint32_t *children(const struct bvh *bvh, uint32_t node)
     return bvh->nodes_float ? bvh->nodes_float[node].child : bvh->nodes[node].child;
 }
 
-// In every way; the statistics are those of the usual one.
+// Builds with all methods. The statistics are those of the default method.
 static void build_mesh(const struct mesh *mesh, struct bvh_stats *stats)
 {
     for (uint32_t way = 0; way < WAYS; way++) {
@@ -86,7 +86,8 @@ TEST(soups)
     }
 }
 
-// Longest path, and the most pending children by trying every order, straight from the definition.
+// Computes, from the definitions, the longest path and the greatest number of pending children for
+// any order of traversal.
 static void measure(const struct bvh *bvh, uint32_t index, uint32_t level, uint32_t pending,
                     uint32_t *depth, uint32_t *entries)
 {
@@ -128,7 +129,7 @@ TEST(statistics)
     }
 }
 
-// One triangle: the root is visited and then its only leaf, for certain.
+// With one triangle, a ray visits the root and then the only leaf with certainty.
 TEST(sah_cost_of_one_triangle)
 {
     struct arena arena = {0};
@@ -140,8 +141,8 @@ TEST(sah_cost_of_one_triangle)
     arena_finish(&arena);
 }
 
-// A room of twelve triangles around a sphere of many. Splitting from the top lets the walls go down
-// with the sphere's triangles, for a cost of 11.64; moved to their places they cost 10.16.
+// A room of twelve triangles contains a sphere of many. Splitting from the top leaves the walls
+// together with the sphere's triangles, for a cost of 11.64. After moving them the cost is 10.16.
 TEST(large_triangles_among_small_ones)
 {
     static const float corners[8][3] = {{-2, -2, -2}, {3, -2, -2}, {-2, 2.5f, -2}, {3, 2.5f, -2},
@@ -177,7 +178,7 @@ static double cost_of(const struct mesh *mesh, enum bvh_split split, enum bvh_op
     return cost;
 }
 
-// Beams in one piece make a tree that costs 10.5, cut into parts one of 9.4.
+// Whole beams give a tree with the cost 10.5; divided into parts they give 9.4.
 TEST(spatial_splits_pay_where_boxes_are_empty)
 {
     struct arena arena = {0};
@@ -208,7 +209,7 @@ TEST(identical_triangles)
 {
     static const uint32_t counts[] = {17, 10000, 1000000};
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
-        // A million takes long: the usual way alone.
+        // A million triangles take long, so only the default method is tested.
         enum bvh_split last = counts[i] > 10000 ? BVH_SPLIT_SAH : BVH_SPLIT_MIDDLE;
         for (uint32_t split = BVH_SPLIT_SAH; split <= last; split++) {
             struct arena arena = {0};
@@ -225,13 +226,13 @@ TEST(identical_triangles)
 
 // --- Ways to split ------------------------------------------------------------------------------
 
-// The root's children of eight triangles that begin at these x, as a builder splits them, one
-// triangle a leaf: where each begins.
+// Checks how a builder splits eight triangles that begin at these x, with one triangle per leaf:
+// where each child of the root begins.
 static void check_row(enum bvh_split split, const float row[8], const float (*begins)[4])
 {
     struct arena arena = {0};
     struct mesh mesh = mesh_new(&arena, 8);
-    for (int i = 0; i < 8; i++) // in another order than that of their places
+    for (int i = 0; i < 8; i++) // in another order than by position
         for (int v = 0; v < 3; v++)
             memcpy(mesh.vertices[3 * i % 8][v],
                    (float[3]){row[i] + (v == 1 ? 0.25f : 0), v == 2 ? 0.25f : 0, 0},
@@ -249,9 +250,10 @@ static void check_row(enum bvh_split split, const float row[8], const float (*be
     arena_finish(&arena);
 }
 
-// Two levels of a binary tree in the root. Of seven in a row and one far away: halves of four, then
-// of two; at the mean of 15.1, then of 3, which is the fourth's place. Of two groups and one: at
-// the mean of 8.5, then of 2.1 and 19.1; in the middle of the boxes, at 16.1 and at 6.6.
+// The root contains two levels of a binary tree. For seven triangles in a row and one far away:
+// halves of four and then two; at the mean of 15.1, then of 3, which is the place of the fourth.
+// For two groups and a single triangle: at the mean of 8.5, then of 2.1 and 19.1; in the middle of
+// the boxes, at 16.1 and at 6.6.
 TEST(median_mean_and_middle_split_where_they_say)
 {
     static const float row[8] = {0, 1, 2, 3, 4, 5, 6, 100};
@@ -262,7 +264,7 @@ TEST(median_mean_and_middle_split_where_they_say)
     check_row(BVH_SPLIT_MIDDLE, groups, &(const float[4]){0, 12, 32, -1});
 }
 
-// The most triangles in one leaf, and the leaves' mean number of them.
+// Finds the greatest and the mean number of triangles per leaf.
 static void leaf_sizes(const struct mesh *mesh, struct bvh_method method, uint32_t *most,
                        double *mean)
 {
@@ -284,8 +286,8 @@ static void leaf_sizes(const struct mesh *mesh, struct bvh_method method, uint32
     arena_finish(&arena);
 }
 
-// Room alone does not make leaves long: nodes must cost more than triangles. By the middle,
-// whatever fits makes a leaf.
+// A large leaf size does not make leaves large: nodes must also cost more than triangles. Splitting
+// in the middle makes a leaf of all triangles that fit.
 TEST(room_and_costs_decide_on_leaves)
 {
     struct arena arena = {0};
@@ -308,7 +310,7 @@ TEST(room_and_costs_decide_on_leaves)
     arena_finish(&arena);
 }
 
-// Longer leaves have fewer bits for the index of the first triangle.
+// With larger leaves, fewer bits remain for the index of the first triangle.
 TEST(long_leaves_bound_the_number_of_triangles)
 {
     static const float vertices[3][3];
@@ -324,8 +326,8 @@ TEST(long_leaves_bound_the_number_of_triangles)
     arena_finish(&arena);
 }
 
-// Median and mean are bad at much in little room, and little around it. The heuristic's tree costs
-// 0.63 of the one by median and 0.77 of the one by mean.
+// Splitting at the median or mean is bad for many triangles in little space with few around them.
+// The tree of the SAH costs 0.63 of that by median and 0.77 of that by mean.
 TEST(small_among_large)
 {
     struct arena arena = {0};
@@ -353,7 +355,7 @@ TEST(slivers)
 {
     struct arena arena = {0};
     struct mesh mesh = mesh_soup(&arena, 5000, 0.01, 8);
-    for (uint32_t i = 0; i < mesh.count; i++) // 1e6 : 1, along each axis in turn
+    for (uint32_t i = 0; i < mesh.count; i++) // aspect ratios of 1e6 : 1, along each axis in turn
         for (int v = 0; v < 3; v++)
             mesh.vertices[i][v][i % 3] = v == 0 ? -5000.0f : 5000.0f;
     build_mesh(&mesh, NULL);
@@ -372,7 +374,8 @@ TEST(extreme_coordinates)
                 for (int v = 0; v < 3; v++)
                     for (int axis = 0; axis < 3; axis++) {
                         float *x = &mesh.vertices[i][v][axis];
-                        // Spread over the whole range from -scale to scale, then clamp to floats.
+                        // Distributes values over the whole range from -scale to scale, then clamps
+                        // them to floats.
                         double value = (2.0 * *x - 1) * scales[s] + offsets[o];
                         *x = (float)fmax(-FLT_MAX, fmin(FLT_MAX, value));
                     }
@@ -382,7 +385,7 @@ TEST(extreme_coordinates)
     }
 }
 
-// All magnitudes from 1e-38 to 1e38 in one mesh.
+// One mesh contains all magnitudes from 1e-38 to 1e38.
 TEST(all_magnitudes_together)
 {
     struct arena arena = {0};
@@ -399,8 +402,8 @@ TEST(all_magnitudes_together)
     arena_finish(&arena);
 }
 
-// Small triangles at exponentially growing distances: the surface area heuristic takes off a few at
-// a time, so only the depth limit keeps the tree from becoming a list.
+// Small triangles have exponentially growing distances. The SAH separates only a few at a time, so
+// only the depth limit keeps the tree from degenerating into a list.
 TEST(exponential_spacing_stays_shallow)
 {
     static const uint32_t counts[] = {200, 3000, 50000};
@@ -418,8 +421,8 @@ TEST(exponential_spacing_stays_shallow)
     }
 }
 
-// The limit on the depth must hold whatever the tree is like before: 24 levels of a list, each of
-// which is a list in turn.
+// The limit of the depth must hold for any tree above: here 24 levels of a list, each of which is
+// again a list.
 TEST(nested_lists_stay_shallow)
 {
     struct arena arena = {0};
@@ -461,13 +464,13 @@ TEST(same_bits_for_any_threads)
 {
     struct arena arena = {0};
     struct mesh grid = mesh_grid(&arena, 200), soup = mesh_soup(&arena, 80000, 0.02, 4);
-    for (uint32_t i = 0; i < soup.count; i++) // both zeros, whose order must not matter
+    for (uint32_t i = 0; i < soup.count; i++) // zeros of both signs, whose order must not matter
         soup.vertices[i][0][0] = i % 3 == 0 ? 0.0f : i % 3 == 1 ? -0.0f : soup.vertices[i][0][0];
     struct mesh same = mesh_identical(&arena, 50000);
     check_same_bits(&grid, ways[0]);
     check_same_bits(&soup, ways[0]);
     check_same_bits(&same, ways[0]);
-    soup.count = 40000; // more than one thread's share
+    soup.count = 40000; // more than one thread's part
     check_same_bits(&soup, (struct bvh_method){BVH_SPLIT_SPATIAL, BVH_QUANTISED});
     soup.count = grid.count = 20000;
     for (uint32_t way = 1; way < WAYS; way++)
@@ -487,7 +490,7 @@ TEST(stride_and_shapes)
     struct bvh_box boxes[SHAPES];
     for (uint32_t i = 0; i < TRIANGLES; i++) {
         memcpy(wide[i].vertices, soup.vertices[i], sizeof wide[i].vertices);
-        wide[i].material = 0x7fc00000; // a NaN, if it were taken for a coordinate
+        wide[i].material = 0x7fc00000; // a NaN if it were interpreted as a coordinate
     }
     for (uint32_t i = 0; i < SHAPES; i++)
         for (int axis = 0; axis < 3; axis++) {
@@ -510,8 +513,8 @@ TEST(stride_and_shapes)
     arena_finish(&arena);
 }
 
-// Beside a plane's box the rest of the scene is one child: the grid of a node could not tell its
-// parts from each other.
+// Beside the box of a plane, the rest of the scene is one child, because the grid of a node could
+// not separate its parts.
 TEST(small_beside_the_boundless)
 {
     struct arena arena = {0};
@@ -654,7 +657,7 @@ static void check_flips(const struct bvh *bvh, const struct bvh_params *params, 
     }
 }
 
-// Flips are tried on a few triangles and shapes.
+// Builds a tree with a few triangles and shapes, in which bits are flipped.
 static bool build_for_flips(enum bvh_format format, struct arena *arena, struct bvh_params *params,
                             struct bvh *bvh)
 {
@@ -670,7 +673,7 @@ static bool build_for_flips(enum bvh_format format, struct arena *arena, struct 
     return build(params, arena, bvh);
 }
 
-// Every bit counts but those of the origins, which may still describe a box that is large enough.
+// Every bit matters except those of the origins, for which the box may still be large enough.
 TEST(validate_finds_every_flipped_bit)
 {
     struct arena arena = {0};

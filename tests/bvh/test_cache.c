@@ -62,7 +62,7 @@ static bool same_tree(const struct bvh *a, const struct bvh *b)
            a->stats.sah_cost == b->stats.sah_cost;
 }
 
-// Through the cache; whether it was loaded.
+// Builds a tree through the cache. Returns whether it was loaded.
 static bool build(struct fixture *f, const char *folder, const struct bvh_params *params,
                   struct bvh *out)
 {
@@ -103,7 +103,7 @@ TEST(what_is_kept_is_loaded)
     finish(&f);
 }
 
-// Any vertex, box and count makes another hierarchy of it.
+// Any change of a vertex, a box or a count leads to another file.
 TEST(other_input_is_another_file)
 {
     struct fixture f;
@@ -149,7 +149,8 @@ TEST(small_ones_are_not_kept)
     finish(&f);
 }
 
-// A folder without a parent, and a file in its place: built all the same, with one warning.
+// The folder cannot be created, because its parent is missing or a file has its name: the tree is
+// built nevertheless, with one warning.
 TEST(folders_that_cannot_be)
 {
     static const char *const folders[] = {"no/such/folder", "file"};
@@ -193,7 +194,7 @@ static void write_content(const char *path, const uint8_t *data, size_t size)
     CHECK(file && fclose(file) == 0);
 }
 
-// The file is refused with a message that names it; memory is given back.
+// Checks that the file is refused with a message that names it, and that its memory is released.
 static void check_refused(const struct fixture *f, const char *what, size_t number)
 {
     struct arena arena = {0};
@@ -234,7 +235,7 @@ TEST(damaged_files_are_refused)
     }
     struct random random = {3};
     for (int i = 0; i < 1000; i++) {
-        // A third of the flips in the header, which is far shorter than the rest.
+        // A third of the flips is in the header, which is much shorter than the rest.
         size_t bits = 8 * (i % 3 ? good.size : header);
         size_t bit = (size_t)(random_unit(&random) * (double)bits);
         good.data[bit / 8] ^= (uint8_t)(1u << bit % 8);
@@ -242,14 +243,14 @@ TEST(damaged_files_are_refused)
         check_refused(&f, "bit", bit);
         good.data[bit / 8] ^= (uint8_t)(1u << bit % 8);
     }
-    // Another scene's under this name.
+    // The file of another scene has this name.
     struct bvh_params other = f.params;
     struct err err = {0};
     other.triangle_count--;
     CHECK(bvh_build(&other, &f.arena, &bvh, &err) && bvh_cache_save(f.path, &other, &bvh, &err),
           "%s", err.msg);
     check_refused(&f, "another scene", 0);
-    // Built anew with a warning, and then whole again.
+    // The tree is built again with a warning; then the file is valid again.
     CHECK(atomic_load(&warnings) == 0);
     CHECK(!build(&f, "cache", &f.params, &bvh) && same_tree(&bvh, &f.built));
     CHECK(atomic_load(&warnings) == 1, "%u warnings", atomic_load(&warnings));
@@ -257,8 +258,8 @@ TEST(damaged_files_are_refused)
     finish(&f);
 }
 
-// With a right checksum: what the tree itself says has to be right, too.
-// One bit changes on its way to the disk: the older file stays.
+// The checksum is correct, so the tree itself must be validated. If one bit changes on the way to
+// the disk, the older file remains.
 TEST(wrongly_stored_files_replace_nothing)
 {
     struct fixture f;
@@ -299,16 +300,16 @@ TEST(wrong_trees_are_refused)
     } wrong[] = {
         {inner, 0},                                      // a cycle
         {inner, bvh.node_count},                         // beyond the nodes
-        {inner, *inner + 1},                             // another's child
+        {inner, *inner + 1},                             // child of another node
         {leaf, BVH_LEAF | bvh.reference_count},          // beyond the triangles
-        {leaf, *leaf | BVH_LEAF_SHAPE},                  // a shape, of which there are none
+        {leaf, *leaf | BVH_LEAF_SHAPE},                  // a shape, although there are none
         {leaf, BVH_LEAF | BVH_LEAF_INSTANCE},            // an instance
-        {leaf, BVH_EMPTY},                               // nothing, before others
-        {&bvh.triangle_order[7], bvh.triangle_order[8]}, // twice
+        {leaf, BVH_EMPTY},                               // an empty child before others
+        {&bvh.triangle_order[7], bvh.triangle_order[8]}, // a triangle that occurs twice
         {&bvh.triangle_order[7], UINT32_MAX},
-        {&bvh.nodes[0].hi[1], 0}, // boxes too small
+        {&bvh.nodes[0].hi[1], 0}, // boxes that are too small
         {&bvh.nodes[0].exponents, 0},
-        {&bvh.stats.stack_entries, 1}, // traversals would run over their stacks
+        {&bvh.stats.stack_entries, 1}, // traversals would overflow their stacks
         {&bvh.stats.depth, 1},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
@@ -323,7 +324,7 @@ TEST(wrong_trees_are_refused)
     finish(&f);
 }
 
-// Processes that load, build, save and remove one file at a time: each gets a whole tree.
+// Several processes load, build, save and remove the same file; each gets a valid tree.
 TEST(several_processes)
 {
     enum { PROCESSES = 4, ROUNDS = 12 };

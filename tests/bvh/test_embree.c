@@ -1,6 +1,6 @@
-// The tree and the reference traversal against Embree's robust mode, on procedural meshes and
-// scanned ones. Embree computes in single precision, so the two may differ where a ray grazes an
-// edge: that is counted.
+// Compares the tree and the reference traversal with Embree's robust mode, on procedural and
+// scanned meshes. Embree computes in single precision, so results may differ if a ray grazes an
+// edge; such rays are counted.
 #include "bvh_trace.h"
 #include "meshes.h"
 #include "test.h"
@@ -39,7 +39,7 @@ static void embree_close(struct embree *embree)
     rtcReleaseDevice(embree->device);
 }
 
-// The hit primitive or UINT32_MAX.
+// Returns the hit primitive, or UINT32_MAX.
 static uint32_t embree_trace(const struct embree *embree, const struct bvh_ray *ray, double *t)
 {
     struct RTCRayHit query = {
@@ -77,7 +77,8 @@ static void mesh_centre(const struct mesh *mesh, double centre[3], double *radiu
     *radius = sqrt(*radius);
 }
 
-// From the sphere around the mesh to a point inside it, in numbers that floats hold.
+// Makes a ray from the sphere around the mesh to a point inside it, with coordinates that floats
+// represent.
 static struct bvh_ray random_ray(struct random *random, const double centre[3], double radius)
 {
     struct bvh_ray ray = {.t_max = INFINITY, .ignore = {UINT32_MAX, UINT32_MAX}};
@@ -121,7 +122,7 @@ static void compare(const char *name, const struct mesh *mesh, struct bvh_method
         bool same = (primitive == UINT32_MAX) == (hit.primitive == UINT32_MAX) &&
                     (primitive == UINT32_MAX || fabs(t - hit.t) <= 1e-5 * hit.t);
         disagreements += !same;
-        other_ids += same && primitive != hit.primitive; // on an edge, or of equal distance
+        other_ids += same && primitive != hit.primitive; // on an edge, or at equal distance
         hits += hit.primitive != UINT32_MAX;
         nodes += hit.nodes_visited;
         tests += hit.primitives_tested;

@@ -1,4 +1,5 @@
-// The reference traversal: the same as brute force bit for bit, right where the answer is known.
+// Tests the reference traversal: it equals brute force bit for bit, and is correct where the result
+// is known.
 #include "bvh_trace.h"
 #include "meshes.h"
 #include "test.h"
@@ -18,7 +19,7 @@ struct scene {
     struct mesh mesh;
     struct bvh_params params;
     struct bvh bvh[WAYS];
-    struct bvh_trace_scene trace; // the first one's
+    struct bvh_trace_scene trace; // refers to the first member
 };
 
 static void scene_build(struct scene *scene)
@@ -40,7 +41,7 @@ static struct bvh_ray make_ray(const double origin[3], const double direction[3]
     return ray;
 }
 
-// Compares all three functions on one ray, whatever the tree; true when it hits something.
+// Compares all three functions for one ray, with any tree. Returns whether it hits anything.
 static bool check_ray(const struct scene *scene, const struct bvh_ray *ray)
 {
     struct bvh_hit want, got;
@@ -66,7 +67,7 @@ static const float *some_vertex(const struct mesh *mesh, struct random *random)
     return mesh->vertices[random_u32(random) % mesh->count][random_u32(random) % 3];
 }
 
-// A point of a triangle: anywhere inside, on an edge, or a corner.
+// Returns a point of a triangle: inside, on an edge, or a corner.
 static void point_on_triangle(const struct mesh *mesh, struct random *random, double point[3])
 {
     const float(*v)[3] = (const float(*)[3])mesh->vertices[random_u32(random) % mesh->count];
@@ -88,7 +89,7 @@ static void any_origin(const struct mesh *mesh, struct random *random, double or
                            : vertex[axis] + far * random_between(random, -1, 1);
 }
 
-// Parallel to an axis or to an axis plane, with zeros of both signs.
+// Returns a direction parallel to an axis or to a coordinate plane, with zeros of both signs.
 static void axis_direction(struct random *random, double direction[3])
 {
     random_direction(random, direction);
@@ -117,7 +118,7 @@ static struct bvh_ray hard_ray(const struct mesh *mesh, struct random *random)
     case 2:
         axis_direction(random, direction);
         break;
-    case 3: // at a point of a triangle, which may be a corner or on an edge
+    case 3: // to a point of a triangle, which may be a corner or on an edge
         point_on_triangle(mesh, random, target);
         for (int axis = 0; axis < 3; axis++)
             direction[axis] = target[axis] - origin[axis];
@@ -140,7 +141,7 @@ static struct bvh_ray hard_ray(const struct mesh *mesh, struct random *random)
         }
         break;
     }
-    default: // almost parallel to an axis, as cos(pi / 2) makes it
+    default: // almost parallel to an axis, with a component like the computed cos(pi / 2)
         axis_direction(random, direction);
         for (int axis = 0; axis < 3; axis++)
             direction[axis] += direction[axis] == 0 ? random_between(random, -1e-16, 1e-16) : 0;
@@ -180,7 +181,8 @@ TEST(brute_force_soups)
     }
 }
 
-// Corners on a coarse lattice: axis-parallel triangles, many without area, shared planes and edges.
+// The corners are on a coarse lattice, so there are axis-parallel triangles, triangles without
+// area, and shared planes and edges.
 TEST(brute_force_lattice)
 {
     struct scene scene = {0};
@@ -225,7 +227,7 @@ TEST(brute_force_extreme_scales)
     }
 }
 
-// Coordinates of every magnitude in one scene.
+// A scene with coordinates of every magnitude.
 TEST(brute_force_all_magnitudes)
 {
     struct scene scene = {0};
@@ -260,7 +262,8 @@ TEST(known_triangle)
            sizeof scene.mesh.vertices[0]);
     scene.params = mesh_params(&scene.mesh);
     scene_build(&scene);
-    for (int side = 0; side < 2; side++) { // from both sides; t is in units of the direction
+    for (int side = 0; side < 2; side++) { // tests both sides; t is in units of the direction's
+                                           // length
         struct bvh_ray ray =
             make_ray((double[]){0.25, 0.5, side ? 4 : 0}, (double[]){0, 0, side ? -0.5 : 0.5});
         struct bvh_hit hit;
@@ -302,7 +305,7 @@ TEST(lowest_of_identical_triangles_wins)
     }
 }
 
-// A triangle and its copies with the corners in other orders, far apart in the list.
+// A triangle and copies with other orders of corners are far apart in the list.
 TEST(lowest_of_coplanar_duplicates_wins)
 {
     struct scene scene = {0};
@@ -326,8 +329,8 @@ TEST(lowest_of_coplanar_duplicates_wins)
     arena_finish(&scene.arena);
 }
 
-// Checks that a ray from inside the closed sphere, towards a point of it, hits the sphere near
-// there.
+// Checks that a ray from inside the closed sphere towards one of its points hits the sphere near
+// that point.
 static void check_inside(const struct scene *scene, const double origin[3], const double target[3])
 {
     double direction[3];

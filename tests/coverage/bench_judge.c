@@ -1,5 +1,5 @@
-// meson test --benchmark judge: what it costs to judge a picture, beside rendering it. Processor
-// time of all threads together; of several runs the least.
+// meson test --benchmark judge: measures the cost of estimating the error of a picture, relative to
+// rendering it. It is the processor time of all threads; the least of several runs is reported.
 #include "base/parallel.h"
 #include "metrics/metrics.h"
 #include "render/probe/in_view.h"
@@ -28,7 +28,7 @@ static bool judge(const struct half_error_params *params, double *least)
     return true;
 }
 
-// Any values do: none costs more than another.
+// The values do not matter, because none costs more than another.
 static float (*make_half(uint64_t pixels, uint32_t seed))[3]
 {
     float(*half)[3] = calloc(pixels, sizeof *half);
@@ -66,7 +66,7 @@ TEST(sizes)
     measure_size(1920, 1080);
 }
 
-// The first samples are left out: drivers compile at the first dispatch.
+// The first samples are not timed, because drivers compile at the first dispatch.
 static void measure_share(const char *path, uint32_t side, uint64_t samples)
 {
     char length[16];

@@ -8,7 +8,7 @@
 static const double asked = 0.95;
 static const double unknown_most = 0.05;
 
-// A share in per cent; true where it is as asked. None: a dash.
+// Prints a share in per cent, or a dash if there are no cases. Returns whether it is large enough.
 static bool print_share(uint32_t part, uint32_t all, double least)
 {
     bool fails = share_is_too_small(part, all, least);

@@ -8,27 +8,29 @@
 struct cell {
     uint32_t seeds;
     uint32_t intervals, intervals_held;
-    uint32_t bounds, bounds_held; // wherever there is one
-    uint32_t alone, alone_held;   // where there is a bound and no interval
-    uint32_t relmse_held;         // bounds of the classic relMSE that hold, among `bounds`
-    uint32_t control_held;        // those among `intervals`
+    uint32_t bounds, bounds_held; // results with a bound
+    uint32_t alone, alone_held;   // results with a bound but without an interval
+    uint32_t relmse_held;         // valid bounds of relMSE, among `bounds`
+    uint32_t control_held;        // valid intervals of the control, among `intervals`
     double truth, truth_of_intervals, told_of_intervals; // sums
     double *bound_ratios;                                // bound / true, of `bounds`
 };
 
-// One for each sample count. The truth is the mean of all other seeds' pictures with the most
-// samples; what its own noise adds is subtracted. `misses`: says on stderr what did not hold.
+// Judges each number of samples. The truth is the mean of all other seeds' pictures with the most
+// samples; the contribution of its own noise is subtracted. `misses`: prints on stderr the results
+// that were not valid.
 bool cells_judge(const struct subject *subject, const struct pictures *pictures, bool misses,
                  struct cell *cells, struct err *err);
 void cells_finish(struct cell *cells, uint32_t count);
 
 void cells_print_head(void);
-// A row of Markdown. False where less holds than is asked for; what does not is printed bold.
+// Prints a row in Markdown. Returns false if a share is smaller than required; such shares are
+// bold.
 bool cells_print(const struct subject *subject, const struct plan *plan, uint32_t level,
                  struct cell *cell);
 void cells_add(struct cell *total, const struct cell *cell);
 bool cells_print_total(const struct cell *total);
-// Returns whether so few intervals of the control hold as happens to correct ones in one case of a
+// Returns whether the control has so few valid intervals as correct intervals have in one case of a
 // thousand.
 bool cells_control_fails(const struct cell *total);
 

@@ -1,11 +1,11 @@
-// Measures how often the error that a render reports holds: docs/convergence.md has the totals,
+// Measures how often the error that a render reports is correct: docs/convergence.md has the totals,
 // docs/measurements/2026-11-23-error-estimates.md the table.
 //
 //   test_coverage [OPTIONS] [SCENE...]
 //
-// SCENE is a name of the table in subjects.c, or a file by its path from the source root; all of
-// the table where there is none. Exit status: 0 as asked for, 1 a share is significantly below it
-// (printed bold), 2 usage, 77 no Vulkan.
+// SCENE is a name in the table of subjects.c, or a file given relative to the source root; without
+// it, all scenes of the table are used. Exit status: 0 as required, 1 a share is significantly
+// smaller (printed bold), 2 usage, 77 no Vulkan.
 #include "cells.h"
 
 #include <getopt.h>
@@ -15,9 +15,10 @@
 enum { SIDES_MAX = 8, SKIPPED = 77 };
 
 struct options {
-    struct plan plan; // but side and seeds
+    struct plan plan; // without side and seeds
     uint32_t sides[SIDES_MAX], side_count;
-    uint32_t seeds[SIDES_MAX], seed_counts; // by sides; the last is that of all further ones
+    uint32_t seeds[SIDES_MAX], seed_counts; // by sides; the last number applies to all further
+                                            // sides
     bool misses, control;
 };
 

@@ -1,13 +1,13 @@
-// Measures at how many samples renders with an error limit end, and how often their forecasts hold.
+// Measures at how many samples renders with an error limit end, and whether their forecasts are correct.
 // docs/convergence.md ("When a bound on the error ends a render") has the totals,
 // docs/measurements/2026-11-23-error-estimates.md the table.
 //
 //   test_endings [OPTIONS] [SCENE...]
 //
-// SCENE as of test_coverage. Each seed is rendered once, two samples at a time, and judged after
-// each step: bits do not depend on steps, so that it is known where the program would look and end
-// for any error that is asked for. Those are the medians of what the seeds have after 6, 12, 24 ...
-// samples. Exit status: 0 as asked for, 1 significantly worse, 2 usage, 77 no Vulkan.
+// SCENE is as for test_coverage. Each seed is rendered once, two samples at a time, and its error
+// is estimated after each step. Bits do not depend on steps, so this shows where the program would
+// test and end for any error limit. The limits are the medians of the errors of all seeds after 6,
+// 12, 24 ... samples. Exit status: 0 as required, 1 significantly worse, 2 usage, 77 no Vulkan.
 #include "metrics/forecast.h"
 #include "metrics/metrics.h"
 #include "render/probe/in_view.h"
@@ -24,13 +24,14 @@ enum {
     SKIPPED = 77,
     STEP = 2,
     REFERENCE_SEED = 999983,
-    REFERENCE_FACTOR = 16, // samples of the reference, over the most of a seed
+    REFERENCE_FACTOR = 16, // samples of the reference, relative to the most samples of a seed
     FIRST_FORECAST = 16,
     FORECASTS = 4,
 };
 
 static const double promised = 0.05, ratio_most = 1.3, forecasts_least = 0.9;
-static const double first_limit = 6, limits_apart = 2, last_limit = 0.36; // samples; of the most
+// in samples; the last one is relative to the most samples
+static const double first_limit = 6, limits_apart = 2, last_limit = 0.36;
 
 struct options {
     uint32_t side, seeds, samples;
@@ -41,13 +42,13 @@ static const char usage[] = "usage: test_endings [OPTIONS] [SCENE...]\n"
                             "  --seeds N     (24)\n"
                             "  --samples N   as many as a render may have, a multiple of 8 (256)\n";
 
-// A seed's picture after each step.
+// The picture of a seed after a step.
 struct step {
     double truth;
     struct half_error told;
 };
 
-// One of the forecasts for twice and four times the samples, with looks and without.
+// The forecasts for twice and four times the samples, with and without earlier estimates.
 static const struct {
     double times;
     bool by_looks;
@@ -55,7 +56,7 @@ static const struct {
 
 struct cell {
     uint32_t runs, ended, wrong, looks;
-    double *ratios; // samples over those of hindsight; INFINITY where it did not end
+    double *ratios; // samples relative to find_hindsight(); INFINITY if the render did not end
     uint32_t told[FORECASTS], held[FORECASTS];
 };
 
@@ -70,7 +71,7 @@ struct reference {
     const float (*mean)[3];
     float (*local)[3];
     uint64_t pixels;
-    double own; // its own error
+    double own; // error due to the reference's own noise
 };
 
 static bool judge(const struct film_image *film, const struct unseen_light *unseen,
@@ -101,7 +102,7 @@ static bool find_reference(struct renderer *r, const struct options *options, st
                               arena_alloc(arena, pixels, sizeof(float[3])), pixels, 0};
     if (!out->local || !metrics_local_means(out->mean, film.width, film.height, NULL, out->local))
         return err_memory(err, "a reference", pixels * sizeof(float[3]));
-    // (A - B)^2 / 4 is on average the error of (A + B) / 2.
+    // The mean of (A - B)^2 / 4 is the error of (A + B) / 2.
     for (uint64_t i = 0; i < pixels; i++)
         for (int c = 0; c < 3; c++) {
             double half = ((double)film.half_a[i][c] - film.half_b[i][c]) / 2;
@@ -133,7 +134,7 @@ static bool render_seed(struct renderer *r, uint32_t seed, uint32_t steps,
     return ok;
 }
 
-// All steps of all seeds.
+// Renders all steps of all seeds.
 static bool render(const struct options *options, const struct subject *subject, uint32_t steps,
                    struct step *out, struct err *err)
 {
@@ -169,7 +170,7 @@ static const struct step *step_at(const struct step *steps, uint64_t samples)
     return &steps[samples / STEP - 1];
 }
 
-// The error that half of the seeds have after so many samples.
+// Returns the median error of all seeds after this number of samples.
 static double median_error(const struct options *options, const struct step *steps, double *scratch,
                            uint32_t samples)
 {
@@ -178,7 +179,7 @@ static double median_error(const struct options *options, const struct step *ste
     return find_median(scratch, options->seeds);
 }
 
-// The fewest samples from which on the error is below the limit.
+// Returns the least number of samples from which on the error is below the limit.
 static uint32_t find_hindsight(const struct step *steps, uint32_t most, double limit)
 {
     uint32_t samples = most;
@@ -187,7 +188,7 @@ static uint32_t find_hindsight(const struct step *steps, uint32_t most, double l
     return samples + STEP;
 }
 
-// As src/job/run.c does.
+// Ends a run as src/job/run.c does.
 static void end_run(struct cell *cell, const struct step *steps, uint32_t most, double limit)
 {
     uint64_t samples = looks_first(0, STEP);
@@ -205,7 +206,7 @@ static void end_run(struct cell *cell, const struct step *steps, uint32_t most, 
     cell->ratios[cell->runs++] = ratio;
 }
 
-// Forecasts after `samples` for two and four times as many.
+// Tests the forecasts after `samples` for two and four times as many.
 static void check_forecasts(struct cell *cell, const struct step *steps, uint32_t samples)
 {
     struct forecast_look looks[32];

@@ -1,7 +1,7 @@
-// Finds the errors that pictures have, and whether the estimates of them hold.
+// Computes the errors of pictures, and whether the estimates of these errors are correct.
 //
-// A seed's reference is the mean m of the other n - 1 seeds, so that the two are independent.
-// (x - m)^2 is on average the error of x and the variance of m, which the other seeds give.
+// The reference of a seed is the mean m of the other n - 1 seeds, so that the two are independent.
+// The mean of (x - m)^2 is the error of x plus the variance of m, which the other seeds give.
 #include "cells.h"
 
 #include "metrics/metrics.h"
@@ -14,12 +14,12 @@ struct judge {
     const struct pictures *pictures;
     bool misses;
     uint64_t values;
-    double *sum, *square;    // of the pictures with the most samples
+    double *sum, *square;    // sums over the pictures with the most samples
     float (*local_means)[3]; // metrics_local_means() of `reference`
     float (*half_a)[3], (*half_b)[3];
     float (*picture)[3];
-    float (*reference)[3];  // without the seed at hand
-    double own, own_relmse; // local relMSE and relMSE that come from the reference's own noise
+    float (*reference)[3];  // without the current seed
+    double own, own_relmse; // local relMSE and relMSE due to the reference's own noise
 };
 
 static void find_picture(struct judge *judge)
@@ -51,7 +51,7 @@ static bool find_sums(struct judge *judge, struct err *err)
     return true;
 }
 
-// Adds the contribution of the reference's own noise to errors. `mean` is that of the other seeds.
+// Adds the contribution of the reference's own noise. `mean` is the mean of the other seeds.
 static void add_own(struct judge *judge, double mean, double variance, uint64_t i)
 {
     double local = (double)judge->local_means[0][i];
@@ -59,8 +59,8 @@ static void add_own(struct judge *judge, double mean, double variance, uint64_t 
     judge->own_relmse += variance / (mean * mean + METRICS_RELMSE_EPSILON) / (double)judge->values;
 }
 
-// Leaves a seed out of the reference, and out of its local means: a bright sample of this seed
-// would lessen the errors around it.
+// Removes a seed from the reference and from its local means, because a bright sample of this seed
+// would reduce the errors around it.
 static bool leave_out(struct judge *judge, uint32_t seed, struct err *err)
 {
     const struct plan *plan = judge->pictures->plan;
@@ -96,8 +96,8 @@ static struct truth find_truth(const struct judge *judge)
     return (struct truth){error - judge->own, metrics.relmse - judge->own_relmse};
 }
 
-// The control: relMSE with the picture's own noisy values in the denominators, which is known to be
-// estimated too small.
+// Computes the control: relMSE with the picture's own noisy values in the denominators, an estimate
+// that is known to be too small.
 static double find_control(const struct judge *judge)
 {
     double sum = 0;
@@ -121,7 +121,7 @@ static void say_miss(const struct judge *judge, uint32_t seed, uint32_t level, d
         told->reason ? "; " : "", told->reason ? told->reason : "");
 }
 
-// Returns whether it holds: the interval, where there is one, else the bound.
+// Returns whether the result is correct: the interval if there is one, otherwise the bound.
 static bool count(struct cell *cell, const struct truth *truth, const struct half_error *told,
                   double control)
 {

@@ -18,7 +18,7 @@ static uint64_t place(const struct pictures *pictures, uint32_t seed, uint32_t l
     return ((uint64_t)seed * pictures->plan->levels + level) * 2 * half_size(pictures);
 }
 
-// The name says what the pictures depend on, but for the program.
+// The file's name contains everything that affects the pictures, except the program.
 static bool open_file(const struct subject *subject, const struct plan *plan, FILE **out,
                       struct err *err)
 {
@@ -35,7 +35,8 @@ static bool open_file(const struct subject *subject, const struct plan *plan, FI
     return *out || err_set(err, ERR_OUTPUT, "%s: %s", path, strerror(errno));
 }
 
-// How many seeds are there. What a run that was interrupted left of another one is cut off.
+// Finds the number of complete seeds in the file, and truncates an incomplete one that an
+// interrupted run has left.
 static bool find_done(struct pictures *pictures, uint32_t *seeds, struct err *err)
 {
     uint64_t size = place(pictures, 1, 0);
@@ -55,7 +56,7 @@ static bool write_half(const struct pictures *pictures, float (*half)[3], struct
            err_set(err, ERR_OUTPUT, "pictures: %s", strerror(errno));
 }
 
-// Renders a seed once, and writes it on the way.
+// Renders a seed once, and writes its picture at each number of samples.
 static bool render_seed(struct renderer *r, const struct pictures *pictures, uint32_t seed,
                         struct err *err)
 {

@@ -1,9 +1,9 @@
-// A Vulkan loader in which one call fails: a library of the loader's name that hands every function
-// on to the real one, but for the VKF_N-th call (from 1) of the function VKF_NAME, which returns
-// the VkResult VKF_RESULT without doing anything. With VKF_STICKY all its later calls fail, too.
-// With VKF_LOSE the device is lost at the VKF_LOSE-th submission, and calls are counted from there.
-// VKF_COUNT names a file that gets the number of calls of each function when the process ends;
-// VKF_LOADER is the real loader.
+// A Vulkan loader in which one call fails. This library has the loader's name and forwards every
+// function to the real one, except for call number VKF_N (counted from 1) of the function VKF_NAME,
+// which returns the VkResult VKF_RESULT without doing anything. With VKF_STICKY, all later calls of
+// it fail, too. With VKF_LOSE, the device is lost at submission number VKF_LOSE, and calls are
+// counted from there. VKF_COUNT names a file to which the number of calls of each function is
+// written at the end; VKF_LOADER is the real loader.
 #define VK_NO_PROTOTYPES
 #include <dlfcn.h>
 #include <stdbool.h>
@@ -13,7 +13,7 @@
 #include <vulkan/vulkan.h>
 
 // All functions that return a VkResult and that the program calls without a window: name,
-// parameters, arguments.
+// parameters and arguments.
 #define FUNCTIONS(X)                                                                               \
     X(vkAllocateCommandBuffers,                                                                    \
       (VkDevice d, const VkCommandBufferAllocateInfo *i, VkCommandBuffer *o), (d, i, o))           \
@@ -89,7 +89,7 @@ struct function {
     long calls;
 };
 
-static bool is_lost; // at VKF_LOSE
+static bool is_lost; // set at submission VKF_LOSE
 static void forget_calls(void);
 
 // Returns whether the device is lost at this submission.

@@ -1,5 +1,5 @@
-// Fuzz target for the decoding of glTF accessors: the first bytes choose an accessor's fields and
-// what it is used for, the others are the buffer. No byte is spent on syntax.
+// Fuzz target for decoding glTF accessors. The first bytes choose the fields and the use of an
+// accessor, the others are its buffer, so no byte is spent on syntax.
 #include "gltf_fixture.h"
 
 #include <stdio.h>
@@ -7,13 +7,13 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-// The bytes of the input, in this order; the buffer follows.
+// The bytes of the input in their order. The buffer follows them.
 enum { COMPONENT, TYPE, FLAGS, COUNT, STRIDE, OFFSET, VIEW_OFFSET, USE, SPARSE_COUNT, HEADER };
 enum { NORMALIZED = 1, SPARSE = 2, WITH_STRIDE = 4, WITHOUT_VIEW = 8 };
 
 static void write_json(const uint8_t *in, size_t buffer_size, char *out, size_t out_size)
 {
-    // The last of each is not in the format.
+    // The last value of each list is invalid.
     static const int components[] = {5120, 5121, 5122, 5123, 5125, 5126, 5124};
     static const char *types[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4", "VEC5"};
     static const char *uses[] = {"'attributes':{'POSITION':1}",

@@ -1,5 +1,5 @@
-// A hierarchy's file from anywhere: as it is, and with the sizes and checksums that get it past the
-// first checks. What is taken must be right.
+// Fuzz target for the files of the BVH cache: the input as it is, and with sizes and checksums that
+// pass the first checks. A tree that is accepted must be valid.
 #include "bvh/bvh_cache.h"
 #include "bvh_trace.h"
 #include <stdio.h>
@@ -38,7 +38,7 @@ static void load(const char *path, const struct bvh_params *params)
     arena_finish(&arena);
 }
 
-// The tree itself from the bytes: statistics, nodes, the order of the triangles.
+// Writes a tree from the input: statistics, nodes, and the order of the triangles.
 static bool save_tree(const char *path, const struct bvh_params *params, const uint8_t *data,
                       size_t size)
 {

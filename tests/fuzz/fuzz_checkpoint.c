@@ -1,5 +1,5 @@
-// A checkpoint from anywhere: read as --resume and merge read it. Damage is found by the hashes, so
-// the same bytes are tried with a right one of what stands before the film, too.
+// Fuzz target for checkpoints, which are read as --resume and merge read them. Hashes detect
+// damage, so the input is also tried with a correct hash of the data before the film.
 #include "base/hash.h"
 #include "render/checkpoint.h"
 #include <stdio.h>
@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         abort();
     memcpy(copy, data, size);
     read_bytes(copy, size);
-    // The number of those bytes is in the header, and their hash behind them.
+    // The header has the number of these bytes, and their hash follows them.
     uint64_t head = 0;
     if (size >= 16 + sizeof head)
         memcpy(&head, copy + 16, sizeof head);

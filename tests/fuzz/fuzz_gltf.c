@@ -1,6 +1,7 @@
-// libFuzzer target for glTF and GLB bytes: `fuzz_gltf CORPUS_FOLDER`, which write_seeds fills. The
-// first four bytes decide the container. Built with clang on demand; what it loads must be whole,
-// with its animation at half a second and with tangents where there are texture coordinates.
+// libFuzzer target for glTF and GLB: `fuzz_gltf CORPUS_FOLDER`; write_seeds fills the folder. The
+// first four bytes decide which of the two formats it is. Built with clang on request. A file that
+// loads must give a valid scene, with its animation at half a second, and with tangents if there
+// are texture coordinates.
 #include "gltf_fixture.h"
 #include "scene/core/affine.h"
 #include "scene/gltf/gltf_load.h"
@@ -27,10 +28,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static const double half = 0.5;
     uint8_t *copy = malloc(size + 1);
     memcpy(copy, data, size);
-    copy[size] = 0; // as file_read leaves it
+    copy[size] = 0; // file_read also appends a NUL
     struct err err;
     const struct gltf_load_params params = {
-        // No such folder, so that no URI of the fuzzer's names a file.
+        // The folder does not exist, so no URI of the input names a file.
         .source = {.path = "/nonexistent/fuzz.gltf", .bytes = {copy, size}},
         .place = AFFINE_IDENTITY,
         .with_cameras = true,

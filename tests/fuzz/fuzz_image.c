@@ -1,5 +1,6 @@
-// Fuzz target: a picture of the format FUZZ_FORMAT ("exr", "hdr", "jpeg", "pfm" or "png")
-// from memory, and its metadata. Bytes of another format are not wanted in the corpus.
+// Fuzz target for an image of the format FUZZ_FORMAT ("exr", "hdr", "jpeg", "pfm" or "png") in
+// memory, and for its metadata. Inputs of other formats are rejected, so that they do not enter the
+// corpus.
 #include "base/memory.h"
 #include "image/image.h"
 #include "image/image_internal.h"

@@ -1,8 +1,8 @@
-// For the fuzz targets: bytes in memory under a path that the loaders can open.
+// For fuzz targets: makes bytes in memory available under a path that the loaders can open.
 #ifndef LAMPYRIS_TESTS_FUZZ_INPUT_H
 #define LAMPYRIS_TESTS_FUZZ_INPUT_H
 
-// Included first, so that memfd_create is declared.
+// Must be included first, so that memfd_create is declared.
 #define _GNU_SOURCE
 
 #include "base/log.h"
@@ -24,7 +24,7 @@ static inline void fuzz_ignore_message(void *context, enum log_level level, cons
 
 typedef bool (*fuzz_load_fn)(struct scene *scene, const char *path, struct err *err);
 
-// Loads the bytes within a budget; aborts where the outcome is neither meshes with sound indices
+// Loads the bytes within a memory budget. Aborts if the result is neither meshes with valid indices
 // nor an error of input or memory.
 static inline int fuzz_load(fuzz_load_fn load, const uint8_t *data, size_t size)
 {

@@ -1,5 +1,5 @@
-// libFuzzer target for the JSON format: fuzz_json CORPUS_FOLDER, scenes/ for a beginning. What
-// loads must flatten or say why not.
+// libFuzzer target for the JSON format: fuzz_json CORPUS_FOLDER; scenes/ is an initial corpus. A
+// scene that loads must be flattened or rejected with a message.
 #include "fuzz_input.h"
 
 #include "flatten/flatten.h"

@@ -1,4 +1,4 @@
-// libFuzzer target for OBJ: fuzz_obj CORPUS_FOLDER. Material libraries are out of its reach.
+// libFuzzer target for OBJ: fuzz_obj CORPUS_FOLDER. The input cannot refer to material libraries.
 #include "fuzz_input.h"
 
 static bool load(struct scene *scene, const char *path, struct err *err)

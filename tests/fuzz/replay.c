@@ -1,5 +1,6 @@
-// Runs a fuzz target's seeds through it without a fuzzer: `replay_NAME FILE…`, each whole, cut
-// short and with single bytes changed, the same way every time. A target that objects aborts.
+// Runs a fuzz target on its seeds without a fuzzer: `replay_NAME FILE…`. Each file is tried whole,
+// truncated, and with single bytes changed, always in the same way. A target aborts if it finds an
+// error.
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +10,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { MAX_SEED = 1 << 20, CUTS = 16, CHANGES = 64 };
 
-// A copy of exactly the length, so that the address sanitizer sees a read past the end.
+// Copies the data to a block of exactly this length, so that the address sanitizer detects reads
+// past the end.
 static void run(const uint8_t *data, size_t size, size_t changed, uint8_t mask)
 {
     uint8_t *copy = malloc(size > 0 ? size : 1);
@@ -33,7 +35,7 @@ int main(int argc, char **argv)
             fprintf(stderr, "%s: no file of 1 to %d bytes\n", argv[i], MAX_SEED - 1);
             return 1;
         }
-        // The name stands before what it does, so that a crash tells which seed it was.
+        // The name is printed first, so that a crash shows which file caused it.
         fprintf(stderr, "%s\n", argv[i]);
         run(seed, size, 0, 0);
         for (size_t k = 0; k < CUTS; k++)

@@ -36,7 +36,7 @@ uint32_t builder_view(struct gltf_builder *builder, const void *data, size_t siz
 uint32_t builder_accessor(struct gltf_builder *builder, int code, const char *type, uint32_t count,
                           const void *data, size_t size)
 {
-    // The type's name ends where further members begin.
+    // Further members follow the type's name.
     int name = (int)strcspn(type, ",");
     uint32_t view = builder_view(builder, data, size, "");
     append(builder->accessors, sizeof builder->accessors,

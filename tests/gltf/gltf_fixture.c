@@ -132,7 +132,7 @@ bool load_bytes(struct scene *scene, const char *path, struct bytes bytes, struc
     };
     *scene = empty_scene(path);
     *err = (struct err){0};
-    memory_take(bytes.size); // as where the file is read
+    memory_take(bytes.size); // the reader of files also takes this from the budget
     bool ok = gltf_load_bytes(scene, &params, err);
     memory_give(bytes.size);
     return ok;

@@ -1,4 +1,4 @@
-// Small glTF files made in memory, and a scene to load them into.
+// Makes small glTF files in memory, and a scene into which they are loaded.
 #ifndef LAMPYRIS_TESTS_GLTF_FIXTURE_H
 #define LAMPYRIS_TESTS_GLTF_FIXTURE_H
 
@@ -6,40 +6,41 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Bytes on the heap; finish with free(data). `size` bytes and a NUL that is not counted.
+// Bytes on the heap, to be freed by free(data). A NUL follows the `size` bytes.
 struct bytes {
     uint8_t *data;
     size_t size;
 };
 
-// JSON with ' for ", so that it reads well in C.
+// Makes JSON from text with ' instead of ", which is easier to read in C.
 struct bytes json_bytes(const char *json);
-// A GLB file with that JSON and, where size > 0, a binary chunk.
+// Makes a GLB file with this JSON and, if size > 0, a binary chunk.
 struct bytes glb_bytes(const char *json, const void *binary, size_t size);
-// A copy of `text` with the first `find` replaced; NULL when there is none. free() it.
+// Returns a copy of `text` with the first occurrence of `find` replaced, to be freed by free();
+// NULL if there is none.
 char *replace_text(const char *text, const char *find, const char *replacement);
-// "data:…;base64,…". free() it.
+// Returns "data:…;base64,…", to be freed by free().
 char *data_uri(const void *data, size_t size);
 
-// A memory budget that no small file should need.
+// A memory budget that is sufficient for all small files.
 #define FIXTURE_MAX_BYTES ((size_t)64 << 20)
 
-// An empty scene as scene_load would hand it to a loader, with that budget.
+// Makes an empty scene with this budget, as scene_load passes it to a loader.
 struct scene empty_scene(const char *path);
-// Loads bytes as if they were the file `path`. The scene is to be finished either way.
+// Loads bytes as if they were the file `path`. The scene must be finished in any case.
 bool load_bytes(struct scene *scene, const char *path, struct bytes bytes, struct err *err);
-// Makes a GLB, loads it as "test.glb" and frees it.
+// Makes a GLB file, loads it as "test.glb" and frees it.
 bool load_glb(struct scene *scene, const char *json, const void *binary, size_t size,
               struct err *err);
 
-// Returns the fault of a loaded scene, or NULL: an index beyond its array, a number that is not
-// finite, or a missing name.
+// Returns what is wrong with a loaded scene, or NULL: an index beyond its array, a number that is
+// not finite, or a missing name.
 const char *scene_objection(const struct scene *scene);
 // Returns whether one of the notes contains the text.
 bool has_note(const struct scene *scene, const char *text);
 
-// A file that uses most of what the loader reads: a square with normals, indices and a sparse
-// accessor, a second node, a camera, a material.
+// A file that uses most functions of the loader: a square with normals, indices and a sparse
+// accessor, a second node, a camera and a material.
 extern const char sample_json[];
 struct sample_binary {
     float positions[4][3];

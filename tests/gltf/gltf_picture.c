@@ -31,7 +31,7 @@ static uint8_t *put_chunk(uint8_t *at, const char type[4], const uint8_t *data, 
     return put_big_endian(begin + 4 + size, crc(begin, 4 + size));
 }
 
-// A zlib stream (RFC 1950) of one stored block (RFC 1951, section 3.2.4).
+// Writes a zlib stream (RFC 1950) with one stored block (RFC 1951, section 3.2.4).
 static size_t store(const uint8_t *data, uint16_t size, uint8_t *out)
 {
     const uint8_t head[] = {
@@ -51,8 +51,8 @@ struct bytes png_bytes(uint32_t width, uint32_t height, const uint8_t rgba[4])
 {
     static const uint8_t magic[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     uint8_t header[13] = {0}, *end = put_big_endian(put_big_endian(header, width), height);
-    end[0] = 8; // bits
-    end[1] = 6; // RGBA
+    end[0] = 8; // bits per component
+    end[1] = 6; // colour type RGBA
     size_t raw_size = (size_t)height * (1 + 4 * (size_t)width);
     uint8_t *raw = calloc(raw_size, 1), *packed = malloc(raw_size + 16);
     for (size_t y = 0; y < height; y++)

@@ -14,7 +14,8 @@ static void add_triangle(struct gltf_builder *b)
     BUILDER_FLOATS(b, "VEC2", 3, 0, 1, 1, 1, 0, 0);
 }
 
-// Two joints, two sets of weights, an animation of all four paths by all three interpolations.
+// Makes a file with two joints, two sets of weights, and an animation of all four properties by all
+// three interpolations.
 static struct bytes make_skin(void)
 {
     struct gltf_builder b = {0};
@@ -45,7 +46,7 @@ static struct bytes make_skin(void)
             "{'sampler':3,'target':{'node':0,'path':'weights'}}]}]");
 }
 
-// Displacements of every attribute, one of them sparse without a base.
+// Makes a file with morph targets for every attribute; one is sparse without a base.
 static struct bytes make_morph(void)
 {
     struct gltf_builder b = {0};
@@ -68,7 +69,7 @@ static struct bytes make_morph(void)
             "'TANGENT':1,'TEXCOORD_0':2,'COLOR_0':4},{'POSITION':1}]}]}]");
 }
 
-// Every mode and filter.
+// Makes a file with every mode and filter of compression.
 static struct bytes make_meshopt(void)
 {
     static const float positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
@@ -122,7 +123,8 @@ static struct bytes make_meshopt(void)
     return glb_bytes(json, binary, size);
 }
 
-// A strip, a fan, colours and two sets of texture coordinates, quantized and interleaved.
+// Makes a file with a strip, a fan, colours and two sets of texture coordinates, quantized and
+// interleaved.
 static struct bytes make_vertices(void)
 {
     struct gltf_builder b = {0};
@@ -160,15 +162,15 @@ static uint32_t load_u32(const uint8_t *at)
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-// Returns the file as JSON alone, with the binary chunk in a data URI: damage reaches deeper where
-// no lengths have to agree.
+// Returns the file as JSON with the binary chunk in a data URI. Damage to it reaches more code,
+// because no lengths have to agree.
 static struct bytes embed(struct bytes glb)
 {
     static const char before[] = "\"buffers\":[{";
     size_t json_size = load_u32(glb.data + 12), binary_size = load_u32(glb.data + 20 + json_size);
     char *uri = data_uri(glb.data + 28 + json_size, binary_size);
     char *json = calloc(1, json_size + 1), *with = malloc(strlen(uri) + 64);
-    while (glb.data[20 + json_size - 1] == ' ') // the chunk's padding
+    while (glb.data[20 + json_size - 1] == ' ') // padding of the chunk
         json_size--;
     memcpy(json, glb.data + 20, json_size);
     snprintf(with, strlen(uri) + 64, "%s\"uri\":\"%s\",", before, uri);

@@ -53,7 +53,7 @@ bool load_materials(struct scene *scene, const struct material_file *file)
     return ok;
 }
 
-// The members of every extension; each texture is one of the two.
+// The members of every extension. Each texture is one of two.
 static const char seed_materials[] =
     "{'name':'layers','alphaMode':'MASK','alphaCutoff':0.25,'pbrMetallicRoughness':"
     "{'baseColorFactor':[1,0.5,0.25,0.75],'baseColorTexture':{'index':0,'texCoord':1},"

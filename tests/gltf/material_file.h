@@ -1,14 +1,15 @@
-// glTF files of materials, and what to look for in what they become.
+// Makes glTF files with materials, and tests the materials that are loaded from them.
 #ifndef LAMPYRIS_TESTS_MATERIAL_FILE_H
 #define LAMPYRIS_TESTS_MATERIAL_FILE_H
 
 #include "gltf_fixture.h"
 
-// The colours of two pictures of 2 x 2 pixels that the files may carry.
+// The colours of two images of 2 x 2 pixels that the files may contain.
 extern const uint8_t material_pictures[2][4];
 
-// A file of one triangle a material. `lists` are the document's further members, each with a comma
-// before it, or NULL; the first %s in them is the URI of the first picture, the next of the second.
+// A file with one triangle per material. `lists` has further members of the document, each after a
+// comma, or is NULL; the first %s in it is replaced by the URI of the first image, the next one by
+// that of the second.
 struct material_file {
     const char *materials;
     uint32_t count;
@@ -19,28 +20,29 @@ struct material_file {
     ",'textures':[{'source':0},{'source':1}],"                                                     \
     "'images':[{'uri':'%s'},{'uri':'%s'}]"
 
-// A material's extension KHR_materials_NAME.
+// The extension KHR_materials_NAME of a material.
 #define EXTENSION(name, members) "'extensions':{'KHR_materials_" name "':{" members "}}"
 
-// free() it.
+// The result is to be freed by free().
 char *material_json(const struct material_file *file);
-// Without a buffer of 36 bytes nothing loads: that of the triangle.
+// Loads a file whose buffer of 36 bytes, for the triangle, is added here.
 bool load_material_json(struct scene *scene, const char *json, struct err *err);
-// Loads the file; records a failure, finishes the scene and returns false where that fails.
+// Loads the file. If that fails, records a failure, finishes the scene and returns false.
 bool load_materials(struct scene *scene, const struct material_file *file);
 
-// A file with every extension of materials, an image inside, and the three kinds of lights.
+// Makes a file with every material extension, an embedded image, and the three kinds of lights.
 struct bytes material_seed(void);
 
-bool near(float a, double b); // within 1e-6
+bool near(float a, double b); // returns whether they differ by at most 1e-6
 bool near3(const float *a, double x, double y, double z);
 
-// That a group of a material is scaled like this: "rgb-" is the texel's colours and nothing for the
-// fourth; upper case for the inverse; "none" where there is no such texture, or two.
+// Checks how a texture scales a parameter group of a material. "rgb-" means: the texel's colours
+// scale the first three components, nothing the fourth. Upper case means the inverse, and "none"
+// that there is no such texture, or more than one.
 void check_scale(const struct scene *scene, uint32_t material, uint32_t group,
                  const char *expected);
-// The texture of a material that scales a group; NULL: none, or two. And its image, or an empty
-// one.
+// scale_of() returns the texture that scales a group of a material; NULL if there is none or more
+// than one. image_of() returns its image, or an empty one.
 const struct texture *scale_of(const struct scene *scene, uint32_t material, uint32_t group);
 const struct texture_image *image_of(const struct scene *scene, uint32_t material, uint32_t group);
 

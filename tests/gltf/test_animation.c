@@ -1,4 +1,4 @@
-// Nodes at a time of an animation, against values worked out by hand.
+// Tests nodes at times of an animation against values computed by hand.
 #include "gltf_builder.h"
 #include "test.h"
 
@@ -11,7 +11,8 @@ static struct gltf_builder with_triangle(void)
     return builder;
 }
 
-// Loads a node with the mesh and one channel of accessors 1 (times) and 2 (values), at `seconds`.
+// Loads a node with the mesh at `seconds`. It has one channel, with accessors 1 (times) and 2
+// (values).
 static bool load_channel(const struct gltf_builder *builder, const char *path,
                          const char *interpolation, double seconds, struct scene *scene,
                          struct err *err)
@@ -26,7 +27,7 @@ static bool load_channel(const struct gltf_builder *builder, const char *path,
                         err);
 }
 
-// The node's matrix is `expected` (12 numbers, by rows) at `seconds`.
+// Checks the node's matrix at `seconds` against `expected`, 12 numbers by rows.
 static void check_channel(const struct gltf_builder *builder, const char *path,
                           const char *interpolation, double seconds, const double *expected)
 {
@@ -56,10 +57,10 @@ TEST(linear_and_step)
     static const struct {
         double seconds, linear[3], step[3];
     } cases[] = {
-        {0, {0, 0, 0}, {0, 0, 0}}, // before the first key
+        {0, {0, 0, 0}, {0, 0, 0}}, // before the first keyframe
         {1, {0, 0, 0}, {0, 0, 0}},  {1.5, {1, 2, 3}, {0, 0, 0}},
         {2, {2, 4, 6}, {2, 4, 6}},  {2.5, {1.5, 3, 6.5}, {2, 4, 6}},
-        {4, {0, 0, 8}, {0, 0, 8}},  {1e9, {0, 0, 8}, {0, 0, 8}}, // after the last
+        {4, {0, 0, 8}, {0, 0, 8}},  {1e9, {0, 0, 8}, {0, 0, 8}}, // after the last keyframe
         {-5, {0, 0, 0}, {0, 0, 0}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -79,13 +80,13 @@ TEST(one_key)
     check_translation(&builder, "STEP", 7, 1, 2, 3);
 }
 
-// From 0 with a slope of 4 a second to 8 with a slope of -2, in two seconds. At t = 1/4 (half a
-// second) the four weights are 54/64, 2 * 9/64, 10/64 and 2 * -3/64.
+// The spline goes from 0 with slope 4 per second to 8 with slope -2, in two seconds. At t = 1/4
+// (half a second) the four weights are 54/64, 2 * 9/64, 10/64 and 2 * -3/64.
 TEST(cubic_spline)
 {
     struct gltf_builder builder = with_triangle();
     BUILDER_FLOATS(&builder, "SCALAR", 2, 1, 3);
-    BUILDER_FLOATS(&builder, "VEC3", 6, 9, 9, 9, 0, 1, 0, 4, 0, 0, // in, value, out
+    BUILDER_FLOATS(&builder, "VEC3", 6, 9, 9, 9, 0, 1, 0, 4, 0, 0, // in-tangent, value, out-tangent
                    -2, 0, 1, 8, 3, 0, 9, 9, 9);
     const double x = 18.0 / 64 * 4 + 10.0 / 64 * 8 - 6.0 / 64 * -2;
     const double y = 54.0 / 64 * 1 + 10.0 / 64 * 3, z = -6.0 / 64 * 1;
@@ -114,7 +115,7 @@ static void check_turn(const struct gltf_builder *builder, const char *interpola
                   (const double[]){c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0});
 }
 
-// A quarter turn about Z, with equal angles in equal times; its quaternions may have either sign.
+// A quarter turn about Z with constant angular velocity. Its quaternions may have either sign.
 TEST(spherical_interpolation)
 {
     const float h = 0.70710678f;
@@ -162,8 +163,8 @@ TEST(quantized_rotations)
     }
 }
 
-// Half way from no turn to a quarter turn, without slopes: (0, 0, h/2, (1 + h)/2), normalised, is
-// the turn by 45 degrees again.
+// Half way from no rotation to a quarter turn, with slopes of 0, the spline is (0, 0, h/2, (1 +
+// h)/2). Normalised, this is again the rotation by 45 degrees.
 TEST(spline_of_rotations)
 {
     const float h = 0.70710678f;
@@ -208,8 +209,8 @@ TEST(choice_of_the_animation)
     CHECK(translation_of(&builder, NULL, NULL, &err) == 7);
     CHECK(translation_of(&builder, NULL, &one, &err) == 2);
     CHECK(translation_of(&builder, "walk", &one, &err) == 2);
-    CHECK(translation_of(&builder, "walk", NULL, &err) == 1); // its beginning
-    CHECK(translation_of(&builder, "0", &one, &err) == 4);    // names come before numbers
+    CHECK(translation_of(&builder, "walk", NULL, &err) == 1); // at the beginning of the animation
+    CHECK(translation_of(&builder, "0", &one, &err) == 4);    // names have precedence over indices
     CHECK(translation_of(&builder, "1", &one, &err) == 4);
     CHECK(
         isnan(translation_of(&builder, "run", &one, &err)) && err.code == ERR_USAGE &&
@@ -240,7 +241,7 @@ static uint64_t hash_of(const char *animation, const char *scene_name, const dou
     return hash;
 }
 
-// The hash includes the choice of what is loaded: a render that continues must not mix two poses.
+// The hash includes what was selected, because a resumed render must not mix two poses.
 TEST(hash_covers_the_choice)
 {
     const double zero = 0, one = 1;
@@ -253,7 +254,7 @@ TEST(hash_covers_the_choice)
     CHECK(hashes[0] == hash_of(NULL, NULL, NULL));
 }
 
-// A viewer knows how long it can play before it does; what is played is the first animation.
+// The length is known before an animation is played; the first animation is the default.
 TEST(length_of_what_can_be_played)
 {
     struct gltf_builder builder = with_triangle();
@@ -294,7 +295,7 @@ TEST(choice_of_the_scene)
 {
     static const struct {
         const char *wanted;
-        double x; // NAN: an error
+        double x; // NAN: loading must fail
     } cases[] = {{NULL, 2}, {"a", 1}, {"b", 2}, {"0", 1}, {"1", 2}, {"2", NAN}, {"c", NAN}};
     struct gltf_builder builder = with_triangle();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -365,13 +366,13 @@ TEST(bad_animations)
     struct gltf_builder builder = with_triangle();
     static const char node[] = "{'mesh':0}", good[] = SAMPLER("'input':1,'output':2");
     char both[512];
-    BUILDER_FLOATS(&builder, "SCALAR", 2, 0, 1);                 // 1
-    BUILDER_FLOATS(&builder, "VEC3", 2, 0, 0, 0, 2, 0, 0);       // 2
-    BUILDER_FLOATS(&builder, "SCALAR", 3, 0, 1, 1);              // 3
-    BUILDER_FLOATS(&builder, "SCALAR", 2, -1, 1);                // 4
-    BUILDER_FLOATS(&builder, "SCALAR", 2, 0, NAN);               // 5
-    BUILDER_FLOATS(&builder, "VEC4", 2, 0, 0, 0, 0, 0, 0, 0, 0); // 6
-    BUILDER_FLOATS(&builder, "SCALAR", 2, 2, 1);                 // 7
+    BUILDER_FLOATS(&builder, "SCALAR", 2, 0, 1);                 // accessor 1
+    BUILDER_FLOATS(&builder, "VEC3", 2, 0, 0, 0, 2, 0, 0);       // accessor 2
+    BUILDER_FLOATS(&builder, "SCALAR", 3, 0, 1, 1);              // accessor 3
+    BUILDER_FLOATS(&builder, "SCALAR", 2, -1, 1);                // accessor 4
+    BUILDER_FLOATS(&builder, "SCALAR", 2, 0, NAN);               // accessor 5
+    BUILDER_FLOATS(&builder, "VEC4", 2, 0, 0, 0, 0, 0, 0, 0, 0); // accessor 6
+    BUILDER_FLOATS(&builder, "SCALAR", 2, 2, 1);                 // accessor 7
     check_rejected(&builder, node, "{}", "animations[0]: \"channels\" is missing");
     check_rejected(&builder, node, "{'channels':[]}", "animations[0]: \"samplers\" is missing");
     check_rejected(&builder, node, "{'channels':[7],'samplers':[]}",

@@ -1,4 +1,4 @@
-// Vertex attributes beyond positions: every component type that they may have.
+// Tests vertex attributes other than positions, with every component type that they may have.
 #include "gltf_fixture.h"
 #include "test.h"
 
@@ -7,7 +7,8 @@ static bool near(float a, double b)
     return fabs((double)a - b) < 1e-6;
 }
 
-// A triangle whose attribute `key` is three elements of `type` and `code`, `size` bytes apart.
+// A triangle whose attribute `key` has three elements of `type` and component type `code`, `size`
+// bytes apart.
 struct attribute_file {
     const char *key, *type, *code, *extensions;
     bool normalized;
@@ -52,7 +53,7 @@ static const float *find_values(const struct mesh *mesh, const char *key)
     return uvs ? uvs[0] : NULL;
 }
 
-// The mesh has exactly the numbers `expected`, `width` for each vertex.
+// Checks that the mesh has exactly the numbers `expected`, `width` for each vertex.
 static void check_attribute(const struct attribute_file *file, uint32_t width,
                             const double *expected)
 {

@@ -1,4 +1,4 @@
-// Every check of the loader: a good file with one thing wrong, and the message that says so.
+// Tests every check of the loader by a valid file with a single error, and the resulting message.
 #include "gltf_fixture.h"
 #include "test.h"
 
@@ -6,7 +6,7 @@
 
 struct bad_case {
     const char *find, *replacement; // in sample_json
-    const char *messages[3];        // parts that the message must have
+    const char *messages[3];        // texts that the message must contain
 };
 
 static void check_rejected(bool ok, const struct err *err, const char *path,
@@ -122,7 +122,7 @@ TEST(buffers)
     CHECK_CASES(cases);
 }
 
-// The binary chunk is the first buffer's alone.
+// Only the first buffer may be the binary chunk.
 TEST(second_buffer_without_uri)
 {
     char *json = replace_text(sample_json, "'buffers':[{'byteLength':136}",
@@ -294,7 +294,7 @@ TEST(quantization)
     free(json);
 }
 
-// Aligned in the buffer, but not in its view.
+// The offset is aligned in the buffer, but not in its view.
 TEST(alignment_in_the_view)
 {
     char *view = replace_text(sample_json, "'byteOffset':48,'byteLength':48",
@@ -335,7 +335,7 @@ TEST(sparse)
         {"{'bufferView':3,'componentType':5123}",
          "{'bufferView':3,'byteOffset':1,'componentType':5123}",
          {"accessors[0].sparse.indices: ", "do not fit"}},
-        // Little-endian 2, 0, 3, 0 as bytes: not ascending.
+        // The little-endian bytes are 2, 0, 3, 0, which do not ascend.
         {"{'bufferView':3,'componentType':5123}",
          "{'bufferView':3,'componentType':5121}",
          {"accessors[0].sparse.indices: element 1 is 0; expected indices that ascend strictly"}},
@@ -504,7 +504,7 @@ TEST(instancing)
          {"accessors[0].type: \"VEC3\"; expected \"VEC4\" for ROTATION"}},
     };
     CHECK_CASES(cases);
-    // Counts that differ, and a zero quaternion.
+    // Different counts, and a zero quaternion.
     static const char two[] =
         "{'asset':{'version':'2.0'},'nodes':[{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':"
         "{'attributes':{%s}}}}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],"
@@ -565,7 +565,7 @@ TEST(values)
     binary.sparse_indices[1] = 4;
     check_binary(&binary, "accessors[0].sparse.indices: element 1 is 4; expected indices that");
     binary = sample_binary;
-    binary.positions[0][0] = FLT_MAX; // large, but a number: the world's bounds are checked later
+    binary.positions[0][0] = FLT_MAX; // large but finite; the bounds of the world are checked later
     struct scene scene;
     struct err err;
     CHECK(load_glb(&scene, sample_json, &binary, sizeof binary, &err), "%s", err.msg);
@@ -600,7 +600,7 @@ TEST(glb)
     check_patched_glb(16, 'X', "GLB: the first chunk is of type 0x");
     check_patched_glb(binary_header, 140, "but 136 remain");
     check_patched_glb(binary_header, 128, "GLB: ");
-    // A second JSON chunk, and a chunk of an unknown type, which leaves buffer 0 without bytes.
+    // A second JSON chunk, and a chunk of unknown type, so that buffer 0 has no bytes.
     glb = glb_bytes(sample_json, &sample_binary, sizeof sample_binary);
     memcpy(glb.data + binary_header + 4, "JSON", 4);
     struct scene scene;
@@ -637,7 +637,7 @@ TEST(json)
     check_text("{'asset':{'version':'2.0'},'x':'\\u0000'}", "line 1");
     check_text("{'asset':{'version':'2.0'},'x':NaN}", "line 1");
     check_text("{'asset':{'version':'2.0'},'x':1e999}", "line 1");
-    // jansson's own limit keeps its recursion off the stack's end.
+    // jansson's own limit prevents its recursion from overflowing the stack.
     char *deep = malloc(100001);
     memset(deep, '[', 100000);
     deep[100000] = '\0';
@@ -645,7 +645,7 @@ TEST(json)
     free(deep);
 }
 
-// A file of brackets would make a tree that is a hundred times as large.
+// The tree of a file of brackets would be a hundred times as large as the file.
 TEST(memory_of_the_tree)
 {
     const size_t size = (size_t)2 << 20;

@@ -1,4 +1,4 @@
-// Real files that others made. Triangle counts and bounds were computed by a separate Python script
+// Loads files made by others. Triangle counts and bounds were computed by a separate Python script
 // that decodes the files with the struct module.
 #include "gltf_fixture.h"
 #include "test.h"
@@ -149,7 +149,7 @@ TEST(real_files)
     }
 }
 
-// The eye and centre that the exporter wrote beside the camera say where it stands and looks.
+// The exporter also wrote the eye and the centre, which give the camera's position and direction.
 TEST(camera_of_the_shader_ball)
 {
     static const double eye[3] = {-6.100406646728516, 3.0585501194000244, 1.417274832725525};
@@ -175,8 +175,8 @@ TEST(camera_of_the_shader_ball)
     scene_finish(&scene);
 }
 
-// Five materials have their roughness as a factor, the others as a texture of one texel; the file
-// is made so that they come in pairs.
+// Five materials have their roughness as a factor, the others as a texture of one texel. The file
+// contains them in pairs.
 TEST(roughness_by_factor_and_by_texture)
 {
     char path[4096];
@@ -200,7 +200,7 @@ TEST(roughness_by_factor_and_by_texture)
     scene_finish(&scene);
 }
 
-// Placed inside another scene: the same triangles elsewhere, and no cameras.
+// Placed inside another scene, the file gives the same triangles at another place, and no cameras.
 TEST(placed_in_another_scene)
 {
     static const double place[3][4] = {{2, 0, 0, 10}, {0, 2, 0, 20}, {0, 0, 2, 30}};

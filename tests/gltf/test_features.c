@@ -1,4 +1,4 @@
-// Scenes loaded from valid files: every expected number is written out or computed here.
+// Tests scenes loaded from valid files; every expected number is written or computed here.
 #include "gltf_fixture.h"
 #include "test.h"
 
@@ -28,10 +28,10 @@ TEST(sample)
         const struct mesh *mesh = &scene.meshes[0];
         CHECK(strcmp(mesh->name, "square") == 0 && mesh->vertex_count == 4 &&
               mesh->triangle_count == 2);
-        // Two positions come from the sparse part.
+        // Two positions are from the sparse part.
         CHECK(near3(mesh->positions[1], 1, 0, 0) && near3(mesh->positions[2], 1, 1, 0) &&
               near3(mesh->positions[3], 0, 1, 0));
-        // Normals become unit vectors; a missing one stays zero.
+        // Normals are normalised; a zero normal remains zero.
         CHECK(near3(mesh->normals[1], 0, 0, 1) && near3(mesh->normals[3], 0, 0, 0));
         CHECK(mesh->indices[1][0] == 0 && mesh->indices[1][1] == 2 && mesh->indices[1][2] == 3);
         const struct material *red = &scene.materials[0];
@@ -62,8 +62,8 @@ TEST(hash_covers_the_file)
     scene_finish(&c);
 }
 
-// A file of one mesh without a material; %s are the primitive, the accessors, the buffer views and
-// the rest of the document.
+// A file with one mesh without a material. Each %s is replaced by the primitive, the accessors, the
+// buffer views and the rest of the document, in this order.
 #define ONE_MESH                                                                                   \
     "{'asset':{'version':'2.0'},'nodes':[{'mesh':0}],'meshes':[{'primitives':[%s]}],"              \
     "'accessors':[%s],'bufferViews':[%s],'buffers':[{'byteLength':%zu}]%s}"
@@ -158,7 +158,7 @@ static void check_index_type(const char *code, size_t index_size)
     scene_finish(&scene);
 }
 
-// Strips that are sewn together by repeated vertices, and one that is nothing else.
+// Strips that repeated vertices join, and a strip that consists only of repeated vertices.
 TEST(turns_of_strips)
 {
     const struct {
@@ -198,7 +198,7 @@ TEST(index_types)
 
 TEST(interleaved_vertices)
 {
-    // Position, normal and a texture coordinate that the loader leaves, 32 bytes a vertex.
+    // Position, normal and a texture coordinate that the loader ignores, 32 bytes per vertex.
     const float binary[3][8] = {
         {0, 0, 0, 0, 0, 1, 7, 7}, {1, 0, 0, 0, 1, 0, 7, 7}, {0, 1, 0, 1, 0, 0, 7, 7}};
     const struct one_mesh file = {
@@ -221,7 +221,8 @@ TEST(interleaved_vertices)
     scene_finish(&scene);
 }
 
-// Quantized positions: one vertex (-128 or 0, 1, 127 or largest) in each integer type.
+// Checks quantized positions in each integer type: one vertex has -128 or 0, 1, and 127 or the
+// greatest value.
 static void check_quantized(const char *code, bool normalized, const void *binary, size_t size,
                             const double expected[3])
 {
@@ -340,7 +341,7 @@ TEST(data_uris)
     free(uri);
 }
 
-// Shared vertices are decoded once, whatever the number of primitives.
+// Shared vertices are decoded once, for any number of primitives.
 TEST(primitives_share_accessors)
 {
     const struct {
@@ -372,7 +373,7 @@ TEST(primitives_share_accessors)
 
 // --- nodes ---------------------------------------------------------------------------------------
 
-// Loads a file of nodes; each mesh node's instances are in the scene in the order of the nodes.
+// Loads a file of nodes. The instances of mesh nodes are in the scene in the order of the nodes.
 static bool load_nodes(struct scene *scene, const char *nodes, struct err *err)
 {
     static const float triangle[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -401,7 +402,8 @@ TEST(node_transforms)
 {
     struct scene scene;
     struct err err;
-    // A quarter turn about Z (of twice unit length), scaled and moved, below another move.
+    // A quarter turn about Z (by a quaternion of length two), scaled and translated, below another
+    // translation.
     bool ok = load_nodes(&scene,
                          "'nodes':[{'translation':[10,0,0],'children':[1,2]},"
                          "{'mesh':0,'translation':[1,2,3],"
@@ -438,7 +440,7 @@ TEST(scene_choice)
         const char *scenes;
         uint32_t instances;
     } cases[] = {
-        {"", 4}, // all roots
+        {"", 4}, // all nodes are roots
         {",'scenes':[{'nodes':[3]},{'nodes':[0]}]", 1},
         {",'scene':1,'scenes':[{'nodes':[3]},{'nodes':[0]}]", 3},
         {",'scene':0,'scenes':[{'nodes':[3,0]}]", 4},
@@ -466,7 +468,7 @@ TEST(gpu_instancing)
         float positions[3][3];
     } binary = {
         {{1, 2, 3}, {4, 5, 6}},
-        {{0, 0, 0, 127}, {0, 0, 127, 127}}, // the second: a quarter turn about Z
+        {{0, 0, 0, 127}, {0, 0, 127, 127}}, // the second one is a quarter turn about Z
         {{1, 1, 1}, {2, 2, 2}},
         {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
     };
@@ -502,7 +504,8 @@ TEST(cameras)
 {
     struct scene scene;
     struct err err;
-    // A half turn about Y looks along +Z; the node's name serves a nameless camera.
+    // A half turn about Y makes the camera look along +Z. A camera without a name gets that of its
+    // node.
     bool ok = load_glb(
         &scene,
         "{'asset':{'version':'2.0'},"

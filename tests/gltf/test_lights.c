@@ -1,9 +1,9 @@
-// KHR_lights_punctual and KHR_materials_variants.
+// Tests KHR_lights_punctual and KHR_materials_variants.
 #include "gltf_fixture.h"
 #include "scene/gltf/gltf_load.h"
 #include "test.h"
 
-// Nodes with lights; %s are the nodes and the lights.
+// A file of nodes with lights. The %s are replaced by the nodes and the lights.
 #define LIGHT_FILE                                                                                 \
     "{'asset':{'version':'2.0'},'nodes':[%s],"                                                     \
     "'extensions':{'KHR_lights_punctual':{'lights':[%s]}}}"
@@ -25,7 +25,8 @@ TEST(kinds)
 {
     struct scene scene;
     struct err err;
-    // The first holds twice the light; the last turns -Z to -Y, and scale changes no number.
+    // The first node has the light twice. The last one rotates -Z to -Y; its scale must not change
+    // any number of the light.
     bool ok = load_lights(
         &scene,
         "{'translation':[1,2,3]," HOLDS(0) "},{'name':'lamp'," HOLDS(
@@ -56,7 +57,7 @@ TEST(kinds)
         CHECK(near3(l[3].position, 0, 0, 0) && l[3].kind == LIGHT_POINT);
         CHECK(l[4].inner_angle == 0.25f && l[4].outer_angle == 1.5f);
         CHECK(near3(l[4].direction, -1, 0, 0));
-        // A sharp edge.
+        // The light has a sharp edge.
         CHECK(l[5].inner_angle < 0.5f && l[5].inner_angle > 0.4999999f && l[5].outer_angle == 0.5f);
     }
     CHECK(scene.note_count == 0);
@@ -74,7 +75,7 @@ TEST(singular_nodes)
     scene_finish(&scene);
 }
 
-// The environment that scene_load adds to a file with a light, and to one with only unlit
+// Tests the environment that scene_load adds to a file with a light, and to one with only unlit
 // materials.
 TEST(even_environment)
 {

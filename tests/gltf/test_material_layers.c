@@ -1,4 +1,4 @@
-// The materials loaded from glTF's extensions: every expected number is written out.
+// Tests materials loaded from glTF's extensions; every expected number is written here.
 #include "image/image.h"
 #include "material_file.h"
 #include "test.h"
@@ -39,7 +39,7 @@ TEST(clearcoat_and_sheen)
     CHECK(m[1].clearcoat == 1 && m[1].clearcoat_roughness == 0 && m[1].texture_count == 0);
     CHECK(has_note(&scene, "1 materials: the normals of the clear coat are approximated"));
     CHECK(near3(m[2].sheen_color, 0.5, 0.25, 1) && m[2].sheen_roughness == 0.75f);
-    // Both are in one image, whose alpha is linear.
+    // One image has both parameters; its alpha is linear.
     CHECK(m[2].texture_count == 1);
     check_scale(&scene, 2, GROUP_SHEEN, "rgba");
     CHECK(fabsf(image_of(&scene, 2, GROUP_SHEEN)->mean[3] - 0.2f) < 1e-4f);
@@ -71,7 +71,8 @@ TEST(ior_and_specular)
     CHECK(m[2].specular_weight == 0.5f && near3(m[2].specular_color, 2, 1, 0.5));
     CHECK(m[2].texture_count == 1);
     check_scale(&scene, 2, GROUP_SPECULAR, "rgba");
-    // An infinite index reflects the specular colour: 0.04 times what is here.
+    // With an infinite index, the specular colour itself is reflected; the loaded value is relative
+    // to 0.04.
     CHECK(m[3].ior == 1.5f && near3(m[3].specular_color, 12.5, 6.25, 25));
     CHECK(scene.note_count == 0);
     scene_finish(&scene);
@@ -104,13 +105,13 @@ TEST(specular_glossiness)
     check_scale(&scene, 0, GROUP_BASE, "rgba");
     check_scale(&scene, 0, GROUP_SPECULAR, "rgb-");
     check_scale(&scene, 0, GROUP_METAL, "-A--");
-    // No gloss stays none.
+    // A glossiness of 0 remains 0, with any texture.
     CHECK(m[1].roughness == 1 && m[1].texture_count == 1 && near3(m[1].specular_color, 25, 25, 25));
     CHECK(has_note(&scene, "2 materials of specular-glossiness"));
     scene_finish(&scene);
 }
 
-// The widths that the extension asks for are those that the parameters make.
+// The widths that the extension defines follow from the loaded parameters.
 TEST(anisotropy)
 {
 #define ANISOTROPIC(roughness, members)                                                            \
@@ -145,7 +146,7 @@ TEST(anisotropy)
     CHECK(fabs(alpha / aspect - (0.36 + 0.64 * 0.25)) < 1e-6, "%g", alpha / aspect);
     CHECK(fabs(alpha * aspect - 0.36) < 1e-6, "%g", alpha * aspect);
     CHECK(fabs((double)m[0].anisotropic_rotation - 1 / (2 * M_PI)) < 1e-6);
-    // Widths of 1 and 0.01 are too far apart: the mean is kept.
+    // Widths of 1 and 0.01 differ too much, so only their mean is kept.
     CHECK(m[1].anisotropic == 1 && fabsf(m[1].roughness - sqrtf(0.1f)) < 1e-6f);
     CHECK(has_note(&scene, "2 materials: anisotropy is approximated"));
     CHECK(fabs((double)m[2].anisotropic_rotation - (-7 + 2 * M_PI) / (2 * M_PI)) < 1e-6);
@@ -157,8 +158,8 @@ TEST(anisotropy)
     scene_finish(&scene);
 }
 
-// A material that reflects only diffusely is shaded as Lambert's, in the cheapest class; one with
-// any other reflection is not.
+// A material that only reflects diffusely is shaded as Lambertian, in the cheapest class. A
+// material with any other reflection is not.
 static const char plain_materials[] =
     "{'pbrMetallicRoughness':{'metallicFactor':0},"
     "'extensions':{'KHR_materials_specular':{'specularFactor':0}}},"
@@ -221,7 +222,7 @@ TEST(transmission_and_volume)
     CHECK(material_has_inside(&m[1]) && (m[1].flags & MATERIAL_TINT_EACH));
     CHECK(fabsf(m[1].extinction[0] - 0.34657359f) < 1e-6f && m[1].extinction[1] == 0); // ln(2) / 2
     CHECK(isinf(m[1].extinction[2]) && m[1].dispersion == 0.25f);
-    // Without a distance nothing is absorbed; without a thickness there is no inside.
+    // Without an attenuation distance nothing is absorbed. Without a thickness there is no inside.
     CHECK(material_has_inside(&m[2]) && m[2].extinction[0] == 0 && m[2].texture_count == 0);
     CHECK((m[3].flags & MATERIAL_THIN) && m[3].extinction[0] == 0);
     CHECK(!(m[4].flags & MATERIAL_THIN) && !material_has_inside(&m[4]));
@@ -265,7 +266,7 @@ TEST(diffuse_transmission)
     scene_finish(&scene);
 }
 
-// The thickness is mix(minimum, maximum, green), whichever is the greater; green is 0.4 here.
+// The thickness is mix(minimum, maximum, green), even if the minimum is greater. Green is 0.4 here.
 TEST(iridescence)
 {
 #define FILM(members) "{" EXTENSION("iridescence", "'iridescenceFactor':0.5," members) "}"

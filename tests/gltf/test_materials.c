@@ -1,4 +1,4 @@
-// The materials and textures loaded from glTF files: every expected number is written out.
+// Tests materials and textures loaded from glTF files; every expected number is written here.
 #include "base/memory.h"
 #include "gltf_fixture.h"
 #include "gltf_picture.h"
@@ -28,12 +28,12 @@ TEST(metallic_roughness)
     CHECK(m[0].metallic == 1 && m[0].roughness == 1 && m[0].opacity == 1 && m[0].ior == 1.5f);
     CHECK(m[0].texture_count == 0 && !(m[0].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)));
     CHECK(strcmp(m[1].name, "all") == 0 && near3(m[1].base_color, 0.1, 0.2, 0.3));
-    // Opaque materials have no alpha.
+    // Opaque materials ignore alpha.
     CHECK(m[1].opacity == 1 && m[1].metallic == 0.5f && m[1].roughness == 0.25f);
     CHECK(m[1].texture_count == 2);
     check_scale(&scene, 1, GROUP_BASE, "rgb-");
     check_scale(&scene, 1, GROUP_METAL, "-gb-");
-    // A factor of 0 stays 0 without a texel.
+    // A factor of 0 is not replaced by a texture.
     check_scale(&scene, 2, GROUP_METAL, "-g--");
     // The colours are sRGB: ((128 / 255 + 0.055) / 1.055)^2.4 = 0.2158605.
     CHECK(fabsf(image_of(&scene, 1, GROUP_BASE)->mean[0] - 0.2158605f) < 1e-4f);
@@ -52,7 +52,7 @@ TEST(alpha)
             "{'index':0}}},"
             "{'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}},"
             "{'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorTexture':{'index':1}}},"
-            "{'alphaMode':'MASK','alphaCutoff':1}," // 1 is there
+            "{'alphaMode':'MASK','alphaCutoff':1}," // alpha of 1 is visible
             "{'alphaMode':'MASK','alphaCutoff':1.5}",
         .count = 6,
         .lists = TWO_TEXTURES,
@@ -65,15 +65,14 @@ TEST(alpha)
     check_scale(&scene, 1, GROUP_BASE, "rgba");
     CHECK(image_of(&scene, 1, GROUP_BASE)->has_alpha);
     CHECK((m[2].flags & MATERIAL_ALPHA_BLEND) && m[2].opacity == 0.25f);
-    // Alpha that is 1 everywhere is none.
+    // If alpha is 1 everywhere, the material is opaque.
     CHECK(!(m[3].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)));
     CHECK(!(m[4].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)));
     CHECK(m[5].flags & MATERIAL_ALPHA_MASK);
     scene_finish(&scene);
 }
 
-// The colours of vertices can make a material less opaque; and a mesh may lack what a texture
-// needs.
+// Vertex colours can make a material less opaque. A mesh may lack attributes that a texture needs.
 TEST(attributes_of_meshes)
 {
     static const struct {
@@ -125,10 +124,10 @@ TEST(normals_and_emission)
     CHECK(m->texture_count == 2 &&
           (scene.textures[m->first_texture].flags >> TEXTURE_USE_SHIFT & 3) == TEXTURE_USE_NORMAL);
     check_scale(&scene, 0, GROUP_EMISSION, "rg--");
-    // One image as numbers and as colours: two.
+    // An image that is used as numbers and as colours becomes two images.
     const struct texture *normal = &scene.textures[m->first_texture];
     CHECK(scene.image_count == 2 && fabsf(scene.images[normal->image].mean[0] - 0.50196f) < 1e-3f);
-    // Black, whatever the texture: it is not even decoded.
+    // The factor is black, so the texture is not even decoded.
     CHECK(scene.materials[1].texture_count == 0);
     scene_finish(&scene);
 }
@@ -175,7 +174,7 @@ TEST(samplers_and_transforms)
     static const float expected[3][2][3] = {
         {{1, 0, 0}, {0, 1, 0}},
         {{1, 0, 0}, {0, 1, 0}},
-        // The extension's first example, but for the scale: u = v / 4, v = 1 - u / 2.
+        // The first example of the extension without its scale: u = v / 4, v = 1 - u / 2.
         {{0, 0.25f, 0}, {-0.5f, 0, 1}},
     };
     static const uint32_t flags[3] = {
@@ -197,8 +196,8 @@ TEST(samplers_and_transforms)
     scene_finish(&scene);
 }
 
-// Images from a buffer view and from a file beside the document, which is not there here; unused
-// materials leave theirs alone.
+// Images are in a buffer view and in a file beside the document, which is missing here. Images of
+// unused materials are not read.
 TEST(image_sources)
 {
     struct bytes png = png_bytes(3, 2, material_pictures[0]);
@@ -327,7 +326,7 @@ TEST(bad_input)
     }
 }
 
-// A picture whose pixels are cut off or damaged anywhere is an error or a picture, nothing else.
+// A truncated or damaged image is either an error or an image.
 TEST(damaged_picture)
 {
     struct bytes png = png_bytes(4, 4, material_pictures[0]);
@@ -353,8 +352,8 @@ TEST(damaged_picture)
     free(png.data);
 }
 
-// One of two images that are decoded at once needs nearly all memory: half of the memory for each
-// is not enough, and must not be taken for the limit.
+// One of two images that are decoded at the same time needs nearly all memory. Half of the memory
+// for each is not enough, and must not be the limit.
 TEST(memory_of_images)
 {
     static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};

@@ -1,4 +1,4 @@
-// Compressed buffer views: what the library's encoders make comes back as it was.
+// Tests compressed buffer views: data that the library's encoders have compressed are restored.
 #include "gltf_builder.h"
 #include "test.h"
 
@@ -6,10 +6,10 @@
 
 enum { SIDE = 20, VERTICES = SIDE * SIDE, INDICES = 6 * (SIDE - 1) * (SIDE - 1) };
 
-// A wavy grid.
+// A height field of waves.
 struct grid {
     float positions[VERTICES][3];
-    float normals[VERTICES][4]; // normals of unit length; the last is 0
+    float normals[VERTICES][4]; // normals of unit length; the last component is 0
     uint32_t indices[INDICES];
 };
 
@@ -34,7 +34,7 @@ static void make_grid(struct grid *grid)
         }
 }
 
-// A stream and what it says of itself.
+// A compressed stream, and the members that describe it.
 struct stream {
     uint8_t bytes[16384];
     size_t size, count, stride;
@@ -64,8 +64,8 @@ static void encode_indices(const uint32_t *indices, size_t count, bool is_list, 
 
 // --- files ---------------------------------------------------------------------------------------
 
-// A GLB file whose streams lie one after the other in buffer 0; their views say that the bytes were
-// in buffer 1, which has none. members: more of the views' objects.
+// A GLB file with streams one after the other in buffer 0. Their views refer to bytes of buffer 1,
+// which has none. `members` has further members of the views' objects.
 struct file {
     uint8_t binary[49152];
     size_t size;
@@ -87,7 +87,7 @@ static void add_stream(struct file *file, const struct stream *stream, const cha
 
 #define FALLBACK "{'byteLength':100000,'extensions':{'EXT_meshopt_compression':{'fallback':true}}}"
 
-// lists: "'nodes':[…],'meshes':[…],'accessors':[…]".
+// `lists` has the members "'nodes':[…],'meshes':[…],'accessors':[…]".
 static bool load_file(const struct file *file, const char *lists, struct scene *scene,
                       struct err *err)
 {
@@ -109,7 +109,8 @@ static bool has_positions(const struct mesh *mesh, const struct grid *grid)
            memcmp(mesh->positions, grid->positions, sizeof grid->positions) == 0;
 }
 
-// Returns whether both have the same three vertices in the same order, beginning with any of them.
+// Returns whether two triangles have the same vertices in the same order, beginning with any of
+// them.
 static bool is_same_triangle(const uint32_t a[3], const uint32_t b[3])
 {
     for (int turn = 0; turn < 3; turn++)
@@ -144,7 +145,7 @@ TEST(vertices_and_triangles)
                 const struct mesh *mesh = &scene.meshes[0];
                 uint32_t same = 0;
                 CHECK(has_positions(mesh, &grid) && mesh->triangle_count == INDICES / 3);
-                // The codec of lists may turn triangles.
+                // The codec for triangle lists may rotate the vertices of a triangle.
                 for (uint32_t t = 0; t < mesh->triangle_count; t++)
                     same += is_same_triangle(mesh->indices[t], &grid.indices[3 * t]);
                 CHECK(same == INDICES / 3, "%u of %d", same, INDICES / 3);
@@ -243,7 +244,7 @@ TEST(exponential_positions)
     scene_finish(&scene);
 }
 
-// Rotations of instances, of a quarter, a third … of a turn about Z.
+// The instances are rotated about Z by a quarter, a third … of a turn.
 TEST(quaternions)
 {
     enum { COUNT = 32 };
@@ -279,7 +280,7 @@ TEST(quaternions)
 
 // --- bad files -----------------------------------------------------------------------------------
 
-// Cut at every byte: an error, or at least nothing that is not whole.
+// Truncates a stream at every byte: loading must fail or give a valid scene.
 static void check_cuts(const struct stream *whole, const char *lists, bool is_surely_error)
 {
     static struct stream cut;
@@ -307,7 +308,7 @@ TEST(cut_streams)
     encode_vertices(grid.positions, VERTICES, 12, "NONE", &stream);
     check_cuts(&stream, lists, true);
     for (int list = 0; list < 2; list++) {
-        // Vertices that cost no bytes: only the stream of indices is there.
+        // The vertices take no bytes, because only the stream of indices exists.
         snprintf(lists, sizeof lists,
                  MESH "'accessors':[{'componentType':5126,'count':400,'type':'VEC3'},"
                       "{'bufferView':0,'componentType':5125,'count':%d,'type':'SCALAR'}]",
@@ -345,7 +346,7 @@ TEST(damaged_streams)
         scene_finish(&scene);
         *at = kept;
     }
-    CHECK(loaded > 0 && loaded < 2000, "%u loaded", loaded); // both kinds must occur
+    CHECK(loaded > 0 && loaded < 2000, "%u loaded", loaded); // both outcomes must occur
 }
 
 #define GOOD                                                                                       \

@@ -1,4 +1,4 @@
-// Morph targets against sums worked out by hand.
+// Tests morph targets against sums computed by hand.
 #include "gltf_builder.h"
 #include "test.h"
 
@@ -16,7 +16,7 @@ static void check_numbers(const float *values, uint32_t count, const double *exp
               (double)values[i], expected[i]);
 }
 
-// A triangle with every attribute (accessors 0 to 5) and two targets (6 to 11, 12).
+// Makes a triangle with every attribute (accessors 0 to 5) and two targets (6 to 11, and 12).
 static struct gltf_builder with_targets(void)
 {
     struct gltf_builder b = {0};
@@ -58,21 +58,21 @@ TEST(sums)
         const double root = sqrt(0.5);
         check_numbers(mesh->positions[0], 9, (const double[]){2, 0, 1, 1, 0, 2, 0, 5, 0},
                       "positions");
-        // (1, 0, 1), (0, 0, 1) and (0, 0, -1), of unit length.
+        // These are (1, 0, 1), (0, 0, 1) and (0, 0, -1), normalised.
         check_numbers(mesh->normals[0], 9, (const double[]){root, 0, root, 0, 0, 1, 0, 0, -1},
                       "normals");
         check_numbers(mesh->tangents[0], 12,
                       (const double[]){root, root, 0, -1, 1, 0, 0, -1, -1, 0, 0, -1}, "tangents");
         check_numbers(mesh->uvs[0][0], 6, (const double[]){.25, .5, 1, 0, 0, 1}, "TEXCOORD_0");
         check_numbers(mesh->uvs[1][0], 6, (const double[]){5, 5, 5, 4, 5, 5}, "TEXCOORD_1");
-        // Clamped to [0, 1]; alpha has no displacement.
+        // Colours are clamped to [0, 1]. No target displaces alpha.
         check_numbers(mesh->colors[0], 12,
                       (const double[]){.75, .5, 0, .5, .5, .5, .5, .5, 1, 1, 1, .5}, "colors");
     }
     scene_finish(&scene);
 }
 
-// The weights of a node come before the mesh's; meshes of equal weights are shared.
+// The weights of a node have precedence over the mesh's. Meshes with equal weights are shared.
 TEST(weights_of_nodes)
 {
     const struct gltf_builder builder = with_targets();
@@ -102,7 +102,7 @@ TEST(animated_weights)
     struct gltf_builder builder = with_targets();
     BUILDER_FLOATS(&builder, "SCALAR", 2, 0, 2);
     BUILDER_FLOATS(&builder, "SCALAR", 4, 1, 0, 0, 0.5f);
-    // In, value and out of two keys, each for both targets.
+    // In-tangent, value and out-tangent of two keyframes, each for both targets.
     BUILDER_FLOATS(&builder, "SCALAR", 12, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1, 0, 0);
     const uint8_t bytes[4] = {255, 0, 0, 51};
     builder_accessor(&builder, UNSIGNED_BYTE_CODE, "SCALAR,'normalized':true", 4, bytes, 4);
@@ -115,7 +115,8 @@ TEST(animated_weights)
         {"'output':14", 0.5, 1, 1.5},
         {"'output':14", 2, 4, 0},
         {"'output':14,'interpolation':'STEP'", 1.9, 0, 2},
-        // At t = 1/2: 2 * 1/8 of the slopes at the first key, and half of the second value.
+        // At t = 1/2 the value is 2 * 1/8 of the slopes at the first keyframe, and half of the
+        // second value.
         {"'output':15,'interpolation':'CUBICSPLINE'", 1, 8 * (2 / 8.0 * 2 + 0.5), 2 * (2 / 8.0)},
         {"'output':16", 1, 8 * 0.1, 1},
     };
@@ -175,9 +176,9 @@ TEST(sparse_and_quantized_displacements)
 static void check_rejected(const char *lists, const char *message)
 {
     struct gltf_builder builder = with_targets();
-    BUILDER_FLOATS(&builder, "VEC3", 2, 0, 0, 0, 0, 0, 0);                 // 13
-    BUILDER_FLOATS(&builder, "VEC3", 3, 3e38f, 0, 0, 0, 0, 0, 0, 0, 0);    // 14
-    BUILDER_FLOATS(&builder, "VEC3", 3, 0, 0, 0, 0, INFINITY, 0, 0, 0, 0); // 15
+    BUILDER_FLOATS(&builder, "VEC3", 2, 0, 0, 0, 0, 0, 0);                 // accessor 13
+    BUILDER_FLOATS(&builder, "VEC3", 3, 3e38f, 0, 0, 0, 0, 0, 0, 0, 0);    // accessor 14
+    BUILDER_FLOATS(&builder, "VEC3", 3, 0, 0, 0, 0, INFINITY, 0, 0, 0, 0); // accessor 15
     struct scene scene;
     struct err err;
     bool ok = builder_load(&builder, lists, NULL, &scene, &err);

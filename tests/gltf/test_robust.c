@@ -1,5 +1,5 @@
-// Files that are cut, damaged, deep or hostile: an error within a second, never a crash, a hang or
-// a file read from outside the folder.
+// Tests truncated, damaged, deep and hostile files: the result is an error within a second, never a
+// crash, a hang, or a file read from outside the folder.
 #define _GNU_SOURCE // nftw
 #include "../base/temporary_folder.h"
 #include "base/file.h"
@@ -7,7 +7,7 @@
 #include "gltf_fixture.h"
 #include "test.h"
 
-// A scene that loaded is whole; one that did not says which file it was.
+// Checks that a loaded scene is valid, or that the error names the file.
 static void check_sound(bool ok, const struct scene *scene, const struct err *err, const char *path,
                         size_t which)
 {
@@ -24,7 +24,8 @@ static void check_sound(bool ok, const struct scene *scene, const struct err *er
 static void check_all_cuts(const char *path, struct bytes whole)
 {
     for (size_t size = 0; size < whole.size; size++) {
-        // A copy of its own, so that the sanitizer sees where it ends; the NUL is file_read's.
+        // A separate copy, so that the sanitizer detects reads past the end. The NUL is that of
+        // file_read.
         struct bytes cut = {malloc(size + 1), size};
         memcpy(cut.data, whole.data, size);
         cut.data[size] = 0;
@@ -44,7 +45,7 @@ TEST(cut_glb)
     free(glb.data);
 }
 
-// The sample as JSON alone, its buffer in a data URI.
+// Returns the sample as JSON with its buffer in a data URI.
 static char *embedded_json(void)
 {
     char *uri = data_uri(&sample_binary, sizeof sample_binary);
@@ -67,7 +68,7 @@ TEST(cut_json)
 
 // --- damaged files -------------------------------------------------------------------------------
 
-// Marsaglia 2003, "Xorshift RNGs": enough for choosing bytes.
+// Marsaglia 2003, "Xorshift RNGs", which is sufficient for choosing bytes.
 static uint32_t next_random(uint32_t *state)
 {
     *state ^= *state << 13;
@@ -78,7 +79,8 @@ static uint32_t next_random(uint32_t *state)
 
 static void damage(struct bytes bytes, uint32_t *random)
 {
-    // Digits and brackets reach deeper than arbitrary bytes, which mostly end in the parser.
+    // Digits and brackets reach more code than arbitrary bytes, most of which cause errors in the
+    // parser.
     static const char likely[] = "0123456789-.e[]{},:\"";
     uint32_t count = 1 + next_random(random) % 4;
     for (uint32_t i = 0; i < count; i++) {
@@ -107,7 +109,7 @@ static void check_damaged(const char *path, struct bytes whole, uint32_t rounds)
         loaded += ok;
         scene_finish(&scene);
     }
-    // Both kinds must occur, or the test tests nothing.
+    // Both outcomes must occur, or nothing is tested.
     CHECK(loaded > 0 && loaded < rounds, "%u of %u loaded", loaded, rounds);
     free(copy.data);
 }
@@ -150,7 +152,7 @@ TEST(allocation_failures)
     free(glb.data);
 }
 
-// A small file whose many primitives would decode to more than the budget.
+// The file is small, but its many primitives would exceed the budget when decoded.
 TEST(memory_budget)
 {
     const size_t primitives = 400;
@@ -173,7 +175,7 @@ TEST(memory_budget)
     free(json);
 }
 
-// The file's bytes in memory count, too: half the budget of vertices does not fit twice.
+// The file's bytes in memory count as well: vertices of half the budget do not fit twice.
 TEST(memory_budget_counts_the_file)
 {
     char json[512];
@@ -195,7 +197,8 @@ TEST(memory_budget_counts_the_file)
 
 // --- hierarchies ---------------------------------------------------------------------------------
 
-// A chain of `count` nodes, each moved by 1 along X; the last has the mesh. `last` ends its node.
+// Makes a chain of `count` nodes, each translated by 1 along X. The last one has the mesh, and the
+// members `last`.
 static bool load_chain(struct scene *scene, size_t count, const char *last, struct err *err)
 {
     char *json = malloc(count * 64 + 1024);
@@ -230,7 +233,7 @@ TEST(cycle_of_20000_nodes)
     scene_finish(&scene);
 }
 
-// Each node names the next twice: 2^40 paths, were it allowed.
+// Each node has the next one as a child twice, which would give 2^40 paths.
 TEST(dag_of_40_levels)
 {
     char json[4096] = "{'asset':{'version':'2.0'},'nodes':[";
@@ -246,7 +249,7 @@ TEST(dag_of_40_levels)
 
 // --- files ---------------------------------------------------------------------------------------
 
-// A folder of its own with inside/ for the scene and a buffer outside it.
+// A folder with inside/ for the scene, and a buffer outside it.
 struct folder {
     char path[64];
 };
@@ -293,7 +296,7 @@ static bool folder_make(struct folder *folder)
     return mkfifo(path, 0600) == 0;
 }
 
-// Loading leaves nothing behind: there are the entries of folder_make(), and the scene.
+// Removes the folder. It may contain only the entries of folder_make() and the scene.
 static void folder_remove(const struct folder *folder)
 {
     CHECK(temporary_entries(".") == 2 && temporary_entries("inside") == 8 &&
@@ -338,7 +341,7 @@ TEST(buffer_files)
     CHECK(have_folder);
     if (!have_folder)
         return;
-    alarm(60); // opening the pipe the wrong way would block for ever
+    alarm(60); // opening the pipe in the wrong mode would block forever
     char absolute[160], file_uri[200];
     path_in(&folder, "outside.bin", absolute);
     snprintf(file_uri, sizeof file_uri, "file://%s", absolute);
@@ -396,7 +399,7 @@ TEST(cut_buffer_file)
     folder_remove(&folder);
 }
 
-// The hash names all files that the scene came from.
+// The hash covers all files of the scene.
 TEST(hash_covers_buffer_files)
 {
     struct folder folder;

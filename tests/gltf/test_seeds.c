@@ -1,5 +1,5 @@
-// Files with skins, morph targets, animations, compressed and interleaved views, cut and damaged:
-// an error or a whole scene, never a crash.
+// Tests truncated and damaged files with skins, morph targets, animations, and compressed and
+// interleaved views: the result is an error or a valid scene, never a crash.
 #include "gltf_seeds.h"
 #include "scene/core/affine.h"
 #include "scene/gltf/gltf_load.h"
@@ -20,8 +20,8 @@ static bool load_posed(struct scene *scene, const char *path, struct bytes bytes
     return gltf_load_bytes(scene, &params, err);
 }
 
-// A scene that loaded is whole, with generated tangents too; one that did not says which file it
-// is.
+// Checks that a loaded scene is valid, also with generated tangents, or that the error names the
+// file.
 static void check_sound(bool ok, struct scene *scene, struct err *err, const char *path)
 {
     if (!ok) {
@@ -56,7 +56,8 @@ TEST(cut)
     struct gltf_seed seed;
     for (uint32_t i = 0; gltf_seed_make(i, &seed); i++) {
         for (size_t size = 0; size < seed.bytes.size; size++) {
-            // A copy of its own, so that the sanitizer sees where it ends; the NUL is file_read's.
+            // A separate copy, so that the sanitizer detects reads past the end. The NUL is that of
+            // file_read.
             struct bytes cut = {malloc(size + 1), size};
             memcpy(cut.data, seed.bytes.data, size);
             cut.data[size] = 0;
@@ -112,7 +113,7 @@ TEST(damaged)
             loaded += ok;
             scene_finish(&scene);
         }
-        // Both kinds must occur, or the test tests nothing.
+        // Both outcomes must occur, or nothing is tested.
         CHECK(loaded > 0 && loaded < ROUNDS, "%s: %u loaded", seed.name, loaded);
         free(copy.data);
         free(seed.bytes.data);

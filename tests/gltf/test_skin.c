@@ -1,4 +1,4 @@
-// Skinned vertices against values worked out by hand.
+// Tests skinned vertices against values computed by hand.
 #include "gltf_builder.h"
 #include "scene/core/affine.h"
 #include "test.h"
@@ -9,15 +9,15 @@ static bool near3(const float *a, double x, double y, double z)
            fabs((double)a[2] - z) < 1e-6;
 }
 
-// The parts of the file that a test sets; zero for the usual ones.
+// The parts of the file that a test sets; zero means the default.
 struct skin_file {
     const char *nodes, *skin, *attributes, *rest;
     const double (*place)[4];
     const double *seconds;
 };
 
-// Accessors 0 positions, 1 normals, 2 tangents, 3 and 4 inverse bind matrices of two joints (the
-// identity; moved by -1 along X), 5 joints, 6 weights, 7 joints, 8 weights.
+// Makes the accessors: 0 positions, 1 normals, 2 tangents, 3 and 4 inverse bind matrices of two
+// joints (the identity, and a translation by -1 along X), 5 joints, 6 weights, 7 joints, 8 weights.
 static struct gltf_builder with_skin(void)
 {
     struct gltf_builder b = {0};
@@ -53,7 +53,7 @@ static bool load_skin(const struct gltf_builder *builder, const struct skin_file
         &(struct gltf_load_params){.place = file->place, .at_seconds = file->seconds}, scene, err);
 }
 
-// The second joint, at x = 1, is turned by a quarter about Z.
+// The second joint, at x = 1, is rotated by a quarter turn about Z.
 #define NODES                                                                                      \
     "{'mesh':0,'skin':0,'translation':[50,60,70]},{'translation':[10,0,0],'children':[2]},"        \
     "{'translation':[1,0,0],'rotation':[0,0,0.7071067811865476,0.7071067811865476]}"
@@ -68,12 +68,12 @@ TEST(two_joints)
     if (ok && scene.mesh_count == 1 && scene.instance_count == 1) {
         const struct mesh *mesh = &scene.meshes[0];
         const double root = sqrt(0.5);
-        // The mesh's own node counts for nothing.
+        // The transform of the mesh's own node is ignored.
         CHECK(memcmp(scene.instances[0].transform, AFFINE_IDENTITY, sizeof(double[3][4])) == 0);
         CHECK(near3(mesh->positions[0], 10, 0, 0));
-        // The joint's own origin, to which it brings x = 1.
+        // The joint's inverse bind matrix moves x = 1 to the joint's origin.
         CHECK(near3(mesh->positions[1], 11, 0, 0));
-        // (2, 1) is (1, 1) from the joint: turned to (-1, 1).
+        // (2, 1) is (1, 1) relative to the joint, which rotates it to (-1, 1).
         CHECK(near3(mesh->positions[2], 10, 1, 0), "%g %g", (double)mesh->positions[2][0],
               (double)mesh->positions[2][1]);
         CHECK(near3(mesh->normals[0], 0, 0, 1) && near3(mesh->normals[1], -root, root, 0) &&
@@ -85,7 +85,8 @@ TEST(two_joints)
     scene_finish(&scene);
 }
 
-// Half of (2, 1, 0) moved by 10 and half of it moved by 11, 20 and scaled; without matrices.
+// The sum of half of (2, 1, 0) moved by 10, and half of it scaled and moved by (11, 20). There are
+// no bind matrices.
 TEST(linear_blend)
 {
     const struct gltf_builder builder = with_skin();
@@ -110,8 +111,8 @@ TEST(linear_blend)
     scene_finish(&scene);
 }
 
-// The second set adds the weight 32768 / 65535 of joint 1 to the second vertex: all are divided by
-// their sum.
+// The second set adds the weight 32768 / 65535 of joint 1 to the second vertex. All weights are
+// divided by their sum.
 TEST(second_set_of_weights)
 {
     const struct gltf_builder builder = with_skin();
@@ -150,13 +151,14 @@ TEST(byte_weights)
     CHECK(ok, "%s", err.msg);
     if (ok) {
         CHECK(near3(scene.meshes[0].positions[1], 1, 8, 0.6));
-        CHECK(near3(scene.meshes[0].positions[2], 2, 1, 3)); // no weights: the first joint
+        CHECK(near3(scene.meshes[0].positions[2], 2, 1, 3)); // a vertex without weights uses the
+                                                             // first joint
         CHECK(has_note(&scene, "1 vertices without weights follow their skin's first joint"));
     }
     scene_finish(&scene);
 }
 
-// A joint that reflects turns the triangle and the side of the bitangent.
+// A joint that reflects changes the orientation of the triangle and the sign of the bitangent.
 TEST(reflected_joint)
 {
     const struct gltf_builder builder = with_skin();
@@ -194,7 +196,7 @@ TEST(placed_in_another_world)
     scene_finish(&scene);
 }
 
-// Two nodes with one mesh and different skins, and one without a skin.
+// Two nodes have the same mesh with different skins, and one has it without a skin.
 TEST(one_mesh_with_two_skins)
 {
     const struct gltf_builder builder = with_skin();
@@ -218,7 +220,7 @@ TEST(one_mesh_with_two_skins)
     scene_finish(&scene);
 }
 
-// Morph targets come first, then joints, which an animation moves.
+// Morph targets are applied first, then joints, which an animation moves.
 TEST(morphed_and_animated)
 {
     struct gltf_builder builder = with_skin();
@@ -265,7 +267,7 @@ TEST(notes)
     scene_finish(&scene);
 }
 
-// A node may be a joint of its own skin: nothing goes round.
+// A node may be a joint of its own skin; this is not a cycle.
 TEST(own_joint)
 {
     const struct gltf_builder builder = with_skin();
@@ -288,12 +290,13 @@ static void check_rejected(const struct skin_file *file, const char *message)
     struct gltf_builder builder = with_skin();
     const uint8_t joints[3][4] = {{0}, {0, 0, 2}, {0}}, bytes[3][4] = {{255}, {255}, {255}};
     const uint8_t two[2][4] = {{0}, {0}};
-    builder_accessor(&builder, UNSIGNED_BYTE_CODE, "VEC4", 3, joints, sizeof joints);    // 9
-    builder_accessor(&builder, UNSIGNED_BYTE_CODE, "VEC4", 3, bytes, sizeof bytes);      // 10
-    builder_accessor(&builder, UNSIGNED_BYTE_CODE, "VEC4", 2, two, sizeof two);          // 11
-    BUILDER_FLOATS(&builder, "VEC4", 3, 1, 0, 0, 0, 0, -1, 2, 0, 1, 0, 0, 0);            // 12
-    BUILDER_FLOATS(&builder, "VEC4", 3, 1, 0, 0, 0, 0, 0, 0, NAN, 1, 0, 0, 0);           // 13
-    BUILDER_FLOATS(&builder, "MAT4", 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1); // 14
+    builder_accessor(&builder, UNSIGNED_BYTE_CODE, "VEC4", 3, joints, sizeof joints); // accessor 9
+    builder_accessor(&builder, UNSIGNED_BYTE_CODE, "VEC4", 3, bytes, sizeof bytes);   // accessor 10
+    builder_accessor(&builder, UNSIGNED_BYTE_CODE, "VEC4", 2, two, sizeof two);       // accessor 11
+    BUILDER_FLOATS(&builder, "VEC4", 3, 1, 0, 0, 0, 0, -1, 2, 0, 1, 0, 0, 0);         // accessor 12
+    BUILDER_FLOATS(&builder, "VEC4", 3, 1, 0, 0, 0, 0, 0, 0, NAN, 1, 0, 0, 0);        // accessor 13
+    BUILDER_FLOATS(&builder, "MAT4", 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0,
+                   1); // accessor 14
     struct scene scene;
     struct err err;
     bool ok = load_skin(&builder, file, &scene, &err);

@@ -1,4 +1,4 @@
-// Writes a fuzzer's first files: `write_seeds FOLDER`.
+// Writes the initial files of a fuzzer: `write_seeds FOLDER`.
 #include "gltf_seeds.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
-// Linked into every test that opens a device, so that LeakSanitizer finds our leaks and not the
-// drivers'. Nothing without a sanitizer.
+// Linked into every test that opens a device, so that LeakSanitizer reports leaks of this program
+// and not those of drivers. Without a sanitizer it does nothing.
 #ifdef __has_feature
 #define HAS_ASAN_FEATURE __has_feature(address_sanitizer)
 #else
@@ -8,7 +8,7 @@
 
 #if defined __SANITIZE_ADDRESS__ || HAS_ASAN_FEATURE
 
-// LeakSanitizer calls it by this name.
+// LeakSanitizer calls this function by its name.
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void)
 {
@@ -18,8 +18,9 @@ const char *__lsan_default_suppressions(void)
            "leak:libGLX_nvidia\n"; // NVIDIA's driver
 }
 
-// Takes the place of the C library's: a driver stays loaded after its instance is gone, so that the
-// report, made at exit, knows whose code the addresses are, and reaches what its globals hold.
+// Replaces the C library's function: drivers stay loaded after their instance is destroyed, so that
+// the report, made at exit, can attribute addresses to them and finds memory that their globals
+// own.
 int dlclose(void *handle);
 int dlclose(void *handle)
 {

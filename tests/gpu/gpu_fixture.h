@@ -28,7 +28,7 @@ static inline bool copy_kernel_create(struct gpu *gpu, uint32_t factor, bool tex
     return gpu_kernel_create(gpu, &params, out, err);
 }
 
-// `from` also goes to the texel binding if it has a texel view.
+// `from` is also bound as a texel buffer if it has a texel view.
 static inline bool pair_bindings_create(struct gpu *gpu, const struct gpu_buffer *from,
                                         const struct gpu_buffer *to, struct gpu_bindings *out,
                                         struct err *err)
@@ -45,7 +45,7 @@ static inline uint32_t groups_for(uint32_t count)
 
 static inline uint32_t element(uint32_t i)
 {
-    return i * 2654435761u; // Knuth's multiplicative hash: no two neighbours are alike
+    return i * 2654435761u; // Knuth's multiplicative hash, so that neighbours differ
 }
 
 static inline uint32_t *elements_new(uint32_t count)

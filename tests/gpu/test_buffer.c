@@ -30,7 +30,7 @@ TEST(buffers_are_zero_filled)
     for (int staged = 0; staged < 2; staged++) {
         struct gpu gpu;
         OPEN_GPU(&gpu, .validation = true, .limits.no_mapped_device = staged);
-        // Memory that was used before, so that zero is not what it holds by chance.
+        // Memory that was used before, so that it is not zero by chance.
         struct gpu_buffer used;
         struct err err = {0};
         uint8_t rubbish[1000];
@@ -51,7 +51,8 @@ TEST(buffers_are_zero_filled)
     }
 }
 
-// From an odd offset on, more than one staging piece of 64 MiB and no multiple of it.
+// The copy starts at an odd offset and takes more than one staging piece of 64 MiB, but not a
+// multiple of it.
 static void check_round_trip(bool staged)
 {
     const uint32_t count = (64u << 20) / 4 + 12345;

@@ -1,4 +1,4 @@
-// Listing, choosing, opening and closing devices.
+// Tests listing, selecting, opening and closing devices.
 #include "base/thread.h"
 #include "gpu/gpu_internal.h"
 #include "gpu_fixture.h"
@@ -54,7 +54,7 @@ TEST(device_is_chosen_by_index_and_by_name)
         CHECK(gpu.info.index == i, "device %u for '%s'", gpu.info.index, index);
         gpu_close(&gpu);
 
-        // The name without its first letter, in capitals.
+        // The name without its first letter, in capital letters.
         snprintf(name, sizeof name, "%s", devices[i].name + 1);
         for (char *c = name; *c; c++)
             *c = (char)toupper((unsigned char)*c);
@@ -93,7 +93,7 @@ TEST(default_is_the_fastest_kind)
     gpu_close(&gpu);
 }
 
-// The minima of the Vulkan specification, "Required Limits", and what device_find_lacks asks for.
+// The minima of the Vulkan specification ("Required Limits") and of device_find_lacks().
 TEST(limits_are_read)
 {
     struct gpu gpu;
@@ -118,7 +118,8 @@ static VkPhysicalDeviceProperties sufficient_device(void)
         .apiVersion = VK_API_VERSION_1_1,
         .limits =
             {
-                // The least that Vulkan allows: kernels that bind more are refused one by one.
+                // This is the least that Vulkan permits; kernels that bind more are refused
+                // individually.
                 .maxPerStageDescriptorStorageBuffers = 4,
                 .maxDescriptorSetStorageBuffers = 24,
                 .maxPerStageDescriptorSampledImages = 16,
@@ -151,7 +152,7 @@ TEST(lacking_devices_say_what_they_lack)
     device_find_lacks(&device, 0, lacks, sizeof lacks);
     CHECK(strcmp(lacks, "it supports Vulkan 1.0, expected at least 1.1") == 0, "%s", lacks);
 
-    // More than fits into the text: cut, not overrun.
+    // The text is longer than the array, so it is truncated.
     device = (VkPhysicalDeviceProperties){.apiVersion = VK_API_VERSION_1_1};
     device_find_lacks(&device, 0, lacks, 100);
     CHECK(strlen(lacks) == 99, "%zu", strlen(lacks));
@@ -179,7 +180,8 @@ TEST(overrides_lower_limits_and_never_raise_them)
     gpu_close(&own);
 }
 
-// All that is used is of Vulkan 1.1: a device of that version tells no less but its driver's name.
+// The program uses only Vulkan 1.1. A device of that version provides the same information, except
+// the driver's name.
 TEST(vulkan_1_1_suffices)
 {
     struct gpu gpu, own;
@@ -194,7 +196,7 @@ TEST(vulkan_1_1_suffices)
     gpu_close(&own);
 }
 
-// A second instance replaces volk's global pointers; the first must not notice.
+// Opening a second instance must not affect the first one, although volk's pointers are global.
 TEST(two_devices_are_open_at_once)
 {
     struct gpu first, second;
@@ -209,7 +211,7 @@ TEST(two_devices_are_open_at_once)
     CHECK(first.validation_messages == 0, "%u", first.validation_messages);
 }
 
-// Restores the variable, for suites that run all tests with it.
+// The variable is restored, because suites may run all tests with it.
 TEST(environment_lowers_limits)
 {
     char *kept = getenv("LAMPYRIS_LIMITS") ? strdup(getenv("LAMPYRIS_LIMITS")) : NULL;
@@ -273,8 +275,8 @@ static bool never_presents(void *context, VkInstance instance, VkPhysicalDevice 
     return false;
 }
 
-// A device is not opened without extensions that no device and no loader has, and the message names
-// them.
+// If a window needs extensions that the device or the loader lacks, opening fails and the message
+// names them.
 TEST(windows_need_more)
 {
     static const char *const nonsense[] = {"VK_KHR_nonsense"};
@@ -299,8 +301,8 @@ TEST(windows_need_more)
     }
 }
 
-// Only devices that were opened for a window have what it needs, and keep it while others are
-// opened.
+// Only devices opened for a window enable what a window needs, and opening others does not change
+// that.
 TEST(windows_get_what_they_need)
 {
     static const char *const surface[] = {VK_KHR_SURFACE_EXTENSION_NAME};
@@ -334,7 +336,7 @@ TEST(windows_get_what_they_need)
     CHECK(without.validation_messages == 0, "%u", without.validation_messages);
 }
 
-// What a thread of the test below found.
+// The results of a thread in the test below.
 struct opened {
     struct thread thread;
     bool validation, ok;

@@ -1,6 +1,6 @@
-// Injected faults: each allocation fails once, the device is lost at each submission. Whatever was
-// created by then must be gone afterwards, which the validation layers check when the device is
-// destroyed (and AddressSanitizer for the host's part).
+// Injects faults: each allocation fails once, and the device is lost at each submission. All
+// objects created by then must be destroyed afterwards, which the validation layers check when the
+// device is destroyed, and AddressSanitizer for host memory.
 #include "gpu_fixture.h"
 
 #define COUNT 1000u
@@ -61,7 +61,7 @@ static void session_finish(struct session *session)
     CHECK(gpu->validation_messages == 0, "%u", gpu->validation_messages);
 }
 
-// How many allocations and submissions a session without faults makes.
+// Counts the allocations and submissions of a session without faults.
 static void check_session(bool staged, uint32_t *allocations, uint32_t *submissions)
 {
     static struct session session;
@@ -105,7 +105,7 @@ static void check_lost_device(bool staged, uint32_t n)
     CHECK(err.code == ERR_GPU && strstr(err.msg, "device lost"), "submission %u: code %d: %s", n,
           err.code, err.msg);
     CHECK(session.gpu.lost);
-    // A lost device stays lost.
+    // A lost device remains lost.
     err = (struct err){0};
     if (session.commands.handle && gpu_begin(&session.gpu, &session.commands, &err)) {
         CHECK(!gpu_submit(&session.gpu, &session.commands, &err));

@@ -4,7 +4,8 @@
 #include "compact_test.spv.h"
 #include "write_arguments_test.spv.h"
 
-#define COUNT 10007u // prime: the last workgroup and the last subgroup are not full
+// A prime number, so that the last workgroup and the last subgroup are not full.
+#define COUNT 10007u
 
 struct pair {
     struct gpu_buffer from, to;
@@ -13,7 +14,7 @@ struct pair {
     uint32_t *result;
 };
 
-// `from` holds element(0 .. count-1), `to` has room for count + 1.
+// `from` contains element(0 .. count-1); `to` has room for count + 1 elements.
 static bool pair_create(struct gpu *gpu, uint32_t count, bool texel, struct pair *out,
                         struct err *err)
 {
@@ -39,7 +40,7 @@ static void pair_finish(struct gpu *gpu, struct pair *pair)
     free(pair->result);
 }
 
-// Submits what was recorded and reads `to` back into result.
+// Submits the recorded commands, and reads `to` into `result`.
 static bool pair_run(struct gpu *gpu, struct pair *pair, struct err *err)
 {
     return gpu_submit(gpu, &pair->commands, err) && gpu_wait(gpu, &pair->commands, err) &&
@@ -104,8 +105,8 @@ static bool run_copy(struct gpu *gpu, struct pair *pair, const struct gpu_kernel
     return true;
 }
 
-// The copy kernel names two storage buffers, or one and a texel buffer. A device that takes but one
-// storage buffer at once refuses the first form alone, and says why.
+// The copy kernel uses two storage buffers, or one and a texel buffer. A device that supports only
+// one storage buffer at once refuses only the first form, with the reason.
 TEST(a_kernel_binds_what_it_names)
 {
     struct gpu gpu;
@@ -133,8 +134,8 @@ TEST(a_kernel_binds_what_it_names)
     CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
 }
 
-// Kernels of two layouts use the same bindings by turns, and both see other buffers once these are
-// bound. A third one has the layout of the first.
+// Kernels of two layouts alternate with the same bindings, and both use other buffers after these
+// are bound. A third kernel has the layout of the first.
 TEST(layouts_share_bindings)
 {
     struct gpu gpu;
@@ -153,7 +154,7 @@ TEST(layouts_share_bindings)
         CHECK(run_copy(&gpu, &pair, &storage, 3, &err) && run_copy(&gpu, &pair, &texel, 5, &err),
               "%s", err.msg);
     struct gpu_buffer from = pair.from;
-    pair.from = further; // of zeros
+    pair.from = further; // contains zeros
     const struct gpu_binding bound[GPU_MAX_STORAGE] = {{.buffer = &pair.from},
                                                        {.buffer = &pair.to}};
     const struct gpu_buffer *const texels[GPU_MAX_TEXEL] = {&pair.from};
@@ -169,7 +170,7 @@ TEST(layouts_share_bindings)
     CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
 }
 
-// Bindings of a range see it from its first element on, and no more than it.
+// A binding of a range begins at the range's first element and ends with its last.
 TEST(bindings_respect_offset_and_range)
 {
     struct gpu gpu;
@@ -209,8 +210,8 @@ TEST(bindings_respect_offset_and_range)
     gpu_close(&gpu);
 }
 
-// A kernel writes the arguments of the next one's dispatch, and it is run again after a fill has
-// overwritten them: all hazards that an indirect dispatch can have.
+// A kernel writes the arguments of the next dispatch, and is run again after a fill has overwritten
+// them. This covers all hazards of indirect dispatches.
 TEST(indirect_dispatch_after_a_kernel)
 {
     struct gpu gpu;
@@ -249,7 +250,7 @@ TEST(indirect_dispatch_after_a_kernel)
             gpu_barrier(&gpu, &pair.commands);
         }
         CHECK(pair_run(&gpu, &pair, &err), "%s", err.msg);
-        // Whole workgroups run: of the second round, 2000 threads rounded up.
+        // Whole workgroups run: in the second round 2000 threads, rounded up.
         uint32_t end = groups_for(2 * count) * GROUP, wrong = 0;
         for (uint32_t i = 0; i < COUNT; i++)
             wrong += pair.result[i] != (i < end ? element(i) + 2 : 0);
@@ -273,7 +274,8 @@ static int compare_elements(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-// The odd elements, each once: element(i) is odd exactly for odd i, and the hash is a bijection.
+// Each odd element must occur once: element(i) is odd exactly for odd i, and the hash is a
+// bijection.
 static void check_compacted(uint32_t *result, uint32_t count)
 {
     uint32_t kept = 0;
@@ -351,7 +353,7 @@ TEST(timestamps_rise_and_stop_when_full)
     static double ns[GPU_MAX_TIMESTAMPS];
     bool ok = pair_create(&gpu, COUNT, false, &pair, &err) &&
               copy_kernel_create(&gpu, 1, false, &kernel, &err);
-    // A second recording starts its timestamps afresh.
+    // A second recording begins with timestamp 0 again.
     for (uint32_t copies = 5; ok && copies >= 4; copies--) {
         ok = gpu_begin(&gpu, &pair.commands, &err);
         if (!ok)
@@ -399,8 +401,9 @@ TEST(too_many_constants_are_refused)
     gpu_close(&gpu);
 }
 
-// Kernels of the same code and constants share a pipeline one after the other, never at the same
-// time; other constants have pipelines of their own, and the oldest of those kept go first.
+// Kernels with the same code and constants reuse a pipeline one after the other, but not at the
+// same time. Other constants have pipelines of their own, and the oldest of the kept ones are
+// destroyed first.
 TEST(pipelines_are_kept)
 {
     struct gpu gpu;
@@ -415,7 +418,7 @@ TEST(pipelines_are_kept)
     CHECK(copy_kernel_create(&gpu, 0, false, &kernels[0], &err) && kernels[0].pipeline == first);
     gpu_kernel_finish(&gpu, &again);
     gpu_kernel_finish(&gpu, &other);
-    // One more than are kept: the first of them has gone.
+    // One more kernel than are kept, so the first one is destroyed.
     for (uint32_t i = 1; i <= GPU_KEPT_KERNELS; i++)
         CHECK(copy_kernel_create(&gpu, i + 1, false, &kernels[i], &err), "%s", err.msg);
     VkPipeline last = kernels[GPU_KEPT_KERNELS].pipeline;
@@ -430,7 +433,7 @@ TEST(pipelines_are_kept)
     CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
 }
 
-// Code that is about to be freed: none of its pipelines may be found again by its address.
+// The code is about to be freed, so none of its pipelines may be found again by its address.
 TEST(forgotten_pipelines_are_gone)
 {
     struct gpu gpu;

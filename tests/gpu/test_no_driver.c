@@ -1,4 +1,4 @@
-// Machines without a Vulkan driver, or without the loader.
+// Tests machines without a Vulkan driver or without the loader.
 #include "gpu/gpu.h"
 #include "test.h"
 
@@ -22,7 +22,7 @@ static void check_no_vulkan(const char *expected)
 TEST(no_driver)
 {
     setenv("VK_DRIVER_FILES", "/nonexistent", 1);
-    setenv("VK_ICD_FILENAMES", "/nonexistent", 1); // the name in loaders before 1.3.207
+    setenv("VK_ICD_FILENAMES", "/nonexistent", 1); // the variable's name in loaders before 1.3.207
     struct err err = {0};
     struct gpu_device_info devices[GPU_MAX_DEVICES];
     uint32_t count;
@@ -31,7 +31,7 @@ TEST(no_driver)
     check_no_vulkan("no Vulkan driver");
 }
 
-// Run with the loader hidden.
+// This test is run with the loader hidden.
 TEST(no_loader)
 {
     check_no_vulkan("no Vulkan loader");

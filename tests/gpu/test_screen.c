@@ -1,15 +1,16 @@
-// The screen: pictures arrive bit by bit, triangles as a computation on the CPU has them, and
-// nothing is left over.
+// Tests the screen: images arrive bit by bit, triangles equal a computation on the CPU, and all
+// objects are destroyed.
 #include "gpu/screen.h"
 #include "gpu_fixture.h"
 #include <math.h>
 #include <unistd.h>
 
-#define WIDTH 61u // odd, so that rows of the image are not those of the buffer by luck
+// Odd, so that rows of the image and of the buffer do not have the same length by chance.
+#define WIDTH 61u
 #define HEIGHT 43u
 #define ATLAS 8u
 
-// A device without a graphics queue has no screen to test.
+// Without a graphics queue there is no screen to test.
 #define OPEN_GRAPHICS(gpu, ...)                                                                    \
     do {                                                                                           \
         const struct gpu_params open_params = {.graphics = true, __VA_ARGS__};                     \
@@ -29,7 +30,7 @@ static void atlas_fill(uint8_t coverage[ATLAS * ATLAS])
     coverage[0] = 255;
 }
 
-// A screen, and the picture that goes onto it.
+// A screen, and the image displayed on it.
 struct stage {
     struct gpu gpu;
     struct gpu_screen screen;
@@ -81,7 +82,7 @@ static bool stage_draw(struct stage *stage, const struct gpu_drawing *drawing, u
 
 // --- the same on the CPU ------------------------------------------------------------------------
 
-// Bilinear, clamped to the edge, texel centres at halves.
+// Bilinear lookup, clamped to the edge, with texel centres at halves.
 static double atlas_at(const uint8_t *coverage, double u, double v)
 {
     double x = u * ATLAS - 0.5, y = v * ATLAS - 0.5, sum = 0;
@@ -94,14 +95,14 @@ static double atlas_at(const uint8_t *coverage, double u, double v)
     return sum;
 }
 
-// Twice the area of a triangle with the sign of its turn.
+// Returns twice the signed area of a triangle; the sign is its orientation.
 static double area(const float a[2], const float b[2], const double c[2])
 {
     return ((double)b[0] - a[0]) * (c[1] - a[1]) - ((double)b[1] - a[1]) * (c[0] - a[0]);
 }
 
 struct picture {
-    double rgba[WIDTH * HEIGHT][4]; // each 0 to 255
+    double rgba[WIDTH * HEIGHT][4]; // values from 0 to 255
     bool is_on_edge[WIDTH * HEIGHT];
 };
 
@@ -117,7 +118,7 @@ static void triangle(struct picture *picture, const struct gpu_vertex *v[3], con
 {
     for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
         const double p[2] = {i % WIDTH + 0.5, i / WIDTH + 0.5};
-        // The scissor's sides are whole pixels.
+        // The sides of the clipping rectangle are at whole pixels.
         if (!(p[0] > clip[0] && p[0] < clip[2] && p[1] > clip[1] && p[1] < clip[3]))
             continue;
         double all = area(v[0]->position, v[1]->position,
@@ -159,7 +160,7 @@ static void draw_on_cpu(const struct gpu_drawing *drawing, const uint8_t *covera
     }
 }
 
-// Each of the few layers rounds to bytes once, and filters have 8 bits of position at least.
+// Each layer is rounded to bytes once, and filters have at least 8 bits for positions.
 #define TOLERANCE 2.5
 
 static void compare(const struct picture *expected, uint8_t (*got)[4], const char *what)
@@ -208,8 +209,8 @@ TEST(pictures_are_copied)
 
 #define TRIANGLES 12u
 
-// Positions on sixteenths of a pixel, which devices keep exactly (subPixelPrecisionBits is 4 at
-// least).
+// Positions are multiples of a sixteenth of a pixel, which devices represent exactly, because
+// subPixelPrecisionBits is at least 4.
 static void vertices_fill(struct gpu_vertex *vertices, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -223,8 +224,8 @@ static void vertices_fill(struct gpu_vertex *vertices, uint32_t count)
     }
 }
 
-// Every draw starts elsewhere in both arrays and is clipped to a part of its own, some of which
-// reach beyond the picture or have no area.
+// Every draw begins at another place of both arrays and has a clipping rectangle of its own. Some
+// of these extend beyond the image or have no area.
 TEST(triangles_are_drawn_as_on_the_cpu)
 {
     static const float clips[][4] = {
@@ -260,7 +261,8 @@ TEST(triangles_are_drawn_as_on_the_cpu)
     stage_finish(&stage);
 }
 
-// As panels are drawn: boxes on whole pixels with texels of the atlas one to one, which are exact.
+// As in panels, boxes are at whole pixels and texels of the atlas map to pixels, so the result is
+// exact.
 TEST(texels_of_the_atlas_are_exact)
 {
     const struct gpu_vertex vertices[] = {
@@ -280,7 +282,7 @@ TEST(texels_of_the_atlas_are_exact)
     bool ok = stage_create(&stage, &err) && stage_draw(&stage, &drawing, &got, &err);
     CHECK(ok, "%s", err.msg);
     for (uint32_t i = 0; ok && i < WIDTH * HEIGHT; i++) {
-        uint32_t x = i % WIDTH - 8, y = i / WIDTH - 4; // wraps outside of the box
+        uint32_t x = i % WIDTH - 8, y = i / WIDTH - 4; // wraps around outside the box
         double alpha = x < ATLAS && y < ATLAS ? stage.coverage[y * ATLAS + x] / 255.0 : 0;
         for (int c = 0; c < 3; c++) {
             double expected = (element(i) >> 8 * c & 255) * (1 - alpha) + color[c] * alpha;
@@ -293,8 +295,8 @@ TEST(texels_of_the_atlas_are_exact)
     stage_finish(&stage);
 }
 
-// Panels of more and more triangles: the last of them is seen, and the buffers have at most twice
-// the size that was needed.
+// Panels have more and more triangles. The last triangle is visible, and the buffers have at most
+// twice the required size.
 TEST(panels_grow)
 {
     const uint32_t most = 65535 / 3 * 3;
@@ -306,7 +308,7 @@ TEST(panels_grow)
     bool ok = vertices && indices && stage_create(&stage, &err);
     const uint32_t counts[] = {3, 30, 33, 3000, 300, 60000, most, 3};
     for (uint32_t i = 0; ok && i < sizeof counts / sizeof counts[0]; i++) {
-        // All but the last triangle have no area.
+        // Only the last triangle has an area.
         uint32_t count = counts[i];
         for (uint32_t v = 0; v < count; v++) {
             vertices[v] = (struct gpu_vertex){.color = 0xff0000ffu + (i << 16)};
@@ -343,7 +345,7 @@ static double resident_megabytes(void)
 
 #define RESIZES 500u
 
-// The layers keep records of what was made: their own memory is no concern of ours.
+// Validation is off, because the layers keep records that take memory themselves.
 TEST(resizing_leaks_nothing)
 {
     struct stage stage = {0};
@@ -358,7 +360,7 @@ TEST(resizing_leaks_nothing)
         ok = stage_resize(&stage, width, height, &err) && stage_draw(&stage, NULL, &got, &err) &&
              memcmp(got[width * height - 1], &(uint32_t){element(width * height - 1)}, 4) == 0;
         arena_finish(&stage.arena);
-        if (i == 50) { // all sizes have been there once
+        if (i == 50) { // all sizes have occurred once
             bytes = stage.gpu.allocated_bytes;
             megabytes = resident_megabytes();
         }
@@ -366,7 +368,7 @@ TEST(resizing_leaks_nothing)
               (unsigned long long)stage.gpu.allocated_bytes, (unsigned long long)bytes);
     }
     CHECK(ok, "%s", err.msg);
-    // 450 leaked images of these sizes would take 50 megabytes.
+    // 450 leaked images of these sizes would take 50 MB.
     double grown = resident_megabytes() - megabytes;
     CHECK(grown < 8, "%.1f megabytes more after %u resizes", grown, RESIZES - 50);
     stage_finish(&stage);
@@ -387,7 +389,7 @@ TEST(resizing_is_silent)
     stage_finish(&stage);
 }
 
-// Some drivers put timestamps off once something was drawn.
+// Some drivers delay timestamps after something was drawn.
 TEST(timestamps_after_drawing_are_those_of_what_is_before_them)
 {
     struct stage stage = {0};
@@ -464,8 +466,8 @@ TEST(bad_calls_are_refused)
     gpu_close(&other);
 }
 
-// Each allocation fails once and the device is lost at each submission: the error says so, and all
-// that was made goes.
+// Each allocation fails once, and the device is lost at each submission. The error is reported, and
+// all objects are destroyed.
 TEST(failures_leave_nothing)
 {
     const struct gpu_draw draw = {0};

@@ -1,4 +1,5 @@
-// Code that specialization constants exclude is removed, and the remaining code does the same.
+// Tests that code which specialization constants exclude is removed, and that the remaining code
+// has the same results.
 #include "gpu/spirv.h"
 #include "gpu/spirv_bindings.h"
 #include "gpu/spirv_rounding.h"
@@ -115,7 +116,7 @@ TEST(the_rest_does_the_same)
 
 TEST(less_is_left_of_fewer_choices)
 {
-    // 16 is a choice against a part.
+    // The constant 16 selects a branch that uses no part.
     size_t none = trimmed_bytes(16), all = trimmed_bytes(1 | 2 | 8 | 32);
     CHECK(none > 0 && none < all && all < sizeof choices_spirv, "%zu, %zu of %zu bytes", none, all,
           sizeof choices_spirv);
@@ -140,7 +141,7 @@ static uint32_t count_spec_ids(const uint32_t *code, size_t bytes)
     return count;
 }
 
-// Arrays, too, whose length some drivers take from a constant's default.
+// This includes the lengths of arrays, for which some drivers take the default of a constant.
 TEST(constants_have_their_values)
 {
     static uint32_t out[sizeof choices_spirv / sizeof *choices_spirv];
@@ -154,7 +155,7 @@ TEST(constants_have_their_values)
           count_instructions(out, bytes, OP_SPEC_CONSTANT_OP, OP_SPEC_CONSTANT_OP) == 0);
 }
 
-// Drivers with the mode take the module, too: the_rest_does_the_same.
+// Drivers that support the mode also accept the module: see the_rest_does_the_same.
 TEST(rounding_is_asked_for)
 {
     static uint32_t out[(sizeof choices_spirv + SPIRV_ROUNDING_BYTES) / 4];
@@ -181,11 +182,12 @@ TEST(what_is_no_module_is_left_alone)
     broken[0] ^= 1;
     CHECK(spirv_trim(broken, sizeof broken, NULL, 0, out) == 0);
     memcpy(broken, choices_spirv, sizeof broken);
-    broken[5] &= 0xffff; // an instruction of no words
+    broken[5] &= 0xffff; // an instruction with zero words
     CHECK(spirv_trim(broken, sizeof broken, NULL, 0, out) == 0);
     memcpy(broken, choices_spirv, sizeof broken);
     CHECK(spirv_trim(broken, sizeof broken - 4, NULL, 0, out) == 0, "a function without an end");
-    broken[sizeof broken / 4 - 1] += 1u << 16; // the last one is longer than what is left
+    broken[sizeof broken / 4 - 1] += 1u << 16; // the last instruction is longer than the rest of
+                                               // the module
     CHECK(spirv_trim(broken, sizeof broken, NULL, 0, out) == 0);
 }
 

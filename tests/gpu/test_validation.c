@@ -1,4 +1,4 @@
-// The validation switch: silent where all is well, heard where it is not.
+// Tests the option for validation: correct code causes no messages, and errors cause some.
 #include "gpu_fixture.h"
 
 #define COUNT 4096u
@@ -16,7 +16,7 @@ static void hear(void *context, enum log_level level, const char *message)
     heard->hazards += strstr(message, "HAZARD") != NULL;
 }
 
-// A -> B -> A -> …, each link adding one, with or without the barriers between them.
+// Copies A to B, B to A, and so on; each copy adds one. Barriers in between are optional.
 static bool run_chain(struct gpu *gpu, bool barriers, uint32_t *result, struct err *err)
 {
     struct gpu_buffer buffers[2] = {0};
@@ -41,7 +41,7 @@ static bool run_chain(struct gpu *gpu, bool barriers, uint32_t *result, struct e
             if (barriers)
                 gpu_barrier(gpu, &commands);
         }
-        // Transfers after kernels, and kernels after transfers.
+        // There are transfers after kernels and kernels after transfers.
         if (barriers) {
             gpu_copy(gpu, &commands, &buffers[0], 0, &buffers[1], 0, COUNT * 4);
             gpu_barrier(gpu, &commands);
@@ -97,7 +97,7 @@ TEST(missing_barrier_is_heard)
     gpu_close(&gpu);
 }
 
-// Objects that outlive the device are counted, too: other tests rely on it to find leaks.
+// Objects that outlive the device are counted, too. Other tests rely on this to find leaks.
 TEST(leaked_buffer_is_heard)
 {
     struct gpu gpu;

@@ -1,4 +1,5 @@
-// Writes EXR files that image_write does not: any channels, windows and storage. By OpenEXRCore.
+// Writes EXR files, with OpenEXRCore, that image_write cannot write: any channels, windows and
+// storage.
 #ifndef LAMPYRIS_TESTS_EXR_FILE_H
 #define LAMPYRIS_TESTS_EXR_FILE_H
 
@@ -9,17 +10,17 @@
 struct exr_file {
     exr_attr_box2i_t window;
     exr_compression_t compression;
-    uint32_t tile; // side of the tiles; 0: scanlines
+    uint32_t tile; // side length of the tiles; 0: scanlines
     bool deep;
     int parts; // 0: 1
     struct {
         const char *name;
         exr_pixel_type_t type;
         int sampling; // 0: 1
-    } channels[8];    // in the order of their names
+    } channels[8];    // sorted by name
 };
 
-// The value of a pixel, from its place in the data window and the channel's index; the writer
+// Returns the value of a pixel for its place in the data window and the channel's index. The writer
 // converts it to the channel's type.
 static inline float exr_file_value(int x, int y, int channel)
 {
@@ -41,7 +42,7 @@ static inline void exr_file_no_message(exr_const_context_t context, exr_result_t
     CHECK(false, "EXR error %d: %s", code, message);
 }
 
-// One chunk, all of its channels as whole planes of their own type.
+// Writes one chunk, with all channels as planes of their own types.
 static inline bool exr_file_write_chunk(const struct exr_file *file, exr_context_t context,
                                         const exr_chunk_info_t *chunk, int x0, int y0)
 {
@@ -124,7 +125,7 @@ static inline bool exr_file_write_header(const struct exr_file *file, exr_contex
     return exr_write_header(context) == 0;
 }
 
-// The header, and of an ordinary single-part file the pixels.
+// Writes the header and, for an ordinary single-part file, the pixels.
 static inline bool exr_file_write(const struct exr_file *file, struct byte_buffer *out)
 {
     exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;

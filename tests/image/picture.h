@@ -1,4 +1,4 @@
-// Pictures for tests, and what every decoder must survive.
+// Images for tests, and checks that every decoder must pass.
 #ifndef LAMPYRIS_TESTS_PICTURE_H
 #define LAMPYRIS_TESTS_PICTURE_H
 
@@ -9,7 +9,7 @@
 
 #define PICTURE_BUDGET ((size_t)64 << 20)
 
-// Values that look random and are the same everywhere; in [0, 1).
+// Returns values in [0, 1) that look random and are the same on all machines.
 static inline float picture_value(uint32_t i)
 {
     uint32_t h = i * 0x9e3779b1u;
@@ -41,7 +41,8 @@ static inline bool picture_decode(const void *data, size_t size, struct arena *a
     return ok;
 }
 
-// A copy of exactly the length, so that the address sanitizer sees a read past the end.
+// Copies the data to a block of exactly this length, so that the address sanitizer detects reads
+// past the end.
 static inline enum err_code picture_try(const uint8_t *data, size_t size, size_t changed,
                                         uint8_t mask)
 {
@@ -68,7 +69,7 @@ static inline void picture_check_cuts(const uint8_t *data, size_t size)
         CHECK(picture_try(data, cut, 0, 0) == ERR_INPUT, "cut to %zu of %zu bytes", cut, size);
 }
 
-// Whatever byte is changed, the file reads or is refused.
+// Changes bytes: the file must be read or refused.
 static inline void picture_check_flips(const uint8_t *data, size_t size)
 {
     static const uint8_t masks[] = {0x01, 0x10, 0x80, 0xff};

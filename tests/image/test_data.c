@@ -1,5 +1,5 @@
-// Files that were made elsewhere. The expected values come from readers of their own: museum.exr by
-// OpenEXR's C++ library, std_env.hdr by a few lines of Python.
+// Reads files made by other programs. The expected values are from other readers: OpenEXR's C++
+// library for museum.exr, and a few lines of Python for std_env.hdr.
 #include "picture.h"
 
 #include <unistd.h>
@@ -46,7 +46,7 @@ static void check_file(const char *path, uint32_t width, uint32_t height, const 
     arena_finish(&arena);
 }
 
-// Half floats, PIZ-compressed.
+// The file has half floats with PIZ compression.
 TEST(museum_exr)
 {
     static const struct sample samples[] = {
@@ -87,7 +87,7 @@ TEST(std_env_hdr)
                samples, sizeof samples / sizeof samples[0]);
 }
 
-// Real files cut short at some places, and changed at some: refused or read, never worse.
+// Truncated and changed files must be read or refused.
 TEST(data_files_damaged)
 {
     static const char *const names[] = {"env/museum.exr", "env/std_env.hdr",

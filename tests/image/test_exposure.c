@@ -26,7 +26,7 @@ static void set(int i, float value)
         pixels[i][c] = value;
 }
 
-// A uniform image is exposed to 0.5, whatever its value.
+// A constant image is exposed to 0.5, whatever its value is.
 TEST(even_pictures)
 {
     for (int stops = -140; stops <= 120; stops += 10) {
@@ -38,7 +38,7 @@ TEST(even_pictures)
     CHECK(measure() == 0);
 }
 
-// One pixel in twenty may be as bright as it likes; one more decides.
+// One pixel in twenty may have any brightness; one more changes the exposure.
 TEST(lamps_do_not_count)
 {
     fill(0.25f);
@@ -65,7 +65,7 @@ TEST(the_order_does_not_count)
     float before = measure();
     for (int i = 0; i < PIXELS; i++)
         set(i, 0.001f * (float)(1 + i * 91 % PIXELS));
-    // 91 shares a divisor with no power of 2 or 5: the same values.
+    // 91 has no common divisor with 2 and 5, so this permutes the pixels.
     CHECK(measure() == before, "%g %g", (double)measure(), (double)before);
 }
 

@@ -6,7 +6,7 @@
 
 static char folder[512];
 
-// Writes, reads the bytes back and decodes them.
+// Writes a file, reads its bytes and decodes them.
 static bool encode(const struct image_write_params *params, struct byte_buffer *out)
 {
     struct err err = {0};
@@ -33,7 +33,7 @@ TEST(floats_come_back_bit_by_bit)
         struct byte_buffer file = {0};
         struct image image = picture_create(&arena, sizes[i][0], sizes[i][1]), back = {0};
         struct err err = {0};
-        // Bit patterns that arithmetic would not keep.
+        // Bit patterns that arithmetic would not preserve.
         static const uint32_t odd[] = {0x7fc12345, 0x80000000, 1, 0xff800000, 0x7f7fffff};
         if (sizes[i][0] > 1)
             memcpy(image.pixels, odd, sizeof odd);
@@ -45,7 +45,7 @@ TEST(floats_come_back_bit_by_bit)
     }
 }
 
-// Both as every other reader reads them: by the size of their blocks.
+// Both are read as other readers do, by the size of their blocks.
 TEST(uncompressed_files)
 {
     struct arena arena = {0};
@@ -113,7 +113,7 @@ TEST(layers_and_attributes_come_back)
     memset(long_name, 'n', sizeof long_name - 1);
     memset(long_value, 'v', sizeof long_value - 1);
     long_name[sizeof long_name - 1] = long_value[sizeof long_value - 1] = '\0';
-    // Sorted by name, "A.R" stands before "B" and "albedo.R" after "R".
+    // In the order of names, "A.R" is before "B", and "albedo.R" after "R".
     const struct image_layer layers[] = {{"albedo", (const float(*)[3])albedo.pixels},
                                          {"A", (const float(*)[3])albedo.pixels},
                                          {long_name, (const float(*)[3])image.pixels}};
@@ -156,8 +156,8 @@ TEST(layers_and_attributes_come_back)
     temporary_leave(folder);
 }
 
-// Layers with names of channels and types of their own; integers and those that ask for it keep 32
-// bits beside halves.
+// Layers may have other channel names and types. Integers, and layers that request it, keep 32 bits
+// beside halves.
 TEST(layers_of_other_types)
 {
     enum { WIDTH = 19, HEIGHT = 18, PIXELS = WIDTH * HEIGHT };
@@ -175,7 +175,7 @@ TEST(layers_of_other_types)
         ids[i][0] = i + 70000;
         ids[i][1] = i % 5;
         for (uint32_t c = 0; c < 3; c++)
-            normal[i][c] = (float)(i + c) / 1024.0f; // exact as halves
+            normal[i][c] = (float)(i + c) / 1024.0f; // halves represent these values exactly
     }
     const struct image_layer layers[] = {{"depth", depth, depth_names, IMAGE_LAYER_FULL},
                                          {"normal", normal, axis_names, IMAGE_LAYER_FLOAT},
@@ -201,8 +201,8 @@ TEST(layers_of_other_types)
     arena_finish(&arena);
 }
 
-// The header's bytes, read without the library (OpenEXR file layout): a list of name, type, linear
-// flag and three reserved bytes, x and y sampling, in the order of the names.
+// The bytes of the header are read without the library (OpenEXR file layout): a list of name, type,
+// linear flag and three reserved bytes, x and y sampling, sorted by name.
 TEST(channels_are_sorted_in_the_file)
 {
     struct arena arena = {0};
@@ -230,7 +230,7 @@ TEST(channels_are_sorted_in_the_file)
     arena_finish(&arena);
 }
 
-// Files by other hands: each channel's value tells where it came from.
+// Checks files from another writer: each value shows from which channel it came.
 static void check_file(const struct exr_file *file, const int channels[3], const char *what)
 {
     struct byte_buffer buffer = {0};
@@ -277,13 +277,13 @@ TEST(luminance_becomes_grey)
     struct exr_file file = {.window = {.max = {{{6, 4}}}},
                             .channels = {{"Y", EXR_PIXEL_HALF}, {"Z", EXR_PIXEL_FLOAT}}};
     check_file(&file, (const int[]){0, 0, 0}, "Y");
-    // Reading one of three channels: the library's own unpacking writes through a null pointer
-    // here.
+    // Reads one of three channels, for which the library's own unpacking writes through a null
+    // pointer.
     struct exr_file third = {
         .window = {.max = {{{6, 4}}}},
         .channels = {{"A", EXR_PIXEL_HALF}, {"B", EXR_PIXEL_HALF}, {"Y", EXR_PIXEL_HALF}}};
     check_file(&third, (const int[]){2, 2, 2}, "Y of three");
-    // Luminance and subsampled chroma, as OpenEXR's luminance/chroma pictures have.
+    // Luminance and subsampled chroma, as in OpenEXR's luminance/chroma images.
     struct exr_file chroma = {
         .window = {{{{0, -4}}}, {{{7, 3}}}},
         .channels = {{"BY", EXR_PIXEL_HALF, 2}, {"RY", EXR_PIXEL_HALF, 2}, {"Y", EXR_PIXEL_HALF}}};
@@ -349,7 +349,7 @@ TEST(what_is_not_read_is_refused)
     check_refused(&file, "channel G is subsampled 2 x 2");
 }
 
-// A header that promises more than the budget, of a file that is small.
+// The file is small, but its header declares more than the budget.
 TEST(sizes_are_checked_before_allocation)
 {
     struct arena arena = {0};
@@ -408,7 +408,7 @@ TEST(damaged_files)
     arena_finish(&arena);
 }
 
-// A picture that cannot be written is refused with a message that names the fault.
+// An image that cannot be written is refused with a message that names the error.
 TEST(bad_names_are_refused)
 {
     struct arena arena = {0};

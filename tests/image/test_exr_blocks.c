@@ -1,19 +1,19 @@
-// Blocks of EXR files at the border between compressed and uncompressed: a block that is stored in
-// as many bytes as its pixels take is uncompressed for every reader ("OpenEXR File Layout").
+// Tests EXR blocks at the limit between compressed and uncompressed: every reader takes a block
+// with the size of its pixels for uncompressed ("OpenEXR File Layout").
 #include "image/image_internal.h"
 #include "picture.h"
 #include <openexr.h>
 #include <zlib.h>
 
 enum {
-    LINES = 16, // lines of a block
+    LINES = 16, // lines per block
     MOST_BYTES = 4096,
     MOST_CHANNELS = 9,
     MOST_PIXELS = 64,
     TRIES = 20000,
 };
 
-// A picture of one block, as the writer gets it and as the file holds it.
+// An image of one block: as passed to the writer, and as in the file.
 struct block {
     uint32_t width;
     float color[MOST_PIXELS][3], full[MOST_PIXELS][3];
@@ -22,7 +22,7 @@ struct block {
     size_t raw_bytes;
 };
 
-// The channels of a picture of some kind, in the order of their names.
+// The channels of a kind of image, sorted by name.
 struct kind {
     const char *name;
     uint32_t width;
@@ -55,7 +55,8 @@ static void put(struct block *block, const void *value, size_t bytes)
     block->raw_bytes += bytes;
 }
 
-// Line by line, of each line channel after channel: "B", "G", "R", "full.B" …, "ids.a" …
+// Lays out the block line by line, and each line channel by channel: "B", "G", "R", "full.B" …,
+// "ids.a" …
 static void lay_out(struct block *block, const struct kind *kind)
 {
     block->raw_bytes = 0;
@@ -76,9 +77,9 @@ static void lay_out(struct block *block, const struct kind *kind)
     }
 }
 
-// Random bits, which do not compress, but for the first `zeros` bytes of each array, which do: by
-// their number a block comes near to its own size. Halves are kept finite, so that they come from
-// floats unchanged.
+// Fills the arrays with random bits, which cannot be compressed, except for the first `zeros` bytes
+// of each, which can. So their number brings the block near its own size. Halves are finite, so
+// that they are converted from floats without change.
 static void fill(struct block *block, const struct kind *kind, uint32_t seed, size_t zeros)
 {
     for (uint32_t i = 0; i < LINES * kind->width; i++)
@@ -97,9 +98,9 @@ static void fill(struct block *block, const struct kind *kind, uint32_t seed, si
     lay_out(block, kind);
 }
 
-// Returns the size that ZIP compression gives a block: bytes of even places before those of odd
-// ones, then their differences, then zlib's format ("Technical Introduction to OpenEXR", data
-// compression).
+// Returns the size of a block after ZIP compression: the bytes at even places come first, then
+// those at odd ones; then their differences in zlib's format ("Technical Introduction to OpenEXR",
+// data compression).
 static size_t compressed_bytes(const struct block *block)
 {
     uint8_t bytes[MOST_BYTES], out[2 * MOST_BYTES];
@@ -114,7 +115,7 @@ static size_t compressed_bytes(const struct block *block)
     return compress2(out, &size, bytes, count, level) == Z_OK ? size : 0;
 }
 
-// A block that ZIP compression makes `difference` bytes longer than it is.
+// Finds a block that ZIP compression makes `difference` bytes longer.
 static bool find_block(const struct kind *kind, int difference, struct block *out)
 {
     *out = (struct block){.width = kind->width};

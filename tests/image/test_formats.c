@@ -1,4 +1,4 @@
-// The formats without layers: what is written is read back, by their own readers.
+// Tests the formats without layers: files are read back by the module's own readers.
 #include "picture.h"
 
 #include <math.h>
@@ -9,7 +9,8 @@
 static const struct image_attribute attributes[] = {
     {"scene", "scenes/cornell.json"}, {"note", NAME}, {"command", "lampyris render a.json"}};
 
-// Sizes: alone, narrower and wider than what HDR encodes, not a multiple of JPEG's blocks.
+// The sizes are a single pixel, narrower and wider than HDR encodes, and not a multiple of JPEG's
+// blocks.
 static const uint32_t sizes[][2] = {{1, 1}, {7, 3}, {8, 1}, {17, 9}, {300, 33}};
 
 static bool write_and_read(const char *path, const struct image *image, unsigned png_bits,
@@ -30,7 +31,7 @@ static bool write_and_read(const char *path, const struct image *image, unsigned
     return ok && out->width == image->width && out->height == image->height;
 }
 
-// Values of many magnitudes, smooth here and there as pictures are, so that runs occur.
+// Makes an image with values of many magnitudes, which is smooth in places, so that runs occur.
 static struct image create(struct arena *arena, const uint32_t size[2], bool is_wide)
 {
     struct image image = picture_create(arena, size[0], size[1]);
@@ -58,7 +59,7 @@ TEST(pfm_keeps_every_bit)
     }
 }
 
-// Half a step of a mantissa of 8 bits, whose largest is at least 128.
+// The error is at most half a step of an 8-bit mantissa, the largest of which is at least 128.
 TEST(hdr_is_off_by_half_a_step)
 {
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
@@ -82,7 +83,7 @@ TEST(hdr_changes_what_it_cannot_hold)
     struct image image = picture_create(&arena, 9, 1), read;
     const float strange[3][3] = {{-1, NAN, 1}, {INFINITY, 3e38f, 1}, {1e-40f, 0, 1e-41f}};
     memcpy(image.pixels, strange, sizeof strange);
-    image.pixels[3][0] = 0.99999f; // its mantissa rounds up to the next exponent
+    image.pixels[3][0] = 0.99999f; // the mantissa is rounded up to the next exponent
     image.pixels[3][1] = image.pixels[3][2] = 0.0f;
     REQUIRE(write_and_read("a.hdr", &image, 0, &arena, &read));
     CHECK(read.pixels[0][0] == 0 && read.pixels[0][1] == 0 && read.pixels[0][2] == 1);
@@ -111,7 +112,7 @@ TEST(png_of_16_bits_is_257_times_finer)
         }
 }
 
-// A constant picture has no other error than that of the conversion of colours.
+// A constant image only has the error of the colour conversion.
 TEST(jpeg_is_close)
 {
     struct arena arena = {0};
@@ -137,12 +138,13 @@ TEST(pfm_of_others)
     static const struct {
         const char *text;
         size_t size;
-        float first, last; // 0: it is refused
+        float first, last; // expected values; 0: the file is refused
     } cases[] = {
-        {"PF\n1 1\n1.0\n\x3f\x80\0\0\x40\0\0\0\x40\x40\0\0", 23, 1, 3},  // big-endian
-        {"Pf\n1 2\n-1\n\0\0\x80\x3f\0\0\0\x40", 18, 2, 1},               // grey, from below
-        {"PF\n1 1\n-2.0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 24, 2, 6}, // scaled
-        {"PF\n1 1\n-1.0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40", 23, 0, 0},     // short
+        {"PF\n1 1\n1.0\n\x3f\x80\0\0\x40\0\0\0\x40\x40\0\0", 23, 1, 3}, // big-endian
+        // grey, rows from the bottom
+        {"Pf\n1 2\n-1\n\0\0\x80\x3f\0\0\0\x40", 18, 2, 1},
+        {"PF\n1 1\n-2.0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 24, 2, 6}, // with a scale
+        {"PF\n1 1\n-1.0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40", 23, 0, 0},     // too few bytes
         {"PF\n1 1\n0\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 21, 0, 0},    // no byte order
         {"PF\n-1 1\n-1\n\0\0\x80\x3f\0\0\0\x40\0\0\x40\x40", 23, 0, 0},  // a negative width
         {"PF\n1\n", 5, 0, 0},

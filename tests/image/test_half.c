@@ -20,12 +20,12 @@ TEST(every_half_is_itself)
     CHECK(isnan(float_from_half(0x7c01)) && isnan(float_from_half(0xfe00)));
 }
 
-// Between neighbours the nearer one, in the middle the even one.
+// Values between two neighbours become the nearer one, and in the middle the even one.
 TEST(rounds_to_nearest_even)
 {
     for (uint16_t half = 0; half < 0x7bff; half++) {
         double low = half_value(half), high = half_value((uint16_t)(half + 1));
-        float middle = (float)(0.5 * (low + high)); // exact: 11 or 12 bits
+        float middle = (float)(0.5 * (low + high)); // exact with 11 or 12 bits
         uint16_t even = half & 1 ? (uint16_t)(half + 1) : half;
         CHECK(half_from_float(middle) == even, "%04x", half);
         CHECK(half_from_float(nextafterf(middle, 0)) == half, "%04x", half);

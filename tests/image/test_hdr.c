@@ -1,6 +1,6 @@
 #include "picture.h"
 
-// A file from a header's text and pixel bytes; the length comes back through *size.
+// Makes a file from the text of a header and the bytes of the pixels. *size receives its length.
 static const uint8_t *hdr_file(const char *header, const void *pixels, size_t count, size_t *size)
 {
     static uint8_t file[4096];
@@ -46,7 +46,7 @@ static void check_refused(const char *header, const void *bytes, size_t count, c
     arena_finish(&arena);
 }
 
-// 128 2^(129 - 136) = 1.
+// The value is 128 2^(129 - 136) = 1.
 TEST(flat_pixels)
 {
     static const uint8_t pixels[] = {128, 64, 0, 129, 255, 1, 2, 136, 9, 9, 9, 0};
@@ -56,7 +56,8 @@ TEST(flat_pixels)
 
 TEST(old_runs)
 {
-    // A pixel, two more of it, another, then 256 + 1 of that in two bytes.
+    // A pixel and a run of two more; another pixel and a run of 256 + 1 more, with a count of two
+    // bytes.
     static const uint8_t pixels[] = {128, 0,   0, 129, 1, 1, 1, 2, 0, 128,
                                      0,   129, 1, 1,   1, 1, 1, 1, 1, 1};
     static float expected[261][3];
@@ -70,13 +71,14 @@ TEST(old_runs)
 
 TEST(new_runs)
 {
-    // Width 9: a run of 9; literals of 2 and a run of 7; 9 literals; a run of 9.
+    // With a width of 9, the four components are: a run of 9; 2 literals and a run of 7; 9
+    // literals; a run of 9.
     static const uint8_t line[] = {2, 2, 0, 9, 137, 128, 2, 64, 32, 128 + 7, 16, 9,
                                    0, 1, 2, 3, 4,   5,   6, 7,  8,  128 + 9, 129};
     static uint8_t lines[2 * sizeof line];
     memcpy(lines, line, sizeof line);
     memcpy(lines + sizeof line, line, sizeof line);
-    lines[sizeof line + 5] = 255; // the red of the second line
+    lines[sizeof line + 5] = 255; // red component of the second line
     static float expected[18][3];
     for (int i = 0; i < 18; i++) {
         int x = i % 9;

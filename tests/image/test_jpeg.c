@@ -7,7 +7,7 @@ struct jpeg_file {
     unsigned long size;
 };
 
-// A ramp in quality 100; `value` of a sample is 4 x + 8 y + 20 channel.
+// A ramp in quality 100, whose samples are 4 x + 8 y + 20 channel.
 enum scans { SCANS_ONE, SCANS_PROGRESSIVE, SCANS_OF_COMPONENTS };
 
 static struct jpeg_file jpeg_write(J_COLOR_SPACE space, int components, int side, enum scans scans)
@@ -104,7 +104,8 @@ TEST(cmyk_is_refused)
     free(file.data);
 }
 
-// The frame header (marker FFC0 or FFC2) holds the height and width after length and precision.
+// Finds the frame header (marker FFC0 or FFC2), which has height and width after length and
+// precision.
 static unsigned char *frame_header(const struct jpeg_file *file, unsigned char marker)
 {
     for (unsigned long i = 2; i + 9 < file->size; i++)
@@ -118,14 +119,14 @@ TEST(sizes_are_checked_before_allocation)
     struct jpeg_file file = jpeg_write(JCS_RGB, 3, 13, SCANS_ONE);
     unsigned char *frame = frame_header(&file, 0xc0);
     REQUIRE(frame);
-    memset(frame + 5, 0xf0, 4); // 61,680 pixels a side
+    memset(frame + 5, 0xf0, 4); // 61,680 pixels per side
     check_refused(&file, "61680 x 61680 pixels: 63.8 GiB are needed");
-    memset(frame + 5, 0xff, 4); // more than libjpeg takes
+    memset(frame + 5, 0xff, 4); // more than libjpeg accepts
     check_refused(&file, "JPEG: ");
     free(file.data);
 }
 
-// The last scan again and again: each costs a pass over the whole picture.
+// The last scan is repeated; each repetition costs a pass over the whole image.
 TEST(endless_scans_are_refused)
 {
     struct jpeg_file file = jpeg_write(JCS_RGB, 3, 13, SCANS_OF_COMPONENTS);

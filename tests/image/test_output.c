@@ -1,5 +1,5 @@
 #define _GNU_SOURCE // nftw
-// Faults of writing and limits of reading, of all formats alike.
+// Tests errors of writing and limits of reading for all formats.
 #include "base/temporary_folder.h"
 #include "picture.h"
 
@@ -78,7 +78,7 @@ TEST(missing_folder_is_an_error)
     CHECK(!write_picture("/nonexistent-folder/picture.png", &err) && err.code == ERR_OUTPUT);
 }
 
-// Root may write to any folder but those of the kernel's own.
+// Even root can write to all folders except those of the kernel.
 TEST(unwritable_folder_is_an_error)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
@@ -90,7 +90,7 @@ TEST(unwritable_folder_is_an_error)
     temporary_leave(folder);
 }
 
-// A limit on the file's size stands for a disk that fills up half-way.
+// A limit of the file size simulates a disk that becomes full.
 TEST(failed_write_keeps_the_old_file)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
@@ -127,7 +127,7 @@ static bool content_is(const char *path, const void *data, size_t size)
     return ok;
 }
 
-// Noise, NaN and all, so that nothing of it is lost in compression; and metadata.
+// Encodes noise, with NaN and metadata, so that compression cannot hide a change.
 static void encode_noise(const char *path, struct arena *arena, struct image *image,
                          struct image_write_params *params)
 {
@@ -140,8 +140,8 @@ static void encode_noise(const char *path, struct arena *arena, struct image *im
         .path = path, .image = image, .attributes = attributes, .attribute_count = 2};
 }
 
-// Whatever bit of an encoded picture is wrong: either nothing is written and the old file stays, or
-// the bit had no part in the picture (some of a header's, or of a compressed stream's).
+// Whatever bit of an encoded image is wrong, either nothing is written and the old file remains, or
+// the bit has no effect on the image, such as some bits of headers and compressed streams.
 TEST(wrong_encodings_are_found_out)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
@@ -169,7 +169,8 @@ TEST(wrong_encodings_are_found_out)
                       "byte %zu", n);
             arena_finish(&scratch);
         }
-        image_corrupt_at(size - 20); // pixels: of the last block of an EXR, of the last line
+        image_corrupt_at(size - 20); // a byte of the pixels: in an EXR of the last block, otherwise
+                                     // of the last line
         CHECK(!image_write(&params, &err) && err.code == ERR_OUTPUT, "%s", names[i]);
         image_corrupt_at(0);
         CHECK(content_is(names[i], "old", 3) && temporary_entries(".") == i + 1);
@@ -181,7 +182,7 @@ TEST(wrong_encodings_are_found_out)
 }
 
 // Values that must be written exactly although arithmetic would change their bits: signalling NaNs,
-// integers above 2^24, and values that halves round or cannot hold.
+// integers above 2^24, and values that halves round or cannot represent.
 TEST(right_encodings_pass)
 {
     static const uint32_t odd[] = {0x7f800001, 0xffc00000, 0x80000000, 1,          0x7f800000,
@@ -268,7 +269,7 @@ TEST(reading_keeps_to_its_budget)
     temporary_leave(folder);
 }
 
-// The n-th allocation fails, for all n up to success.
+// Allocation number n fails, for all n until reading succeeds.
 TEST(reading_survives_exhausted_memory)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));

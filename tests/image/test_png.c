@@ -16,7 +16,7 @@ static void encode(const struct image_write_params *params, struct byte_buffer *
     free(codes);
 }
 
-// The linear value of every 8-bit code is written as that code and reads as that value.
+// The linear value of every 8-bit code is written as that code, and read as that value.
 TEST(all_codes_come_back)
 {
     struct arena arena = {0};
@@ -47,7 +47,7 @@ TEST(values_are_clamped_and_exposed)
     arena_finish(&arena);
 }
 
-// The chunks in their order, read without the library (PNG specification, 5.3).
+// The chunks, in their order, are read without the library (PNG specification, 5.3).
 TEST(file_has_the_expected_chunks)
 {
     struct arena arena = {0};
@@ -122,7 +122,8 @@ TEST(bad_keys_are_refused)
     arena_finish(&arena);
 }
 
-// Rows of noise that are predicted from neighbours take more bytes, and noise of 64 codes has 6 bits in 8.
+// Rows of noise take more bytes if they are predicted from neighbours, and noise of 64 codes has 6
+// bits of information in 8.
 TEST(noise_is_not_filtered)
 {
     enum { SIDE = 128, COUNT = 3 * SIDE * SIDE };
@@ -147,7 +148,7 @@ TEST(noise_is_not_filtered)
     arena_finish(&arena);
 }
 
-// --- files that image_write does not make -------------------------------------------------------
+// --- files that image_write cannot make ----------------------------------------------------------
 static void store(png_structp png, png_bytep data, size_t size)
 {
     struct byte_buffer *out = png_get_io_ptr(png);
@@ -155,7 +156,7 @@ static void store(png_structp png, png_bytep data, size_t size)
         png_error(png, "out of memory");
 }
 
-// A picture of 4 x 4 pixels whose samples are 0, 1, 2 … in the file's own units.
+// Writes an image of 4 x 4 pixels whose samples are 0, 1, 2 … in the file's own units.
 static void write_png(int colour_type, int depth, int interlace, struct byte_buffer *out)
 {
     enum { SIDE = 4 };

@@ -1,5 +1,4 @@
-// image_decode_texels: pictures with their alpha, in halves and in floats, against texels that are
-// known.
+// Tests image_decode_texels: images with alpha, in halves and in floats, against known texels.
 #include "exr_file.h"
 #include "picture.h"
 
@@ -23,8 +22,7 @@ static float component(const struct image_texels *texels, uint32_t pixel, uint32
                             : float_from_half(((const uint16_t *)texels->texels)[i]);
 }
 
-// Halves have 11 bits: they round once by at most 2^-11 of the value, or by 2^-25 where that is
-// less.
+// Halves have 11 bits, so rounding changes a value by at most 2^-11, or by 2^-25 if that is less.
 static float tolerance(const struct image_texels *texels, float value)
 {
     return texels->is_float ? 1e-6f * value : fmaxf(0x1p-11f * value, 0x1p-25f);
@@ -36,7 +34,7 @@ enum { SIDE = 6, KEY = 3, PALETTE = 16, OPAQUE_FROM = 10 };
 
 struct png_kind {
     int colour_type, depth;
-    bool has_key; // a tRNS chunk
+    bool has_key; // the file has a tRNS chunk
 };
 
 static void store(png_structp png, png_bytep data, size_t size)
@@ -51,7 +49,7 @@ static unsigned sample_max(const struct png_kind *kind)
     return (1u << kind->depth) - 1;
 }
 
-// Sample number `i` of the picture in the file's own units; the first of all are 0, 1, 2 …
+// Returns sample number `i` of the image in the file's own units. The first samples are 0, 1, 2 …
 static unsigned sample(const struct png_kind *kind, unsigned i)
 {
     unsigned value = i < 8 ? i : i * 2654435761u >> 7;
@@ -216,7 +214,7 @@ TEST(halves_keep_all_codes)
 
 // --- JPEG ----------------------------------------------------------------------------------------
 
-// One colour, at which quality 100 leaves every code within 1.
+// Checks an image of one colour, for which quality 100 keeps every code within 1.
 static void check_jpeg(J_COLOR_SPACE space, int components, bool is_linear)
 {
     static const JSAMPLE codes[3] = {200, 60, 20};
@@ -271,7 +269,7 @@ TEST(jpeg_grey_and_colour)
 
 TEST(hdr_is_opaque)
 {
-    // 2 x 1: (128, 64, 32) 2^(138 - 136) and 2^17, beyond halves.
+    // 2 x 1 pixels: (128, 64, 32) 2^(138 - 136), and 2^17, which exceeds halves.
     static const char file[] =
         "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x8a\x80\x80\x80\x92";
     static const float expected[8] = {512, 256, 128, 1, 131072, 131072, 131072, 1};
@@ -285,7 +283,7 @@ TEST(hdr_is_opaque)
     arena_finish(&arena);
 }
 
-// Values of exr_file_value(); colours come back without the alpha that they were multiplied by.
+// Checks the values of exr_file_value(); colours are divided by the alpha that they contain.
 static void check_exr(const struct exr_file *file, const int channel[4])
 {
     struct byte_buffer bytes = {0};

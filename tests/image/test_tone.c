@@ -6,7 +6,7 @@
 static const enum tone_curve tones[] = {TONE_NONE, TONE_REINHARD, TONE_ACES, TONE_AGX};
 enum { TONES = sizeof tones / sizeof tones[0] };
 
-// IEC 61966-2-1 and back for all codes; and values computed by hand.
+// Converts all codes by IEC 61966-2-1 and back, and compares some with values computed by hand.
 TEST(srgb_transfer)
 {
     CHECK(image_srgb_from_linear(0) == 0 && image_srgb_from_linear(1) == 1);
@@ -52,12 +52,12 @@ TEST(curves_match_hand_values)
     CHECK(out[0] == 1 && fabsf(out[1] - image_srgb_from_linear(scale)) < 1e-6f && out[2] == 0);
     image_tone_map(TONE_ACES, 0, grey, out);
     CHECK(fabsf(out[0] - image_srgb_from_linear(2.54f / 3.16f)) < 1e-6f);
-    // Middle grey is the pivot: it stays where it is.
+    // The curve must not change middle grey.
     const float middle[3] = {0.18f, 0.18f, 0.18f};
     image_tone_map(TONE_AGX, 0, middle, out);
     for (int c = 0; c < 3; c++)
         CHECK(fabsf(out[c] - image_srgb_from_linear(0.18f)) < 1e-5f, "%g", (double)out[c]);
-    // The ends of the logarithm's range: 10 stops below and 6.5 above.
+    // The limits of the logarithm's range: 10 stops below and 6.5 above.
     const float end[3] = {16.3f, 16.3f, 16.3f}, start[3] = {1.7e-4f, 1.7e-4f, 1.7e-4f};
     image_tone_map(TONE_AGX, 0, end, out);
     CHECK(out[0] == 1, "%.9g", (double)out[0]);
@@ -65,8 +65,9 @@ TEST(curves_match_hand_values)
     CHECK(out[0] == 0, "%.9g", (double)out[0]);
 }
 
-// The share of white in each primary, from the chromaticities of ITU-R BT.709-6, table 1: white is
-// their mean weighted by X + Y + Z (barycentric coordinates), which pure primaries show at once.
+// Computes the share of white in each primary from the chromaticities of ITU-R BT.709-6, table 1:
+// white is their mean weighted by X + Y + Z (barycentric coordinates). Pure primaries show it
+// directly.
 TEST(agx_inset_follows_from_the_primaries)
 {
     const double red[2] = {0.64, 0.33}, green[2] = {0.30, 0.60}, blue[2] = {0.15, 0.06};
@@ -76,7 +77,7 @@ TEST(agx_inset_follows_from_the_primaries)
     double share = ((white[0] - blue[0]) * (green[1] - blue[1]) -
                     (green[0] - blue[0]) * (white[1] - blue[1])) /
                    area;
-    // Red of radiance x leaves .2 share x in green, as grey of that value would.
+    // Red with radiance x gives green .2 share x, like grey of that value.
     float value = 1, leak = (float)(0.2 * share);
     const float pure[3] = {value, 0, 0}, equal[3] = {leak, leak, leak};
     float out[3], expected[3];
@@ -87,7 +88,7 @@ TEST(agx_inset_follows_from_the_primaries)
     CHECK(out[1] == out[2] && out[0] > out[1]);
 }
 
-// More light in a channel never makes that channel darker, whatever the others hold.
+// More light in a channel never makes that channel darker, whatever the other channels are.
 TEST(monotone_in_every_channel)
 {
     static const float others[] = {0, 0.01f, 0.18f, 1, 40, 1e6f};

@@ -1,9 +1,9 @@
-// Writes many parts, for merges of more than can be rendered in a test: each has the film of one
-// part that was rendered, of samples 0:2, as if it were that of the next two samples.
+// Writes more parts than a test can render: each has the film of one rendered part, of samples 0:2,
+// as if it were that of the next two samples.
 //
 //   make_parts PART COUNT FIRST LAST FOLDER
 //
-// writes FOLDER/I.part for I from FIRST to LAST, of COUNT parts, from 0.
+// writes FOLDER/I.part for I from FIRST to LAST, of COUNT parts, counted from 0.
 #include "base/err.h"
 #include "base/log.h"
 #include "job/job_internal.h"

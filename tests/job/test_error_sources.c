@@ -1,5 +1,5 @@
-// Where the error comes from: closed forms of its parts, and the brightest contributions against
-// all that their pixels' paths bring.
+// Tests the sources of the error: closed forms of its parts, and the brightest contributions
+// against those of all paths of their pixels.
 #include "job/job.h"
 #include "render/probe/replay.h"
 #include "render_fixture.h"
@@ -12,7 +12,7 @@
 
 static const struct scene_override small[] = {{"film", "{\"width\": 16, \"height\": 16}"}, {0}};
 
-// A job whose film has `samples` of each pixel, judged.
+// Renders `samples` per pixel with a job and estimates the error.
 static bool run(struct job *job, struct gpu *gpu, struct scene *scene, uint32_t aovs,
                 uint64_t samples, struct err *err)
 {
@@ -31,7 +31,7 @@ static bool is_near(double value, double expected, double tolerance)
 
 // --- closed forms --------------------------------------------------------------------------------
 
-// With only a lamp, all light and all error is emission that is seen directly.
+// If only a lamp is visible, all light and all error is visible emission.
 TEST(emission_alone)
 {
     struct gpu gpu;
@@ -66,8 +66,8 @@ TEST(emission_alone)
     gpu_close(&gpu);
 }
 
-// Without shadow rays every path of a closed furnace brings .5 * .5^n after n scattering events, in
-// any pixel: there is light in all bounces, and no error anywhere.
+// Without shadow rays, every path in a closed furnace contributes .5 * .5^n after n scattering
+// events, in any pixel. All bounces have light, and none has an error.
 TEST(furnace_by_bounce)
 {
     static const struct scene_override overrides[] = {{"film", "{\"width\": 16, \"height\": 16}"},
@@ -99,9 +99,9 @@ TEST(furnace_by_bounce)
     gpu_close(&gpu);
 }
 
-// A sample connects to one of two lights that bring 2 and 1: it has 4 or 2, with the variance
-// (2 - 1)^2. By itself what comes from either is twice its light or nothing, with variances of 2^2
-// and 1^2; and twice their covariance is -2 * 2 * 1.
+// A sample connects to one of two lights that contribute 2 and 1. So it has 4 or 2, with the
+// variance (2 - 1)^2. The contribution of each light alone is twice its light or nothing, with
+// variances of 2^2 and 1^2, and twice their covariance is -2 * 2 * 1.
 TEST(one_of_two_lights)
 {
     enum { SAMPLES = 16 };
@@ -116,8 +116,8 @@ TEST(one_of_two_lights)
     const struct error_by *part = &job.sources.by[ERROR_BY_PART];
     const struct error_share *lamp = &by->classes[BY_EMITTER_LIGHTS],
                              *sun = &by->classes[BY_EMITTER_SUNS];
-    // The expected error is that of 1024 pixels, each with one degree of freedom; the mean radiance
-    // is 3.
+    // The expected error is the mean over 1024 pixels, each with one degree of freedom. The mean
+    // radiance is 3.
     const double unit = 1.0 / SAMPLES / (9.0 + METRICS_RELMSE_EPSILON);
     printf("  error %.4g, expected %.4g; shares %.6f %.6f %.6f\n", by->error, unit,
            lamp->share.value, sun->share.value, by->together.share.value);
@@ -169,8 +169,8 @@ static bool render_lights(struct gpu *gpu, const struct scene_override *override
     return ok;
 }
 
-// Each kind of emitter contributes as much beside the others as alone, and a scene with one kind
-// counts only that kind.
+// Each kind of emitter contributes the same together with others as alone, and a scene with one
+// kind has only that kind.
 TEST(emitters_add_up)
 {
 #define DARK                                                                                       \
@@ -240,7 +240,7 @@ static double luminance(const float radiance[3])
            0.0722 * (double)radiance[2];
 }
 
-// Gives `best` the contribution if it is brighter.
+// Replaces `best` if the contribution is brighter.
 static void offer(struct film_brightest *best, const float radiance[3], uint32_t events,
                   uint32_t site, uint32_t sample)
 {
@@ -262,8 +262,8 @@ static void offer_path(struct film_brightest *best, const struct replay *path, u
     }
 }
 
-// Follows all paths of a small picture. What a replay says was gained is a difference of sums, and
-// off by their rounding.
+// Follows all paths of a small image. A replay computes each contribution as a difference of sums,
+// which have rounding errors.
 TEST(brightest_of_all_paths)
 {
     enum { SIDE = 5, SAMPLES = 6 };
@@ -339,8 +339,8 @@ static bool render_variant(const struct scene *scene, const struct variant *v, s
     return ok;
 }
 
-// The picture has the same bits with and without; and what is found out depends on nothing that
-// the picture does not depend on. Paths that split are counted with all branches.
+// The image has the same bits with and without this option, and the results do not depend on
+// anything that the image does not depend on. If paths split, all branches count.
 TEST(same_bits)
 {
     static const struct variant variants[] = {
@@ -358,7 +358,7 @@ TEST(same_bits)
     static const struct {
         const char *path;
         uint32_t split_lobes;
-        size_t variants; // the first ones
+        size_t variants; // uses only the first variants
     } scenes[] = {{"tests/render/scenes/lights.json", 0, sizeof variants / sizeof *variants},
                   {"scenes/phong_lobes.json", 2, 4}};
     struct gpu gpu;
@@ -394,8 +394,8 @@ TEST(same_bits)
     }
 }
 
-// The requested pictures take memory, which the plan reports: 16 bytes a class in a slot and 16 for
-// the brightest contribution; 64 and 32 in a pixel of the film.
+// The requested images take memory, which the plan includes: in a slot 16 bytes per class and 16
+// for the brightest contribution; in a pixel of the film 64 and 32.
 TEST(memory)
 {
     static const struct {

@@ -1,4 +1,5 @@
-// Jobs: what their goals exclude, what ends them, and that no way to drive one changes the film.
+// Tests jobs: which goals are refused, what ends a job, and that the film is the same however a job
+// is driven.
 #include "job/job.h"
 #include "render/checkpoint.h"
 #include "render/sampling_plan.h"
@@ -27,7 +28,7 @@ TEST(checkpoints_of_other_builds_are_named_so)
 {
     static const char own[] = "version=1\n--mis=power\n--normals=visible\n";
     static const struct {
-        const char *identity, *expected; // NULL: it is accepted
+        const char *identity, *expected; // NULL: the job is accepted
     } cases[] = {
         {own, NULL},
         {"version=1\n--mis=none\n--normals=visible\n",
@@ -134,7 +135,8 @@ TEST(preparing_takes_no_memory_of_the_device)
 
 // --- rendering -----------------------------------------------------------------------------------
 
-// At once to the goal, and by steps after samples of another seed and another plan.
+// One job goes straight to the goal. The other one takes steps, after samples with another seed and
+// plan.
 TEST(steps_make_what_a_run_makes)
 {
     static const char *const samplers[] = {"sobol", "stratified", "grid", "blue-noise"};
@@ -164,7 +166,8 @@ TEST(steps_make_what_a_run_makes)
     gpu_close(&gpu);
 }
 
-// A goal may follow another: the film goes on, and so do the plan of samples and a checkpoint.
+// Another goal can be set after the first one: the film, the plan of the samples and checkpoints
+// continue.
 TEST(goals_follow_each_other)
 {
     static const char *const samplers[] = {"sobol", "grid", "blue-noise"};

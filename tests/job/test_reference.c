@@ -1,5 +1,5 @@
-// The error left after subtracting the reference's own noise, on noise whose true error is known:
-// means of 1,000 draws must lie within 3.3 of their standard errors (99.9 %) of it.
+// Tests the error after subtracting the reference's own noise, with noise of known error: the means
+// of 1,000 draws must be within 3.3 of their standard errors (99.9 %).
 #include "job/reference.h"
 
 #include "metrics/metrics.h"
@@ -15,13 +15,14 @@ static double uniform(void)
     return ((double)(state >> 11) + 0.5) * 0x1p-53;
 }
 
-// Box and Muller 1958.
+// Returns a normal variable (Box and Muller 1958).
 static double normal(void)
 {
     return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
 }
 
-// The truth, and the deviation of one half of the reference; the picture is IMAGE_ERROR from it.
+// The true value, and the standard deviation of one half of the reference. The image differs from
+// the truth by IMAGE_ERROR.
 #define IMAGE_ERROR 0.02
 
 static double truth_at(int i)
@@ -64,7 +65,7 @@ static void check_mean(const char *what, const struct tally *tally, double truth
           average, error, truth);
 }
 
-// The ways in which the noise can be known.
+// The forms in which the reference's noise can be given.
 enum source { HALVES, VARIANCES, EVEN };
 
 static void subtract(enum source source, bool is_small, struct tally out[3])
@@ -105,7 +106,7 @@ TEST(mse_is_unbiased_however_noisy_the_reference)
     }
 }
 
-// Its denominator is the reference: as exact as that is.
+// The denominator is the reference, so the result is as accurate as the reference is.
 TEST(relmse_is_unbiased_where_the_reference_is_good)
 {
     static struct tally tallies[3];
@@ -119,7 +120,7 @@ TEST(relmse_is_unbiased_where_the_reference_is_good)
     check_mean("relmse by variances", &tallies[1], truth, true);
 }
 
-// Its denominator is a mean of many pixels: a noisy reference does, too.
+// The denominator is a mean over many pixels, so a noisy reference suffices.
 TEST(local_relmse_is_unbiased)
 {
     static struct tally tallies[3];
@@ -160,7 +161,7 @@ TEST(bad_variances_are_named)
     CHECK(strstr(err.msg, "v.exr: pixel 0,1: the variance is -1"), "%s", err.msg);
     bad[1][1] = INFINITY;
     CHECK(!reference_set_variance(&reference, "v.exr", (const float(*)[3])bad, &err));
-    values[1][0] = NAN; // left out of the comparison, and so is its variance
+    values[1][0] = NAN; // this pixel is omitted, and so is its variance
     CHECK(reference_set_variance(&reference, "v.exr", (const float(*)[3])bad, &err));
     CHECK(reference.noise_known && reference.mse == 0);
     values[0][0] = NAN;

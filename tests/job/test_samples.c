@@ -64,7 +64,7 @@ TEST(texts_are_read_back)
 TEST(ranges_overlap_join_and_lack)
 {
     static const struct {
-        const char *a, *b, *joined, *missing; // joined "": they overlap
+        const char *a, *b, *joined, *missing; // `joined` is "" if the two overlap
     } cases[] = {
         {"0:2", "2:4", "0:4", "4:10"},
         {"0:2,6:8", "2:4", "0:4,6:8", "4:6,8:10"},

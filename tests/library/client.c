@@ -1,4 +1,4 @@
-// Renders a scene and says how good the picture is: `client SCENE.json OUT.exr`.
+// Renders a scene and prints the error of the picture: `client SCENE.json OUT.exr`.
 #include <lampyris/lampyris.h>
 #include <stdio.h>
 
@@ -14,7 +14,7 @@ static bool show(void *user, const struct lampyris_moment *moment)
 {
     (void)user;
     fprintf(stderr, "\r%s: %3.0f %%", moment->phase, 100.0 * moment->fraction);
-    return true; // false would stop it
+    return true; // returning false would stop the render
 }
 
 int main(int argc, char **argv)

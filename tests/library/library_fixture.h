@@ -1,4 +1,4 @@
-// What the tests of the library share.
+// Functions that the tests of the library share.
 #ifndef LAMPYRIS_TESTS_LIBRARY_FIXTURE_H
 #define LAMPYRIS_TESTS_LIBRARY_FIXTURE_H
 
@@ -32,7 +32,7 @@ static inline const char *path_of(const char *name)
     return path;
 }
 
-// Messages of the validation layers fail the test, others are shown.
+// Messages of the validation layers fail the test; other messages are printed.
 static inline void watch_validation(void *user, enum lampyris_log_level level, const char *message)
 {
     (void)user, (void)level;
@@ -73,8 +73,8 @@ static inline struct lampyris_state state_of(struct lampyris_render *render)
     return state;
 }
 
-// The hash that the program says. 0: it failed. Tests that run side by side have files of their
-// own.
+// Returns the hash that the program prints; 0 if it fails. Each process has files of its own,
+// because tests run at the same time.
 static inline uint64_t hash_of_program(const char *arguments)
 {
     char command[2048], line[512], output[64];
@@ -95,7 +95,7 @@ static inline uint64_t hash_of_program(const char *arguments)
     return hash;
 }
 
-// Renders a small picture.
+// Renders a small picture and returns its hash.
 static inline uint64_t render_hash(struct lampyris_context *context, struct lampyris_scene *scene)
 {
     struct lampyris_render *render;

@@ -1,4 +1,4 @@
-// The library as its callers see it: through the public header alone.
+// Tests the library only through its public header.
 #define _GNU_SOURCE // newlocale
 #include "library_fixture.h"
 
@@ -24,7 +24,7 @@ static void check_bits(struct lampyris_context *context, const struct bits_case 
     uint64_t hash = state_of(render).hash, expected = hash_of_program(arguments);
     CHECK(hash == expected, "%s %s: %016llx, by the program %016llx", wanted->scene,
           wanted->settings, (unsigned long long)hash, (unsigned long long)expected);
-    // The command that it says makes the same again.
+    // The command that the library returns renders the same picture.
     const char *repeat;
     OK(context, lampyris_render_repeat(render, &repeat));
     if (*repeat) {
@@ -85,7 +85,7 @@ TEST(steps_renders_and_checkpoints_change_no_bit)
     CHECK(state_of(parts).hash == hash && state_of(resumed).hash == hash);
     CHECK(state_of(parts).samples == 8 && state_of(parts).samples_total == 8 * 32 * 24);
     remove("library.ck");
-    lampyris_scene_release(scene); // what is being rendered lives on
+    lampyris_scene_release(scene); // a scene that is being rendered stays alive
     goal.samples = 10;
     OK(context, lampyris_render_step(whole, &goal, NULL));
     CHECK(state_of(whole).hash != hash && state_of(whole).samples == 10);
@@ -141,8 +141,8 @@ TEST(what_is_not_known_is_said)
     lampyris_context_release(context);
 }
 
-// A simulated device that is lost at its first dispatch: each workgroup takes longer than the
-// watchdog allows.
+// The simulated device is lost at its first dispatch, because each workgroup takes longer than the
+// watchdog permits.
 TEST(a_device_that_is_lost_is_an_error_and_opened_again)
 {
     struct lampyris_context *context;
@@ -221,7 +221,8 @@ TEST(callbacks_hear_of_it_and_stop_it)
     struct lampyris_state state = state_of(render);
     CHECK(strcmp(state.ended_by, "signal") == 0 && state.samples_total > 0);
     CHECK(state.samples < 4096, "%llu", (unsigned long long)state.samples);
-    // It goes on, to the bits of one step; the pass that was stopped is ended in any case.
+    // The render continues to the same bits as with a single step; the interrupted pass is
+    // completed in any case.
     struct lampyris_render *whole;
     struct lampyris_goal goal = {.size = sizeof goal, .samples = state.samples + 7};
     OK(context, lampyris_render_step(render, &goal, NULL));
@@ -354,7 +355,7 @@ TEST(threads_with_contexts_of_their_own_do_not_meet)
     }
 }
 
-// The caller's locale is theirs again after each call.
+// Each call restores the caller's locale.
 TEST(the_locale_of_the_caller_stays)
 {
     static const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "C.UTF-8"};
@@ -370,7 +371,7 @@ TEST(the_locale_of_the_caller_stays)
                                      NULL, NULL, &scene));
     OK(context, lampyris_scene_get(scene, "/settings/clamp", &json));
     CHECK(strcmp(json, "0.5") == 0, "%s", json);
-    CHECK(lampyris_scene_check(scene, NULL) == LAMPYRIS_INPUT); // it is empty
+    CHECK(lampyris_scene_check(scene, NULL) == LAMPYRIS_INPUT); // the scene is empty
     CHECK(uselocale((locale_t)0) == locale, "another locale is in use");
     lampyris_text_release(json);
     lampyris_scene_release(scene);
@@ -543,7 +544,7 @@ static void render_often(int count)
             before = resident_pages();
     }
     long grown = resident_pages() - before;
-    // A render that is lost keeps its film and its scene at least: more than two pages.
+    // A leaked render would keep at least its film and its scene, which are more than two pages.
     CHECK(grown < 2L * (count - count / 4), "%ld pages more after %d renders", grown, count);
     fprintf(stderr, "%ld pages more after %d renders\n", grown, count);
     lampyris_context_release(context);

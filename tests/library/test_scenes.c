@@ -1,4 +1,5 @@
-// Scenes of the library: documents that are changed, errors with their places, meshes from arrays.
+// Tests scenes of the library: changes of documents, places in error messages, and meshes from
+// arrays.
 #include "library_fixture.h"
 
 // --- documents -----------------------------------------------------------------------------------
@@ -74,7 +75,7 @@ TEST(edits_change_the_next_render)
     lampyris_text_release(json);
     lampyris_render_release(render);
     lampyris_scene_release(scene);
-    // Text, and a model as the base of a document.
+    // A document given as text, and a model that becomes the base of a document.
     OK(context, lampyris_scene_load(context, path_of("scenes/models/vase.glb"), NULL, &scene));
     first = render_hash(context, scene);
     OK(context, lampyris_scene_set(scene, "/settings/max_bounces", "0"));
@@ -160,7 +161,7 @@ TEST(errors_have_status_file_place_and_what_was_expected)
 
 TEST(meshes_from_arrays_are_those_of_files)
 {
-    // Two triangles, in records with other data around.
+    // Two triangles, in records that also contain other data.
     static const struct record {
         float weight, position[3], normal[3];
     } vertices[] = {

@@ -1,11 +1,11 @@
-// Random numbers for synthetic noise, from generators that the renderer does not have.
+// Random numbers for synthetic noise. The renderer does not use these generators.
 #ifndef LAMPYRIS_TESTS_METRICS_RANDOM_H
 #define LAMPYRIS_TESTS_METRICS_RANDOM_H
 
 #include <math.h>
 #include <stdint.h>
 
-// A linear congruential generator (Knuth), one sequence for a test program. In (0, 1).
+// A linear congruential generator (Knuth) with one sequence per program. Returns values in (0, 1).
 static inline double uniform(void)
 {
     static uint64_t state = 1;
@@ -13,13 +13,13 @@ static inline double uniform(void)
     return ((double)(state >> 11) + 0.5) * 0x1p-53;
 }
 
-// Box and Muller 1958.
+// Returns a normal variable (Box and Muller 1958).
 static inline double normal(void)
 {
     return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
 }
 
-// SplitMix64 (Steele, Lea, Flood 2014), with a state of the caller's.
+// SplitMix64 (Steele, Lea, Flood 2014) with a state that the caller owns.
 static inline uint64_t random_next(uint64_t *state)
 {
     uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);

@@ -1,6 +1,6 @@
-// Estimates of bias, on noise whose true bias is known: intervals must cover it in 95 % of draws,
-// and unbiased methods are called biased in 2.5 % at most, also where few samples carry all the
-// light.
+// Tests estimates of bias with noise of known bias: intervals must contain the bias in 95 % of
+// draws, and unbiased methods may be reported as biased in at most 2.5 %, even if few samples carry
+// all the light.
 #include "metrics/bias.h"
 #include "metrics/metrics.h"
 #include "random.h"
@@ -38,9 +38,10 @@ static struct interval find(size_t count, bool with_halves)
 // --- Gaussian noise ------------------------------------------------------------------------------
 
 #define TRUTH 3.0
-#define SCALE (TRUTH * TRUTH + METRICS_RELMSE_EPSILON) // the reference's noise moves it little
+// The noise of the reference changes this very little.
+#define SCALE (TRUTH * TRUTH + METRICS_RELMSE_EPSILON)
 
-// Pictures of a constant and noise, and a reference with noise of its own.
+// Draws images of a constant with noise, and a reference with noise of its own.
 static void draw(double bias, double noise, double reference_noise)
 {
     for (int i = 0; i < LENGTH; i++) {
@@ -81,8 +82,8 @@ TEST(intervals_cover)
           some.mean);
 }
 
-// The pictures' mean has a deviation of 0.3 / 4. The reference's noise is shared by all pictures:
-// none of their differences tells how far it may be off.
+// The mean of the images has a standard deviation of 0.3 / 4. All images share the noise of the
+// reference, so their differences do not show its error.
 TEST(a_reference_as_noisy_as_the_pictures)
 {
     struct tally same = count(PICTURES, 0, 0.075), noisier = count(PICTURES, 0, 0.3);
@@ -93,9 +94,10 @@ TEST(a_reference_as_noisy_as_the_pictures)
 
 // --- rare bright samples -------------------------------------------------------------------------
 
-// Values of 1: even light but for a part that comes by few samples, `expected` of them in all
-// pixels of 16 pictures. Their brightness is spread evenly over the orders of magnitude up to the
-// brightest, as that of lobes is, so that each order has ten times the light of the one below.
+// Draws values of 1: constant light, except for a part that comes from few samples, `expected` of
+// them in all pixels of 16 images. Their brightness is distributed evenly over the orders of
+// magnitude up to the brightest, like that of lobes, so that each order has ten times the light of
+// the previous one.
 static void draw_rare(double expected, double part)
 {
     const double orders = log(1e4), brightest = part * LENGTH / 3 * PICTURES * orders / expected;
@@ -104,7 +106,7 @@ static void draw_rare(double expected, double part)
         for (int r = 0; r < PICTURES; r++)
             pictures[r][i] = (float)(1 - part * (1 - 1e-4) + (i % 3 ? 0 : 0.001 * normal()));
     }
-    // Poisson: gaps are exponential.
+    // A Poisson process: the gaps are exponential.
     for (double at = -log(uniform()) / expected; at < 1; at -= log(uniform()) / expected) {
         int r = (int)(uniform() * PICTURES), pixel = (int)(uniform() * LENGTH / 3);
         float sample = (float)(brightest * exp(-orders * uniform()));
@@ -113,7 +115,7 @@ static void draw_rare(double expected, double part)
     }
 }
 
-// Pareto's distribution of sums: 1 on average, with an infinite variance.
+// Draws sums of a Pareto distribution with mean 1 and infinite variance.
 static void draw_pareto(double exponent)
 {
     for (int i = 0; i < LENGTH; i += 3) {
@@ -127,8 +129,8 @@ static void draw_pareto(double exponent)
     }
 }
 
-// If unbiased methods are called biased with a probability of 2.5 % each, more than WRONG of 1,000
-// are in 0.3 % of cases.
+// If unbiased methods are reported as biased with a probability of 2.5 % each, more than WRONG of
+// 1,000 are reported in 0.3 % of cases.
 static void check_honest(const char *what, size_t used, int biased)
 {
     printf("  %s, %zu pictures: %d of %d called biased\n", what, used, biased, DRAWS);
@@ -170,8 +172,8 @@ TEST(sums_without_variance_are_no_bias)
 
 // --- what is found -------------------------------------------------------------------------------
 
-// Twice the noise of a pixel's mean in few pixels and a fifth of it in all, too bright and too
-// dark, in one channel alone.
+// The bias is twice the noise of a pixel's mean in few pixels, or a fifth of it in all, too bright
+// or too dark, in one channel only.
 TEST(biases_are_found)
 {
     int even = 0, mixed = 0, colored = 0;
@@ -192,14 +194,14 @@ TEST(biases_are_found)
     CHECK(even == 100 && mixed == 100 && colored == 100, "%d %d %d", even, mixed, colored);
 }
 
-// No sample of any picture has found light: it may come by few, of any brightness.
+// No sample of any image has found light. It may come from few samples of any brightness.
 TEST(black_pictures_tell_nothing)
 {
     draw(0, 0, 0.02);
     memset(pictures, 0, sizeof pictures);
     struct interval black = find(PICTURES, true);
     CHECK(fabs(black.value - 9 / SCALE) < 0.01 && black.low == 0, "%g %g", black.value, black.low);
-    pictures[5][0] = pictures[5][1] = pictures[5][2] = 0.1f; // a first one
+    pictures[5][0] = pictures[5][1] = pictures[5][2] = 0.1f; // a first sample with light
     CHECK(find(PICTURES, true).low == 0);
 }
 

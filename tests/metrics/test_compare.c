@@ -9,7 +9,8 @@ static bool near(double a, double b)
 
 TEST(compare_matches_hand_values)
 {
-    // Differences .5, 0, -1 in one pixel and 0, 0, 2 in the next: the squares sum to 5.25.
+    // The differences are .5, 0, -1 in one pixel and 0, 0, 2 in the next, so the squares sum to
+    // 5.25.
     const float image[2][3] = {{1.5f, 2, 0}, {4, 0, 5}};
     const float reference[2][3] = {{1, 2, 1}, {4, 0, 3}};
     struct metrics m;
@@ -17,7 +18,7 @@ TEST(compare_matches_hand_values)
     CHECK(near(m.mse, 5.25 / 6), "%.17g", m.mse);
     CHECK(near(m.rmse, sqrt(5.25 / 6)), "%.17g", m.rmse);
     CHECK(near(m.relmse, (0.25 / 1.01 + 1 / 1.01 + 4 / 9.01) / 6), "%.17g", m.relmse);
-    // After clipping to the display's range only the blue of the first pixel differs: 0 from 1.
+    // After clamping to the display's range only the blue of the first pixel differs: 0 and 1.
     CHECK(near(m.psnr, 10 * log10(6)), "%.17g", m.psnr);
     CHECK(m.max == 2 && m.max_pixel == 1);
     CHECK(m.nonfinite == 0 && m.differing == 2);
@@ -48,7 +49,8 @@ TEST(compare_leaves_out_what_is_not_finite)
 
 TEST(psnr_is_of_what_is_shown)
 {
-    // In the straight part of the curve, of slope 12.92, an error of .001 is 12.92 times as much.
+    // In the linear part of the curve, with slope 12.92, an error of .001 becomes 12.92 times as
+    // large.
     const float image[2][3] = {{0.002f, 0, 0}, {7, 0, 0}},
                 reference[2][3] = {{0.001f, 0, 0}, {9, 0, 0}};
     double shown = 12.92 * ((double)0.002f - (double)0.001f);
@@ -80,8 +82,8 @@ TEST(compare_keeps_its_precision)
     free(reference);
 }
 
-// Pictures of 32 x 24 pixels whose left half errs by ten times the right half's variance; seeds are
-// draws of the generator.
+// Images of 32 x 24 pixels; the variance of the left half is ten times that of the right half.
+// Seeds are draws of the generator.
 TEST(intervals_cover_the_error)
 {
     enum { WIDTH = 32, HEIGHT = 24, COUNT = WIDTH * HEIGHT, DRAWS = 1000 };
@@ -103,13 +105,14 @@ TEST(intervals_cover_the_error)
             covered[k] += list[k].low <= truth[k] && truth[k] <= list[k].high;
     }
     printf("  covered: %d, %d and %d of %d\n", covered[0], covered[1], covered[2], DRAWS);
-    // Parts that differ widen them: at least 95 %, whose 99.9 % range is +-23 of 1,000.
+    // Differences between parts widen the intervals: they contain the truth in at least 95 % of
+    // draws. The 99.9 % range of the count is +-23 of 1,000.
     for (int k = 0; k < 3; k++)
         CHECK(covered[k] >= 927, "%d", covered[k]);
 }
 
-// With equal variance everywhere, and tiles cut by the border, coverage is neither more nor less
-// than 95 %.
+// With the same variance everywhere, and tiles cut off at the border, coverage is neither more nor
+// less than 95 %.
 TEST(intervals_of_even_noise_are_no_wider_than_need_be)
 {
     enum { WIDTH = 41, HEIGHT = 27, COUNT = WIDTH * HEIGHT, DRAWS = 1000 };
@@ -137,7 +140,7 @@ TEST(intervals_of_what_is_hardly_there)
     struct error_intervals found;
     const struct interval *mse = &found.mse;
     metrics_intervals(image, reference, reference, 2, 2, NULL,
-                      &found); // tiles of one pixel, two of them left
+                      &found); // tiles of one pixel, of which two are left
     CHECK(mse->value == 0.5 && isfinite(mse->low) && mse->high > 0.5, "%g %g %g", mse->low,
           mse->value, mse->high);
     metrics_intervals(image + 2, reference + 2, reference + 2, 1, 1, NULL, &found);

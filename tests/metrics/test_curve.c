@@ -1,5 +1,5 @@
-// Curves of errors, on noise whose true errors are known: intervals must cover them in 95 % of
-// 1,000 draws. The 99.9 % range of the counts themselves is 950 +- 23.
+// Tests error curves with noise of known error: intervals must contain the true values in 95 % of
+// 1,000 draws. The 99.9 % range of the count is 950 +- 23.
 #include "metrics/curve.h"
 #include "random.h"
 #include "test.h"
@@ -29,7 +29,8 @@ TEST(geometric_mean_covers)
     check_coverage("geometric mean", covered);
 }
 
-// Errors of one replicate go on from each other, as those of a film do: a random walk on the line.
+// The errors of a replicate depend on each other, as those of a film do: a random walk about the
+// line.
 TEST(slope_covers)
 {
     double x[REPLICATES][POINTS], errors[REPLICATES][POINTS];
@@ -73,7 +74,8 @@ TEST(means_cover)
     check_coverage("mean", covered);
 }
 
-// Two pieces of 1 / x and of 1 / x^2: on them, at a point, before and beyond.
+// The curve has a piece of 1 / x and one of 1 / x^2. Targets are on them, at a point, before the
+// first and beyond the last point.
 TEST(where_a_curve_comes_down_to)
 {
     const double x[3] = {1, 10, 100}, errors[3] = {1, 0.1, 1e-3};
@@ -99,7 +101,7 @@ TEST(paired_ratio_covers)
     for (int d = 0; d < DRAWS; d++) {
         double a[REPLICATES], b[REPLICATES];
         for (int r = 0; r < REPLICATES; r++) {
-            double shared = exp(2 * normal()); // what both have of the seed
+            double shared = exp(2 * normal()); // the factor that both results get from the seed
             a[r] = shared * exp(0.2 * normal());
             b[r] = shared * exp(0.2 * normal());
         }

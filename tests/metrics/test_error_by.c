@@ -1,4 +1,4 @@
-// The parts of an error against synthetic noise of known variances and covariances.
+// Tests the parts of an error with synthetic noise of known variances and covariances.
 #include "metrics/error_by.h"
 #include "random.h"
 #include "test.h"
@@ -7,7 +7,7 @@
 
 enum { SIDE = 64, PIXELS = SIDE * SIDE, CLASSES = 3 };
 
-// A picture of light 1 in each class, gray but for rounding.
+// An image with light 1 in each class, grey except for rounding.
 struct picture {
     float (*half_a)[3], (*half_b)[3], (*class_a)[3], (*class_b)[3];
     double (*weights)[3];
@@ -28,8 +28,8 @@ static void picture_finish(struct picture *p)
     free(p->weights);
 }
 
-// The means of class k deviate by `deviation[k]` times its own noise, and by `common[k]` times one
-// that all share.
+// Fills the image: the means of class k deviate by `deviation[k]` times noise of its own, and by
+// `common[k]` times noise that all classes share.
 static void fill(struct picture *p, const double *deviation, const double *common)
 {
     for (uint32_t i = 0; i < 2 * PIXELS; i++) {
@@ -76,7 +76,8 @@ static struct error_by split(struct picture *p)
     return by;
 }
 
-// Variances d_k^2 + s_k^2 in (sum s_k)^2 + sum d_k^2; and how often the intervals hold that.
+// Checks the shares d_k^2 + s_k^2 of (sum s_k)^2 + sum d_k^2, and how often the intervals contain
+// them.
 static void check_shares(const double *deviation, const double *common)
 {
     enum { TRIALS = 200 };
@@ -126,7 +127,7 @@ TEST(classes_that_take_turns)
     check_shares((const double[]){0.01, 0.02, 0.03}, (const double[]){0.05, -0.04, 0});
 }
 
-// Shares of the mean error of several pictures, whose intervals follow from how they differ.
+// Shares of the mean error of several images, with intervals from the differences between images.
 TEST(pictures_together)
 {
     enum { COUNT = 3, TRIALS = 100 };
@@ -161,7 +162,7 @@ TEST(nothing_to_split)
     struct picture p = picture_create();
     const double none[CLASSES] = {0};
     fill(&p, none, none);
-    p.half_a[7][1] = NAN; // such a pixel is left out
+    p.half_a[7][1] = NAN; // this pixel is omitted
     struct half_error_params halves = {.half_a = (const float(*)[3])p.half_a,
                                        .half_b = (const float(*)[3])p.half_b,
                                        .width = SIDE,

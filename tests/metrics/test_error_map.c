@@ -1,4 +1,4 @@
-// Maps of errors as numbers, their scales and their colours.
+// Tests error maps as numbers, their scales and their colours.
 #include "metrics/error_map.h"
 #include "metrics/metrics.h"
 #include "test.h"
@@ -69,7 +69,7 @@ static double linear(double shown)
     return shown <= 0.04045 ? shown / 12.92 : pow((shown + 0.055) / 1.055, 2.4);
 }
 
-// L of Oklab from linear Rec. 709, by the matrices of Ottosson 2020.
+// Returns Oklab's L of linear Rec. 709, by the matrices of Ottosson 2020.
 static double lightness(const float color[3])
 {
     double r = linear((double)color[0]), g = linear((double)color[1]), b = linear((double)color[2]);

@@ -1,5 +1,5 @@
-// Forecasts for twice the samples, on noise whose true error is known: intervals must cover it in
-// 95 % of 1,000 draws. The 99.9 % range of the counts themselves is 950 +- 23.
+// Tests forecasts for twice the samples with noise of known error: intervals must contain the error
+// in 95 % of 1,000 draws. The 99.9 % range of the count is 950 +- 23.
 #include "metrics/forecast.h"
 #include "metrics/metrics.h"
 #include "random.h"
@@ -22,8 +22,8 @@ static bool covers(struct interval i, double truth)
 
 enum { VALUES = 600, LOOKS = 5 };
 
-// A picture of independent pixels, whose sums of samples go on as a film's do: half the difference
-// of the halves gives the error, their sum has it.
+// An image of independent pixels whose sums of samples grow as those of a film. Half the difference
+// of the halves estimates the error, and their sum has the error.
 struct film {
     double difference[VALUES], sum[VALUES], samples;
 };
@@ -45,7 +45,7 @@ static double mean_square(const double *sums, double samples)
     return sum / VALUES;
 }
 
-// `variances`: 1 for the interval of the estimate, 2 for that of what the picture has.
+// `variances` is 1 for the interval of the estimate, and 2 for the interval of the image's error.
 static struct forecast_look look_at(const struct film *film, double variances)
 {
     double error = mean_square(film->difference, film->samples);
@@ -76,8 +76,8 @@ static void check_forecasts(double times)
         double truth = mean_square(film.sum, film.samples);
         forecast_find_error(&params, &forecast);
         struct forecast again;
-        params.spread = sqrt(2.0 / VALUES); // relative deviation of the looks: their intervals
-                                            // already imply it
+        params.spread = sqrt(2.0 / VALUES); // relative standard deviation of the estimates, which
+                                            // their intervals already imply
         params.error = (struct interval){last.error, last.error, last.error};
         forecast_find_error(&params, &again);
         CHECK(fabs(again.slope.low - forecast.slope.low) < 1e-6, "%g", again.slope.low);
@@ -95,7 +95,8 @@ static void check_forecasts(double times)
     printf("  to %g times the samples:\n", times);
     check_coverage("1 / samples", by_law);
     check_coverage("slope", slope);
-    // That the slope may end, and the error go on with 1 / samples, is allowed for besides.
+    // The interval also allows for the case that the slope ends and the error continues as 1 /
+    // samples.
     printf("  by slope: %d of %d\n", by_slope, DRAWS);
     CHECK(by_slope >= LEAST, "%d of %d", by_slope, DRAWS);
 }
@@ -106,7 +107,7 @@ TEST(forecasts_cover)
     check_forecasts(4);
 }
 
-// A picture of rare bright samples: what it will come to is less certain than what it has.
+// In an image with rare bright samples, the future error is less certain than the present one.
 TEST(spread_of_spiky_noise)
 {
     enum { WIDE = 40, SPIKY = WIDE * WIDE, SAMPLES = 64 };
@@ -161,7 +162,7 @@ TEST(spread_of_spiky_noise)
     CHECK(covered[0] >= LEAST && covered[1] >= LEAST, "%d, %d", covered[0], covered[1]);
 }
 
-// Few pixels that carry the error say little of how much it differs between seeds.
+// If few pixels carry the error, they give little information about its variation over seeds.
 TEST(few_terms_widen)
 {
     struct forecast_params params = {
@@ -170,7 +171,7 @@ TEST(few_terms_widen)
     forecast_find_error(&params, &many);
     params.spread_terms = 3;
     forecast_find_error(&params, &few);
-    // t quantiles of 1000 and of 3 degrees of freedom
+    // The quantiles of Student's t with 1000 and with 3 degrees of freedom.
     CHECK(fabs(log(many.error.high / many.error.value) - 1.9623 * sqrt(1.5) * 0.2) < 1e-4);
     CHECK(fabs(log(few.error.high / few.error.value) - 3.1824 * sqrt(1.5) * 0.2) < 1e-4);
 }
@@ -186,7 +187,7 @@ TEST(few_looks_are_no_slope)
     struct forecast f;
     forecast_find_error(&params, &f);
     CHECK(f.basis == FORECAST_AT_LEAST && f.looks == 0, "%d", f.basis);
-    // Stratification may bring N^(-3/2).
+    // With stratification the error may decrease as N^(-3/2).
     CHECK(f.error.value == 5e-4 && fabs(f.error.low / 4e-4 - sqrt(0.5)) < 1e-12 &&
               f.error.high == 1e-3,
           "%g", f.error.value);
@@ -196,7 +197,8 @@ TEST(few_looks_are_no_slope)
           "%g %g", f.error.value, f.error.low);
 }
 
-// Looks whose error is not known, from where on a slope may be given.
+// Estimates with an unknown error are omitted; the number of usable ones decides whether there is a
+// slope.
 TEST(unknown_looks_are_left_out)
 {
     struct forecast_look looks[6];
@@ -211,7 +213,7 @@ TEST(unknown_looks_are_left_out)
     CHECK(f.basis == FORECAST_SLOPE && f.looks == 4, "%d %zu", f.basis, f.looks);
     CHECK(fabs(f.slope.value + 1.5) < 1e-9, "%g", f.slope.value);
     CHECK(fabs(f.error.value - 1e-4 * exp2(-1.5)) < 1e-12, "%g", f.error.value);
-    looks[3].high = looks[3].low; // without a width it has no weight
+    looks[3].high = looks[3].low; // without a width the estimate has no weight
     forecast_find_error(&params, &f);
     CHECK(f.basis == FORECAST_AT_LEAST, "%d", f.basis);
 }
@@ -239,7 +241,8 @@ struct picture {
     float a[PIXELS][3], b[PIXELS][3], r[PIXELS][3];
 };
 
-// A dark and a bright half, whose noise goes with their values; `factor` too bright.
+// Draws a dark and a bright half, whose noise is proportional to their values, too bright by
+// `factor`.
 static void draw(struct picture *p, double factor)
 {
     for (int i = 0; i < PIXELS; i++)
@@ -251,7 +254,8 @@ static void draw(struct picture *p, double factor)
         }
 }
 
-// By the definition: the window's weights and truths of columns alone, as rows are alike.
+// Computes the local mean by its definition, with the window's weights along x only, because all
+// rows are alike.
 static double mean_around(int x)
 {
     double sum = 0, weights = 0;
@@ -263,7 +267,7 @@ static double mean_around(int x)
     return sum / weights;
 }
 
-// The mean over columns of `dark` and `bright` over L^2 + epsilon.
+// Returns the mean over columns of `dark` or `bright` over L^2 + epsilon.
 static double local(double dark, double bright)
 {
     double sum = 0;
@@ -314,21 +318,22 @@ TEST(bias_is_told_from_noise)
         covered_biased += covers(some.stays, expected_bias(1.05));
         found += some.is_certain;
     }
-    // In 0.05 % of draws; more than 6 of 1000 have a chance of 1e-6.
+    // Expected in 0.05 % of draws; more than 6 of 1000 have a probability of 1e-6.
     printf("  without bias: mean %.3g, certain in %d; with 5 %%: found in %d\n", mean, certain,
            found);
-    // An interval above 0 is lowered to it here: it misses only from below, in 2.5 % of draws. The
-    // 99.9 % range about 975 is +-16.
+    // An interval above 0 is extended to 0 here, so it can only fail from below, in 2.5 % of draws.
+    // The 99.9 % range about 975 is +-16.
     printf("  no bias: %d of %d\n", covered, DRAWS);
     CHECK(covered >= 959 && covered <= 991, "%d", covered);
     CHECK(certain <= 6, "%d", certain);
     CHECK(fabs(mean) < 1e-5, "%g", mean);
-    // The two halves of the picture differ in what they add: the interval is rather too wide.
+    // The two halves of the image contribute differently, which makes the interval too wide rather
+    // than too narrow.
     CHECK(covered_biased >= LEAST && found == DRAWS, "%d %d", covered_biased, found);
 }
 
-// A third of the light comes by few samples, whose brightness is spread evenly over four orders of
-// magnitude.
+// A third of the light comes from few samples, whose brightness is distributed evenly over four
+// orders of magnitude.
 static void draw_rare(struct picture *p, double expected)
 {
     const double part = 0.3, orders = log(1e4), brightest = part * 2 * PIXELS * orders / expected;
@@ -337,7 +342,7 @@ static void draw_rare(struct picture *p, double expected)
             p->r[i][c] = 1;
             p->a[i][c] = p->b[i][c] = (float)(1 - part * (1 - 1e-4));
         }
-    // Poisson: gaps are exponential.
+    // A Poisson process: the gaps are exponential.
     for (double at = -log(uniform()) / expected; at < 1; at -= log(uniform()) / expected) {
         float(*half)[3] = uniform() < 0.5 ? p->a : p->b;
         float *pixel = half[(int)(uniform() * PIXELS)];
@@ -371,7 +376,7 @@ TEST(noise_of_the_reference_is_no_bias)
         for (int i = 0; i < PIXELS; i++)
             for (int c = 0; c < 3; c++)
                 p.r[i][c] += (float)(0.02 * normal());
-        own = local(4e-4, 4e-4); // as far as the noise is small against the values
+        own = local(4e-4, 4e-4); // valid as long as the noise is small relative to the values
         mean += find(&p, own).stays.value / 200;
     }
     CHECK(fabs(mean) < 0.05 * own, "%g of %g", mean, own);

@@ -1,10 +1,10 @@
-// The half-buffer estimate against synthetic noise: the mean over pictures against the expectation
-// of the local relMSE, the intervals against each picture's own.
+// Tests the estimate from half-buffers with synthetic noise: its mean over images against the
+// expectation of the local relMSE, and the intervals against the error of each image.
 #include "metrics/metrics.h"
 #include "random.h"
 #include "test.h"
 
-// Means of `samples` draws from distributions of mean 1.
+// Returns the mean of `samples` draws from a distribution with mean 1.
 typedef double (*noise_fn)(uint64_t *random, int samples);
 
 static double exponential_noise(uint64_t *random, int samples)
@@ -12,7 +12,7 @@ static double exponential_noise(uint64_t *random, int samples)
     double product = 1;
     for (int i = 0; i < samples; i++)
         product *= random_uniform(random);
-    return -log(product) / samples; // variance 1 a sample
+    return -log(product) / samples; // the variance is 1 per sample
 }
 
 static double spike_noise(uint64_t *random, int samples)
@@ -20,13 +20,14 @@ static double spike_noise(uint64_t *random, int samples)
     int hits = 0;
     for (int i = 0; i < samples; i++)
         hits += random_uniform(random) <= 0.05;
-    return hits / 0.05 / samples; // variance 1 / .05 - 1 = 19 a sample
+    return hits / 0.05 / samples; // the variance is 1 / .05 - 1 = 19 per sample
 }
 
 struct picture {
     uint32_t width, height;
     float (*half_a)[3], (*half_b)[3];
-    bool gray; // all channels have the same noise, as light mostly has, not one of their own
+    bool gray; // all channels share their noise, as those of light mostly do; otherwise each has
+               // its own
 };
 
 static void picture_finish(struct picture *picture)
@@ -44,7 +45,7 @@ static struct picture picture_create(uint32_t width, uint32_t height)
                             .half_b = calloc(count, sizeof(float[3]))};
 }
 
-// The true value of a pixel.
+// Returns the true value of a pixel.
 typedef double (*content_fn)(uint32_t x, uint32_t y, int channel);
 
 static double flat_content(uint32_t x, uint32_t y, int channel)
@@ -80,7 +81,7 @@ static void fill(struct picture *picture, content_fn content, noise_fn noise, in
     }
 }
 
-// The true values of a picture, and their local means.
+// The true values of an image, and their local means.
 struct truth {
     float (*values)[3], (*means)[3];
     uint64_t pixels;
@@ -105,7 +106,7 @@ static void truth_finish(struct truth *truth)
     free(truth->means);
 }
 
-// The expectation of the local relMSE for noise of this variance a sample.
+// Returns the expectation of the local relMSE for noise with this variance per sample.
 static double expected_error(const struct truth *truth, double variance, int samples)
 {
     double sum = 0;
@@ -117,7 +118,7 @@ static double expected_error(const struct truth *truth, double variance, int sam
     return sum / (3.0 * (double)truth->pixels);
 }
 
-// The local relMSE of this picture.
+// Returns the local relMSE of this image.
 static double own_error(const struct picture *picture, const struct truth *truth)
 {
     double sum = 0;
@@ -131,7 +132,7 @@ static double own_error(const struct picture *picture, const struct truth *truth
     return sum / (3.0 * (double)truth->pixels);
 }
 
-// The relMSE of this picture.
+// Returns the relMSE of this image.
 static double own_relmse(const struct picture *picture, const struct truth *truth)
 {
     struct truth classic = {truth->values, truth->values, truth->pixels};
@@ -157,7 +158,7 @@ static struct half_error estimate(const struct picture *picture, uint64_t sample
     return estimate_with(picture, samples, 0);
 }
 
-// The mean over so many pictures that the test's own noise is well below the tolerance.
+// Averages over so many images that the test's own noise is well below the tolerance.
 static double mean_ratio(content_fn content, noise_fn noise, double variance, int samples)
 {
     enum { PICTURES = 24, SIDE = 128 };
@@ -204,7 +205,7 @@ TEST(at_edges_it_is_within_its_known_bias)
 enum { LAMP_SIDE = 80 };
 static const double wall = 0.2, lamp = 17, lamp_part = 0.05;
 
-// Rows of a lamp on a wall, the first of them covered by it to one part in twenty.
+// The first rows show a lamp on a wall; it covers a twentieth of the last one of them.
 static double lamp_content(uint32_t x, uint32_t y, int channel)
 {
     double at_edge = wall + lamp_part * (lamp - wall);
@@ -222,8 +223,8 @@ static double lamp_noise(double value, uint64_t *random, int samples)
     return wall + (lamp - wall) * hits / samples;
 }
 
-// As at the edge of the Cornell box's lamp, but that edges have nearly all of the error. Divided by
-// the pixels' own noisy values, it would be estimated as .4 of what it is.
+// Like the edge of the lamp in the Cornell box, except that edges have nearly all of the error.
+// With the pixels' own noisy values in the denominators, the estimate would be .4 of the error.
 TEST(lamps_edges_are_not_the_lamp)
 {
     enum { PICTURES = 40, SAMPLES = 64 };
@@ -261,20 +262,21 @@ TEST(mse_matches_hand_value)
     struct picture picture = picture_create(SIDE, SIDE);
     for (int i = 0; i < SIDE * SIDE; i++)
         for (int c = 0; c < 3; c++) {
-            picture.half_a[i][c] = i % 2 ? 3.5f : 4.5f; // mean 4, A - B = -1 or 1
+            picture.half_a[i][c] = i % 2 ? 3.5f : 4.5f; // the mean is 4, and A - B is -1 or 1
             picture.half_b[i][c] = i % 2 ? 4.5f : 3.5f;
         }
     struct half_error error = estimate(&picture, 16);
     CHECK(error.known && fabs(error.mse - 0.25) < 1e-12, "%.17g", error.mse);
-    // All neighbours are 4, and their mean's variance is small.
+    // All neighbours are 4, and the variance of their mean is small.
     CHECK(fabs(error.local_relmse / (0.25 / 16.01) - 1) < 0.01, "%g", error.local_relmse);
     CHECK(error.ci_low <= error.local_relmse && error.local_relmse <= error.ci_high);
     picture_finish(&picture);
 }
 
-// The interval must cover the picture's error in 95 % of pictures, and so must the bounds; the test
-// allows 3 % less, which is 4.4 standard deviations of 1,000 draws. Where the interval allows for
-// unknown values of single pixels it covers more, but its mean factor is at most `factor_most`.
+// The interval must contain the error in 95 % of images, and so must the bounds. The test permits 3
+// % less, which is 4.4 standard deviations of 1,000 draws. If the interval allows for unknown
+// values of single pixels, it contains the error more often, but its mean width as a factor is at
+// most `factor_most`.
 static void check_coverage(const char *name, content_fn content, noise_fn noise, uint32_t width,
                            uint32_t height, int samples, double factor_most)
 {
@@ -316,8 +318,8 @@ TEST(interval_covers_the_truth)
     check_coverage("smooth, spikes", smooth_content, spike_noise, 48, 48, 64, 2);
 }
 
-// The share of wider intervals that miss the truth, at most four deviations above what it should
-// be.
+// The share of wider intervals that miss the truth is at most four standard deviations above the
+// expected one.
 TEST(confidence_is_what_is_asked_for)
 {
     enum { DRAWS = 2000, SAMPLES = 16, SIDE = 40 };
@@ -345,7 +347,7 @@ TEST(confidence_is_what_is_asked_for)
     picture_finish(&picture);
 }
 
-// Squares of 16 pixels, of 4 and of 64 samples.
+// Squares of 16 pixels have 4 or 64 samples.
 static int uneven_samples(uint32_t x, uint32_t y)
 {
     return (x / 16 + y / 16) % 2 ? 64 : 4;
@@ -380,7 +382,8 @@ TEST(unequal_counts_change_no_expectation)
     }
     printf("     estimate / truth %.4f, of tiles with 4 and 64 spp %.4f, %.4f\n", sum / truth,
            by_tile[0] * 4 * 1.01, by_tile[1] * 64 * 1.01);
-    // Beside a noisy tile the filter's correction is one for the mean of both: within 5 %.
+    // Next to a noisy tile, the correction for the filter uses the mean noise of both: the error is
+    // within 5 %.
     CHECK(fabs(sum / truth - 1) < 0.05, "%g", sum / truth);
     CHECK(fabs(by_tile[0] * 4 * 1.01 - 1) < 0.1 && fabs(by_tile[1] * 64 * 1.01 - 1) < 0.1);
     picture_finish(&picture);
@@ -407,7 +410,8 @@ TEST(unknown_where_it_cannot_be_known)
     picture_finish(&picture);
 }
 
-// A bright sample in one half of a pixel: it is the error, whatever the pixel's own value may be.
+// A bright sample is in one half of a pixel. It is the error, whatever the pixel's own value may
+// be.
 TEST(one_bright_sample_has_a_bound)
 {
     struct picture picture = picture_create(64, 64);
@@ -422,7 +426,8 @@ TEST(one_bright_sample_has_a_bound)
     picture_finish(&picture);
 }
 
-// Light of 1,000 may still be found by chance. Once a sample has it, the halves give the error.
+// Light of 1,000 may still be found by chance. After a sample has found it, the halves give the
+// error.
 TEST(light_that_no_sample_has_found_counts)
 {
     enum { SAMPLES = 16, SIDE = 64 };
@@ -438,7 +443,8 @@ TEST(light_that_no_sample_has_found_counts)
                                        .unseen.by_chance = 1000};
     CHECK(without.known && metrics_half_error(&params, &with));
     CHECK(!with.known && with.bounded && strstr(with.reason, "chance"), "%s", with.reason);
-    // 3 x 1000 / 16 over 4096 pixels, spread as is worst: see half_error.c; p is 1 / (2 pi 1.5^2).
+    // 3 x 1000 / 16 over 4096 pixels, distributed in the worst way: see half_error.c; p is 1 / (2
+    // pi 1.5^2).
     double p = 0.0708, worst = 3000.0 / SAMPLES / (SIDE * SIDE) / (2 * p * (1 - p + 1));
     double added = with.at_most - without.at_most;
     CHECK(fabs(added / worst - 1) < 0.05, "%g, %g", added, worst);
@@ -463,8 +469,8 @@ static struct half_error estimate_in_view(const struct picture *picture, uint64_
     return error;
 }
 
-// An emitter of radiance 5,000 in a hundredth of a pixel, of which r = 50 is missing as long as no
-// sample has met it; then four samples have, two in each half, so that D^2 is 0.
+// An emitter with radiance 5,000 covers a hundredth of a pixel. As long as no sample has hit it, r
+// = 50 is missing. Then four samples have hit it, two in each half, so that D^2 is 0.
 TEST(an_emitter_in_view_counts_before_it_is_met)
 {
     enum { SAMPLES = 256, SIDE = 64 };
@@ -477,7 +483,7 @@ TEST(an_emitter_in_view_counts_before_it_is_met)
     struct half_error with = estimate_in_view(&picture, SAMPLES, &light);
     double local = p * r + (1 - p), missing = r * r / (local * local + 0.01) / pixels;
     CHECK(!with.known && with.bounded && strstr(with.reason, "in view"), "%s", with.reason);
-    // Missing light counts as certain, except for the factor that applies to the whole bound.
+    // The missing light counts as certain, except for the factor that applies to the whole bound.
     double added = with.at_most - without.at_most;
     CHECK(added > 0.95 * missing && added < 1.3 * missing, "%g, %g", added, missing);
     for (int c = 0; c < 3; c++)
@@ -489,7 +495,7 @@ TEST(an_emitter_in_view_counts_before_it_is_met)
     double truth = square / (local * local + 0.01) / pixels;
     CHECK(without.at_most < truth && with.at_most > truth && with.at_most < 20 * truth,
           "%g and %g, true is %g", without.at_most, with.at_most, truth);
-    // So many samples would have met one that nothing hides.
+    // This many samples would have hit the emitter if nothing occluded it.
     const struct small_light hidden = {10, 10, 0, 0.5f, {1000, 1000, 1000}};
     with = estimate_in_view(&picture, SAMPLES, &hidden);
     CHECK(memcmp(&with, &without, sizeof with) == 0, "%g, %g", with.at_most, without.at_most);

@@ -1,12 +1,12 @@
-// Where renders end that are to reach an error: on synthetic noise, whose truth is known, they may
-// not end above it more often than promised, nor go on much longer than they need.
+// Tests where renders with an error limit end, with synthetic noise of known error: they may not
+// end above the limit more often than promised, nor much later than necessary.
 #include "metrics/metrics.h"
 #include "random.h"
 #include "test.h"
 
 enum { SIDE = 32, PIXELS = SIDE * SIDE };
 
-// One sample of mean 1.
+// Returns a sample with mean 1.
 typedef double (*noise_fn)(uint64_t *random);
 
 static double exponential_noise(uint64_t *random)
@@ -14,23 +14,24 @@ static double exponential_noise(uint64_t *random)
     return -log(random_uniform(random));
 }
 
-static double spike_noise(uint64_t *random) // variance 49
+static double spike_noise(uint64_t *random) // the variance is 49
 {
     return random_uniform(random) <= 0.02 ? 50 : 0;
 }
 
-static double rare_spike_noise(uint64_t *random) // variance 199
+static double rare_spike_noise(uint64_t *random) // the variance is 199
 {
     return random_uniform(random) <= 0.005 ? 200 : 0;
 }
 
-// Values of at least .8 with P(x > v) = (.8 / v)^5: the fourth moment is finite, the fifth is not.
+// Returns values of at least .8 with P(x > v) = (.8 / v)^5. The fourth moment is finite, the fifth
+// is not.
 static double pareto_noise(uint64_t *random)
 {
     return 0.8 * pow(random_uniform(random), -0.2);
 }
 
-// A gray picture of one true value everywhere, as it grows.
+// A grey image with the same true value everywhere, as its samples accumulate.
 struct run {
     uint64_t random;
     double sum[2][PIXELS]; // sums of each half
@@ -50,7 +51,7 @@ static void run_to(struct run *run, uint64_t samples, noise_fn noise)
             run->sum[i % 2][i / 2] += noise(&run->random);
 }
 
-// The local relMSE that it has: the local mean is 1 everywhere.
+// Returns the local relMSE of the image; the local mean is 1 everywhere.
 static double run_error(const struct run *run)
 {
     double sum = 0, weight = 1 / (double)run->samples;
@@ -96,8 +97,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-// The limit is the error that each run has after `hindsight` samples, which is what it could have
-// ended at.
+// The limit is the error that each run has after `hindsight` samples, so it could have ended there.
 static void check_runs(const char *name, noise_fn noise, uint64_t hindsight, double ratio_most)
 {
     enum { RUNS = 200, PROMISED = RUNS / 20 };
@@ -127,7 +127,8 @@ TEST(renders_end_below_the_error_and_soon)
     check_runs("exponential noise", exponential_noise, 16, 1.3);
     check_runs("exponential noise", exponential_noise, 64, 1.3);
     check_runs("spikes", spike_noise, 64, 1.3);
-    // A third of the pixels have a spike: which of them are light and which are noise stays open.
+    // A third of the pixels have a spike. It is not known which of them are light and which are
+    // noise.
     check_runs("rare spikes", rare_spike_noise, 64, 1.7);
     check_runs("heavy tails", pareto_noise, 64, 1.3);
 }
@@ -135,10 +136,11 @@ TEST(renders_end_below_the_error_and_soon)
 TEST(looks_are_where_the_bound_may_be_low_enough)
 {
     CHECK(looks_first(0, 2) == 2 && looks_first(7, 2) == 8 && looks_first(0, 16) == 16);
-    CHECK(looks_next(2, 100, 2) == 4 && looks_next(64, INFINITY, 2) == 128); // no more than double
+    // at most double the samples
+    CHECK(looks_next(2, 100, 2) == 4 && looks_next(64, INFINITY, 2) == 128);
     CHECK(looks_next(64, 1.5, 2) == 84);  // 64 x 1.5^(2/3) = 83.9
-    CHECK(looks_next(64, 1, 2) == 68);    // a sixteenth
-    CHECK(looks_next(2, 1.001, 2) == 4);  // the next even one
+    CHECK(looks_next(64, 1, 2) == 68);    // at least a sixteenth more
+    CHECK(looks_next(2, 1.001, 2) == 4);  // the next even number
     CHECK(looks_next(64, 1.5, 16) == 96); // whole rounds
     CHECK(looks_next(UINT64_C(1) << 40, 1, 2) == (UINT64_C(1) << 40) + (UINT64_C(1) << 36));
 }

@@ -1,5 +1,5 @@
-// SSIM and FLIP: what is known of them. `test_metrics_perceptual --values` prints those of two
-// pictures made here, which perceptual.py computes in another way.
+// Tests known properties of SSIM and FLIP. `test_metrics_perceptual --values` prints those of two
+// images made here, which perceptual.py computes in another way.
 #include "base/memory.h"
 #include "metrics/metrics.h"
 #include "metrics/perceptual.h"
@@ -24,7 +24,7 @@ static void fill(float (*out)[3], float r, float g, float b)
     }
 }
 
-// Noise in [0, scale) from a linear congruential generator that the script repeats.
+// Adds noise in [0, scale) from a linear congruential generator that the script repeats.
 static void add_noise(float (*out)[3], uint32_t seed, float scale)
 {
     for (int i = 0; i < COUNT; i++)
@@ -34,7 +34,7 @@ static void add_noise(float (*out)[3], uint32_t seed, float scale)
         }
 }
 
-// A ramp with a bright square, and the same with noise.
+// Makes a ramp with a bright square, and the same with noise.
 static void make_pictures(void)
 {
     for (int i = 0; i < COUNT; i++)
@@ -76,7 +76,7 @@ static double ssim(void)
     return value;
 }
 
-// Returns whether the metric, 0 to 2, is had with so many bytes of budget for it.
+// Returns whether metric 0, 1 or 2 succeeds with this budget, in bytes.
 static bool fits_into(int metric, const struct picture_pair *p, uint64_t bytes)
 {
     const struct flip_exposures exposures = {0, 1, 2};
@@ -90,7 +90,7 @@ static bool fits_into(int metric, const struct picture_pair *p, uint64_t bytes)
     return ok;
 }
 
-// The reported memory is the memory that the metrics take, except for pages that are not full.
+// The reported memory equals the memory that the metrics take, except for pages that are not full.
 TEST(bytes_that_are_told)
 {
     enum { SIDE = 256, PAGES = 32 * 4096 };
@@ -109,7 +109,7 @@ TEST(bytes_that_are_told)
 
 struct patience {
     _Atomic int polls;
-    int most; // after so many polls it asks to stop
+    int most; // requests a stop after this many polls
 };
 
 static bool is_impatient(void *context)
@@ -118,7 +118,7 @@ static bool is_impatient(void *context)
     return ++patience->polls > patience->most;
 }
 
-// Wherever they are asked to stop, they end after few polls more: one a thread and loop.
+// Wherever a stop is requested, the metrics end after a few more polls: one per thread and loop.
 TEST(all_stop)
 {
     enum { SIDE = 512, COUNT_OF_THESE = 8 };
@@ -157,14 +157,14 @@ TEST(equal_pictures)
     CHECK(flip(FLIP_PIXELS_PER_DEGREE) == 0 && flip_hdr() == 0);
 }
 
-// 100^.7 between black and white, against that between green and blue.
+// 100^.7 between black and white, relative to the difference between green and blue.
 TEST(black_and_white)
 {
     fill(image, 0, 0, 0);
     fill(reference, 1, 1, 1);
     double value = flip(FLIP_PIXELS_PER_DEGREE);
     CHECK(fabs(value - 0.96738) < 2e-6, "%.9g", value);
-    double c1 = 0.01 * 0.01; // no structure: (2ab + c1) / (a^2 + b^2 + c1)
+    double c1 = 0.01 * 0.01; // without structure: (2ab + c1) / (a^2 + b^2 + c1)
     CHECK(fabs(ssim() - c1 / (1 + c1)) < 1e-9, "%.9g", ssim());
 }
 
@@ -190,9 +190,9 @@ TEST(flip_is_symmetric_and_fades_with_the_distance)
 
 // --- pieces in closed form -----------------------------------------------------------------------
 
-// The greatest distance, between green and blue, from their CIE L*a*b* for D65 as tables have them;
-// a* and b* are scaled by L* / 100, the distance is HyAB to the .7. The
-// tables' white is another in the fifth digit, which moves results by 2e-5 of theirs.
+// Returns the greatest distance, between green and blue, from their CIE L*a*b* for D65 as in
+// tables. a* and b* are scaled by L* / 100, and the distance is HyAB to the power of .7. The
+// tables' white differs in the fifth digit, which changes results by 2e-5.
 static double greatest(void)
 {
     const double green[3] = {87.7347, -86.1827, 83.1793}, blue[3] = {32.2970, 79.1875, -107.8602};
@@ -201,7 +201,7 @@ static double greatest(void)
     return pow(fabs(green[0] - blue[0]) + hypot(a, b), 0.7);
 }
 
-// Between two greys above .0089, which have no chroma, without features.
+// Returns FLIP between two greys above .0089, which have no chroma, in images without features.
 static double between_greys(double x, double y)
 {
     double d = pow(fabs(116 * (cbrt(x) - cbrt(y))), 0.7), knee = 0.4 * greatest();
@@ -221,9 +221,9 @@ TEST(greys)
     }
 }
 
-// Beside a step of height h, the detector of edges answers with h, since its weights on either side
-// sum to 1; that of points with less. Contrast sensitivity blurs the step by the Gaussian
-// of b = .0047, of which the pixels beyond the edge have a part.
+// Next to a step of height h, the edge detector returns h, because its weights on either side sum
+// to 1; the point detector returns less. Contrast sensitivity blurs the step by the Gaussian with b
+// = .0047, part of which is beyond the edge.
 TEST(a_step_in_an_even_picture)
 {
     enum { EDGE = 12, RADIUS = 10 };
@@ -252,14 +252,14 @@ TEST(a_step_in_an_even_picture)
     }
 }
 
-static double aces(double x) // Narkowicz 2015, exposed by .6
+static double aces(double x) // Narkowicz 2015, with the exposure .6
 {
     x *= 0.6;
     return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
 }
 
-// Each of the reference's ends is brought to .85 on the curve; a range of s stops takes ceil(s)
-// exposures: 14 of the 13.485 that NVIDIA's own test pictures have.
+// Each end of the reference's range is mapped to .85. A range of s stops takes ceil(s) exposures:
+// 14 for the 13.485 stops of NVIDIA's own test images.
 TEST(exposures)
 {
     fill(reference, 0.03125f, 0.03125f, 0.03125f);
@@ -267,7 +267,7 @@ TEST(exposures)
     for (int c = 0; c < 3; c++)
         reference[3][c] = bright;
     memcpy(image, reference, sizeof image);
-    image[5][0] = NAN; // does not count
+    image[5][0] = NAN; // this pixel does not count
     struct picture_pair p = pair();
     struct flip_exposures found;
     CHECK(metrics_flip_exposures(&p, NULL, &found));
@@ -276,12 +276,12 @@ TEST(exposures)
     CHECK(found.count == 14, "%u", found.count);
 }
 
-// The reference is shown as .85, whatever it is; the picture as the curve has it.
+// The reference is displayed as .85, whatever its value is, and the image as the curve maps it.
 TEST(hdr_flip_of_even_pictures)
 {
     fill(reference, 40, 40, 40);
     fill(image, 30, 30, 30);
-    double x = 1; // where the curve is .85
+    double x = 1; // the curve maps it to .85
     for (int i = 0; i < 100; i++)
         x -= (aces(x) - 0.85) / ((aces(x + 1e-6) - aces(x - 1e-6)) / 2e-6);
     double expected = between_greys(aces(0.75 * x), 0.85), value = flip_hdr();
@@ -290,7 +290,7 @@ TEST(hdr_flip_of_even_pictures)
 
 // --- what must rise, and what must stay ----------------------------------------------------------
 
-// A bright bar, `shift` pixels to the right.
+// Draws a bright bar, `shift` pixels to the right.
 static void draw_bar(float (*out)[3], int shift, float brightness)
 {
     fill(out, 0.2f, 0.25f, 0.3f);
@@ -324,8 +324,8 @@ TEST(rises_with_displacement)
     }
 }
 
-// Pixel i goes to where() says. The mean does not depend on the order of pixels, nor detectors on
-// the direction.
+// where() gives the place to which pixel i is moved. Means do not depend on the order of pixels,
+// nor detectors on the direction.
 static int mirrored(int i)
 {
     return i / WIDTH * WIDTH + WIDTH - 1 - i % WIDTH;
@@ -371,7 +371,7 @@ TEST(does_not_depend_on_the_direction)
     CHECK(fabs(value - before) < 1e-6, "%.9g, not %.9g", value, before);
 }
 
-// Values that a display cannot show make no difference; a map's values are in [0, 1].
+// Values that a display cannot show make no difference. A map's values are in [0, 1].
 TEST(what_is_not_shown_is_no_difference)
 {
     make_pictures();
@@ -391,7 +391,7 @@ TEST(what_is_not_shown_is_no_difference)
     CHECK(fabs(sum - mean) < 1e-12);
 }
 
-// Scaling both pictures moves the exposures with them.
+// If both images are scaled, the exposures change accordingly.
 TEST(hdr_flip_does_not_depend_on_the_exposure)
 {
     make_pictures();
@@ -409,7 +409,7 @@ TEST(extreme_pictures)
     fill(image, 0, 0, 0);
     fill(reference, 0, 0, 0);
     CHECK(flip_hdr() == 0 && ssim() == 1);
-    reference[5][1] = 1e30f; // a median of 0: as many stops as are allowed
+    reference[5][1] = 1e30f; // with a median of 0 the number of stops reaches its limit
     image[7][0] = NAN;
     image[8][0] = INFINITY;
     image[9][2] = -1e30f;

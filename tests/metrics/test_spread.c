@@ -1,4 +1,4 @@
-// Intervals of repeated timings, on noise whose truth is known.
+// Tests intervals of repeated timings with noise whose true median is known.
 #include "metrics/spread.h"
 #include "random.h"
 #include "test.h"
@@ -10,8 +10,8 @@ static bool covers(struct interval i, double truth)
     return i.low <= truth && truth <= i.high;
 }
 
-// The number of 1,000 draws that are covered must be within 3.3 standard deviations: 99.9 % of
-// cases.
+// The number of covering intervals in 1,000 draws must be within 3.3 standard deviations, as in
+// 99.9 % of cases.
 static void check_coverage(const char *what, int covered, double expected)
 {
     double off = 3.3 * sqrt(DRAWS * expected * (1 - expected));
@@ -19,8 +19,8 @@ static void check_coverage(const char *what, int covered, double expected)
     CHECK(fabs(covered - DRAWS * expected) <= off, "%s: %d of %d", what, covered, DRAWS);
 }
 
-// Exponential times, the median of which is log 2. How often the interval covers it is known
-// exactly, for any distribution: 1 - 2 P(X < k), X binomial of (count, 1/2).
+// Exponential times with the median log 2. How often the interval contains it is known exactly, for
+// any distribution: 1 - 2 P(X < k), where X is binomial with (count, 1/2).
 TEST(medians_are_covered)
 {
     static const struct {
@@ -67,7 +67,7 @@ static void draw(double *values, size_t count, double center, double spread)
         values[i] = center * exp(spread * normal());
 }
 
-// Runs of other lengths and other noise, which is what Welch's interval is for.
+// The sets differ in number and noise, for which Welch's interval is made.
 TEST(ratios_are_covered)
 {
     int covered = 0, covered_99 = 0;
@@ -83,8 +83,8 @@ TEST(ratios_are_covered)
     check_coverage("ratio, 99 %", covered_99, 0.99);
 }
 
-// Many rows, none of which has changed: with the error shared among them all (Bonferroni), at most
-// one run in twenty calls any of them changed. Welch's interval may err on the safe side.
+// None of many rows has changed. With the error divided among them (Bonferroni), at most one run in
+// twenty reports any change. Welch's interval may report fewer.
 TEST(rows_that_stay_are_left_alone)
 {
     int alarms = 0, found = 0;

@@ -8,7 +8,7 @@ static void check_quantile(double p, double degrees, double expected)
           p, degrees, got, expected);
 }
 
-// NIST/SEMATECH e-Handbook of Statistical Methods, 1.3.6.7.2, and longer decimals of the same.
+// From the NIST/SEMATECH e-Handbook of Statistical Methods, 1.3.6.7.2, with more decimals.
 TEST(t_quantile_matches_tables)
 {
     check_quantile(0.975, 10, 2.228138852);
@@ -33,13 +33,13 @@ TEST(t_quantile_matches_closed_forms)
         double q = cos(acos(sqrt(odds)) / 3) / sqrt(odds);
         check_quantile(p, 4, -2 * sqrt(q - 1));
     }
-    double step = 1e-9; // the middle, where the density of two degrees of freedom is 1 / sqrt(8)
+    double step = 1e-9; // near the middle, where the density for two degrees of freedom is 1 /
+                        // sqrt(8)
     check_quantile(0.5 + step, 2, (0.5 + step - 0.5) * sqrt(8.0));
 }
 
-// Probability beyond t by integrating the density, independent of the incomplete beta function:
-// Simpson's rule over the angle with tan(angle) = t / sqrt(n), where the density is a power of the
-// cosine.
+// Integrates the density beyond t, independently of the incomplete beta function: by Simpson's rule
+// over the angle with tan(angle) = t / sqrt(n), where the density is a power of the cosine.
 static double tail_by_integration(double t, double n)
 {
     const int steps = 200000;
