@@ -23,7 +23,7 @@ static double axis_alpha(double alpha)
     return fmin(fmax((pow(alpha, 0.25) - 0.1) / 0.9, 0), 1);
 }
 
-// The cell of a coordinate in [0, 1], and the place in it.
+// Returns the cell of a coordinate in [0, 1], and the fraction within the cell.
 static uint32_t find_cell(double at, uint32_t cells, double *fraction)
 {
     double position = fmin(fmax(at, 0), 1) * cells, corner = fmin(floor(position), cells - 1.0);
@@ -45,7 +45,7 @@ static double quad(uint32_t first, uint32_t width, uint32_t height, double x, do
                mix(float_at(word, 2), float_at(word, 3), u), v);
 }
 
-// Eight values of 16 bits a cell.
+// Interpolates a table with eight values of 16 bits per cell.
 static double cube(uint32_t first, const uint32_t size[3], const double at[3])
 {
     uint32_t cell[3];
@@ -120,7 +120,7 @@ double table_fresnel(double mu, double alpha, double eta)
     return cube(ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0), size, at);
 }
 
-// Returns a node of a table of runs of eight along the first axis: from 0 to 65535.
+// Returns a node, from 0 to 65535, of a table stored in runs of eight along the first axis.
 static double runs(uint32_t first, const uint32_t size[3], const double at[3])
 {
     double w[3], sum = 0;

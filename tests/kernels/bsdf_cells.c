@@ -6,15 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The two rules must agree to this part of the integral, or to this much of the whole sphere's 1.
+// The two rules must agree within this fraction of the integral, or within this fraction of the
+// whole sphere's 1.
 #define RELATIVE_TOLERANCE 2e-3
 #define ABSOLUTE_TOLERANCE 1e-8
 #define MAX_DEPTH 9
-// To which parts are quartered for what they may hide.
+// Down to this depth, parts that may contain narrow details are divided in any case.
 #define DETAIL_DEPTH 6
 #define CUT_DEPTH 4
 
-// Nodes and weights on [0, 1] of Gauss and Legendre's rules (DLMF 3.5, table 3.5.1).
+// Nodes and weights of the Gauss-Legendre rules on [0, 1] (DLMF 3.5, table 3.5.1).
 static const double node2[2] = {0.21132486540518712, 0.78867513459481288};
 static const double node3[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 static const double weight3[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
@@ -55,7 +56,8 @@ static void keep_node(struct gathered *g, const double wi[3], double weight)
         (struct cell_node){{(float)wi[0], (float)wi[1], (float)wi[2]}, (float)weight};
 }
 
-// At fractions of the part; rows end at the horizon. `wi` and `solid_angle` may be kept.
+// Evaluates the density at fractions of the part, whose rows end at the horizon. `wi` and
+// `solid_angle` may be NULL.
 static double look(const struct task *t, const struct chart *chart, const struct part *p,
                    double row, double column, double wi[3], double *solid_angle)
 {
@@ -71,7 +73,7 @@ static double look(const struct task *t, const struct chart *chart, const struct
     return t->density(t->context, wi) * *solid_angle;
 }
 
-// Returns whether refraction is possible in some corners of the part and not in others.
+// Returns whether refraction is possible at some corners of the part but not at others.
 static bool is_cut(const struct chart *chart, const struct part *p)
 {
     int inside = 0;
@@ -86,8 +88,8 @@ static bool is_cut(const struct chart *chart, const struct part *p)
     return inside > 0 && inside < 9;
 }
 
-// Returns whether the part is too large for the rules to see what is in it: where the horizon cuts
-// it steeply, or where Fresnel's reflectance falls within it from 1 to almost nothing.
+// Returns whether the part is too large for the rules: if the horizon crosses it steeply, or if
+// Fresnel's reflectance decreases within it from 1 to almost 0.
 static bool hides_detail(const struct chart *chart, const struct part *p)
 {
     if (p->depth >= DETAIL_DEPTH)
@@ -132,7 +134,7 @@ static double integrate(const struct task *t, const struct chart *chart, const s
     agree = agree && !hides_detail(chart, p);
     if (agree || p->depth == MAX_DEPTH) {
         g->unresolved += !agree;
-        // One node is enough to notice a density where there should be none.
+        // A single node suffices to notice a density where there should be none.
         if (fine == 0 && angle[4] > 0)
             keep_node(g, wi[4], angle[4]);
         for (int k = 0; k < 9 && fine > 0; k++)

@@ -1,4 +1,4 @@
-// The charts: coordinates of directions that follow a BSDF's lobes.
+// Charts: coordinates of directions that follow the lobes of a BSDF.
 #include "bsdf_cells.h"
 
 #include "base/maths.h"
@@ -16,7 +16,7 @@ void chart_unit(const float rounded[3], double out[3])
     out[greatest] = copysign(sqrt(fmax(square, 0)), out[greatest]);
 }
 
-// Into the lobes' frame, or out of it.
+// Rotates a vector into the frame of the lobes, or out of it.
 static void turn(const struct chart *c, double v[3], double sign)
 {
     double x = c->turn[0] * v[0] + sign * c->turn[1] * v[1];
@@ -55,7 +55,7 @@ static double row_slope(const struct scales *s, double tau)
     return sum / s->count;
 }
 
-// The inverse of row_of() by bisection of ln(tau), ended by Newton's method.
+// Inverts row_of() by bisection of ln(tau), followed by Newton's method.
 static double row_inverse(const struct scales *s, double x)
 {
     double least = s->square[0], most = s->square[0];
@@ -63,7 +63,7 @@ static double row_inverse(const struct scales *s, double x)
         least = fmin(least, s->square[i]);
         most = fmax(most, s->square[i]);
     }
-    // Bounds: each term is between those of the least and of the greatest scale.
+    // Bounds of the solution: each term is between those of the least and the greatest scale.
     double ratio = 1 / ((1 - x) * (1 - x)) - 1;
     double low = log(least * ratio), high = log(most * ratio);
     while (high - low > 0.5) {
@@ -81,7 +81,7 @@ static double row_inverse(const struct scales *s, double x)
 
 // --- frames --------------------------------------------------------------------------------------
 
-// The physical azimuth of a half-vector as a unit vector, its derivative, and the scales there.
+// Computes the azimuth of a half-vector as a unit vector, its derivative, and the scales there.
 static void half_azimuth(const struct chart *c, double phi, double direction[2], double *slope,
                          struct scales *scales)
 {
@@ -124,8 +124,9 @@ static void mirror_scales(const struct chart *c, struct scales *scales)
 
 // --- the domain ----------------------------------------------------------------------------------
 
-// wi.z = 2 (wo.h) h.z - wo.z is above 0 while the half-vector's angle is below this: with s and c
-// the sine and cosine of wo's angle and d the azimuth between, s d sin(2 a) + c cos(2 a) > 0.
+// wi.z = 2 (wo.h) h.z - wo.z is positive as long as the half-vector's angle a is below the result:
+// with s and c the sine and cosine of wo's angle and d the cosine of the azimuth between, s d sin(2
+// a) + c cos(2 a) > 0.
 static double reflect_end(const struct chart *c, const double direction[2])
 {
     double along = c->wo[0] * direction[0] + c->wo[1] * direction[1];
@@ -136,7 +137,7 @@ static double reflect_end(const struct chart *c, const double direction[2])
 static double mirror_end(double axis[3][3], double phi)
 {
     double side = cos(phi) * axis[0][2] + sin(phi) * axis[1][2];
-    double angle = atan2(axis[2][2], -side); // where cos(a) z + sin(a) side is 0
+    double angle = atan2(axis[2][2], -side); // cos(a) z + sin(a) side is 0 at this angle
     return tan(angle / 2) * tan(angle / 2);
 }
 
@@ -185,7 +186,7 @@ static bool mirror_direction(const struct chart *c, double x, double phi, double
     return wi[2] > 0;
 }
 
-// Also returns the solid angle of h a unit of dx dphi.
+// Also returns the solid angle of h per unit of dx dphi.
 static double half_vector(const struct chart *c, double x, double phi, double h[3])
 {
     struct scales scales;

@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-// Candidates for a row; the one with most new pairs is taken.
+// The number of candidates for a row; the one with most new pairs is taken.
 #define CANDIDATES 30
 
 static bool covered[COVERING_MAX_AXES][COVERING_MAX_VALUES][COVERING_MAX_AXES][COVERING_MAX_VALUES];
@@ -24,7 +24,7 @@ static uint32_t uncovered_with(uint32_t axis, uint8_t value, const uint8_t *row,
     return count;
 }
 
-// Pairs of this value that are left with any value of any axis.
+// Returns how many pairs of this value with values of other axes no row has yet.
 static uint32_t open_pairs(const uint8_t *values, uint32_t axes, uint32_t axis, uint8_t value)
 {
     uint32_t count = 0;
@@ -34,7 +34,8 @@ static uint32_t open_pairs(const uint8_t *values, uint32_t axes, uint32_t axis, 
     return count;
 }
 
-// Starts from a value with many open pairs, then decides the axes in random order.
+// Starts from a value with many such pairs, then chooses the values of the other axes in random
+// order.
 static uint32_t make_row(const uint8_t *values, uint32_t axes, uint64_t *random, uint8_t *row)
 {
     bool decided[COVERING_MAX_AXES] = {false};
@@ -53,7 +54,7 @@ static uint32_t make_row(const uint8_t *values, uint32_t axes, uint64_t *random,
     decided[start] = true;
     uint32_t shift = next_random(random) % axes;
     for (uint32_t i = 0; i < axes; i++) {
-        uint32_t axis = (i * 7 + shift) % axes; // 7 is coprime to the numbers of axes in use
+        uint32_t axis = (i * 7 + shift) % axes; // 7 and the numbers of axes in use are coprime
         for (uint32_t step = 0; decided[axis] && step < axes; step++)
             axis = (axis + 1) % axes;
         if (decided[axis])

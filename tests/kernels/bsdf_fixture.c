@@ -2,7 +2,7 @@
 
 #include "check_bsdf.spv.h"
 
-// Paths in flight: how many items run at a time.
+// The number of paths in flight, and so of items that run at the same time.
 #define SLOTS (1u << 17)
 
 _Static_assert(sizeof(union bsdf_item) == sizeof(struct gpu_path), "they share a buffer");
@@ -12,7 +12,8 @@ static bool create_kernel(struct renderer *r, uint32_t routine, uint32_t lobes,
 {
     uint32_t constants[CONSTANT_CHECK_ROUTINE + 1];
     memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
-    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes what it reads
+    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes to buffers that the
+                                                          // kernel reads
     constants[CONSTANT_LOBES] = lobes;
     constants[CONSTANT_CHECK_ROUTINE] = routine;
     const struct gpu_kernel_params params = {

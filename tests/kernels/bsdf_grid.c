@@ -14,7 +14,7 @@ static const double iors[] = {1, 1.0001, 1.33, 1.5, 2.42, 4};
 static const double angles[] = {0, 30, 60, 80, 89, 89.9, 89.99};
 static const double thirds[] = {0, 0.5, 1};
 static const double switches[] = {0, 1};
-static const double coats[] = {0, 1, 2, 3}; // gloss 0 and 1, GGX of roughness .01 and .5
+static const double coats[] = {0, 1, 2, 3}; // gloss 0 and 1; GGX with roughness .01 and .5
 static const double exponents[] = {0, 1, 32, 1e3, 1e5};
 static const double kinds3[] = {0, 1, 2}, kinds5[] = {0, 1, 2, 3, 4};
 static const double maskings[] = {0, 1, 2, 3, 4, 5, 6};
@@ -121,7 +121,7 @@ static const struct group groups[GROUPS] = {
 
 // --- one configuration ---------------------------------------------------------------------------
 
-// One value in colour, so that the channels differ: white, black, or something between.
+// Sets a colour from one value, with different channels: white, black, or in between.
 static void set_color(float color[3], double value)
 {
     static const double spread[3] = {0, -0.3, 0.3};
@@ -148,7 +148,7 @@ static void set_principled(struct material *m, const double *v)
     m->sheen_tint = (float)v[AXIS_TINT];
     m->specular_tint = (float)v[AXIS_TINT];
     set_color(m->sheen_color, v[AXIS_CHARLIE]);
-    m->sheen_roughness = (float)v[AXIS_SUBSURFACE]; // needs no axis of its own
+    m->sheen_roughness = (float)v[AXIS_SUBSURFACE]; // shares an axis
     m->subsurface = (float)v[AXIS_SUBSURFACE];
     m->specular = (float)v[AXIS_SPECULAR];
     m->specular_weight = v[AXIS_SPECULAR] > 0.9 ? 0.75f : 1.0f;
@@ -159,7 +159,8 @@ static void set_principled(struct material *m, const double *v)
     set_flag(m, MATERIAL_EXACT_COAT, v[AXIS_EXACT_COAT]);
 }
 
-// Gold, silver-like and an absorbing insulator: an index a channel.
+// Sets the index of refraction of gold, of a silver-like metal or of an absorbing insulator, for
+// each channel.
 static void set_metal(struct material *m, double kind)
 {
     static const float eta[3][3] = {{0.14f, 0.37f, 1.44f}, {0.05f, 0.06f, 0.05f}, {2, 1.5f, 1.2f}};
@@ -169,11 +170,12 @@ static void set_metal(struct material *m, double kind)
     memcpy(m->conductor_k, k[i], sizeof m->conductor_k);
 }
 
-// At any azimuth, but for narrow lobes at the horizon: along x, where rounding spares the direction
-// across, which is the one that such lobes are narrow in.
+// Sets a direction with any azimuth, except for narrow lobes near the horizon: then it is along x,
+// so that rounding does not affect the direction across, in which such lobes are narrow.
 static void set_direction(struct configuration *c, double degrees, uint32_t number)
 {
-    double angle = degrees * M_PI / 180, azimuth = 2.399963229728653 * (number + 1); // golden
+    // the golden angle
+    double angle = degrees * M_PI / 180, azimuth = 2.399963229728653 * (number + 1);
     const struct material *m = &c->material;
     bool narrow_coat =
         m->clearcoat > 0 && (m->clearcoat_roughness < 0.1f || m->clearcoat_gloss > 0.5f);
@@ -272,7 +274,8 @@ static uint32_t cover_group(int group, struct configuration *out, uint32_t capac
     return count;
 }
 
-// Smoothest and roughest, at the normal and at the horizon, opaque, metal and glass.
+// Adds the smoothest and roughest materials, seen along the normal and near the horizon: opaque,
+// metal and glass.
 static uint32_t corners(struct configuration *out, uint32_t capacity)
 {
     static const double ends[2] = {0.01, 1}, directions[2] = {0, 89.99};
@@ -306,7 +309,7 @@ static double next_random(uint64_t *state)
     return (double)(*state >> 11) * 0x1p-53;
 }
 
-// Axes of kinds and switches have nothing between their values.
+// Returns whether an axis has values between those listed; kinds and switches have none.
 static bool is_continuous(enum axis axis)
 {
     static const enum axis kinds[] = {
@@ -321,7 +324,7 @@ static bool is_continuous(enum axis axis)
 
 uint32_t grid_random(struct configuration *out, uint32_t count, uint64_t seed)
 {
-    // Half of the points are the principled model's.
+    // Half of the points use the principled model.
     static const int group_of[8] = {0, 0, 0, 0, 1, 1, 2, 3};
     for (uint32_t i = 0; i < count; i++) {
         const struct group *g = &groups[group_of[i % 8]];
@@ -363,8 +366,8 @@ static void add_principled_lobes(const struct material *m, struct chart *chart)
     }
 }
 
-// Returns tan(theta / 2) of the angle theta at which cos^n has fallen to 1 / e: n is the power of
-// the cosine of theta (Phong), or of theta / 2, the half vector's angle (Blinn-Phong).
+// Returns tan(theta / 2) of the angle theta at which cos^n is 1 / e, where n is the power of the
+// cosine of theta (Phong), or of theta / 2, the half-vector's angle (Blinn-Phong).
 static double scale_of_power(const struct material *m)
 {
     double n = fmax((double)m->exponent, 1);
@@ -387,7 +390,7 @@ void grid_charts(const struct configuration *configuration, struct chart charts[
     for (int i = 0; i < chart.lobes; i++)
         narrowest = fmin(narrowest, fmin(chart.alpha[i][0], chart.alpha[i][1]));
 
-    // By half-vectors where the lobes are narrow or where grazing directions make them so.
+    // Half-vectors are used if the lobes are narrow, or if grazing directions make them narrow.
     bool by_half = narrowest < 0.05 || configuration->angle > 80;
     charts[0] = charts[1] = chart;
     charts[1].below = true;

@@ -4,8 +4,8 @@
 
 enum { MAX_REPLICATES = 64 };
 
-// Additive recurrence by the powers of the inverse of the root of x^5 = x + 1 (Roberts 2018, "The
-// Unreasonable Effectiveness of Quasirandom Sequences"), in 24 bits.
+// Fills an additive recurrence with the powers of the inverse of the root of x^5 = x + 1 (Roberts
+// 2018, "The Unreasonable Effectiveness of Quasirandom Sequences"), in 24 bits.
 static void fill_sequence(const struct configuration *c, uint32_t number, union bsdf_item *items,
                           uint32_t count, struct random *random)
 {
@@ -25,7 +25,7 @@ static void fill_sequence(const struct configuration *c, uint32_t number, union 
     }
 }
 
-// Refraction carries 1 / eta^2: radiance, not energy.
+// Refracted radiance contains the factor 1 / eta^2, which this removes to get energy.
 static double energy_scale(const struct configuration *c, const union bsdf_item *item)
 {
     bool bends = (item->sample.flags & BSDF_TRANSMITTED) && !(c->material.flags & MATERIAL_THIN);

@@ -40,7 +40,7 @@ double optics_fresnel(double cosine, double eta)
     return 0.5 * (s * s + p * p);
 }
 
-// Does the same with a complex index of refraction, section 14.2.
+// The same with a complex index of refraction (section 14.2).
 double optics_fresnel_conductor(double cosine, double eta, double k)
 {
     double complex square = (eta + I * k) * (eta + I * k);
@@ -56,8 +56,8 @@ double optics_schlick(double f0, double cosine)
     return f0 + (1 - f0) * pow(1 - fmin(cosine, 1), 5);
 }
 
-// By the midpoint rule in x with c = c0 + (1 - c0) x^2, which takes the square root at the critical
-// angle away.
+// Uses the midpoint rule in x, with c = c0 + (1 - c0) x^2, which removes the square root at the
+// critical angle.
 double optics_mean_fresnel(double eta)
 {
     double critical = eta < 1 ? sqrt(1 - eta * eta) : 0, sum = critical * critical;

@@ -21,7 +21,7 @@ void reference_finish(struct reference *reference)
     reference->principled = NULL;
 }
 
-// D itself where all normals are drawn (Walter et al. 2007, section 5.3).
+// The density is D itself if all normals are sampled (Walter et al. 2007, section 5.3).
 double reference_normal_density(const struct reference *r, const double wo[3], const double h[3],
                                 const double alpha[2])
 {
@@ -118,7 +118,7 @@ double reference_hidden_normal(const struct reference *reference, const double h
 {
     const double *wo = reference->wo;
     double cosine = optics_dot(wo, h), ratio = 1 / reference->eta;
-    // Only where it leaves on the other side.
+    // Only if the direction leaves on the other side.
     double beyond = optics_cos_refracted(cosine, reference->eta);
     if (!(cosine > 0) || beyond == 0 || !((ratio * cosine - beyond) * h[2] - ratio * wo[2] < 0))
         return 0;

@@ -1,9 +1,11 @@
-// A Lambert part under a highlight: Phong, Blinn-Phong, microfacet; docs/materials-classical.md.
+// A Lambertian base below a highlight: Phong, Blinn-Phong or microfacets; see
+// docs/materials-classical.md.
 #include "bsdf_reference.h"
 
 #include <math.h>
 
-// A highlight's value without its colour (times cos), and the density with which it is drawn.
+// The value of a highlight without its colour (times the cosine), and the density with which it is
+// sampled.
 struct highlight {
     double value, pdf, fresnel_cosine;
 };
@@ -20,7 +22,8 @@ static struct highlight phong(const struct reference *r, const double wi[3])
 {
     double n = (double)r->material->exponent;
     double mirrored[3] = {-r->wo[0], -r->wo[1], r->wo[2]};
-    // The cosine from the difference's length: 1 - |d|^2 / 2 keeps what a dot product rounds away.
+    // Computes the cosine from the length of the difference: 1 - |d|^2 / 2 keeps digits that a dot
+    // product rounds away.
     double square = 0;
     for (int c = 0; c < 3; c++)
         square += (wi[c] - mirrored[c]) * (wi[c] - mirrored[c]);
@@ -69,11 +72,11 @@ static double beckmann_lambda(const double w[3], double alpha)
     return isinf(a) ? 0 : (erf(a) - 1) / 2 + exp(-a * a) / (2 * a * sqrt(M_PI));
 }
 
-// Lambda of Phong's distribution: Smith's integral over Student's t with 2 k degrees of freedom;
-// see docs/materials-classical.md.
+// Returns Lambda of Phong's distribution: Smith's integral over Student's t with 2 k degrees of
+// freedom; see docs/materials-classical.md.
 static double phong_lambda(const double w[3], double alpha)
 {
-    // Nodes of Gauss and Legendre's rule of 3 points (DLMF table 3.5.1), in 16 parts.
+    // Nodes of the Gauss-Legendre rule of 3 points (DLMF table 3.5.1), in 16 parts.
     static const double node[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
     static const double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
     enum { PARTS = 16 };
@@ -102,7 +105,8 @@ static double smith_lambda(uint32_t kind, const double w[3], double alpha)
     }
 }
 
-// Walter et al. 2007, eq. 27; of the others no more than Smith's, unless it is unbounded.
+// Walter et al. 2007, eq. 27. For other distributions the result is at most Smith's, unless that is
+// unbounded.
 static double rational(uint32_t kind, const double w[3], double alpha, bool is_bounded)
 {
     double a = steepness(w, alpha);
@@ -128,7 +132,7 @@ static double masking(const struct reference *r, const double wi[3], double cosi
     switch (m->flags >> MATERIAL_MASKING_SHIFT & 7u) {
     case MASKING_SCHLICK_GGX: // k of Karis 2013
         return schlick_masking(wo, alpha / 2) * schlick_masking(wi, alpha / 2);
-    case MASKING_SCHLICK: // his own, below eq. 19
+    case MASKING_SCHLICK: // Schlick's own, below eq. 19
         k = sqrt(2 * alpha * alpha / M_PI);
         return schlick_masking(wo, k) * schlick_masking(wi, k);
     case MASKING_SCHLICK_REMAPPED: // Karis 2013, for delta lights
@@ -174,7 +178,7 @@ static double microfacet_fresnel(const struct reference *r, int channel, double 
 
 // --- the sum -------------------------------------------------------------------------------------
 
-// The probability of the highlight.
+// Returns the probability with which the highlight is sampled.
 static double specular_probability(const struct reference *r)
 {
     const struct material *m = r->material;
@@ -184,7 +188,7 @@ static double specular_probability(const struct reference *r)
         bool is_microfacet = m->model == MATERIAL_MICROFACET;
         double fresnel = is_microfacet ? microfacet_fresnel(r, c, r->wo[2]) : ks;
         specular += fresnel;
-        // Uncoupled, of light along the normal: the half-vector is at half of wo's angle.
+        // Uncoupled, for light along the normal: the half-vector is at half of wo's angle.
         if (is_microfacet && m->flags & MATERIAL_UNCOUPLED)
             fresnel = microfacet_fresnel(r, c, cos(acos(fmin(r->wo[2], 1)) / 2));
         diffuse += is_microfacet ? kd * (1 - fresnel) : fmin(kd, 1 - ks);
@@ -192,8 +196,8 @@ static double specular_probability(const struct reference *r)
     return diffuse > 0 ? specular / (specular + diffuse) : 1;
 }
 
-// The light that reaches the base and leaves it again; uncoupled, what a microfacet between does
-// not reflect.
+// Returns the fraction of light that reaches the base and leaves it again or, uncoupled, that a
+// microfacet in between does not reflect.
 static double base_part(const struct reference *r, int channel, const double wi[3])
 {
     double h[3];

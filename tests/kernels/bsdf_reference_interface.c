@@ -19,7 +19,8 @@ static bool is_straight(const struct reference *r)
     return fabs(r->eta - 1) <= 6 * 0x1p-24;
 }
 
-// The reflectance of a slab without thickness: all orders of reflection between its faces.
+// Returns the reflectance of a slab without thickness, with all orders of reflection between its
+// faces.
 static double reflectance(const struct reference *r, double cosine)
 {
     double one = optics_fresnel(fmin(cosine, 1), r->eta);
@@ -31,7 +32,8 @@ static void set_all(double f[3], double value)
     f[0] = f[1] = f[2] = value;
 }
 
-// Gives back what single scattering loses: a lossless interface gets all.
+// Returns the factor that compensates the loss of single scattering; a lossless interface gets all
+// of it back.
 static double compensation(const struct reference *r)
 {
     double alpha = alpha_of(r->material);
@@ -77,9 +79,10 @@ double dielectric_unshadowed(const double wo[3], const double h[3], const double
     return sum;
 }
 
-// Reflected about the normals that it sees, wo is even in a cap (Dupuy and Benyoub 2023): a lattice
-// over its height, by smoothstep, and around it, each column a golden section higher than the last,
-// so that the circle where total reflection begins runs along no row.
+// Reflected about visible normals, wo is uniformly distributed in a spherical cap (Dupuy and
+// Benyoub 2023). The quadrature is a lattice over the cap's height, by smoothstep, and around it.
+// Each column is a golden section higher than the previous one, so that the circle where total
+// reflection begins is not along a row.
 double dielectric_survival(const struct reference *r, const double wo[3], const double alpha[2],
                            bool thin, double (*reflects)(const struct reference *, double cosine))
 {

@@ -1,4 +1,4 @@
-// The principled model; docs/materials.md, whose names the code keeps.
+// The principled model, with the names of docs/materials.md.
 #include "bsdf_albedo.h"
 #include "bsdf_reference.h"
 
@@ -9,12 +9,14 @@ enum { DIFFUSE_NODES = 1024 };
 
 struct principled_state {
     double base[3], roughness, alpha[2], turn[2];
-    double eta, metallic, transmission; // the latter times 1 - metallic
-    bool mixed, exact_coat; // Fresnel's equations and Schlick's mixed; those of 1.5 for the coat
-    double specular[3], f0_metal[3]; // that scales both, and Schlick's
+    double eta, metallic, transmission; // transmission is multiplied by 1 - metallic
+    bool mixed, exact_coat; // Fresnel's and Schlick's reflectance are mixed; the coat has the exact
+                            // one of index 1.5
+    double specular[3], f0_metal[3]; // scales both reflectances; Schlick's f0 of the metal
     double f0[3], f0_index, specular_weight, compensation[3], through_compensation[3], tint[3];
-    bool tries_again;     // where a sample of the base ends on another microfacet
-    double reflects_more; // the part of what Fresnel's equations let through that reflects
+    bool tries_again;     // a sample of the base that another microfacet blocks is drawn again
+    double reflects_more; // fraction of the light that Fresnel's equations transmit which is
+                          // reflected instead
     bool is_delta, thin, separable, is_gltf;
     double below[3]; // (1 - metallic) (1 - transmission) K
     double sheen[3], sheen_layer, subsurface, through;
@@ -40,7 +42,7 @@ static double largest(const double v[3])
     return fmax(v[0], fmax(v[1], v[2]));
 }
 
-// Into the frame of the turned tangent.
+// Rotates a vector into the frame of the rotated tangent.
 static void into_tangent(const struct principled_state *p, const double w[3], double out[3])
 {
     out[0] = p->turn[0] * w[0] + p->turn[1] * w[1];
@@ -64,8 +66,8 @@ static double d_below(double roughness, double c_o, double c_i, double cos2_d)
     return 1.25 * (f * (1 / (c_o + c_i) - 0.5) + 0.5) / M_PI;
 }
 
-// Gauss and Legendre's rule of 8 points is exact for the polynomial in c_i (degree 15 would be),
-// the mean of 8 azimuths for the one in cos(phi).
+// The Gauss-Legendre rule of 8 points is exact for the polynomial in c_i (up to degree 15), and the
+// mean over 8 azimuths for that in cos(phi).
 static double albedo_burley(double roughness, double c_o)
 {
     static const double node[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
@@ -110,7 +112,7 @@ static double metal(const struct principled_state *p, int c, double weight)
     return p->specular[c] * (p->f0_metal[c] + (1 - p->f0_metal[c]) * weight) * p->compensation[c];
 }
 
-// Burley 2012, section 5.4, or of Fresnel's equations.
+// Burley 2012, section 5.4, or Fresnel's equations.
 static double coat_fresnel(const struct principled_state *p, double cosine)
 {
     return p->exact_coat ? optics_fresnel(fmin(cosine, 1), 1.5) : optics_schlick(0.04, cosine);
@@ -121,7 +123,7 @@ static double slab(const struct principled_state *p, double f)
     return p->thin ? 2 * f / (1 + f) : f;
 }
 
-// Returns the probability that reflection is drawn.
+// Returns the probability with which reflection is sampled.
 static double interface_parts(const struct principled_state *p, double cosine, double reflected[3],
                               double through[3])
 {
@@ -213,7 +215,7 @@ static void prepare_layers(struct principled_state *p, const struct material *m,
         albedo = coat * table_ggx(c_o, alpha) * table_fresnel(c_o, alpha, 1.5);
     else
         albedo = coat * table_ggx(c_o, alpha) * (0.04 + 0.96 * table_schlick(c_o, alpha));
-    // Fibres lie over the coat, in glTF under it.
+    // Fibres are above the coat, but for glTF below it.
     p->coat_layer = p->is_gltf ? 1 : under_fibres;
     p->fibre_layer = p->is_gltf ? 1 - albedo : 1;
     p->p_fibre = p->fibre_layer * mean(p->fibre) * fmin(1, p->fibre_albedo);
@@ -221,7 +223,8 @@ static void prepare_layers(struct principled_state *p, const struct material *m,
     p->base_layer = under_fibres * (1 - albedo);
 }
 
-// E1, the means of Fresnel's reflectance and of Schlick's weight over what is reflected.
+// Computes E1, and the means of Fresnel's reflectance and of Schlick's weight over the reflected
+// light.
 static void albedo_of_slopes(const struct principled_state *p, const struct material *m,
                              const double wo[3], double *e1, double *exact, double *schlick)
 {
@@ -242,7 +245,7 @@ static void albedo_of_slopes(const struct principled_state *p, const struct mate
     double cosine = table_turned_cosine(turned, p->roughness, anisotropic, p->alpha);
     *e1 = table_turned(turned, p->roughness, anisotropic, p->alpha);
     *schlick = weight5(cosine);
-    // From inside no more than Schlick's curve from the angle of total reflection on.
+    // From inside, at most Schlick's curve from the angle of total reflection on.
     double critical = p->eta < 1 ? sqrt(1 - p->eta * p->eta) : 0;
     double beyond = fmin(fmax((cosine - critical) / (1 - critical), 0), 1);
     if (p->eta > 1)
@@ -251,8 +254,8 @@ static void albedo_of_slopes(const struct principled_state *p, const struct mate
         *exact = p->f0_index + (1 - p->f0_index) * weight5(beyond);
 }
 
-// The albedo of an interface that transmits and loses nothing, as Fresnel's equations say or
-// without reflection but where it is total.
+// Returns the albedo of an interface that transmits and loses nothing, with Fresnel's equations, or
+// with total reflection as its only reflection.
 static double lossless_part(const struct principled_state *p, const struct material *m,
                             const double wo[3], bool is_clear)
 {
@@ -271,7 +274,7 @@ static double lossless_albedo(const struct principled_state *p, const struct mat
     double moved = (p->f0[c] - p->f0_index) / (1 - p->f0_index);
     if (p->thin)
         return e1;
-    // This scales reflection but where it is total, as the specular weight does.
+    // This scales reflection, except total reflection, as the specular weight does.
     double scale = p->specular_weight * p->specular[c];
     if (p->mixed)
         return scale * lossless_part(p, m, wo, false) + (1 - scale) * lossless_part(p, m, wo, true);
@@ -281,7 +284,7 @@ static double lossless_albedo(const struct principled_state *p, const struct mat
     return p->specular_weight * albedo + (1 - p->specular_weight) * lossless_part(p, m, wo, true);
 }
 
-// docs/materials.md, "Sampling"
+// See docs/materials.md, "Sampling".
 static void prepare_tries(struct principled_state *p, bool tries, double e1, double *survival)
 {
     double f0 = slab(p, p->specular_weight * mean(p->f0)), lossless[3];
@@ -403,7 +406,7 @@ static double add_coat(const struct reference *r, const double wi[3], const doub
     return p->p_coat * pdf;
 }
 
-// Reflection, or with `through` what the thin sheet lets through, mirrored.
+// Adds reflection or, with `through`, the mirrored reflection that a thin sheet transmits.
 static double add_reflection(const struct reference *r, const double wi[3], const double h[3],
                              double cosine, bool is_through, double f[3])
 {

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-// The regularised incomplete gamma function Q(a, x): by the series for P (DLMF 8.7.1) below the
-// mean, by the continued fraction (DLMF 8.9.2, evaluated after Lentz 1976) above.
+// Returns the regularised incomplete gamma function Q(a, x): below the mean by the series for P
+// (DLMF 8.7.1), above it by the continued fraction (DLMF 8.9.2, evaluated after Lentz 1976).
 static double gamma_tail(double a, double x)
 {
     if (x <= 0)
@@ -62,7 +62,7 @@ struct pearson pearson_test(const double *expected, const uint32_t *count, uint3
     if (last > 0)
         result.statistic += (last_count - last) * (last_count - last) / last;
     result.degrees = pools > 1 ? pools - 1 : 0;
-    // With one cell alone nothing is free; its count is all there is.
+    // With a single cell there is no degree of freedom.
     result.p = result.degrees ? chi_square_tail(result.statistic, result.degrees) : 1;
     return result;
 }

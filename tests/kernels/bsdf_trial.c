@@ -8,7 +8,7 @@
 // Categories of samples besides the cells.
 enum {
     CATEGORY_DELTA = CELLS,
-    CATEGORY_HIDDEN = CELLS + REFERENCE_MAX_DELTAS, // what goes through as if it were specular
+    CATEGORY_HIDDEN = CELLS + REFERENCE_MAX_DELTAS, // transmission that counts as specular
     CATEGORY_ABSORBED,
     CATEGORIES,
 };
@@ -16,8 +16,8 @@ enum {
 struct work {
     const struct configuration *configuration;
     struct reference reference;
-    struct reference exact;       // of wo as it was before it was rounded, drawn as it truly is
-    struct cell_integrals hidden; // normals that send light through as if it were specular
+    struct reference exact;       // for wo before it was rounded, with its true sampling
+    struct cell_integrals hidden; // normals through which transmission counts as specular
     struct chart charts[SIDES];
     struct cell_integrals cells;
     struct reference_delta deltas[REFERENCE_MAX_DELTAS];
@@ -51,7 +51,7 @@ static void fill_item(const struct work *w, union bsdf_item *item)
 
 // --- against the reference -----------------------------------------------------------------------
 
-// Value and density, of an evaluation or of a sample.
+// Reflectances below this count as black in comparisons.
 #define BLACK 2e-4
 
 struct value {
@@ -63,8 +63,8 @@ static void reference_value(const struct reference *r, const double wi[3], struc
     out->pdf = reference_eval(r, wi, out->f);
 }
 
-// The greatest relative difference of a component. Reflectances of less than `black` count as
-// black: 1e-3 of it is the rounding of 1, which they are computed from.
+// Returns the greatest relative difference of a component. Reflectances of less than `black` count
+// as black; 1e-3 of it is the rounding error of 1, from which they are computed.
 static double difference(const struct value *a, const struct value *b, double black)
 {
     double worst = fabs(a->pdf - b->pdf) / (fabs(b->pdf) + 1e-7);
@@ -73,9 +73,9 @@ static double difference(const struct value *a, const struct value *b, double bl
     return isnan(worst) ? INFINITY : worst;
 }
 
-// How much the reference itself moves when one of the numbers that it is given moves by 8
-// roundings: four times that, about as many roundings as a kernel has operations in a row, is what
-// single precision cannot be held to.
+// Returns by how much the reference itself changes if one of its inputs changes by 8 rounding
+// errors. Four times that, about as many rounding errors as a kernel makes in sequence, cannot be
+// required of single precision.
 static double conditioning(const struct reference *r, const double wi[3], const struct value *at)
 {
     double worst = 0;
@@ -181,8 +181,8 @@ static void compare_items(const struct work *w, bool samples, uint32_t count, ui
 
 // --- densities -----------------------------------------------------------------------------------
 
-// By what the density that is said integrates to more than the one that is drawn: it is known as
-// well as the chance of survival is, which comes from tables.
+// Returns by how much the integral of the stated density exceeds that of the sampled one: the
+// probability of survival is known only as accurately as the tables.
 static double find_excess(const struct work *w)
 {
     double sum = 0;
@@ -195,7 +195,7 @@ static double find_excess(const struct work *w)
     return sum;
 }
 
-// The shipped density's integral with the nodes of the reference's cubature.
+// Integrates the renderer's density with the nodes of the reference's cubature.
 static bool integrate_shipped(struct bsdf_device *device, struct work *w,
                               const struct trial_params *params, struct trial *out)
 {
@@ -225,7 +225,7 @@ static bool integrate_shipped(struct bsdf_device *device, struct work *w,
 
 // --- samples -------------------------------------------------------------------------------------
 
-// By direction and, since two lobes may have the same one, by weight.
+// Finds a delta by direction and, because two lobes may have the same one, by weight.
 static uint32_t nearest_delta(const struct work *w, const union bsdf_item *item, bool transmitted)
 {
     double least = INFINITY;
@@ -259,7 +259,7 @@ static uint32_t category_of(const struct work *w, const union bsdf_item *item)
     return side * CHART_CELLS + chart_cell(&w->charts[side], direction);
 }
 
-// Relative to the greatest channel, so that black channels count too.
+// Returns the error relative to the greatest channel, so that black channels count, too.
 static double delta_error(const struct work *w, uint32_t category, const union bsdf_item *item)
 {
     if (category == CATEGORY_ABSORBED)
@@ -275,7 +275,7 @@ static double delta_error(const struct work *w, uint32_t category, const union b
     return worst;
 }
 
-// Weight and density against what eval_bsdf() says of the same direction.
+// Compares weight and density with those that eval_bsdf() gives for the same direction.
 static double weight_error(const union bsdf_item *item)
 {
     double pdf = (double)item->sample.eval_pdf;
@@ -358,14 +358,15 @@ static double *expected_counts(const struct work *w, uint32_t samples)
         expected[CATEGORY_DELTA + i] = w->deltas[i].probability * samples;
         rest -= w->deltas[i].probability;
     }
-    // The cubature's error must not make absorbed samples impossible, nor nothing of them possible.
+    // Errors of the cubature must neither make absorbed samples impossible, nor make absorption
+    // possible if there is none.
     if (expected)
         expected[CATEGORY_ABSORBED] = fmax(rest, 1e-9) * samples;
     return expected;
 }
 
-// The part of the samples where the reference has no density. Only cells of which the cubature
-// knows nothing need a look.
+// Returns the fraction of samples at which the reference has no density. Only cells that are empty
+// in the cubature are examined.
 static double count_impossible(const struct work *w, const double *expected,
                                const uint32_t *category, uint32_t samples)
 {
@@ -379,7 +380,8 @@ static double count_impossible(const struct work *w, const double *expected,
     return (double)impossible / samples;
 }
 
-// Tests in cells of 5 x 10: what is wrong everywhere by little shows better in few cells.
+// Tests in cells of 5 x 10, because small errors over large regions are more significant in few
+// cells.
 static double coarse_p(const double *expected, const uint32_t *count)
 {
     enum { ROWS = 5, COLUMNS = 10, A_ROW = CHART_COLUMNS / COLUMNS };
@@ -451,12 +453,13 @@ static bool integrate_hidden(struct work *w)
     if (!w->hides)
         return true;
     charts[0].kind = CHART_NORMALS;
-    charts[1].kind = CHART_SPHERE; // under the surface there are no normals
+    charts[1].kind = CHART_SPHERE; // below the surface there are no normals
     return cells_integrate(charts, hidden_density, &w->exact, &w->hidden);
 }
 
-// Rounding changes a half-vector's slope by this, in units of the narrowest lobe's width:
-// directions are off by 2^-24, and at a cosine c half-vectors magnify that by 1 / c at most.
+// Returns by how much rounding changes the slope of a half-vector, in units of the narrowest lobe's
+// width: directions have errors of 2^-24, which half-vectors magnify by at most 1 / c for a cosine
+// c.
 static double find_resolution(const struct work *w)
 {
     double narrowest = 1;
@@ -479,7 +482,7 @@ static bool prepare(struct work *w, struct trial *out)
     w->hides = reference_hides_refraction(&w->reference);
     w->delta_count = reference_deltas(&w->reference, w->deltas);
     grid_charts(c, w->charts);
-    // Nothing narrow is left under the surface.
+    // Nothing narrow remains below the surface.
     if (w->hides)
         w->charts[1].kind = CHART_SPHERE;
     if (w->reference.survival > 0)
@@ -528,11 +531,11 @@ void trial_check(const struct configuration *configuration, const struct trial_p
           t->chi_degrees, t->chi_p);
     CHECK(t->impossible <= 1e-5, "%s: %.3g of the samples where there is no density", name,
           t->impossible);
-    // A density of slopes that are off by so much integrates to as much more or less as its
-    // curvature makes of their variance.
+    // Such errors of the slopes change the integral of a density by its curvature times their
+    // variance.
     double blur = t->resolution * t->resolution / 4;
-    // Where what is shadowed is drawn again, the density falls to 0 within about wo.z of the
-    // horizon. At grazing angles the cubature does not see that.
+    // If masked samples are drawn again, the density decreases to 0 within about wo.z of the
+    // horizon, which the cubature cannot resolve at grazing angles.
     double unseen = t->excess != 0 && configuration->angle >= 89.9 ? 3e-4 : 0;
     CHECK(t->closure <= 1e-4 + 4 * t->closure_error + blur + unseen || t->resolution > 0.5,
           "%s: density %.6f + deltas %.6f + absorbed %.6f (+- %.1g) = 1 + %.2g (reference %.6f)",

@@ -37,7 +37,7 @@ uint32_t ball_mesh(struct scene *scene, uint32_t subdivision, uint32_t material)
     return mesh;
 }
 
-// Triangles that share no vertex; without a place.
+// Adds triangles that share no vertices, without an instance.
 static uint32_t soup_mesh(struct scene *scene, uint32_t triangles, uint32_t material)
 {
     uint32_t index;

@@ -1,4 +1,4 @@
-// Helpers for the tests of the kernels: scenes built in C, a device and a renderer for them, and
+// Helpers for the tests of kernels: scenes built in C, a device and a renderer for them, and
 // running one kernel on buffers that the test has filled.
 #ifndef LAMPYRIS_TESTS_KERNEL_FIXTURE_H
 #define LAMPYRIS_TESTS_KERNEL_FIXTURE_H
@@ -19,8 +19,8 @@ double random_unit(struct random *random); // [0, 1)
 double random_between(struct random *random, double min, double max);
 void random_direction(struct random *random, float direction[3]); // uniform on the sphere
 
-// The kernels' own: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", listing in
-// section 4.
+// The hash that the kernels use (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering",
+// listing in section 4).
 void pcg4d(uint32_t v[4]);
 
 // --- vectors -------------------------------------------------------------------------------------
@@ -31,19 +31,20 @@ void subtract(const float a[3], const float b[3], double out[3]);
 // --- scenes --------------------------------------------------------------------------------------
 // Helpers exit when memory is exhausted. A scene is released by scene_finish().
 
-// A grey material 0, a camera at (0, 0, 4) that looks along -z, settings by default, nothing else.
+// Makes a scene with a grey material 0, a camera at (0, 0, 4) that looks along -z, and default
+// settings.
 void scene_start(struct scene *scene, uint32_t width, uint32_t height);
 uint32_t add_material(struct scene *scene, const struct material *material);
-// Unshared vertices; the mesh is placed where it is.
+// Adds triangles with unshared vertices, as a mesh with an identity instance.
 void add_triangles(struct scene *scene, const float (*vertices)[3][3], uint32_t count,
                    uint32_t material);
-// Does the same with a normal for each corner.
+// The same with a normal for each vertex.
 void add_smooth_triangles(struct scene *scene, const float (*vertices)[3][3],
                           const float (*normals)[3][3], uint32_t count, uint32_t material);
 void add_sphere(struct scene *scene, const double center[3], double radius, uint32_t material);
 void add_disc(struct scene *scene, const double center[3], const double normal[3], double radius,
               uint32_t material);
-// An image of width x height texels, all different.
+// Makes an environment image of width x height texels, all different.
 void add_environment_image(struct scene *scene, uint32_t width, uint32_t height);
 
 // --- a renderer ----------------------------------------------------------------------------------
@@ -54,8 +55,9 @@ struct setup {
     struct renderer r;
 };
 
-// Makes a renderer on setup->scene, which the test filled before; leaves the test as skipped or
-// failed when that cannot be. `slots`: paths in flight wanted; or any members of renderer_params.
+// Makes a renderer for setup->scene, which the test has filled. If that is impossible, ends the
+// test as skipped or failed. `slots` is the number of paths in flight; the other macro takes any
+// members of renderer_params.
 #define OPEN_SETUP(setup, slots) OPEN_SETUP_WITH(setup, .wave = (slots))
 #define OPEN_SETUP_WITH(setup, ...)                                                                \
     do {                                                                                           \
@@ -66,7 +68,7 @@ struct setup {
         bool created = renderer_create(&setup_params, &(setup)->r, &setup_err);                    \
         REQUIRE(created, "%s", setup_err.msg);                                                     \
     } while (0)
-void setup_close(struct setup *setup); // the scene, too
+void setup_close(struct setup *setup); // also finishes the scene
 
 // --- one kernel ----------------------------------------------------------------------------------
 

@@ -9,7 +9,8 @@ static bool create_kernel(struct renderer *r, const struct routine *routine,
 {
     uint32_t constants[CONSTANT_ROUTINE + 1];
     memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
-    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes what it reads
+    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes to buffers that the
+                                                          // kernel reads
     constants[CONSTANT_ROUTINE] = routine->number;
     const struct gpu_kernel_params params = {
         .name = "library",

@@ -1,4 +1,4 @@
-// Running the routines of library.comp.
+// Runs the routines of library.comp.
 #ifndef LAMPYRIS_TESTS_LIBRARY_FIXTURE_H
 #define LAMPYRIS_TESTS_LIBRARY_FIXTURE_H
 
@@ -11,10 +11,10 @@ union words {
     uint32_t u[4][4];
 };
 
-// Room for so many items at a time is enough for a setup.
+// A setup with this many slots has room for all items.
 #define LIBRARY_SLOTS (1u << 17)
 
-// A kernel that takes such items, and its constant CONSTANT_ROUTINE.
+// A kernel with such items, and the value of its constant CONSTANT_ROUTINE.
 struct routine {
     const uint32_t *spirv;
     size_t spirv_bytes;
@@ -24,8 +24,8 @@ struct routine {
 bool routine_run(struct setup *setup, const struct routine *routine, union words *items,
                  uint32_t count);
 
-// Replaces `items` by what the routine makes of them; records a failure and returns false if that
-// cannot be.
+// Replaces `items` by the output of the routine. Returns false, and records a failure, if the
+// device failed.
 bool library_run(struct setup *setup, uint32_t routine, union words *items, uint32_t count);
 
 #endif

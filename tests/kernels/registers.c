@@ -28,8 +28,8 @@ static bool print_kernel(struct gpu *gpu, const char *scene, const struct gpu_ke
     return true;
 }
 
-// Makes the decisions of renderer_prepare() about kernels, but plans no memory: a driver without
-// hardware has none.
+// Makes the decisions of renderer_prepare() about kernels without planning memory, because a driver
+// without hardware has none.
 static bool prepare(struct gpu *gpu, const struct scene *scene, struct renderer *r, struct err *err)
 {
     *r = (struct renderer){.gpu = gpu, .scene = scene, .camera = scene->cameras[0]};
@@ -95,7 +95,7 @@ int main(int argc, char **argv)
     if (!ok)
         fprintf(stderr, "%s\n", err.msg);
     fflush(stdout);
-    gpu.abandoned = true; // a device without hardware cannot be waited for
+    gpu.abandoned = true; // a device without hardware never becomes idle
     gpu_close(&gpu);
     return ok ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// Routines of library.comp: read by C and by GLSL.
+// Routines of library.comp, for C and GLSL.
 #ifndef LAMPYRIS_TESTS_ROUTINES_H
 #define LAMPYRIS_TESTS_ROUTINES_H
 

@@ -1,21 +1,21 @@
-// Running the samplers and filters of check_sampler.comp.
+// Runs the samplers and filters of check_sampler.comp.
 #ifndef LAMPYRIS_TESTS_SAMPLER_FIXTURE_H
 #define LAMPYRIS_TESTS_SAMPLER_FIXTURE_H
 
 #include "check/sampler.h"
 #include "kernel_fixture.h"
 
-#define SAMPLER_ITEMS (1u << 18) // at a time
+#define SAMPLER_ITEMS (1u << 18) // greatest number of items in a run
 
 struct sampler_setup {
     struct setup setup;
     uint32_t sampler, halves, filter; // methods of the next run
-    uint32_t seed, samples;           // samples: planned
+    uint32_t seed, samples;           // planned number of samples
     float filter_radius;
     uint32_t pixel_sampling, pixel_strata;
 };
 
-// Opens a sampler for a picture of width x height; leaves the test where there is no device.
+// Opens a sampler for a picture of width x height. Without a device, the test ends as skipped.
 #define OPEN_SAMPLER(s, width, height)                                                             \
     do {                                                                                           \
         memset((s), 0, sizeof *(s));                                                               \
@@ -23,8 +23,8 @@ struct sampler_setup {
         OPEN_SETUP(&(s)->setup, SAMPLER_ITEMS / 4);                                                \
     } while (0)
 
-// Replaces the draws by uniforms or positions; records a failure and returns false if that cannot
-// be. At most SAMPLER_ITEMS.
+// Replaces at most SAMPLER_ITEMS draws by uniforms or positions. Returns false, and records a
+// failure, if the device failed.
 bool sampler_uniforms(struct sampler_setup *s, union draw *draws, uint32_t count);
 bool sampler_positions(struct sampler_setup *s, union draw *draws, uint32_t count);
 bool sampler_pixel_places(struct sampler_setup *s, union draw *draws, uint32_t count);

@@ -10,12 +10,12 @@
     .code = {__VA_ARGS__}, .count = sizeof((struct gpu_sdf_instruction[]){__VA_ARGS__}) /          \
                                     sizeof(struct gpu_sdf_instruction)
 
-// Turned by 0.6 and 0.8 about y, moved, a metre within is `1 / s` outside.
+// Rotated about y (cosine and sine 0.6 and 0.8) and translated; a metre inside is `1 / s` outside.
 #define MOVE(s, x, y, z)                                                                           \
     OP(TRANSFORM, A(1.0f / (s)), B(0.6f * (s), 0, 0.8f * (s), (x)), .c = {0, (s), 0, (y)},         \
        .d = {-0.8f * (s), 0, 0.6f * (s), (z)})
 
-// Bits of a ball's x where an operation would stand.
+// The bits of a ball's x coordinate, in the place of an operation.
 #define BALL(bits, ...)                                                                            \
     {                                                                                              \
         .op = (bits), __VA_ARGS__                                                                  \
@@ -38,7 +38,7 @@ const struct sdf_program sdf_programs[] = {
     {"gyroid",
      COUNTED(OP(GYROID, A(6, 0.05f), B(1.7320509f)), OP(SPHERE, A(0.9f)), OP(INTERSECTION)),
      .half = 1},
-    // Five balls; a whole one is 0.5 0.25 … of the first word, see BALL.
+    // Five balls; see BALL for the first word.
     {"metaballs",
      COUNTED({.op = SDF_METABALLS | 5u << 8, .a = {0.3f, 0.09f}},
              BALL(0x3e99999au, A(0, 0.1f, 0.6f), .b = {-0.4f, 0.1f, 0, 0.5f},

@@ -57,7 +57,8 @@ double exact_size(const struct exact_shape *s)
 
 // --- crossings -----------------------------------------------------------------------------------
 
-// Cuts t[0] to t[1] by |along + rise t| <= half; false where nothing is left.
+// Restricts the interval t[0] to t[1] to |along + rise t| <= half. Returns false if nothing is
+// left.
 static bool cut(double along, double rise, double half, double t[2])
 {
     if (rise == 0 || half < 0)
@@ -68,7 +69,7 @@ static bool cut(double along, double rise, double half, double t[2])
     return t[0] <= t[1];
 }
 
-// f + t d at a distance of r from the origin.
+// Intersects f + t d with the points at distance r from the origin.
 static bool cross_round(const double f[3], const double d[3], double r, double t[2])
 {
     double a = vec3_dot(d, d), b = -vec3_dot(f, d), c = vec3_dot(f, f) - r * r;
@@ -104,7 +105,7 @@ static int cross_flat(const struct exact_shape *s, const double f[3], const doub
         p[c] = f[c] + t[0] * d[c];
     if (s->kind == SHAPE_DISC)
         return vec3_norm(p) <= s->radius;
-    // Along each edge, by the height above the other.
+    // For each edge, by the height over the other one.
     for (int k = 0; k < 2 && s->kind == SHAPE_QUAD; k++) {
         vec3_cross(s->axis[2], s->axis[1 - k], edge);
         if (fabs(vec3_dot(p, edge) / vec3_dot(s->axis[k], edge)) > s->half[k])
@@ -208,7 +209,7 @@ static void point_of_box(const struct exact_shape *s, struct random *random, boo
         normal[c] = side * s->axis[face][c];
     for (uint32_t k = 0; k < 3; k++) {
         double along = k == face ? side : random_between(random, -1, 1);
-        // An edge, or where the next one is too, a corner.
+        // On an edge or, if the next one is reached too, at a corner.
         if (edge && (k == (face + 1) % 3 || (random_u32(random) & 1u)))
             along = along < 0 ? -1 : 1;
         for (int c = 0; c < 3; c++)
@@ -282,7 +283,7 @@ void add_random_shape(struct scene *scene, uint32_t kind, const double center[3]
         direction_across(axes[0], random, axes[1]);
         normalized_cross(axes[0], axes[1], axes[2]);
     }
-    // A quad's edges are at any angle that is not small.
+    // The edges of a quad have any angle that is not small.
     for (int c = 0; c < 3 && kind == SHAPE_QUAD; c++)
         axes[1][c] += 0.7 * axes[0][c];
     shape->kind = kind;

@@ -1,17 +1,17 @@
-// Analytic shapes in double precision: where rays cross them, how far points are from them, random
-// ones and points on them.
+// Analytic shapes in double precision: intersections with rays, distances of points, random shapes
+// and points on them.
 #ifndef LAMPYRIS_TESTS_SHAPE_REFERENCE_H
 #define LAMPYRIS_TESTS_SHAPE_REFERENCE_H
 
 #include "kernel_fixture.h"
 
-// A shape as its rounded record says, larger by `grown` to all sides, and longer by `longer` at the
-// ends of a cylinder or tube.
+// A shape as its rounded record defines it, enlarged by `grown` on all sides, and by `longer` at
+// the ends of a cylinder or open cylinder.
 struct exact_shape {
     uint32_t kind;
     double center[3];
-    double axis[3][3]; // unit; of a quad's edges the third is its normal
-    double half[3];    // along them; cylinder, tube: the axis is the first
+    double axis[3][3]; // unit vectors; for a quad the edges and the normal
+    double half[3];    // half extents along them; for cylinders the first one is along the axis
     double radius;
 };
 struct exact_shape exact_shape(const struct flat_shape *flat, double grown, double longer);
@@ -19,19 +19,21 @@ struct exact_shape exact_shape(const struct flat_shape *flat, double grown, doub
 // Returns the largest extent of a shape.
 double exact_size(const struct exact_shape *shape);
 
-// Crossings in ascending order, behind the origin as well: how many.
+// Computes the crossings in ascending order, including those behind the origin. Returns their
+// number.
 int exact_crossings(const struct exact_shape *shape, const double origin[3],
                     const double direction[3], double t[2]);
 
-// How far a point is above face `at` (as hit records have it), outwards.
+// Returns the height of a point above face `at` (as in hit records), positive outwards.
 double exact_height(const struct exact_shape *shape, const double point[3], int at);
 
-// A point on the shape and the normal there, outwards; at its edges, rims, corners where `edge`.
+// Computes a random point on the shape, with `edge` on its edges, rims or corners, and the outward
+// normal there.
 void exact_point(const struct exact_shape *shape, struct random *random, bool edge, double point[3],
                  double normal[3]);
 
-// Adds a shape of a kind with axes in random directions (along the world's where `upright`), and a
-// size; elongated up to `aspect`.
+// Adds a shape of a kind with axes in random directions (with `upright` along the world's) and a
+// random size, elongated by up to `aspect`.
 void add_random_shape(struct scene *scene, uint32_t kind, const double center[3], double size,
                       double aspect, bool upright, struct random *random);
 

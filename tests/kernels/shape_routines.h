@@ -1,4 +1,4 @@
-// Routines of shapes.comp: read by C and by GLSL.
+// Routines of shapes.comp, for C and GLSL.
 #ifndef LAMPYRIS_TESTS_SHAPE_ROUTINES_H
 #define LAMPYRIS_TESTS_SHAPE_ROUTINES_H
 

@@ -6,14 +6,15 @@
 #include <string.h>
 
 struct spherical_triangle {
-    double corner[3][3]; // unit
-    double angle[3];     // at them
+    double corner[3][3]; // unit vectors
+    double angle[3];     // angles at the corners
 };
 
 static struct spherical_triangle spherical_triangle(double corners[3][3])
 {
     struct spherical_triangle out;
-    double normal[3][3]; // plane through a side and the point; number i is opposite corner i
+    double normal[3][3]; // normal of the plane through a side and the point; number i is opposite
+                         // corner i
     memcpy(out.corner, corners, sizeof out.corner);
     for (int i = 0; i < 3; i++)
         vec3_normalize(out.corner[i]);

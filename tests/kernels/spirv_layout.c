@@ -42,7 +42,7 @@ static bool read_struct(struct spirv_id *id, const uint32_t *types, uint32_t cou
     return true;
 }
 
-// Instructions that name or decorate an id come before the one that makes it.
+// Instructions that name or decorate an id precede its definition.
 static bool read_instruction(struct spirv_layout *layout, const uint32_t *op, uint32_t count)
 {
     uint32_t opcode = op[0] & 0xffffu;

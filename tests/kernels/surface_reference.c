@@ -103,7 +103,7 @@ double light_density(const struct renderer *r, const double origin[3], const dou
         for (int c = 0; c < 3; c++)
             to_center[c] = (double)light->shape->center[c] - origin[c];
         double sine = radius / vec3_norm(to_center);
-        // From outside: uniform in the cone that the sphere fills.
+        // From outside the sphere: uniform in the cone that it subtends.
         if (sine < 1)
             return density * 4 * M_PI * radius * radius / (2 * M_PI * (1 - sqrt(1 - sine * sine)));
     }

@@ -1,8 +1,8 @@
-// The alias table gives every entry its exact share of the probability.
+// The alias table gives every entry its exact probability.
 #include "kernel_fixture.h"
 #include "render/tables/alias_table.h"
 
-// Returns the probability of each of `count` entries, with bins that are equally likely.
+// Returns the probability of each of `count` entries; all bins are equally likely.
 static double *marginals(const struct alias_bin *bins, uint32_t count)
 {
     double *out = calloc(count, sizeof *out);
@@ -14,8 +14,9 @@ static double *marginals(const struct alias_bin *bins, uint32_t count)
     return out;
 }
 
-// Thresholds are rounded to single precision: 2^-25 of a bin at most for each of the bins that an
-// entry's probability comes from, of which there are about as many as its share is worth bins.
+// Thresholds are rounded to single precision, by at most 2^-25 of a bin for each bin that
+// contributes to an entry's probability. There are about as many such bins as the probability is
+// worth.
 static void check_table(const char *name, const double *weights, uint32_t count)
 {
     struct arena arena = {0};
@@ -53,7 +54,7 @@ TEST(hand_values)
     check_table("1 to 3", (const double[]){1, 2, 3}, 3);
     check_table("zeros", (const double[]){0, 5, 0, 0, 2, 0}, 6);
     check_table("only the last", (const double[]){0, 0, 0, 7}, 4);
-    // As far apart as single precision goes: below, an entry is not chosen at all.
+    // The weights differ as much as single precision permits; even smaller ones are never chosen.
     check_table("tiny and huge", (const double[]){1e-30, 1e6, 1}, 3);
 }
 
@@ -64,7 +65,8 @@ TEST(random_weights)
     for (int i = 0; i < 4; i++) {
         double *weights = calloc(counts[i], sizeof *weights);
         REQUIRE(weights, "out of memory");
-        // Over 12 orders of magnitude, a quarter of them zero; the first is not.
+        // The weights span 12 orders of magnitude; a quarter of them is zero, but not the first
+        // one.
         for (uint32_t w = 0; w < counts[i]; w++)
             weights[w] =
                 w > 0 && random_u32(&random) % 4 == 0 ? 0 : pow(10, random_between(&random, -9, 3));

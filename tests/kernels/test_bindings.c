@@ -1,5 +1,5 @@
-// Kernels on devices that bind few buffers at once: Vulkan guarantees 4 storage buffers and 16
-// texel buffers.
+// Tests kernels on devices that bind few buffers at once: Vulkan guarantees 4 storage buffers and
+// 16 texel buffers.
 #include "gpu/spirv_bindings.h"
 #include "gpu/spirv_trim.h"
 #include "kernel_fixture.h"
@@ -18,7 +18,7 @@ static uint32_t count_bits(uint64_t bits, uint32_t from, uint32_t end)
     return (uint32_t)__builtin_popcountll(bits >> from & ((UINT64_C(1) << (end - from)) - 1));
 }
 
-// Whatever a scene may need of a kernel, at once.
+// Counts the buffers for everything that a scene may need, at once.
 static struct counts count(struct kernel_code code, uint32_t integrator, uint32_t features)
 {
     const struct specialization all = {
@@ -51,7 +51,7 @@ static struct counts count(struct kernel_code code, uint32_t integrator, uint32_
     return counts;
 }
 
-// The most of all kernels.
+// Returns the greatest numbers over all kernels.
 static struct counts count_most(uint32_t features)
 {
     static const uint32_t integrators[] = {INTEGRATOR_PATH, INTEGRATOR_AO, INTEGRATOR_WHITTED};
@@ -89,8 +89,8 @@ static bool reads_texels(struct gpu *gpu, const struct scene *scene)
     return reads;
 }
 
-// Other devices than those on the processor read scenes as texels where shading may need more
-// storage buffers than a kernel may bind, and the scenes are short enough.
+// Devices other than CPUs read scenes through texel buffers if shading may need more storage
+// buffers than a kernel may bind, and if the scenes are short enough.
 TEST(texels_replace_storage_buffers)
 {
     struct gpu gpu;

@@ -1,5 +1,5 @@
-// The BSDFs, as shipped and as uploaded, over the grid of their parameters: what is drawn against
-// what is said to be drawn, and both against the reference in double precision.
+// Tests the BSDFs, as rendered and uploaded, over the grid of their parameters: samples against the
+// stated densities, and both against the reference in double precision.
 #include "bsdf_trial.h"
 
 enum { CAPACITY = 2048 };
@@ -49,7 +49,7 @@ static void print_figures(const struct figures figures[MATERIAL_MODEL_COUNT], do
     printf("  limit of p: %.2g (family error 1 %%)\n", significance);
 }
 
-// Chooses among the grid's first `count` configurations.
+// Selects among the first `count` configurations of the grid.
 typedef bool (*choice_fn)(const struct material *material);
 
 static bool is_principled(const struct material *material)
@@ -79,7 +79,7 @@ static bool refracts(const struct material *m)
     return material_has_inside(m) && m->ior != 1.0f;
 }
 
-// Moves every nth of the chosen configurations to the front; returns how many.
+// Moves every nth selected configuration to the front. Returns their number.
 static uint32_t keep_some(uint32_t count, choice_fn is_chosen, uint32_t nth)
 {
     uint32_t chosen = 0, kept = 0;
@@ -98,7 +98,8 @@ static void print_trial(const struct configuration *c, const struct trial *t)
            t->albedo[0], t->nodes, t->unresolved);
 }
 
-// LAMPYRIS_BSDF_ONLY: a part of the names of those to run; LAMPYRIS_BSDF_VERBOSE: print each.
+// LAMPYRIS_BSDF_ONLY is a part of the names of configurations to run; with LAMPYRIS_BSDF_VERBOSE
+// each is printed.
 static void run_trials(uint32_t count, choice_fn is_chosen, struct bsdf_choices choices)
 {
     static struct bsdf_device device;
@@ -109,7 +110,8 @@ static void run_trials(uint32_t count, choice_fn is_chosen, struct bsdf_choices 
     const char *only = getenv("LAMPYRIS_BSDF_ONLY");
     for (uint32_t i = 0; i < count; i++)
         chosen += is_chosen(&grid[i].material);
-    params.significance = 1 - pow(0.99, 0.5 / chosen); // Sidak 1967; two tests for each
+    params.significance = 1 - pow(0.99, 0.5 / chosen); // Sidak 1967, for two tests per
+                                                       // configuration
     take_materials(count);
     if (!bsdf_device_open_with(&device, materials, count, choices))
         return;
@@ -144,8 +146,8 @@ TEST(others)
     run_trials(grid_covering(grid, CAPACITY), is_other, (struct bsdf_choices){0});
 }
 
-// With settings that change what is drawn, or by what refraction scales: a part of the grid in
-// which they do.
+// Settings that change the sampling, or the scaling by refraction, are tested on a part of the grid
+// where they have an effect.
 TEST(drawn_normals)
 {
     run_trials(keep_some(grid_covering(grid, CAPACITY), draws_normals, 12), is_any,
@@ -158,7 +160,8 @@ TEST(unscaled)
                (struct bsdf_choices){.unscaled = true});
 }
 
-// The mean and the variance of a sample's weight, which is what a path in even light 1 brings.
+// The mean and the variance of a sample's weight, which is the contribution of a path under
+// constant light 1.
 struct weights {
     double mean, variance, greatest;
 };
@@ -210,7 +213,7 @@ static uint32_t white_microfacets(void)
     return count;
 }
 
-// Both ways to draw normals have the same mean; what is visible from wo has less variance and
+// Both ways of sampling normals have the same mean. Sampling visible normals has less variance and
 // weights of at most 1. Prints the table of docs/materials.md.
 TEST(normals_variance)
 {
@@ -237,7 +240,7 @@ TEST(normals_variance)
         double error = sqrt((v->variance + d->variance) / (1 << 16));
         CHECK(fabs(v->mean - d->mean) <= 4.5 * error, "means %.5f and %.5f, +- %.5f", v->mean,
               d->mean, error);
-        // From above all normals are visible, as many as there are.
+        // From above all normals are visible, so both ways are the same.
         CHECK(cosine < 1 ? v->variance < d->variance : fabs(v->variance / d->variance - 1) <= 1e-3,
               "%.3g and %.3g", v->variance, d->variance);
         CHECK(v->greatest <= 1.00001, "a weight of %.6f", v->greatest);
@@ -255,6 +258,6 @@ TEST(random)
     run_trials(grid_random(grid, 2000, 2026), is_any, (struct bsdf_choices){0});
 }
 
-// All of them by name: without one, the long one would run too.
+// The cases are named, because otherwise the long one would run, too.
 TEST_MAIN(TEST_CASE(principled), TEST_CASE(others), TEST_CASE(drawn_normals), TEST_CASE(unscaled),
           TEST_CASE(normals_variance), TEST_CASE(choices_long), TEST_CASE(random))

@@ -1,18 +1,18 @@
-// Parts of the shipped BSDFs against closed forms, tabulated values and quadrature in double
-// precision.
+// Tests parts of the renderer's BSDFs against closed forms, tabulated values and quadrature in
+// double precision.
 #include "bsdf_albedo.h"
 #include "bsdf_means.h"
 #include "bsdf_optics.h"
 
-// Tables are raised to stay above the truth between their nodes: below it a layer would return more
-// than it leaves, above it a little is lost.
+// Tables are raised to be above the truth between their nodes: too small an albedo would make a
+// layer return more light than it receives, too large a one loses a little.
 #define TABLE_BELOW 1e-3
 #define TABLE_ABOVE 1e-2
 
 static struct bsdf_device device;
 static struct configuration plate[32];
 
-// A white conductor: |F - 1| <= 4e-7, of (0.001, 100) at normal incidence.
+// A white conductor: |F - 1| <= 4e-7 for the index (0.001, 100) at normal incidence.
 static void make_plate(struct configuration *c, double alpha, double mu, uint32_t flags)
 {
     *c = (struct configuration){.eta = 1.5f};
@@ -40,7 +40,7 @@ static bool open_plates(uint32_t count)
 
 // --- albedo --------------------------------------------------------------------------------------
 
-// The expected albedos were computed by quadrature in double precision; 1 - ln 2 at alpha 1 and
+// The expected albedos were computed by quadrature in double precision; 1 - ln 2 for alpha 1 at
 // normal incidence is exact.
 TEST(ggx_albedo)
 {
@@ -72,8 +72,8 @@ TEST(ggx_albedo)
 
 // --- Fresnel -------------------------------------------------------------------------------------
 
-// The mean over the cosine-weighted hemisphere, by the midpoint rule on the shipped function: with
-// c = c0 + (1 - c0) x^2 from the critical angle on, below which it must be 1.
+// Computes the mean over the cosine-weighted hemisphere, by the midpoint rule on the renderer's
+// function: with c = c0 + (1 - c0) x^2 from the critical angle on, below which it must be 1.
 TEST(mean_fresnel)
 {
     static const double etas[5] = {1.0001, 1.5, 2, 4, 1 / 1.5};
@@ -117,7 +117,8 @@ TEST(mean_fresnel)
 
 // --- normals -------------------------------------------------------------------------------------
 
-// The whole hemisphere of normals in the coordinates of bsdf_cells.h: midpoint rule.
+// Integrates over the hemisphere of normals in the coordinates of bsdf_cells.h, by the midpoint
+// rule.
 enum { ROWS = 512, COLUMNS = 512, NODES = ROWS * COLUMNS };
 static union bsdf_item nodes[NODES], values[NODES];
 static double angles[NODES];
@@ -153,9 +154,10 @@ static bool integrate_normals(const double wo[3], const double alpha[2], double 
     return true;
 }
 
-// Integral of D h.z = 1 (to 1e-5), and of the density of what wo sees, G1 D max(0, wo.h) / wo.z =
-// 1: Heitz 2014, eqs. 4 and 14, where the latter is half of the weak white furnace test, the other
-// half being the reflection's Jacobian, which the closure of the densities tests.
+// The integral of D h.z must be 1 (within 1e-5), and so must that of the density of normals visible
+// from wo, G1 D max(0, wo.h) / wo.z (Heitz 2014, eqs. 4 and 14). The latter is one half of the weak
+// white furnace test; the other half is the Jacobian of reflection, which the closure of densities
+// tests.
 TEST(normals)
 {
     static const double alphas[][2] = {{1e-4, 1e-4}, {1e-3, 1e-3}, {0.01, 0.01},   {0.1, 0.1},
@@ -203,7 +205,7 @@ static const char *const integrand_names[INTEGRANDS] = {
 
 struct point {
     double mu, alpha, eta, roughness;
-    double anisotropic, phi; // only for interfaces that also refract: wo's azimuth
+    double anisotropic, phi; // azimuth of wo, only for interfaces that also refract
 };
 
 static double weight5(double cosine)
@@ -216,7 +218,7 @@ static bool is_of_coat(enum integrand kind)
     return kind == E_COAT || kind == E_COAT_EXACT;
 }
 
-// f cos of docs/materials.md, section by section.
+// Evaluates f cos of docs/materials.md, section by section.
 static double evaluate(enum integrand kind, const struct point *p, const double wo[3],
                        const double wi[3])
 {
@@ -250,7 +252,7 @@ static double evaluate(enum integrand kind, const struct point *p, const double 
     }
 }
 
-// Midpoint rule in a chart by half-vectors that ends at the horizon.
+// Integrates by the midpoint rule in a chart by half-vectors, which ends at the horizon.
 static double integrate(enum integrand kind, const struct point *p)
 {
     enum { STEPS = 200 };
@@ -262,7 +264,8 @@ static double integrate(enum integrand kind, const struct point *p)
                           .turn = {1, 0}};
     double sum = 0;
     for (int j = 0; j < STEPS; j++) {
-        double phi = (j + 0.5) / STEPS * M_PI, end = chart_end(&chart, phi); // the rest mirrors it
+        // the other half mirrors this one
+        double phi = (j + 0.5) / STEPS * M_PI, end = chart_end(&chart, phi);
         for (int i = 0; i < STEPS; i++) {
             double wi[3], jacobian;
             if (chart_direction(&chart, end * (i + 0.5) / STEPS, phi, wi, &jacobian))
@@ -294,7 +297,8 @@ static double look_up(enum integrand kind, const struct point *p)
     }
 }
 
-// Nodes were raised to stay above the truth between them: how far, and that they do.
+// The nodes were raised so that the tables are above the truth between them. Checks this, and
+// measures by how much.
 TEST(albedo_tables)
 {
     enum { POINTS = 40 };
@@ -319,8 +323,8 @@ TEST(albedo_tables)
     }
 }
 
-// Integrates what an interface sends to both sides over the normals that wo sees, by the midpoint
-// rule, each with what Fresnel's equations and the masking of the other direction leave.
+// Integrates the light that an interface sends to both sides over the normals visible from wo, by
+// the midpoint rule, with Fresnel's equations and the masking of the other direction.
 static double integrate_glass(const struct point *p, bool is_clear, int steps)
 {
     double aspect = sqrt(1 - 0.9 * p->anisotropic), sine = sqrt(1 - p->mu * p->mu);
@@ -330,7 +334,8 @@ static double integrate_glass(const struct point *p, bool is_clear, int steps)
                           .alpha = {{alpha[0], alpha[1]}},
                           .lobes = 1,
                           .turn = {1, 0}};
-    double sum = 0, circle = p->anisotropic > 0 ? 2 * M_PI : M_PI; // else the rest mirrors it
+    double sum = 0, circle = p->anisotropic > 0 ? 2 * M_PI : M_PI; // otherwise the other half
+                                                                   // mirrors this one
     for (int i = 0; i < steps * steps; i++) {
         double h[3], phi = (i % steps + 0.5) / steps * circle;
         double measure = chart_normal(&chart, (i / steps + 0.5) / steps, phi, h);
@@ -351,7 +356,7 @@ static double integrate_glass(const struct point *p, bool is_clear, int steps)
     return sum * 2 * M_PI / steps / steps;
 }
 
-// Relative, since what single scattering leaves is divided by it.
+// The error is relative, because the light that single scattering leaves is divided by it.
 TEST(glass_tables)
 {
     enum { POINTS = 60 };
@@ -378,8 +383,8 @@ TEST(glass_tables)
     }
 }
 
-// Anisotropic interfaces. The table is coarse: what is far from isotropic and very rough is off by
-// several per cent in some directions.
+// Anisotropic interfaces. The table is coarse, so highly anisotropic, very rough interfaces have
+// errors of several per cent in some directions.
 TEST(turned_glass_table)
 {
     enum { POINTS = 200 };
@@ -422,7 +427,7 @@ TEST(turned_glass_table)
 
 enum { BALL_ANGLES = 24 };
 
-// A ball of white rough glass, and what each hit of its surface keeps of the light.
+// A ball of white rough glass, and the fraction of light that each hit of its surface keeps.
 struct ball {
     double eta, alpha;
     double kept[2][BALL_ANGLES]; // truth over table at mu, from outside and from inside
@@ -439,15 +444,16 @@ static void make_ball(struct ball *ball, double ior, double roughness)
     }
 }
 
-// One try to scatter at the interface, mu the cosine of wo: what reached wi, of the light of a
-// normal that wo sees, is the chance of success. Returns the cosine of wi, below 0 on the other
-// side, 0 for none.
+// Simulates one attempt to scatter at the interface, with mu the cosine of wo. It succeeds with the
+// probability that light of a visible normal reaches wi. Returns the cosine of wi, negative on the
+// other side, or 0 if it fails.
 static double try_interface(double mu, double alpha, double eta, struct random *random)
 {
     const double alphas[2] = {alpha, alpha}, wo[3] = {sqrt(1 - mu * mu), 0, mu};
     double stretched[3] = {alpha * wo[0], 0, mu}, wi[3], h[3];
     optics_normalize(stretched);
-    // Dupuy and Benyoub 2023: reflected about visible normals, a direction is even in a cap.
+    // Dupuy and Benyoub 2023: reflected about visible normals, a direction is uniformly distributed
+    // in a spherical cap.
     double height = 1 - random_unit(random) * (1 + stretched[2]);
     double phi = random_between(random, 0, 2 * M_PI), radius = sqrt(1 - height * height);
     h[0] = alpha * (radius * cos(phi) + stretched[0]);
@@ -464,9 +470,9 @@ static double try_interface(double mu, double alpha, double eta, struct random *
     return random_unit(random) < unshadowed ? wi[2] : 0;
 }
 
-// Returns what a path from a point of the ball brings of light 1 from everywhere. It scatters again
-// and again with what a table that is right would leave: all. A chord of a ball meets it at the
-// same cosine at both of its ends.
+// Returns the contribution of a path from a point of the ball under constant light 1. It scatters
+// again and again, with the weight that an exact table would give: no loss. A chord of a ball meets
+// the surface at the same cosine at both ends.
 static double follow_ball(const struct ball *ball, struct random *random)
 {
     double mu = sqrt(1 - random_unit(random)), carried = 1;
@@ -482,7 +488,7 @@ static double follow_ball(const struct ball *ball, struct random *random)
     }
 }
 
-// Small errors of the table add up along paths within, of up to twenty hits and more.
+// Small errors of the table accumulate along paths inside, which have twenty hits or more.
 TEST(closed_balls)
 {
     static const double iors[] = {1.33, 1.5, 2.42, 4}, roughnesses[] = {0.3, 0.5, 0.7, 1};

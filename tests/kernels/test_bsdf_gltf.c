@@ -1,7 +1,8 @@
-// Materials of glTF files against the specification: appendix B of glTF 2.0 ("BRDF Implementation")
-// and KHR_materials_specular, KHR_materials_ior, KHR_materials_clearcoat and KHR_materials_sheen
-// once more in double precision, written from their formulas, and the shipped BSDFs run on them.
-// Where docs/gltf.md says that we differ, so does the reference here, and by how much is bounded.
+// Tests materials of glTF files against the specification: appendix B of glTF 2.0 ("BRDF
+// Implementation") and KHR_materials_specular, KHR_materials_ior, KHR_materials_clearcoat and
+// KHR_materials_sheen are written in double precision from their formulas, and compared with the
+// renderer's BSDFs. Where docs/gltf.md documents a difference, the reference here has it, too, and
+// its size is bounded.
 #include "bsdf_means.h"
 #include "bsdf_optics.h"
 
@@ -19,7 +20,7 @@ static bool open_grid(uint32_t count)
     return bsdf_device_open(&device, materials, count);
 }
 
-// Adds the material that the loader makes of {"pbrMetallicRoughness": …} without extensions.
+// Adds the material that the loader makes from {"pbrMetallicRoughness": …} without extensions.
 static struct configuration *add(uint32_t *count, double metallic, double roughness, double degrees)
 {
     struct configuration *c = &grid[(*count)++];
@@ -62,8 +63,8 @@ static double max_value(const double f[3])
     return fmax(f[0], fmax(f[1], f[2]));
 }
 
-// "Fresnel" with KHR_materials_ior and KHR_materials_specular: Schlick's from f0 to f90, or, as the
-// appendix advises where accuracy counts, the full equations, moved to start at f0.
+// "Fresnel" with KHR_materials_ior and KHR_materials_specular: Schlick's curve from f0 to f90 or,
+// as the appendix recommends for accuracy, the full equations, shifted to begin at f0.
 static void dielectric_fresnel(const struct material *m, double v_h, bool exact, double out[3])
 {
     double ior = (double)m->ior, index = (1 - ior) / (1 + ior) * ((1 - ior) / (1 + ior));
@@ -77,8 +78,8 @@ static void dielectric_fresnel(const struct material *m, double v_h, bool exact,
 }
 
 // material = mix(dielectric_brdf, metal_brdf, metallic), times N.L. fresnel_mix weights the base
-// not by what the microfacet halfway reflects but by the albedo of the layer as a whole, after
-// Kulla and Conty, whom the appendix names for it.
+// not by the reflectance of the microfacet halfway but by the albedo of the layer as a whole, after
+// Kulla and Conty, whom the appendix cites for this.
 static void appendix_b(const struct material *m, const double v[3], const double l[3],
                        const double *albedo, bool exact, double out[3])
 {
@@ -95,7 +96,8 @@ static void appendix_b(const struct material *m, const double v[3], const double
     }
 }
 
-// The directional albedo of the dielectric's specular layer: midpoint rule over visible normals.
+// Returns the directional albedo of the dielectric's specular layer, by the midpoint rule over
+// visible normals.
 static void layer_albedo(const struct material *m, const double v[3], bool exact, double out[3])
 {
     enum { STEPS = 160 };
@@ -139,7 +141,7 @@ static void fill_directions(uint32_t number, union bsdf_item *items)
     }
 }
 
-// The greatest difference between what was shipped and the reference, relative.
+// Returns the greatest relative difference between the renderer's BSDF and the reference.
 static double compare(uint32_t number, const double *albedo, bool exact)
 {
     static union bsdf_item items[DIRECTIONS], outputs[DIRECTIONS];
@@ -160,7 +162,7 @@ static double compare(uint32_t number, const double *albedo, bool exact)
     return worst;
 }
 
-// Metals, without what more bounces bring, are the appendix's to the letter.
+// Metals without multiple scattering agree with the appendix exactly.
 TEST(metals)
 {
     static const double roughnesses[] = {0.15, 0.3, 0.6, 1}, angles[] = {0, 30, 60, 75, 85};
@@ -179,8 +181,8 @@ TEST(metals)
     bsdf_device_close(&device);
 }
 
-// Everything between: Lambert's base, one weight for all of its channels, the full Fresnel
-// equations and the base weighted by the layer's albedo.
+// All other materials: Lambert's base, a single weight for all of its channels, the full Fresnel
+// equations, and the base weighted by the layer's albedo.
 TEST(dielectrics)
 {
     static const double roughnesses[] = {0.15, 0.3, 0.6, 1}, angles[] = {0, 30, 60, 75, 85};
@@ -203,7 +205,7 @@ TEST(dielectrics)
         chart_unit(grid[i].wo, v);
         layer_albedo(&grid[i].material, v, true, albedo);
         double error = compare(i, albedo, true);
-        // Tables of albedos are up to .004 above the truth.
+        // Tables of albedos exceed the truth by up to .004.
         CHECK(error <= 0.006, "%s, specular %g: %.3g from appendix B", grid[i].name,
               (double)grid[i].material.specular_weight, error);
         worst = fmax(worst, error);
@@ -212,9 +214,9 @@ TEST(dielectrics)
     bsdf_device_close(&device);
 }
 
-// A white base without reflection is white at every angle and roughness (Burley's: .971 at 0
-// degrees and .667 at 85, at roughness 0), whether it is shaded as Lambert's or among the
-// principled ones.
+// A white base without reflection is white at every angle and roughness, whether it is shaded as
+// Lambertian or by the principled model. (Burley's is .971 at 0 degrees and .667 at 85, for
+// roughness 0.)
 TEST(lambert)
 {
     static const double roughnesses[] = {0, 0.5, 1}, angles[] = {0, 45, 75, 85};
@@ -239,8 +241,8 @@ TEST(lambert)
     bsdf_device_close(&device);
 }
 
-// The albedo of white dielectrics: ours is 1; the sample implementation's, which the appendix says
-// "breaks energy conservation", comes to the same from above and gains at grazing angles.
+// The albedo of white dielectrics is 1 here. That of the sample implementation, which the appendix
+// says "breaks energy conservation", is the same from above and exceeds 1 at grazing angles.
 TEST(albedo)
 {
     static const double roughnesses[] = {0.25, 0.5, 1}, angles[] = {0, 30, 60, 75, 85};
@@ -272,8 +274,8 @@ TEST(albedo)
     bsdf_device_close(&device);
 }
 
-// KHR_materials_sheen: "clearcoat is layered on top of sheen", so that its highlight is not dimmed;
-// KHR_materials_specular: coloured reflection leaves the base its colour.
+// KHR_materials_sheen: "clearcoat is layered on top of sheen", so that its highlight is not dimmed.
+// KHR_materials_specular: coloured reflection does not change the colour of the base.
 TEST(layers)
 {
     static union bsdf_item items[2];
@@ -297,7 +299,7 @@ TEST(layers)
         items[i].in.wi[0] = -grid[i].wo[0];
         items[i].in.wi[2] = grid[i].wo[2];
     }
-    // In its highlight all else is small.
+    // In the highlight all other light is small.
     for (uint32_t i = 0; i < 2; i++)
         if (!bsdf_run(&device, BSDF_ROUTINE_EVAL, BSDF_LOBES_CLASS, &grid[i].material, &items[i],
                       1))
@@ -305,7 +307,7 @@ TEST(layers)
     double with = (double)items[0].eval.f[0], without = (double)items[1].eval.f[0];
     CHECK(with / without > 0.95, "the coat over fibres: %.4f, without them %.4f", with, without);
 
-    // Far from the highlight the base of all channels is the same.
+    // Far from the highlight the base is the same in all channels.
     union bsdf_item item = {.in = {.material = 3, .eta = 1.5f}};
     memcpy(item.in.wo, red->wo, sizeof red->wo);
     item.in.wi[0] = 0.6f;

@@ -1,5 +1,5 @@
-// Properties of the shipped BSDFs besides their distributions: the same bits whatever is compiled
-// in, extreme uniforms, reciprocity, and no energy lost where none should be.
+// Tests properties of the renderer's BSDFs other than their distributions: the same bits for any
+// set of compiled lobes, extreme uniforms, reciprocity, and conservation of energy.
 #include "bsdf_means.h"
 
 enum { CAPACITY = 512 };
@@ -25,7 +25,7 @@ static union bsdf_item item_of(uint32_t number)
 
 // --- the whole grid ------------------------------------------------------------------------------
 
-// A sample and, from what came out, an evaluation of its direction.
+// Draws a sample and, from its output, evaluates its direction.
 TEST(same_bits)
 {
     enum { SAMPLES = 2000 };
@@ -117,7 +117,7 @@ static void set(float color[3], float r, float g, float b)
     color[2] = b;
 }
 
-// Black, without an interface: a lobe alone is what is added.
+// A black material without an interface, to which a single lobe is added.
 static struct configuration *add_bare(uint32_t *count, const char *name)
 {
     struct configuration *c = add(count, name, MATERIAL_PRINCIPLED);
@@ -203,8 +203,8 @@ static uint32_t reciprocal_materials(void)
     return count;
 }
 
-// Both directions of a pair, uniform over the cosine; in half of them the second is where the first
-// one's reflection lies, give or take the roughness, so that highlights are met.
+// Makes both directions of a pair, with uniform cosines. In half of the pairs the second is the
+// first one's reflection, within the roughness, so that highlights are tested.
 static void make_pair(struct random *random, const struct configuration *c, bool through,
                       float a[3], float b[3])
 {
@@ -218,7 +218,7 @@ static void make_pair(struct random *random, const struct configuration *c, bool
     w[2] = fmax(fabs(w[2]), 0.01);
     double norm = vec3_norm(w);
     if (through && !(c->material.flags & MATERIAL_THIN)) {
-        // Bent as the smooth surface bends, then the same spread.
+        // The direction is refracted as by a smooth surface, then spread in the same way.
         for (int i = 0; i < 2; i++)
             w[i] =
                 norm * (-v[i] / (double)c->eta + spread * spread * random_between(random, -1, 1));
@@ -234,7 +234,8 @@ static void make_pair(struct random *random, const struct configuration *c, bool
 
 enum { PAIRS = 10000 };
 
-// The second half of `items`: the same with wi for wo, taken from the other side where it is there.
+// Fills the second half of `items` with wi and wo exchanged, seen from the other side if wi is
+// there.
 static void turn_around(const struct configuration *c, bool through, union bsdf_item *items)
 {
     for (uint32_t k = 0; k < PAIRS; k++) {
@@ -251,10 +252,10 @@ static void turn_around(const struct configuration *c, bool through, union bsdf_
     }
 }
 
-// Returns what rounding alone may do to f, as a part of it: directions and products are off by
-// 2^-24, which moves a half-vector's slope by that over the length of wo + eta wi, in a lobe as
-// wide as alpha; and the cosine beyond a microfacet, the root of a difference, by that over its
-// square.
+// Returns by which fraction rounding alone may change f: directions and products have errors of
+// 2^-24. These change the slope of a half-vector by that over the length of wo + eta wi, in a lobe
+// as wide as alpha; and they change the cosine beyond a microfacet, which is the root of a
+// difference, by that over its square.
 static double rounding_of(const struct configuration *c, const union bsdf_item *item)
 {
     double alpha = (double)c->material.roughness * (double)c->material.roughness;
@@ -284,7 +285,8 @@ static double check_pairs(struct bsdf_device *device, uint32_t number, bool thro
     double worst = 0, largest = 0;
     for (uint32_t k = 0; k < PAIRS; k++) {
         double cos_i = fabs((double)items[k].in.wi[2]), cos_o = (double)items[k].in.wo[2];
-        // Rounded, the way back has a slightly different index: the product is not exactly 1.
+        // After rounding, the way back has a slightly different index, so the product is not
+        // exactly 1.
         double scale = through && !(c->material.flags & MATERIAL_THIN)
                            ? (double)items[k].in.eta / (double)items[PAIRS + k].in.eta
                            : 1;
@@ -332,7 +334,7 @@ static void look_from(struct configuration *c, double degrees)
     c->wo[2] = (float)cos(angle);
 }
 
-// White metals give back all, with compensation.
+// White metals reflect all light if multiple scattering is compensated.
 TEST(compensated)
 {
     static const float roughnesses[] = {0.1f, 0.3f, 0.5f, 0.7f, 1}, anisotropies[] = {0, 0.5f, 1};
@@ -372,8 +374,8 @@ TEST(compensated)
     bsdf_device_close(&device);
 }
 
-// White rough glass, seen from both sides, loses nothing however close the indices are, and neither
-// does glass whose reflection was scaled or tinted.
+// White rough glass loses no light, seen from both sides, however similar the indices are. Neither
+// does glass whose reflection is scaled or tinted.
 static struct configuration *add_glass(uint32_t *count, uint32_t model, float roughness, float eta,
                                        double degrees)
 {
@@ -426,7 +428,7 @@ TEST(compensated_glass)
         struct bsdf_means means;
         if (!bsdf_measure(&device, &grid[i], i, 4, 1 << 13, &means))
             return;
-        // Tables are off by more where less or more is reflected than Fresnel's equations say.
+        // Tables have larger errors if the reflection differs from Fresnel's equations.
         double bound = grid[i].material.specular_weight < 1 ? 0.004 : 0.002;
         for (int c = 0; c < 3; c++) {
             double error = fabs(means.albedo[c] - 1) - 3 * means.albedo_error[c];
@@ -447,7 +449,7 @@ TEST(compensated_glass)
     bsdf_device_close(&device);
 }
 
-// Nor does anisotropic glass, nor glass under a film, nor both.
+// Glass that is anisotropic, that has a film, or both, loses no light either.
 static uint32_t special_glasses(void)
 {
     static const float roughnesses[] = {0.3f, 0.5f, 0.7f, 1};
@@ -470,7 +472,7 @@ static uint32_t special_glasses(void)
 }
 
 // By construction the mean of the channels of these samples is white. A film gives the channels
-// different albedos, which are known approximately, and less exactly the more it reflects.
+// different albedos, which are known only approximately, and less accurately if it reflects more.
 TEST(compensated_special_glass)
 {
     static struct bsdf_device device;
@@ -501,8 +503,8 @@ TEST(compensated_special_glass)
     bsdf_device_close(&device);
 }
 
-// As the index approaches 1, on both of its sides, rough glass becomes what it is at 1: nothing,
-// through which all goes straight on.
+// As the index approaches 1 from either side, rough glass approaches its limit: no interface,
+// through which all light goes straight on.
 TEST(matched_glass)
 {
     static const float distances[] = {1e-3f, 1e-4f, 1e-5f, 0};
@@ -540,7 +542,7 @@ TEST(matched_glass)
     bsdf_device_close(&device);
 }
 
-// Smooth glass splits light without loss: whichever way a sample goes, it carries all.
+// Smooth glass splits light without loss: a sample carries all of it, whichever way it goes.
 TEST(smooth_glass)
 {
     static const float indices[] = {1, 1.0001f, 1.33f, 1.5f, 2.42f, 4};

@@ -1,5 +1,5 @@
-// Rays of the other cameras: where they begin and where they go, against the same in C; and lenses:
-// what is in focus, how large circles of confusion are, and how apertures are filled.
+// Tests the rays of the other cameras against a computation in C, and lenses: which points are in
+// focus, the size of circles of confusion, and the distribution over apertures.
 #include "bsdf_statistics.h"
 #include "kernel_fixture.h"
 
@@ -17,7 +17,7 @@ static void make_scene(struct scene *scene, const struct camera *camera, bool ji
     scene->cameras[0].name = "";
 }
 
-// 2^shift samples from `sample` on of each of so many pixels.
+// Generates 2^shift samples, from `sample` on, of each pixel.
 static bool generate(struct renderer *r, uint32_t first_pixel, uint32_t pixels, uint32_t shift,
                      uint32_t sample, struct err *err)
 {
@@ -57,7 +57,8 @@ static double distance(const double a[3], const float b[3])
     return sqrt(square);
 }
 
-// Through the middle of a pixel: x, y from (-1, 1) at the upper left corner of the picture.
+// Computes the ray through the centre of a pixel; x, y are (-1, 1) at the upper left corner of the
+// image.
 static void expect_ray(const struct camera *camera, double x, double y, double origin[3],
                        double direction[3])
 {
@@ -81,8 +82,8 @@ static void expect_ray(const struct camera *camera, double x, double y, double o
         direction[c] /= norm;
 }
 
-// Every pixel's middle. Directions are good to `tolerance`; origins to a few roundings of what they
-// are made of.
+// Checks the ray through every pixel's centre. Directions are accurate to `tolerance`, and origins
+// to a few rounding errors of their terms.
 static void check_camera(const char *name, const struct camera *camera, double tolerance)
 {
     struct setup setup;
@@ -105,7 +106,7 @@ static void check_camera(const char *name, const struct camera *camera, double t
     setup_close(&setup);
 }
 
-// Extreme heights and fields of view, too (docs/verification.md, C41).
+// Heights and fields of view include extreme ones (docs/verification.md, C41).
 TEST(rays)
 {
     struct camera camera = {.position = {-1.5, 3.25, 10.125},
@@ -121,7 +122,7 @@ TEST(rays)
     }
     camera.height = 0;
     camera.kind = CAMERA_PANORAMIC;
-    // Sines and cosines are good to 2^-11 where Vulkan asks for no more, to 2^-21 in practice.
+    // Sines and cosines are accurate to 2^-11 as Vulkan requires, in practice to 2^-21.
     check_camera("panoramic", &camera, 0x1p-20);
     camera.kind = CAMERA_PERSPECTIVE;
     for (int i = 0; i < 2; i++) {
@@ -152,7 +153,8 @@ static struct camera lens_camera(const struct lens *lens)
                            .lens_rotation = lens->rotation};
 }
 
-// Where a ray meets the plane at this depth, relative to the camera's position.
+// Computes the point at which a ray meets the plane at this depth, relative to the camera's
+// position.
 static void at_depth(const struct gpu_path *path, const struct camera *camera, double depth,
                      double out[2])
 {
@@ -162,8 +164,8 @@ static void at_depth(const struct gpu_path *path, const struct camera *camera, d
         out[c] = (double)path->origin[c] + t * (double)path->direction[c] - camera->position[c];
 }
 
-// All rays of a pixel's middle meet in one point of the plane in focus, up to roundings; in a plane
-// at depth z they fill the aperture's image, |z - s| / s times as large, about a point of the
+// All rays of a pixel's centre meet in one point of the focal plane, within rounding errors. In a
+// plane at depth z they fill the image of the aperture, scaled by |z - s| / s, about a point of the
 // pinhole's ray (similar triangles).
 static void check_confusion(const struct lens *lens)
 {
@@ -183,7 +185,7 @@ static void check_confusion(const struct lens *lens)
             at_depth(&paths[i], &camera, z[p], at);
             farthest[p] = fmax(farthest[p], hypot(at[0] - z[p] * x, at[1] - z[p] * y));
         }
-    // Roundings of the origin, of the direction and of its division by the focal distance.
+    // Rounding errors of the origin, of the direction, and of its division by the focal distance.
     double rounding = 64 * 0x1p-24 * (1 + lens->radius + s);
     CHECK(farthest[1] <= rounding, "%s: %g m from the point in focus", lens->name, farthest[1]);
     for (int p = 0; p < 3; p += 2) {
