@@ -216,19 +216,20 @@ TEST(confusion)
         check_confusion(&lenses[i]);
 }
 
-// The cell of a point of an aperture of radius 1, of `cells` of equal area: by the angle, and by
-// the area of the similar polygon, or disc, inside; -1 outside.
+// Returns the cell, of `cells` with equal area, of a point of an aperture of radius 1: by the
+// angle, and by the area of the similar polygon, or disc, inside of it. Returns -1 if the point is
+// outside.
 enum { RINGS = 8, SECTORS = 24 };
 
 static int aperture_cell(const struct lens *lens, const double at[2])
 {
     double angle = atan2(at[1], at[0]) - lens->rotation, part = hypot(at[0], at[1]);
     angle -= 2 * M_PI * floor(angle / (2 * M_PI));
-    double blade = 0, share = angle / (2 * M_PI); // of the whole turn's area
+    double blade = 0, share = angle / (2 * M_PI); // as a fraction of the whole area
     if (lens->blades) {
         double step = 2 * M_PI / lens->blades;
         blade = fmin(floor(angle / step), lens->blades - 1);
-        double within = angle - blade * step - step / 2; // from the blade's middle
+        double within = angle - blade * step - step / 2; // from the middle of the blade
         part *= cos(within) / cos(step / 2);
         share = (blade + 0.5 + 0.5 * tan(within) / tan(step / 2)) / lens->blades;
     }
@@ -238,7 +239,8 @@ static int aperture_cell(const struct lens *lens, const double at[2])
     return ring * SECTORS + (int)fmin(share * SECTORS, SECTORS - 1);
 }
 
-// Uniform over the aperture: Pearson's test of 2^17 points over 192 cells of equal area.
+// The distribution over the aperture must be uniform: Pearson's test of 2^17 points over 192 cells
+// of equal area.
 static void check_filling(const struct lens *lens)
 {
     struct setup setup;
@@ -294,7 +296,7 @@ static bool take_picture(struct renderer *r, uint64_t samples, struct arena *are
     return ok;
 }
 
-// A panorama of an environment is the environment's image.
+// A panoramic image of an environment must equal the environment's image.
 TEST(panorama_of_an_environment)
 {
     const struct camera camera = {
@@ -304,7 +306,8 @@ TEST(panorama_of_an_environment)
     struct film_image film;
     make_scene(&setup.scene, &camera, false);
     add_environment_image(&setup.scene, WIDTH, HEIGHT);
-    setup.scene.settings.environment_filter = ENVIRONMENT_FILTER_NEAREST; // texel by texel
+    // so that each texel is constant
+    setup.scene.settings.environment_filter = ENVIRONMENT_FILTER_NEAREST;
     OPEN_SETUP(&setup, SLOTS);
     uint32_t wrong = 0;
     if (take_picture(&setup.r, 1, &arena, &film))
@@ -317,7 +320,8 @@ TEST(panorama_of_an_environment)
     setup_close(&setup);
 }
 
-// The part of an aperture of radius 1 with x below u: of a disc, or of the square with level sides.
+// Returns the fraction of an aperture of radius 1 with x below u: of a disc, or of the square with
+// level sides.
 static double part_below(const struct lens *lens, double u)
 {
     if (lens->blades)
@@ -326,8 +330,8 @@ static double part_below(const struct lens *lens, double u)
     return 0.5 + (u * sqrt(1 - u * u) + asin(u)) / M_PI;
 }
 
-// A light's upright edge at depth z: what a pixel gets of it is the part of the aperture from which
-// its pinhole's ray, aimed at the plane in focus, meets the light.
+// A light has a vertical edge at depth z. A pixel receives light from the part of the aperture from
+// which rays to the pinhole ray's point in the focal plane hit the light.
 static void check_edge(const struct lens *lens)
 {
     enum { SPP = 256 };
@@ -352,14 +356,14 @@ static void check_edge(const struct lens *lens)
     if (take_picture(&setup.r, SPP, &arena, &film))
         for (uint32_t x = 0; x < WIDTH; x++) {
             double aimed = ((x + 0.5) / WIDTH * 2 - 1) * tan(0.4) * WIDTH / HEIGHT * z;
-            // At depth z a point u R of the aperture is mapped to aimed + u R (1 - z / s).
+            // At depth z, a point u R of the aperture is mapped to aimed + u R (1 - z / s).
             double blur = lens->radius * (1 - z / s);
             double expected = part_below(lens, (edge - aimed) / fabs(blur)), mean = 0;
             for (uint32_t y = 0; y < HEIGHT; y++)
                 mean += (double)film.mean[y * WIDTH + x][0] / HEIGHT;
             double sigma = sqrt(expected * (1 - expected) / (SPP * HEIGHT));
             worst = fmax(worst, fabs(mean - expected) / fmax(sigma, 1e-9));
-            // Beyond 5 sigma once in 1.7 million.
+            // The difference exceeds 5 sigma once in 1.7 million tests.
             CHECK(fabs(mean - expected) <= 5 * sigma + 1e-6, "%s: column %u: %g, expected %g",
                   lens->name, x, mean, expected);
         }
@@ -379,8 +383,8 @@ TEST(edges_out_of_focus)
         check_edge(&lenses[i]);
 }
 
-// A Lambert sphere lit from where it is seen: its disc's mean is (2/3) rho E / pi, and the disc is
-// pi of the picture's 4.4 x 2.2 square metres.
+// A Lambertian sphere is lit from the viewing direction. The mean over its disc is (2/3) rho E /
+// pi, and the disc is pi of the picture's 4.4 x 2.2 square metres.
 TEST(orthographic_full_moon)
 {
     const struct camera camera = {.kind = CAMERA_ORTHOGRAPHIC,

@@ -1,5 +1,5 @@
-// Environment images whose texels are patches: the tables of what is sampled against the image,
-// samples against the tables, what directions see, and the angles that both are made of. And suns.
+// Tests environment images whose texels are constant, and suns: the sampling tables against the
+// image, samples against the tables, lookups of directions, and the angles in both.
 #include "base/maths.h"
 #include "bsdf_statistics.h"
 #include "environment_texel.h"
@@ -24,7 +24,8 @@ static void set_texel(struct scene *scene, uint32_t column, uint32_t row, float 
 
 // --- tables --------------------------------------------------------------------------------------
 
-// Densities are those of the luminances, none but black texels have none, and they integrate to 1.
+// The densities must be proportional to the luminances. Only black texels have none, and the
+// integral is 1.
 static void check_table(const char *name, const struct scene *scene, double tolerance)
 {
     const struct environment *e = &scene->environment;
@@ -64,7 +65,7 @@ TEST(densities_are_the_luminances)
         struct scene scene = {0};
         char name[64];
         make_image(&scene, sizes[i][0], sizes[i][1]);
-        // Over 12 orders of magnitude, a third of them black; the first is not.
+        // The texels span 12 orders of magnitude; a third of them is black, but not the first one.
         for (uint32_t t = 0; t < sizes[i][0] * sizes[i][1]; t++)
             for (int c = 0; c < 3; c++)
                 scene.environment.texels[t][c] =
@@ -72,14 +73,15 @@ TEST(densities_are_the_luminances)
                         ? 0.0f
                         : (float)pow(10, random_between(&random, -6, 6));
         snprintf(name, sizeof name, "%u x %u", sizes[i][0], sizes[i][1]);
-        // A number of 2^32 is dealt to a bin too much or too little, in rows and columns; and bins
-        // that deserve less have one.
+        // A bin may have a number of 2^32 too much or too little, in rows and columns; bins that
+        // deserve less than one have one.
         check_table(name, &scene, 4e-7);
         scene_finish(&scene);
     }
 }
 
-// One bright texel among black ones, and among dim ones; in corners, where bins are first and last.
+// One texel is bright and the others are black or dim; it is in a corner, whose bins are first or
+// last.
 TEST(one_bright_texel)
 {
     static const uint32_t places[][2] = {{0, 0}, {1023, 255}, {0, 255}, {511, 100}, {1023, 0}};
@@ -101,7 +103,7 @@ TEST(one_bright_texel)
 
 #define SAMPLES (1u << 20)
 
-static union words *items; // SAMPLES
+static union words *items; // SAMPLES items
 
 static void fill_uniforms(uint64_t seed)
 {
@@ -111,7 +113,7 @@ static void fill_uniforms(uint64_t seed)
             items[i].f[0][c] = (float)(random_u32(&random) >> 8) * 0x1p-24f;
 }
 
-// The texel of a direction of the image, in double precision.
+// Returns the texel that the image has in a direction, in double precision.
 static uint32_t texel_of(const struct environment *e, const float direction[3], double rotation)
 {
     double x = (double)direction[0], z = (double)direction[2];
@@ -120,7 +122,8 @@ static uint32_t texel_of(const struct environment *e, const float direction[3], 
     return environment_texel(e, turned);
 }
 
-// Directions by texel against the image, and within texels evenly by solid angle.
+// Compares the directions per texel with the image, and tests that they are uniform by solid angle
+// within texels.
 static void check_samples(const char *name, struct scene *scene, uint64_t seed)
 {
     struct setup setup = {.scene = *scene};
@@ -132,7 +135,7 @@ static void check_samples(const char *name, struct scene *scene, uint64_t seed)
         setup_close(&setup);
         return;
     }
-    // Each texel in 4 x 4 parts.
+    // Each texel is divided into 4 x 4 parts.
     uint32_t *counts = calloc(16 * (size_t)texels, sizeof *counts), other = 0, not_unit = 0;
     double *expected = calloc(16 * (size_t)texels, sizeof *expected), total = 0;
     struct environment fine = *e;
@@ -141,7 +144,7 @@ static void check_samples(const char *name, struct scene *scene, uint64_t seed)
     REQUIRE(counts && expected, "out of memory");
     for (uint32_t i = 0; i < SAMPLES; i++) {
         counts[texel_of(&fine, items[i].f[0], e->rotation)]++;
-        // Near an edge the neighbour may be seen, whose density is another.
+        // Near an edge, the lookup may find the neighbouring texel, which has another density.
         other += items[i].f[0][3] != items[i].f[1][3];
         const double d[3] = {(double)items[i].f[0][0], (double)items[i].f[0][1],
                              (double)items[i].f[0][2]};
@@ -158,7 +161,7 @@ static void check_samples(const char *name, struct scene *scene, uint64_t seed)
     struct pearson pearson = pearson_test(expected, counts, 16 * texels);
     printf("  %-18s p %.3g of %u degrees, %llu outside, %u at edges\n", name, pearson.p,
            pearson.degrees, (unsigned long long)pearson.impossible, other);
-    // Five images: a family error of 1e-3.
+    // For five images together, the probability of an error is 1e-3.
     CHECK(pearson.p >= 2e-4, "%s: statistic %g, %u degrees, p %g", name, pearson.statistic,
           pearson.degrees, pearson.p);
     CHECK(pearson.impossible <= SAMPLES / 100000, "%s: %llu samples of black texels", name,
@@ -206,7 +209,7 @@ TEST(samples_are_those_of_the_image)
     free(items);
 }
 
-// Extreme uniforms: a lit texel, its density, and a direction in it or at its edge.
+// Extreme uniforms must give a lit texel, its density, and a direction in it or at its edge.
 TEST(extreme_uniforms)
 {
     static const float values[] = {0, 0x1p-24f, 0.25f, 0.5f, 1 - 0x1p-24f};
@@ -235,7 +238,7 @@ TEST(extreme_uniforms)
     setup_close(&setup);
 }
 
-// A sun of one texel among 2^19 of a night sky (docs/verification.md, C33).
+// A sun of one texel in a night sky of 2^19 texels (docs/verification.md, C33).
 TEST(a_sun_of_one_texel)
 {
     enum { WIDTH = 8192, HEIGHT = 64, COLUMN = 5000, ROW = 10 };
@@ -265,7 +268,7 @@ TEST(a_sun_of_one_texel)
         printf("  sun chosen %.4f, expected %.4f +- %.4f; integral off by %.1e; %u beside it\n",
                (double)hits / SAMPLES, expected, sigma, sum / SAMPLES / (sun + night) - 1, wrong);
         CHECK(fabs((double)hits / SAMPLES - expected) <= 4 * sigma, "%u of %u", hits, SAMPLES);
-        // Luminance over density is the same for all texels.
+        // Luminance over density must be the same for all texels.
         CHECK(fabs(sum / SAMPLES / (sun + night) - 1) <= 1e-5, "%.9g", sum / SAMPLES);
         CHECK(wrong <= hits / 500, "%u of %u directions are beside the texel", wrong, hits);
     }
@@ -317,7 +320,7 @@ TEST(angles)
     setup_close(&setup);
 }
 
-// Rows are told apart right up to the poles, where the height alone would not.
+// Rows must be distinguished up to the poles, where the height alone would not suffice.
 TEST(rows_at_the_poles)
 {
     enum { HEIGHT = 4096 };
@@ -346,7 +349,7 @@ TEST(rows_at_the_poles)
 
 // --- suns ----------------------------------------------------------------------------------------
 
-// Directions fill the cone evenly, are seen as in it, and have its density.
+// Directions must be uniform in the cone, be recognised as inside it, and have its density.
 static void check_sun(struct setup *setup, double degrees, const double axis[3])
 {
     enum { COUNT = 1 << 17, BINS = 32 };
@@ -388,10 +391,10 @@ static void check_sun(struct setup *setup, double degrees, const double axis[3])
         expected[i] = (double)COUNT / (BINS * BINS);
     struct pearson pearson = pearson_test(expected, &counts[0][0], BINS * BINS);
     printf("  %8g degrees: p %.3g, %u outside, %u not seen\n", degrees, pearson.p, outside, unseen);
-    // Directions are known to some 1e-7, so below a degree their places are on a lattice that the
-    // bins show.
+    // Directions are accurate to about 1e-7, so below one degree their places form a lattice that
+    // the bins show.
     CHECK(degrees < 1 || pearson.p >= 1e-4, "%g degrees: p %g", degrees, pearson.p);
-    double slack = 4e-7 / radius; // of the part of the cone that is at its edge
+    double slack = 4e-7 / radius; // fraction of the cone at its edge
     CHECK(outside <= slack * COUNT + 5 && unseen <= slack * COUNT + 5, "%g degrees: %u, %u",
           degrees, outside, unseen);
     CHECK(not_unit == 0, "%u directions are not of unit length", not_unit);

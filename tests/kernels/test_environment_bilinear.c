@@ -1,5 +1,5 @@
-// Environment images between the centres of their texels: what directions see, also across poles
-// and edges of the image, and samples against densities and the image.
+// Tests bilinear environment images: lookups of directions, also across poles and edges of the
+// image, and samples against densities and the image.
 #include "bsdf_statistics.h"
 #include "environment_reference.h"
 #include "library_fixture.h"
@@ -7,13 +7,13 @@
 
 #define SAMPLES (1u << 18)
 
-static union words *items; // SAMPLES
+static union words *items; // SAMPLES items
 
 static const struct image {
     const char *name;
     uint32_t width, height;
     double rotation;
-    double black; // the share of texels that are
+    double black; // fraction of black texels
     double decades;
 } images[] = {
     {"1 x 1", 1, 1, 0, 0, 0},
@@ -75,14 +75,14 @@ static void towards(double angle, double around, float out[3])
 
 // --- lookups -------------------------------------------------------------------------------------
 
-// Radiance is right to single precision of the direction: roundings of 1e-7 are this part of a
-// texel, times its difference from the next one.
+// Radiance is accurate to the single precision of the direction: rounding errors of 1e-7, as a
+// fraction of a texel, times the difference from the neighbouring texel.
 static double tolerance(const struct environment *e)
 {
     return 1e-6 * (1 + e->width + e->height) * (double)greatest(e);
 }
 
-// A third of the directions are near poles, where a direction's height says little.
+// A third of the directions are near the poles, where the height of a direction is inaccurate.
 static void check_lookups(const struct image *image, struct random *random)
 {
     enum { COUNT = 1 << 14 };
@@ -125,7 +125,7 @@ TEST(lookups_are_those_of_the_reference)
         check_lookups(&images[i], &random);
 }
 
-// The centre of a texel sees that texel alone.
+// In the direction of a texel's centre, only that texel is seen.
 TEST(centres_see_their_texels)
 {
     enum { WIDTH = 64, HEIGHT = 33, COUNT = WIDTH * HEIGHT };
@@ -150,8 +150,8 @@ TEST(centres_see_their_texels)
     setup_close(&setup);
 }
 
-// Along each of 16 meridians across a pole, and along a parallel across the image's edge: steps
-// change radiance by no more than its slope allows. What is seen at the pole is the mean.
+// Along each of 16 meridians across a pole, and along a parallel across the image's edge, radiance
+// must not change by more than its slope permits. At the pole itself it is the mean.
 static void check_continuity(uint32_t width, uint32_t height)
 {
     enum { MERIDIANS = 16, STEPS = 257, COUNT = MERIDIANS * STEPS };
@@ -162,7 +162,7 @@ static void check_continuity(uint32_t width, uint32_t height)
     struct setup setup = {.scene = scene};
     const struct environment *e = &setup.scene.environment;
     OPEN_SETUP(&setup, LIBRARY_SLOTS);
-    for (int path = 0; path < 3; path++) { // zenith, nadir, edge
+    for (int path = 0; path < 3; path++) { // zenith, nadir and edge
         double reach = 0.75 * M_PI / height, step = 2 * reach / (STEPS - 1), jump = 0, mean = 0;
         for (int i = 0; i < COUNT; i++) {
             double along = step * (i % STEPS) - reach, around = 2 * M_PI * (i / STEPS) / MERIDIANS;
@@ -176,7 +176,7 @@ static void check_continuity(uint32_t width, uint32_t height)
         for (int i = 1; i < COUNT; i++)
             if (i % STEPS != 0)
                 jump = fmax(jump, fabs((double)items[i].f[0][0] - (double)items[i - 1].f[0][0]));
-        // From the pole to the centres it is half a texel: twice the slope.
+        // From the pole to the centres it is half a texel, so the slope is doubled.
         double slope = (double)greatest(e) * fmax(2 * height / M_PI, width / (2 * M_PI));
         CHECK(jump <= slope * step + tolerance(e), "%u x %u, path %d: a jump of %g, slope %g",
               width, height, path, jump, slope * step);
@@ -204,7 +204,7 @@ TEST(radiance_is_continuous)
 
 // --- tables --------------------------------------------------------------------------------------
 
-// Mean densities of cells are those of their luminances, and integrate to 1.
+// The mean densities of cells must be proportional to their luminances and integrate to 1.
 static void check_table(const char *name, const struct scene *scene, double most)
 {
     const struct environment *e = &scene->environment;
@@ -272,8 +272,8 @@ static void fill_uniforms(uint64_t seed)
             items[i].f[0][c] = (float)(random_u32(&random) >> 8) * 0x1p-24f;
 }
 
-// How samples' densities differ from the reference's, and from those that a lookup finds; and the
-// estimate of the integral of radiance over all directions.
+// The differences between the samples' densities and those of the reference and of lookups, and the
+// estimated integral of radiance over all directions.
 struct differences {
     double density, lookup, radiance, integral, variance;
     uint32_t not_unit;
@@ -310,8 +310,8 @@ static struct differences compare_samples(const struct environment *e, double fl
     return d;
 }
 
-// The integral of the image's luminance over all directions, by 64 points a cell and row: exact in
-// longitude, of fourth order in the angle.
+// Integrates the image's luminance over all directions with 64 points per cell and row. It is exact
+// in longitude, and of fourth order in the angle.
 static double integrate_luminance(const struct environment *e)
 {
     enum { STEPS = 64 };
@@ -334,7 +334,8 @@ static double integrate_luminance(const struct environment *e)
     return sum;
 }
 
-// Each cell in 4 x 4 parts: the density's integral over one is its value in the middle.
+// Each cell is divided into 4 x 4 parts. The integral of the density over a part is the value in
+// its middle.
 static struct pearson count_directions(const struct environment *e, double floor, double total)
 {
     uint32_t cells = e->width * (e->height + 1);
@@ -372,7 +373,7 @@ static void check_samples(const struct image *image, struct random *random, uint
     OPEN_SETUP(&setup, LIBRARY_SLOTS);
     fill_uniforms(seed);
     if (library_run(&setup, ROUTINE_SAMPLE_ENVIRONMENT, items, SAMPLES)) {
-        // That of an even image is sampled by its luminance.
+        // A constant image is sampled by its luminance.
         bool is_compensated =
             sampling == ENVIRONMENT_SAMPLING_COMPENSATED && e->width * e->height > 1;
         double floor = is_compensated ? (double)(float)environment_luminance(e) : 0;
@@ -385,13 +386,13 @@ static void check_samples(const struct image *image, struct random *random, uint
                image->name, pearson.p, pearson.degrees, (unsigned long long)pearson.impossible,
                d.density, d.lookup, d.radiance, d.integral * total / exact - 1, t, d.variance);
         double rounding = 1e-6 * (1 + e->width + e->height);
-        // Nine images, twice: a family error of 2e-3.
+        // For nine images, twice, the probability of an error is 2e-3.
         CHECK(pearson.p >= 1e-4, "%s: p %g", image->name, pearson.p);
         CHECK(pearson.impossible <= SAMPLES / 100000, "%s: %llu samples of black cells",
               image->name, (unsigned long long)pearson.impossible);
         CHECK(d.density <= rounding && d.lookup <= rounding && d.radiance <= rounding,
               "%s: off by %g, %g, %g", image->name, d.density, d.lookup, d.radiance);
-        // Where the density is 0, scattered rays alone find radiance.
+        // Where the density is 0, only scattered rays find the radiance.
         CHECK(is_compensated || fabs(t) <= 4 || fabs(d.integral * total / exact - 1) <= 1e-6,
               "%s: t = %g", image->name, t);
         CHECK(d.not_unit == 0, "%s: %u directions are not of unit length", image->name, d.not_unit);
@@ -419,7 +420,7 @@ TEST(samples_are_those_of_what_exceeds_the_mean)
     free(items);
 }
 
-// Extreme uniforms must give a unit direction and a finite density, and radiance exactly where the
+// Extreme uniforms must give a unit direction and a finite density, and radiance exactly if the
 // density is not 0.
 TEST(extreme_uniforms)
 {
@@ -451,8 +452,9 @@ TEST(extreme_uniforms)
     setup_close(&setup);
 }
 
-// A sun of one texel among 2^19 of a night sky (docs/verification.md, C33). The integral over solid
-// angle of its tent about the angle t, with sides of h, is 2 pi / width sin t (2 - 2 cos h) / h.
+// A sun of one texel in a night sky of 2^19 texels (docs/verification.md, C33). The integral over
+// solid angle of its tent about the angle t, with sides of h, is 2 pi / width sin t (2 - 2 cos h) /
+// h.
 TEST(a_sun_of_one_texel)
 {
     enum { WIDTH = 8192, HEIGHT = 64, COLUMN = 5000, ROW = 10 };
@@ -484,8 +486,8 @@ TEST(a_sun_of_one_texel)
         CHECK(fabs((double)hits / SAMPLES - expected) <= 4 * sigma, "%u of %u", hits, SAMPLES);
         CHECK(fabs(sum - sun - night) <= 4 * error + 2e-6 * sum, "%.9g, not %.9g", sum,
               sun + night);
-        // Luminance over density is nearly the same everywhere: a part t of a cell by angle is
-        // about t - h / 2 cot(angle) t (1 - t) of it by solid angle, here up to 0.011 less.
+        // Luminance over density is nearly constant: a fraction t of a cell by angle is about t - h
+        // / 2 cot(angle) t (1 - t) by solid angle, here up to 0.011 less.
         CHECK(error * sqrt(SAMPLES) <= 0.02 * sum, "relative deviation %g",
               error * sqrt(SAMPLES) / sum);
     }

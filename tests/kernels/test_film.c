@@ -1,4 +1,4 @@
-// accumulate and resolve against binned and plain sums and running means in C, bit for bit.
+// Tests accumulate and resolve against binned sums, plain sums and running means in C, bit for bit.
 #include "film_reference.h"
 #include "kernel_fixture.h"
 
@@ -11,7 +11,7 @@ static float float_of(uint32_t word)
     return value;
 }
 
-// Sample number `count` of a half of a film that keeps floats.
+// Adds sample number `count` to a half of a film that stores floats.
 static void accumulate_float(uint32_t accumulation, uint32_t *word, float value, uint32_t count)
 {
     float kept = float_of(*word);
@@ -24,7 +24,7 @@ static float radiance[SLOTS][4];
 
 static void add_floats(uint32_t accumulation, struct gpu_film_pixel *pixel, const float value[3])
 {
-    bool odd = pixel->samples & 1u; // whatever the index of the sample
+    bool odd = pixel->samples & 1u; // independent of the index of the sample
     uint32_t count_a = (pixel->digits_b ? pixel->digits_b - 1 : 0) + !odd;
     uint32_t count = odd ? pixel->samples + 1 - count_a : count_a;
     for (int c = 0; c < 3; c++)
@@ -56,8 +56,8 @@ static void expect_wave(uint32_t accumulation, const struct gpu_push *push)
     }
 }
 
-// Over 24 orders of magnitude, with exact zeros, and bright spikes among small values; the last
-// channel over all of single precision's, and of both signs.
+// Fills radiance over 24 orders of magnitude, with exact zeros, and bright spikes among small
+// values. The last channel has the whole range of single precision, with both signs.
 static void fill_radiance(struct random *random)
 {
     for (uint32_t slot = 0; slot < SLOTS; slot++) {
@@ -107,7 +107,7 @@ static void check_accumulation(uint32_t accumulation)
     OPEN_SETUP(&setup, SLOTS);
     memset(expected, 0, sizeof expected);
     struct gpu_push *push = &setup.r.push;
-    // Elsewhere a division may be off by 2.5 units in the last place.
+    // On other devices a division may have an error of 2.5 ulps.
     uint32_t waves = accumulation != ACCUMULATION_RUNNING || setup.gpu.info.is_cpu ? 300 : 0;
     for (uint32_t wave = 0; wave < waves; wave++) {
         push->sample_shift = wave % 5;
@@ -135,7 +135,7 @@ TEST(accumulate_is_as_in_c)
         check_accumulation(i);
 }
 
-// The sum stays right where a plain one stands still: 2^24 and then ones.
+// The sum remains correct where a plain sum stops growing: 2^24, followed by ones.
 TEST(accumulate_goes_on_past_2_to_24)
 {
     struct setup setup;
@@ -161,7 +161,7 @@ TEST(accumulate_goes_on_past_2_to_24)
     setup_close(&setup);
 }
 
-// A wave with a ray that ran out of its budget is void: nothing of it reaches the film.
+// A wave with a ray that exceeded its budget is discarded: nothing of it may reach the film.
 TEST(accumulate_leaves_void_waves_alone)
 {
     struct setup setup;
@@ -185,7 +185,7 @@ TEST(accumulate_leaves_void_waves_alone)
 
 // --- resolve -------------------------------------------------------------------------------------
 
-// A rounding and a division, which Vulkan wants good to 2.5 ulp.
+// A rounding and a division, which Vulkan requires to be accurate to 2.5 ulps.
 static bool is_mean(float mean, double sum, uint32_t samples)
 {
     double exact = samples > 0 ? sum / samples : 0;
@@ -198,7 +198,7 @@ static float random_value(struct random *random, double decades)
     return random_u32(random) % 4 == 0 ? -value : value;
 }
 
-// A pixel that one of its values dominates, or none; of floats, one for each sum.
+// Makes a pixel in which one value dominates, or none; a film of floats has one value per sum.
 static void make_pixel(uint32_t accumulation, uint32_t samples, struct random *random,
                        struct gpu_film_pixel *out)
 {
@@ -223,7 +223,7 @@ static void make_pixel(uint32_t accumulation, uint32_t samples, struct random *r
     out->digits_b = accumulation == ACCUMULATION_RUNNING ? samples - samples / 2 + 1 : 0;
 }
 
-// Returns the sum of a channel that a half-buffer keeps, or its mean.
+// Returns the sum of a channel that a half-buffer stores, or its mean.
 static double kept_of(uint32_t accumulation, const struct gpu_film_pixel *pixel, bool second,
                       uint32_t c)
 {
@@ -255,7 +255,7 @@ static void check_resolve(uint32_t accumulation)
     uint64_t dropped = 0;
     for (uint32_t i = 0; i < PIXELS; i++) {
         uint32_t samples_b = film[i].samples / 2, samples_a = film[i].samples - samples_b;
-        samples_a = has_means ? samples_a > 0 : samples_a; // of a mean, one
+        samples_a = has_means ? samples_a > 0 : samples_a; // a mean counts as one sample
         samples_b = has_means ? samples_b > 0 : samples_b;
         for (uint32_t c = 0; c < 3; c++)
             wrong +=
@@ -282,7 +282,7 @@ TEST(resolve_takes_means)
 
 // --- both ----------------------------------------------------------------------------------------
 
-// Every sample sees radiance 1, so that all means are 1 exactly, also those of halves.
+// Every sample has radiance 1, so that all means, also those of the halves, are exactly 1.
 static void check_emptied_film(struct renderer *r, uint64_t before, uint64_t samples)
 {
     struct arena arena = {0};

@@ -1,12 +1,13 @@
-// How far the film's ways to add samples up drift from the samples' mean, against closed forms:
-// the table of docs/sampling.md. `accumulate` runs as shipped, on radiance that the test makes.
+// Measures the drift of the film's ways of adding samples from the samples' mean, and compares it
+// with closed forms: the table of docs/sampling.md. The renderer's `accumulate` runs on radiance
+// that the test makes.
 #include "film_reference.h"
 #include "kernel_fixture.h"
 
-// A wave that the least devices hold, too.
+// A wave that every device supports.
 enum { WAVE_SHIFT = 8, PIXELS = 64, SLOTS = PIXELS << WAVE_SHIFT, MIXES = 3, WAYS = 3 };
 
-// A mix a channel: samples are uniform in mean +- half_width.
+// The distribution of samples for each channel: uniform in mean +- half_width.
 struct mix {
     const char *name;
     double mean, half_width;
@@ -16,7 +17,7 @@ static const struct mix mixes[MIXES] = {
 
 // --- closed forms --------------------------------------------------------------------------------
 
-// Computes the mean and the variance of what rounding adds where a uniform sample is added to a
+// Computes the mean and the variance of the rounding error when a uniform sample is added to a
 // multiple of `unit`.
 static void rounded(const struct mix *s, double unit, double *mean, double *variance)
 {
@@ -30,17 +31,17 @@ static void rounded(const struct mix *s, double unit, double *mean, double *vari
     }
     *mean = s->mean + sum / PARTS;
     *variance =
-        fmax(squares / PARTS - sum / PARTS * (sum / PARTS), 0); // rounding may take it below
-    // Finer than the parts: rounding's error is uniform.
+        fmax(squares / PARTS - sum / PARTS * (sum / PARTS), 0); // rounding may make it negative
+    // If `unit` is smaller than the parts, the rounding error is uniform.
     if (s->half_width > 0 && s->half_width / PARTS * 16 > unit) {
         *mean = s->mean;
         *variance = unit * unit / 12;
     }
 }
 
-// Returns the drift of `count` samples' plain sum. Between 2^j and 2^(j+1) it is a multiple of
-// 2^(j-23), and grows by samples that are rounded to that: a broken line, and the roundings' noise
-// about it.
+// Returns the drift of the plain sum of `count` samples. Between 2^j and 2^(j+1) the sum is a
+// multiple of 2^(j-23), and grows by samples rounded to that: a piecewise linear function, plus the
+// noise of the rounding errors.
 static double drift_of_sum(const struct mix *s, double count)
 {
     double sum = s->mean, added = 1, noise = 0;
@@ -55,13 +56,13 @@ static double drift_of_sum(const struct mix *s, double count)
     return hypot(sum - count * s->mean, sqrt(noise)) / (count * s->mean);
 }
 
-// Returns the drift of `count` samples' running mean m += (x - m) / k. Roundings e_k are uniform in
-// half a unit of m's last place, and weigh k / n in the end: their variance is n unit^2 / 36. From
-// k0 = 2 h / unit samples on no step reaches half a unit: m stands still, and knows no later ones.
-// With s = k / k0, from s = 1/3 on, m moves by whole units alone, down or up with a mean of -2 (m -
-// mean) / k0 and a variance of unit^2 (1 - s). Its variance D about the mean follows D' = -4 D +
-// unit^2 k0 (1 - s), whose solution from D(1/3) = unit^2 k0 (1/4 + 1/108) ends at D(1) = 0.0646
-// unit^2 k0. After that the samples' mean goes on without m.
+// Returns the drift of the running mean m += (x - m) / k of `count` samples. Rounding errors e_k
+// are uniform within half an ulp of m, and have the weight k / n in the end, so their variance is n
+// unit^2 / 36. From k0 = 2 h / unit samples on, no step reaches half an ulp, and m no longer
+// changes. With s = k / k0, from s = 1/3 on, m only changes by whole ulps, downwards or upwards,
+// with a mean of -2 (m - mean) / k0 and a variance of unit^2 (1 - s). Its variance D about the mean
+// satisfies D' = -4 D + unit^2 k0 (1 - s), whose solution from D(1/3) = unit^2 k0 (1/4 + 1/108)
+// ends with D(1) = 0.0646 unit^2 k0. After that, the samples' mean changes but m does not.
 static double drift_of_running_mean(const struct mix *s, double count)
 {
     double unit = ldexp(1, ilogb(s->mean) - 23), spread = s->half_width * s->half_width / 3;
@@ -75,7 +76,7 @@ static double drift_of_running_mean(const struct mix *s, double count)
 // --- measured ------------------------------------------------------------------------------------
 
 static float radiance[SLOTS][4];
-static double exact[PIXELS][2][MIXES]; // sums
+static double exact[PIXELS][2][MIXES]; // exact sums
 static struct gpu_film_pixel film[PIXELS];
 
 static void fill_wave(struct random *random)
@@ -98,7 +99,8 @@ static bool accumulate_wave(struct renderer *r, uint32_t first_sample, struct er
            run_kernel(r, &r->kernels[KERNEL_accumulate], PIXELS, err);
 }
 
-// The relative error's root mean square over pixels and halves, which are `count` samples each.
+// Returns the root mean square of the relative error over pixels and halves, each of `count`
+// samples.
 static double drift(uint32_t way, int c, double count)
 {
     double squares = 0;
@@ -117,8 +119,8 @@ static double drift(uint32_t way, int c, double count)
     return sqrt(squares / (2 * PIXELS));
 }
 
-// Measured and expected agree to a factor of 1.5: 128 halves know it to 6 %, and the closed form of
-// the running mean joins its two ends without what lies between them.
+// Measured and expected drift agree within a factor of 1.5: from 128 halves it is known to 6 %, and
+// the closed form of the running mean interpolates between its two ends.
 static void check_drift(uint32_t way, int c, double count)
 {
     double measured = drift(way, c, count);
@@ -128,7 +130,7 @@ static void check_drift(uint32_t way, int c, double count)
                                                     : 0;
     printf("  2^%-2d samples, %-15s %-11s %.2g, expected %.2g; the samples' noise %.2g\n",
            1 + ilogb(count), mixes[c].name, accumulation_names[way], measured, expected, noise);
-    // No sample is above 2.8, and the lower digit's unit is below 2^-33 of its half then.
+    // No sample is above 2.8, so the unit of the lower digit is below 2^-33 of its half.
     if (way == ACCUMULATION_BINNED)
         CHECK(measured <= 0x1p-32, "%s, binned: %g", mixes[c].name, measured);
     else
@@ -137,7 +139,7 @@ static void check_drift(uint32_t way, int c, double count)
               measured, expected);
 }
 
-// All three ways get the same samples, and are looked at at powers of four.
+// Adds the same samples in all three ways, and measures at powers of four.
 static void measure(int log_samples)
 {
     static struct setup setups[WAYS];
@@ -174,7 +176,7 @@ TEST(drifts)
     measure(16);
 }
 
-// The table of docs/sampling.md.
+// Prints the table of docs/sampling.md.
 TEST(drifts_long)
 {
     measure(24);

@@ -1,5 +1,5 @@
-// The pixel filters of lib/filter.glsl as shipped, run on the device: each position is where the
-// filter's distribution function is the uniform that it was made of.
+// Tests the renderer's pixel filters (lib/filter.glsl) on the device: the distribution function of
+// the filter at each position must be the uniform from which the position was made.
 #include "sampler_fixture.h"
 
 static union draw draws[SAMPLER_ITEMS];
@@ -31,7 +31,7 @@ static double (*const below[])(double) = {
     [FILTER_BLACKMAN_HARRIS] = blackman_harris_below,
 };
 
-// All corners of the square, and random places.
+// Fills the uniforms with all corners of the square and random values.
 static void fill_uniforms(void)
 {
     static const float extremes[] = {0, 0x1p-24f, 0x1p-12f, 0.5f, 1 - 0x1p-12f, 1 - 0x1p-24f};
@@ -60,7 +60,8 @@ static void check_separable(const struct sampler_setup *s, const union draw *giv
     }
 }
 
-// Radially: a share 1 - exp(-9/2 r^2) of what is within the radius, and the angle evenly.
+// Radially, the filter has the fraction 1 - exp(-9/2 r^2) of its total within the radius; the angle
+// is uniform.
 static void check_gaussian(const struct sampler_setup *s, const union draw *given, double *worst)
 {
     double radius = (double)s->filter_radius;
@@ -70,14 +71,14 @@ static void check_gaussian(const struct sampler_setup *s, const union draw *give
         double share = -expm1(-4.5 * (x * x + y * y)) / -expm1(-4.5);
         *worst = fmax(*worst, fabs(share - (double)given[i].u[0]));
         double turn = atan2(y, x) / (2 * M_PI) - (double)given[i].u[1];
-        // Near the centre the rounding of the position is all of it.
+        // Near the centre the error is the rounding of the position.
         if (given[i].u[0] > 1e-3f)
             *worst = fmax(*worst, fabs(turn - rint(turn)) * sqrt((double)given[i].u[0]));
     }
 }
 
-// To 1e-6, at radii from the smallest to the largest; positions are rounded to 24 bits of a pixel
-// beside the radius.
+// The error is at most 1e-6 for the smallest to the largest radius. Positions are rounded to 24
+// bits of a pixel plus the radius.
 TEST(inverse_distribution)
 {
     static const float radii[] = {0.25f, 0.5f, 1.5f, 16};
@@ -105,7 +106,7 @@ TEST(inverse_distribution)
     sampler_close(&s);
 }
 
-// The box of a pixel leaves the uniforms alone, to the bit.
+// The box filter of one pixel returns the uniforms unchanged, bit for bit.
 TEST(box_is_the_pixel)
 {
     static union draw given[SAMPLER_ITEMS];

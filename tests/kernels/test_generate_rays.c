@@ -1,4 +1,4 @@
-// generate_rays against the camera and pcg4d in C.
+// Tests generate_rays against the camera and pcg4d in C.
 #include "kernel_fixture.h"
 
 enum { WIDTH = 37, HEIGHT = 23, SLOTS = 1024 };
@@ -11,8 +11,8 @@ static void make_camera(struct scene *scene, struct camera camera)
     scene->cameras[0] = camera;
 }
 
-// The unit direction through a point of the image, (0, 0) its upper left corner and (1, 1) its
-// lower right one.
+// Computes the unit direction through a point of the image; (0, 0) is its upper left corner and (1,
+// 1) its lower right one.
 static void camera_direction(const struct camera *camera, double x, double y, double out[3])
 {
     double right[3], up[3];
@@ -52,7 +52,8 @@ static struct gpu_path paths[SLOTS];
 static float radiance[SLOTS][4];
 static uint32_t queue[SLOTS];
 
-// Runs the kernel over all slots of a wave, in parts of `part` items, on memory full of rubbish.
+// Runs the kernel over all slots of a wave, in parts of `part` items, on memory with arbitrary
+// contents.
 static bool generate(struct renderer *r, uint32_t part, struct err *err)
 {
     uint32_t count = r->push.pixel_count << r->push.sample_shift;
@@ -79,8 +80,9 @@ static bool generate(struct renderer *r, uint32_t part, struct err *err)
            gpu_download(r->gpu, &buffers[BINDING_QUEUES], 0, r->counters, sizeof *r->counters, err);
 }
 
-// All but the direction is exact. A coordinate in the image has some 13 roundings of 2^-24 (a
-// division is good to 2.5 ulp, the result doubled), the vector and its normalisation some 7 more.
+// Everything except the direction is exact. A coordinate in the image has about 13 rounding errors
+// of 2^-24 (a division has 2.5 ulps, and the result is doubled), the vector and its normalisation
+// about 7 more.
 static void check_slots(const struct renderer *r, const struct camera *camera, double *worst)
 {
     uint32_t count = r->push.pixel_count << r->push.sample_shift, wrong = 0;
@@ -149,7 +151,7 @@ TEST(straight_camera)
 
 TEST(oblique_camera)
 {
-    // Unit direction; up neither unit nor at a right angle to it.
+    // The direction is a unit vector; `up` is neither a unit vector nor perpendicular to it.
     const struct camera camera = {.position = {-12.5, 3.25, 100.125},
                                   .direction = {2.0 / 7, -3.0 / 7, 6.0 / 7},
                                   .up = {0.5, 2, 0.25},
@@ -158,7 +160,7 @@ TEST(oblique_camera)
     check_camera("oblique", camera, true);
 }
 
-// docs/verification.md, C41.
+// See docs/verification.md, C41.
 TEST(narrow_camera)
 {
     const struct camera camera = {.position = {0, 0, 0},
@@ -169,7 +171,7 @@ TEST(narrow_camera)
     check_camera("narrow", camera, true);
 }
 
-// The origins of rays from a lens, which are its two of a dimension's four numbers.
+// Computes the origins of rays from a lens, which two of a dimension's four numbers determine.
 static void lens_origins(uint32_t pixel_sampling, float origins[SLOTS][3],
                          float directions[SLOTS][3])
 {

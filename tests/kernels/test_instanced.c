@@ -1,13 +1,14 @@
-// Traversal through instances against the CPU reference in double precision, and what it must get
-// exactly right: ties, what a ray leaves, closed surfaces, and bits that nothing changes.
+// Tests traversal through instances against the CPU reference in double precision, and exact
+// requirements: equal distances, surfaces that rays leave, closed surfaces, and bits that must not
+// change.
 //
-// Where kernel and reference disagree, traversal_judge.h says whether rounding explains it, that of
-// the ray's way to the instance's space included.
+// If kernel and reference disagree, traversal_judge.h decides whether rounding explains it,
+// including that of the ray's transformation to the instance's space.
 #include "instanced.h"
 #include "traversal_judge.h"
 
 enum { RAYS = 50000, INSTANCES = 48 };
-// How often rounding may decide: about rays at edges and corners more often.
+// How often rounding may decide; for rays at edges and corners more often.
 enum { MOST_EXPLAINED = RAYS / 2048, MOST_DELICATE = RAYS / 16 };
 
 static struct probe_ray rays[RAYS];
@@ -27,7 +28,7 @@ static void trace(struct renderer *r, enum kernel_id kernel, struct probe_hit *o
 
 // --- random instances ----------------------------------------------------------------------------
 
-// Balls, cubes and single triangles amid triangles of the world, within some 5 m.
+// Makes balls, cubes and single triangles among triangles in world space, within about 5 m.
 static void fill_scene(struct scene *scene)
 {
     struct random random = {41};
@@ -46,7 +47,7 @@ static void fill_scene(struct scene *scene)
     place_mesh(scene, meshes[2], m, SCENE_NONE);
 }
 
-// A point of an edge of an instance's triangle, or one of its corners; or inside of it.
+// Returns a point on an edge of an instance's triangle, one of its corners, or a point inside.
 static void random_target(const struct flat_scene *flat, struct random *random, float target[3])
 {
     const struct flat_instance *instance =
@@ -66,7 +67,7 @@ static void random_target(const struct flat_scene *flat, struct random *random, 
     to_world(instance, point, target);
 }
 
-// In random directions, along axes, and at instances, by turns.
+// Makes rays in random directions, along axes, and towards instances, in alternation.
 static void random_rays(const struct flat_scene *flat, bool segments)
 {
     struct random random = {43};
@@ -178,8 +179,8 @@ TEST(shadow_rays_agree_with_the_reference)
 
 // --- ties, and what a ray leaves -----------------------------------------------------------------
 
-// Instances in the same place: the first one is seen. A ray that leaves a triangle of it meets the
-// same triangle of the others, and never its own.
+// If instances are at the same place, the first one is visible. A ray that leaves one of its
+// triangles hits the same triangle of the others, but never its own.
 TEST(an_instance_is_left_and_its_twin_is_met)
 {
     enum { COUNT = 4096 };
@@ -228,8 +229,8 @@ TEST(an_instance_is_left_and_its_twin_is_met)
 
 // --- pictures ------------------------------------------------------------------------------------
 
-// A ball of 2 m under an even sky, or a cube seen from inside, where `far` in a scene so wide that
-// it stays far from the origin.
+// Renders a ball of 2 m under a constant sky, or a cube from inside. With `far`, the scene is so
+// large that it stays far from the origin.
 static void render_convex(enum placing placing, const double center[3], bool far, bool inside,
                           struct arena *arena, struct film_image *image)
 {
@@ -249,7 +250,7 @@ static void render_convex(enum placing placing, const double center[3], bool far
     if (far)
         add_anchor(&setup.scene, (const double[3]){-center[0], -center[1], -center[2]});
     struct camera *camera = &setup.scene.cameras[0];
-    // From the sky all that is seen lies within the ball of the least radius.
+    // Everything that the sky illuminates is within the ball of the least radius.
     double distance = inside ? 0 : 4 * scales[1];
     float towards[3];
     random_direction(&random, towards);
@@ -261,7 +262,7 @@ static void render_convex(enum placing placing, const double center[3], bool far
     camera->fov_y = inside ? 1.5 : 0.9 * scales[0] / distance;
     OPEN_SETUP_WITH(&setup, .wave = 16384, .instancing = INSTANCING_ON);
     CHECK(setup.r.flat.placed_count == (far ? 2 : 1), "%u instances", setup.r.flat.placed_count);
-    // Beyond 4096 times its size and distance coordinates follow the camera.
+    // If the distance exceeds 4096 times the size, coordinates are relative to the camera.
     double origin = setup.r.flat.origin[0];
     CHECK(!far || origin == 0 || fabs(origin - m[0][3]) <= distance + 2 * scales[1], "moved to %g",
           origin);
@@ -284,8 +285,8 @@ static void check_convex(bool inside)
     for (int i = 0; i < 4 * PLACINGS; i++) {
         enum placing placing = (enum placing)(i / 4);
         int place = i % 4;
-        // Where coordinates' spacing is not small against the body a ray's origin is not known well
-        // enough to be inside of its edges.
+        // If the spacing of coordinates is not small relative to the body, the origin of a ray is
+        // not known accurately enough to be inside its edges.
         if ((inside && places[place].far) ||
             (place == 3 && (placing == TINY || placing == SQUASHED)))
             continue;
@@ -300,7 +301,7 @@ static void check_convex(bool inside)
     }
 }
 
-// A convex instance meets all of an even sky: none of its rays comes back to it.
+// A convex instance receives all light of a constant sky: none of its rays may hit it again.
 TEST(no_ray_comes_back_to_a_convex_instance)
 {
     check_convex(false);
@@ -342,7 +343,7 @@ static void check_same(const char *name, const struct film_image *a, const struc
           "%s: the pictures differ", name);
 }
 
-// Glass, a surface that is half there, and others, before a sky and by a small light.
+// Glass, a surface with opacity, and others, in front of a sky and lit by a small light.
 static void fill_picture(struct scene *scene, uint32_t integrator)
 {
     double m[3][4];
@@ -405,8 +406,8 @@ TEST(nothing_changes_the_bits)
     }
 }
 
-// More triangles in one place than a dispatch has steps: traversals stop inside of an instance, go
-// on later, and see what one triangle would look like.
+// There are more triangles at one place than a dispatch has steps. Traversals are suspended inside
+// an instance, continue later, and find the same as for one triangle.
 TEST(what_is_suspended_goes_on_in_its_instance)
 {
     static const uint32_t counts[2] = {1, 20000};

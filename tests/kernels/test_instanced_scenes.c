@@ -1,11 +1,12 @@
-// Instances beside what they are flattened: pictures agree.
+// Tests instances against flattened copies: their pictures must agree.
 #include "instanced.h"
 
 // --- pictures ------------------------------------------------------------------------------------
 
 enum { SIZE = 40 };
 
-// Balls with normals, smooth or brushed, in all placings, one in glass, on a floor.
+// Makes balls with normals, smooth or anisotropic, with all kinds of placement, one of them in
+// glass, on a floor.
 static void fill_scene(struct scene *scene, uint32_t integrator)
 {
     static const float floor[1][3][3] = {{{-40, -1.5f, -20}, {0, -1.5f, 60}, {40, -1.5f, -20}}};
@@ -69,8 +70,8 @@ static uint32_t pixels_apart(const float *a, const float *b, uint32_t components
     return apart;
 }
 
-// Both renders trace the same paths except for rounding: few pixels have a path that ends
-// elsewhere.
+// Both renders trace the same paths except for rounding, so only few pixels have a path with
+// another end.
 static void check_pictures(uint32_t integrator)
 {
     struct arena arena = {0};
@@ -80,8 +81,8 @@ static void check_pictures(uint32_t integrator)
     const struct film_aovs *a = &films[0].aovs, *b = &films[1].aovs;
     const uint32_t pixels = SIZE * SIZE;
     uint32_t color = pixels_apart(films[0].mean[0], films[1].mean[0], 3, 1e-2f);
-    // Corners' normals have 16 bits in the space of their mesh: where that is squashed to a
-    // hundredth, less is left of them.
+    // Vertex normals have 16 bits in the space of their mesh. If that space is scaled to a
+    // hundredth, fewer bits remain.
     uint32_t normals = pixels_apart(a->normal[0], b->normal[0], 3, 1e-2f) +
                        pixels_apart(a->normal_geometric[0], b->normal_geometric[0], 3, 1e-3f);
     uint32_t places = pixels_apart(a->position[0], b->position[0], 3, 1e-3f) +

@@ -1,5 +1,5 @@
-// C and GLSL agree on every record of shared/types.h: members by name, offset, size and type, and
-// the strides of arrays, as the GLSL compiler laid them out in SPIR-V.
+// Tests that C and GLSL agree on every record of shared/types.h: names, offsets, sizes and types of
+// members, and strides of arrays, as the GLSL compiler has laid them out in SPIR-V.
 #include "render/kernels.h"
 #include "shared/sdf.h"
 #include "shared/types.h"
@@ -139,7 +139,7 @@ struct record {
     struct member members[SPIRV_MAX_MEMBERS];
 };
 
-// Arrays decay to pointers.
+// Arrays are converted to pointers.
 #define KIND(value)                                                                                \
     _Generic((value), float: SPIRV_FLOAT, float *: SPIRV_FLOAT, uint: SPIRV_UINT,                  \
              float(*)[4]: SPIRV_FLOAT, uint(*)[2]: SPIRV_UINT, uint *: SPIRV_UINT, struct gpu_queue *: SPIRV_STRUCT, struct gpu_dispatch *: SPIRV_STRUCT)
@@ -212,7 +212,7 @@ static void check_members(const char *module, const struct spirv_layout *layout,
     }
 }
 
-// Slot indices are behind the counters, in the same buffer.
+// The slot indices follow the counters in the same buffer.
 static void check_queues(const char *module, const struct spirv_id *block)
 {
     const struct spirv_member *slots = &block->member[block->member_count - 1];
@@ -221,9 +221,9 @@ static void check_queues(const char *module, const struct spirv_id *block)
           QUEUES_OFFSET);
 }
 
-// Compares each structure of the module that is one of the records and is laid out in memory
-// (copies in registers have no offsets). Returns the records seen, as bits; *strides: those of
-// which there is an array.
+// Compares each structure of the module that is one of the records and has a memory layout (copies
+// in registers have no offsets). Returns the records that were found, as bits. *strides are those
+// of which there is an array.
 static uint32_t check_module(const char *module, const uint32_t *words, size_t bytes,
                              uint32_t *strides)
 {
@@ -260,10 +260,10 @@ TEST(every_record)
     uint32_t seen = check_module("layout.comp", layout_spirv, sizeof layout_spirv, &strides);
     CHECK(seen == all, "seen 0x%x of 0x%x", seen, all);
     CHECK(strides == all >> 2, "arrays of 0x%x of 0x%x", strides,
-          all >> 2); // the frame and the push block have none
+          all >> 2); // the frame and the push constants have no array
 }
 
-// Checks the shipped kernels, too: the push block is in all, and most have the counters.
+// Also checks the renderer's kernels: all have the push constants, and most have the counters.
 TEST(embedded_kernels)
 {
     for (int id = 0; id < KERNEL_COUNT; id++) {
@@ -276,7 +276,7 @@ TEST(embedded_kernels)
     }
 }
 
-// Kernels address these by words of 16 bytes.
+// Kernels address these records by words of 16 bytes.
 TEST(words_a_record)
 {
     CHECK(sizeof(struct gpu_path) == 16 * PATH_WORDS_OF(0u, INTEGRATOR_PATH), "%zu",

@@ -1,5 +1,6 @@
-// The choice of an emitter down the tree, by the shipped routines, against a reference in double
-// precision: its probabilities, what it chooses, and that none is left out that sends something.
+// Tests the choice of an emitter by the light tree, with the renderer's routines, against a
+// reference in double precision: the probabilities, the choices, and that every emitter that sends
+// light can be chosen.
 #include "library_fixture.h"
 #include "metrics/metrics.h"
 
@@ -45,7 +46,7 @@ static void add_random_triangles(struct scene *scene, uint32_t count, double siz
     free(vertices);
 }
 
-// Triangles, spheres, discs, points, spots and directional lights.
+// Makes triangles, spheres, discs, points, spots and directional lights.
 static void make_mixture(struct scene *scene, uint32_t count)
 {
     struct random random = {count};
@@ -75,7 +76,7 @@ static void make_mixture(struct scene *scene, uint32_t count)
 // --- the reference -------------------------------------------------------------------------------
 
 struct place {
-    double position[3], normal[3]; // normal (0, 0, 0): any direction counts
+    double position[3], normal[3]; // (0, 0, 0): any direction counts
     bool two_sided;
 };
 
@@ -94,7 +95,7 @@ static void decode_axis(uint32_t word, double n[3])
         n[c] /= size;
 }
 
-// By angles, where the kernels use cosines.
+// Computes with angles; the kernels use cosines.
 static double importance(const struct gpu_light_bounds *b, const struct place *p)
 {
     double to[3], axis[3], distance, bound = M_PI;
@@ -146,8 +147,8 @@ static uint32_t number_of(const struct tree *t, uint32_t primitive)
     return number;
 }
 
-// Adds the probabilities of a subtree's emitters, by their numbers; returns that of choosing none,
-// where bounds promised more than those within them do.
+// Adds the probabilities of a subtree's emitters, by number. Returns the probability that none is
+// chosen, which occurs if bounds promise more than the emitters inside them send.
 static double add_subtree(const struct tree *t, uint32_t word, const struct place *p, double width,
                           double *out)
 {
@@ -209,7 +210,7 @@ static float uniform(struct random *random)
 
 static union words items[1 << 16];
 
-// Over all emitters, and none, the probabilities sum to 1; and each is the reference's.
+// The probabilities of all emitters, and of none, sum to 1, and each equals the reference's.
 TEST(probabilities_are_those_of_the_bounds)
 {
     enum { PLACES = 500 };
@@ -246,7 +247,8 @@ TEST(probabilities_are_those_of_the_bounds)
     setup_close(&setup);
 }
 
-// An emitter is chosen with the probability that the MIS weight of a hit uses, and as often.
+// An emitter is chosen with the probability that the MIS weight of a hit uses, and with that
+// frequency.
 TEST(choices_follow_the_probabilities)
 {
     enum { SAMPLES = 1 << 16, PLACES = 6 };
@@ -307,8 +309,8 @@ TEST(choices_follow_the_probabilities)
     setup_close(&setup);
 }
 
-// Where no emitter sends anything, no emitter's record is read: the word that is chosen names none,
-// and a record at that place may lie beyond the buffer's end.
+// If no emitter sends light, no emitter's record may be read: the chosen word names none, and a
+// record at that place may be beyond the end of the buffer.
 TEST(without_light_nothing_is_sampled)
 {
     enum { SAMPLES = 256 };
@@ -339,7 +341,8 @@ TEST(without_light_nothing_is_sampled)
     setup_close(&setup);
 }
 
-// A point of an emitter, and the direction in which it counts: normal (0, 0, 0) for any.
+// Returns a point of an emitter, and the direction in which it emits; a normal of (0, 0, 0) means
+// all directions.
 static void point_of(const struct renderer *r, uint32_t primitive, struct random *random,
                      double point[3], double normal[3])
 {
@@ -373,8 +376,8 @@ static void point_of(const struct renderer *r, uint32_t primitive, struct random
     }
 }
 
-// Returns whether light from the point arrives at the receiver, on the side that counts, with some
-// margin for rounding.
+// Returns whether light from the point reaches the receiver on the required side, with a margin for
+// rounding.
 static bool sends(const struct place *p, const double point[3], const double normal[3],
                   bool is_sphere)
 {
@@ -389,7 +392,7 @@ static bool sends(const struct place *p, const double point[3], const double nor
            (p->two_sided ? fabs(arrives) : arrives) > 1e-3;
 }
 
-// By brute force: no emitter that sends something to a place has probability 0 there.
+// By brute force: no emitter that sends light to a place may have probability 0 there.
 TEST(none_is_left_out)
 {
     enum { SAMPLES = 1 << 16, POINTS = 8 };
@@ -450,7 +453,7 @@ static uint32_t check_subtree(const struct tree *t, uint32_t word, uint64_t trai
     return count;
 }
 
-// Each emitter is in the tree once, and its trail leads to it, however the scene is made.
+// Each emitter must be in the tree once, and its trail must lead to it, for any kind of scene.
 static void check_structure(const char *name, struct scene *scene, uint32_t expected)
 {
     struct setup setup = {.scene = *scene};
@@ -489,7 +492,8 @@ TEST(structure)
     for (int i = 0; i < 1000; i++)
         add_sphere(&scene, (double[3]){i * 0.1, 0, 0}, 0.01, add_emitter(&scene, 1));
     check_structure("in a line", &scene, 1000);
-    // Each half as far away as the one before: halving space makes no subtree much smaller.
+    // Each emitter is half as far away as the previous one, so halving the space does not make
+    // subtrees much smaller.
     start_structure(&scene);
     for (int i = 0; i < 100; i++)
         add_sphere(&scene, (double[3]){ldexp(1, 20 - i / 2), 0, 0}, ldexp(1, 10 - i / 2),
@@ -501,8 +505,8 @@ TEST(structure)
     check_structure("by several threads", &scene, 20000);
 }
 
-// A lamp without power has no tree of its own: the words that are read where it is chosen are
-// none's.
+// A lamp without power has no tree of its own; the words that are read if it is chosen belong to no
+// emitter.
 TEST(lamp_without_power)
 {
     struct scene scene;

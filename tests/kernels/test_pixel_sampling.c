@@ -1,11 +1,10 @@
-// lib/pixel_sampling.glsl as shipped: strata are filled in rounds, exactly; every sample lies
-// anywhere in its pixel with the same probability, and the halves know nothing of each other, by
-// statistics.
+// Tests the renderer's lib/pixel_sampling.glsl: strata are filled in rounds, exactly. By
+// statistics: every sample is uniform in its pixel, and the halves are independent.
 #include "sampler_fixture.h"
 
 static union draw draws[SAMPLER_ITEMS];
 
-// Samples first .. first + count - 1 of a pixel.
+// Fills in samples first .. first + count - 1 of a pixel.
 static void fill_pixel(uint32_t at, uint32_t pixel, uint32_t first, uint32_t step, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
@@ -19,16 +18,16 @@ static uint32_t stratum_of(const union draw *draw, uint32_t n)
 
 // --- strata --------------------------------------------------------------------------------------
 
-// Numbers of 24 bits: a centre is off by one at most, and a point may be below its stratum's edge
-// by less than one.
+// Numbers have 24 bits: a centre has an error of at most one unit, and a point may be below its
+// stratum's edge by less than one.
 static bool is_centre(float u, uint32_t n)
 {
     double place = (double)u * n - floor((double)u * n);
     return fabs(place - 0.5) <= n * 0x1p-24;
 }
 
-// One half's samples in three rounds of n x n. Each has every stratum once, and the second one, if
-// there is a choice, in another order.
+// Takes one half's samples in three rounds of n x n. Each round has every stratum once, and the
+// second one in another order, if there is a choice.
 static void check_rounds(struct sampler_setup *s, uint32_t half)
 {
     const uint32_t n = s->pixel_strata, count = n * n, step = s->halves ? 1 : 2;
@@ -41,7 +40,7 @@ static void check_rounds(struct sampler_setup *s, uint32_t half)
         uint32_t seen[SETTINGS_STRATA_MAX * SETTINGS_STRATA_MAX] = {0};
         for (uint32_t i = 0; i < count; i++) {
             const union draw *draw = &draws[round * count + i];
-            // The lower side of an edge between 24-bit numbers belongs to the stratum.
+            // The lower side of an edge that is between 24-bit numbers belongs to the stratum.
             union draw inside = *draw;
             for (int c = 0; c < 2; c++)
                 inside.u[c] += 0x1p-25f;
@@ -87,8 +86,8 @@ static double deviate_of(const uint32_t *counts, uint32_t cells, uint32_t total)
     return chi_square_deviate(counts, expected, cells);
 }
 
-// Over pixels, any one sample: 16 x 16 cells, all as likely, though 4 x 4 strata are not full. One
-// in 1e4 for all.
+// Over pixels, any sample must be uniform in 16 x 16 cells, although 4 x 4 strata are not full. The
+// probability of an error is 1e-4 for all together.
 TEST(unbiased)
 {
     static const uint32_t samples[] = {0, 1, 5, 37, 0xfffffffe};
@@ -116,7 +115,7 @@ TEST(unbiased)
     sampler_close(&s);
 }
 
-// Where two samples lie, over pixels: the chi-square deviate of 16 x 16 pairs of strata.
+// Returns the chi-square deviate, over pixels, of 16 x 16 pairs of strata for two samples.
 static double deviate_of_pairs(struct sampler_setup *s, uint32_t first, uint32_t second)
 {
     enum { PIXELS = SAMPLER_ITEMS / 2 };
@@ -132,8 +131,8 @@ static double deviate_of_pairs(struct sampler_setup *s, uint32_t first, uint32_t
     return deviate_of(counts, 256, PIXELS);
 }
 
-// Samples of different halves are independent; those of one half in one round are not, as they
-// never share a stratum, and so are those of contiguous halves.
+// Samples of different halves are independent. Those of one half in the same round are not, because
+// they never share a stratum; nor are those of contiguous halves.
 TEST(halves)
 {
     static struct sampler_setup s;

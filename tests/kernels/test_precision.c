@@ -1,5 +1,5 @@
-// Routines that must hold for every number: origins of rays that leave a surface, octahedral
-// normals, and the test for finite numbers; as shipped, on the device.
+// Tests the renderer's routines that must be correct for every number: origins of rays that leave a
+// surface, octahedral normals, and the test for finite numbers.
 #include "library_fixture.h"
 #include "render/tables/octahedral.h"
 
@@ -21,8 +21,8 @@ static float signed_magnitude(struct random *random, double low, double high)
 
 // --- leaving a point -----------------------------------------------------------------------------
 
-// A point known to +-error: no point of that box may be on the wrong side of a plane through the
-// new origin. In double precision, for the normal as it was rounded.
+// A point is known within +-error. No point of that box may be on the wrong side of the plane
+// through the new origin, in double precision, with the rounded normal.
 TEST(offset_origin)
 {
     struct setup setup;
@@ -58,7 +58,8 @@ TEST(offset_origin)
         }
         double height = sign * vec3_dot(normal, moved);
         wrong += !(height >= box);
-        // And not further than it takes: the box, once along the normal, and two steps.
+        // The origin must not move farther than necessary: the box, once along the normal, and two
+        // steps.
         far += !(vec3_norm(moved) <= 1.001 * box + ulps + 2e-38);
     }
     CHECK(wrong == 0, "%u of %u on the wrong side", wrong, COUNT);
@@ -82,7 +83,7 @@ static void random_triangle(struct random *random, struct gpu_triangle *out)
     }
 }
 
-// Barycentric coordinates of corners 1 and 2: inside, on edges and at corners.
+// Makes barycentric coordinates of corners 1 and 2: inside, on edges and at corners.
 static void random_barycentrics(struct random *random, float uv[2])
 {
     double u = random_unit(random), v = random_unit(random);
@@ -97,7 +98,8 @@ static void random_barycentrics(struct random *random, float uv[2])
 
 static struct gpu_triangle triangles[COUNT];
 
-// A scene of as many triangles, which are those of the test when it runs; and `inputs`.
+// Makes a scene with this many triangles, which are replaced by those of the test when it runs, and
+// `inputs`.
 static void start_to_leave(struct scene *scene)
 {
     struct random random = {42};
@@ -114,8 +116,8 @@ static void start_to_leave(struct scene *scene)
     }
 }
 
-// From `inputs` to `items`. A triangle's number is that of its thread, so that there are as many at
-// a time as slots.
+// Computes `items` from `inputs`. A triangle's number is that of its thread, so as many run at a
+// time as there are slots.
 static bool leave_triangles(struct setup *setup)
 {
     struct err err = {0};
@@ -133,8 +135,8 @@ static bool leave_triangles(struct setup *setup)
     return ok;
 }
 
-// The origin of a ray that leaves a triangle is on that side of the exact plane that the normal of
-// single precision points to; the reported error bounds the distance to the plane.
+// The origin of a ray that leaves a triangle is on that side of the exact plane to which the normal
+// in single precision points. The reported error bounds the distance to the plane.
 TEST(leave_triangle)
 {
     struct setup setup;
@@ -151,8 +153,8 @@ TEST(leave_triangle)
         double area = vec3_norm(normal);
         to_double(inputs[i].f[1], side);
         double slope = vec3_dot(normal, side) / area;
-        // Which side is meant is unknown where the direction is in the plane, up to the normal's
-        // own rounding; that grows with coordinates over size.
+        // The side is not defined if the direction is in the plane, within the normal's own
+        // rounding, which increases with coordinates relative to size.
         if (!(area > 1e-3 * vec3_norm(edge[0]) * vec3_norm(edge[1])) || fabs(slope) < 1e-3)
             continue;
         tested++;
@@ -174,9 +176,9 @@ TEST(leave_triangle)
 
 // --- normals -------------------------------------------------------------------------------------
 
-// Rounding to 16 bits moves each of two coordinates on the octahedron by up to h = 2^-1 / 32767.
-// The octahedron's faces turn that into at most sqrt(6) h along the face, which at its centre, 1 /
-// sqrt(3) from the origin, is an angle of sqrt(18) h = 6.48e-5; single precision adds some 1e-7.
+// Rounding to 16 bits moves each of two coordinates on the octahedron by up to h = 2^-1 / 32767. On
+// the octahedron's faces this is at most sqrt(6) h along the face, which at its centre, 1 / sqrt(3)
+// from the origin, is an angle of sqrt(18) h = 6.48e-5. Single precision adds about 1e-7.
 TEST(octahedral_normals)
 {
     struct setup setup;
@@ -187,7 +189,7 @@ TEST(octahedral_normals)
     static float normals[COUNT][3];
     for (uint32_t i = 0; i < COUNT; i++) {
         random_direction(&random, normals[i]);
-        // Axes, planes of two axes, and next to them.
+        // Along axes, in planes of two axes, and next to them.
         for (int c = 0; c < 3 && i < 4096; c++)
             if (i >> (2 * c) & 3u)
                 normals[i][c] *= i >> (2 * c) & 1u ? 0.0f : 1e-5f;
@@ -222,7 +224,7 @@ TEST(is_finite)
     static const uint32_t patterns[] = {
         0x00000000u, 0x80000000u,                           // zeros
         0x00000001u, 0x807fffffu,                           // subnormals
-        0x00800000u, 0x3f800000u, 0xff7fffffu, 0x7f7fffffu, // up to the largest
+        0x00800000u, 0x3f800000u, 0xff7fffffu, 0x7f7fffffu, // normal numbers, up to the largest
         0x7f800000u, 0xff800000u,                           // infinities
         0x7fc00000u, 0xffc00000u, 0x7f800001u, 0xff800001u,
         0x7fffffffu, // quiet and signalling NaNs
@@ -243,7 +245,7 @@ TEST(is_finite)
     setup_close(&setup);
 }
 
-// Where a device may round to either neighbour, bounds are twice as wide.
+// If a device may round to either neighbour, bounds are twice as wide.
 TEST(bounds_of_any_rounding)
 {
     static union words nearest[COUNT];

@@ -1,4 +1,5 @@
-// prepare_dispatch: from the counts of queues to the arguments of indirect dispatches.
+// Tests prepare_dispatch, which computes the arguments of indirect dispatches from the counts of
+// queues.
 #include "kernel_fixture.h"
 
 enum { SLOTS = 4096 };
@@ -12,7 +13,7 @@ static void add_64(uint32_t words[2], uint32_t value)
     words[1] = (uint32_t)(sum >> 32);
 }
 
-// Does to the counters what the kernel is to do.
+// Changes the counters as the kernel should.
 static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgroup,
                    uint32_t part_items, uint32_t slots)
 {
@@ -28,7 +29,7 @@ static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgr
                 items = part_items;
             struct gpu_dispatch dispatch = {(items + workgroup - 1) / workgroup, 1, 1, count};
             counters->dispatch[queue * DISPATCH_PARTS + part] = dispatch;
-            // Queues of hits by class, and of misses.
+            // Queues of hits for each class, and the queue of misses.
             for (uint32_t hits = QUEUE_SURFACE; hits <= QUEUE_MISS && rays; hits++)
                 counters->dispatch[hits * DISPATCH_PARTS + part] = dispatch;
         }
@@ -54,7 +55,7 @@ static void check(struct renderer *r, uint32_t mask, uint32_t count, uint32_t pa
     memset(&expected, 0x5a, sizeof expected);
     for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++)
         expected.queue[queue].count = count;
-    // The bounce before left another number of each class.
+    // The previous bounce had another number of hits of each class.
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         expected.queue[QUEUE_SURFACE + c].count = count / (c + 1);
     // The next ray carries into the high word.

@@ -1,4 +1,4 @@
-// The samplers of lib/sampler.glsl as shipped, run on the device: ranges, strata and elementary
+// Tests the renderer's samplers (lib/sampler.glsl) on the device: ranges, strata and elementary
 // intervals exactly; uniformity, scrambling and independence by statistics.
 #include "metrics/metrics.h"
 #include "sampler_fixture.h"
@@ -30,8 +30,8 @@ static void fill_extremes(void)
     }
 }
 
-// Multiples of 2^-24 in [0, 1), whatever the pixel, the sample, the dimension number (more than any
-// path has), the seed and the plan.
+// All numbers are multiples of 2^-24 in [0, 1), for any pixel, sample, dimension number (beyond
+// those of any path), seed and planned number.
 TEST(in_range)
 {
     static const uint32_t plans[] = {0, 1, 2, 37, 1u << 24, 0xffffffff};
@@ -55,8 +55,8 @@ TEST(in_range)
     sampler_close(&s);
 }
 
-// Chi-square of 16 x 16 cells and of every component's 256 strata, over all pixels and the first
-// samples: the deviates of three pairs and four components.
+// Computes chi-square of 16 x 16 cells and of every component's 256 strata, over all pixels and the
+// first samples: the deviates of three pairs and four components.
 static bool find_deviates(struct sampler_setup *s, uint32_t samples, double deviates[7])
 {
     enum { CELLS = 256 };
@@ -82,8 +82,8 @@ static bool find_deviates(struct sampler_setup *s, uint32_t samples, double devi
     return true;
 }
 
-// A number of samples that is no power of two nor a square: unbiased all the same. One in 1e4 for
-// all.
+// With a number of samples that is neither a power of two nor a square, samplers are still
+// unbiased. The probability of an error is 1e-4 for all together.
 #define DEVIATE_MAX 4.5
 
 static void check_unbiased(struct sampler_setup *s, uint32_t samples)
@@ -102,7 +102,7 @@ TEST(unbiased)
     static struct sampler_setup s;
     OPEN_SAMPLER(&s, 512, 512);
     for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
-        if (s.sampler == SAMPLER_GRID) // at fixed places
+        if (s.sampler == SAMPLER_GRID) // its points are at fixed places
             continue;
         for (int i = 0; i < 4; i++) {
             s.samples = s.sampler == SAMPLER_SOBOL ? 64 : counts[i];
@@ -112,8 +112,8 @@ TEST(unbiased)
     sampler_close(&s);
 }
 
-// Chi-square of the second eight digits of every component, over pixels: the greatest of four
-// deviates.
+// Returns the greatest of four chi-square deviates of the second eight digits of every component,
+// over pixels.
 static double digits_deviate(struct sampler_setup *s)
 {
     enum { CELLS = 256 };
@@ -155,7 +155,7 @@ enum { PAIRS = 1 << 16 };
 
 struct variation {
     const char *name;
-    uint32_t pixel, sample, dimension; // what is added
+    uint32_t pixel, sample, dimension; // what is added to each number
 };
 
 static const struct variation variations[] = {
@@ -166,7 +166,7 @@ static const struct variation variations[] = {
     {"next row", 512, 0, 0},
 };
 
-// Draws every second pixel's sample, and beside it the one in which one number has changed.
+// Draws a sample of every second pixel and, next to it, the sample in which one number has changed.
 static bool draw_variation(struct sampler_setup *s, const struct variation *variation)
 {
     for (uint32_t i = 0; i < PAIRS; i++) {
@@ -178,8 +178,8 @@ static bool draw_variation(struct sampler_setup *s, const struct variation *vari
     return draw_all(s, 2 * PAIRS);
 }
 
-// Over pixels, which are hashed: what changes in one number only must not be correlated. The limit
-// is 4 deviations: one of 120 is beyond it with a probability of 0.8 %.
+// Over pixels, which are hashed, draws that differ in a single number must not be correlated. The
+// limit is 4 deviations; one of 120 exceeds it with a probability of 0.8 %.
 #define CORRELATION_MAX (4 / sqrt(PAIRS))
 
 TEST(independent)
@@ -188,9 +188,9 @@ TEST(independent)
     OPEN_SAMPLER(&s, 512, 512);
     s.samples = 64;
     for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
-        // A blue-noise sampler is to correlate what is close in the picture.
+        // A blue-noise sampler correlates nearby pixels on purpose.
         int most = s.sampler == SAMPLER_BLUE_NOISE ? 3 : 5;
-        // Beyond what the sine's argument tells apart, see sine_is_bad.
+        // Larger differences exceed what the argument of the sine can distinguish, see sine_is_bad.
         most = s.sampler == SAMPLER_SINE ? 2 : most;
         for (int v = 0; v < most; v++) {
             if (!draw_variation(&s, &variations[v]))
@@ -205,10 +205,10 @@ TEST(independent)
     sampler_close(&s);
 }
 
-// Seeds 0, 1, 2, 2^31, 2^32 - 2, 2^32 - 1 against each other.
-// Numbers of ranges that a path uses together, by cells: numbers that depend on each other need not
-// be correlated. A pair of components has 255 degrees of freedom; of 3 * 3 * 4 * 4 * 2 pairs none
-// is beyond 6 standard deviations with a probability above 0.999 (chi-square's skewness included).
+// Compares seeds 0, 1, 2, 2^31, 2^32 - 2 and 2^32 - 1 with each other, and numbers of ranges that a
+// path uses together, by cells, because dependent numbers need not be correlated. A pair of
+// components has 255 degrees of freedom. Of 3 * 3 * 4 * 4 * 2 pairs none exceeds 6 standard
+// deviations with a probability above 0.999 (including chi-square's skewness).
 TEST(ranges_are_independent)
 {
     enum { CELLS = 16, FIRST = 3 };
@@ -265,8 +265,8 @@ TEST(seeds)
             memcpy(draws, kept[a], sizeof kept[a]);
             memcpy(draws + PAIRS, kept[b], sizeof kept[b]);
             double r = draws_correlation(draws, draws + PAIRS, PAIRS, 0);
-            // A blue-noise picture is one sequence of 2^16 points for each tile of 2^16 pixels: its
-            // correlation with another is that of two, and smaller than this.
+            // A blue-noise picture is one sequence of 2^16 points for each tile of 2^16 pixels. Its
+            // correlation with another is that of two sequences, and smaller than this.
             CHECK(fabs(r) < 4 / sqrt(PAIRS), "%s, seeds %u and %u: %g", sampler_names[s.sampler],
                   seeds[a], seeds[b], r);
         }
@@ -274,8 +274,8 @@ TEST(seeds)
     sampler_close(&s);
 }
 
-// Fractions of sines fail, and by far, what all other samplers pass. A product of 43758 and a sine
-// has steps of up to 2^-8, and an argument that is large has steps beyond a whole turn: then
+// Fractions of sines clearly fail the tests that all other samplers pass. A product of 43758 and a
+// sine has steps of up to 2^-8, and a large argument has steps beyond a whole period: then
 // neighbours, and seeds, have the same numbers.
 TEST(sine_is_bad)
 {
@@ -303,10 +303,10 @@ TEST(sine_is_bad)
 }
 
 // Dimension numbers are padded: over the samples of one pixel, components of different numbers must
-// not be correlated. Both are shuffled within blocks of 2, 4, 8, ... points, so that where digits k
-// of the two are compared, 2^k points go together: the correlation's variance is 9/7 of that of
-// independent samples in sum. Of 992 pairs one is beyond 5.5 with a probability of 0.1 %. Numbers
-// up to 2^31.
+// not be correlated. Both are shuffled within blocks of 2, 4, 8, ... points, so where digits k of
+// the two are compared, 2^k points belong together. In total, the variance of the correlation is
+// 9/7 of that of independent samples. Of 992 pairs one exceeds 5.5 with a probability of 0.1 %.
+// Dimension numbers are up to 2^31.
 TEST(padded)
 {
     enum { COUNT = 4096, NUMBERS = 32 };

@@ -1,11 +1,11 @@
-// Equidistribution, which is exact: elementary intervals of Sobol's sequence, strata; and that the
-// scrambling is as random as Owen's.
+// Tests equidistribution, exactly: elementary intervals of Sobol's sequence and strata. Also tests
+// that the scrambling is as random as Owen's.
 #include "sampler_fixture.h"
 
 static union draw draws[SAMPLER_ITEMS];
 
-// 2^m points, of two components: how often an elementary interval of 2^-(m-t) area does not hold
-// 2^t of them. Each shape: 2^i columns, 2^(m-t-i) rows.
+// Counts, for 2^m points of two components, how often an elementary interval of area 2^-(m-t) does
+// not contain 2^t points. Each shape has 2^i columns and 2^(m-t-i) rows.
 static uint32_t count_uneven(const union draw *points, int m, int t, int x, int y)
 {
     uint32_t uneven = 0;
@@ -22,7 +22,7 @@ static uint32_t count_uneven(const union draw *points, int m, int t, int x, int 
     return uneven;
 }
 
-// Pixel, dimension number, half-sequence and the block of 2^m points are any.
+// Fills a block of 2^m points; pixel, dimension number, half-sequence and block are random.
 static void fill_block(struct random *random, uint32_t first, int m, bool contiguous)
 {
     uint32_t pixel = random_u32(random), dimension = random_u32(random);
@@ -36,8 +36,8 @@ static void fill_block(struct random *random, uint32_t first, int m, bool contig
     }
 }
 
-// Components 0 and 1 are a (0,2)-sequence; every other pair is of the quality that the degrees of
-// its polynomials say: t = sum of degree - 1 (Niederreiter 1988, theorem 1).
+// Components 0 and 1 are a (0,2)-sequence. Every other pair has the quality that follows from the
+// degrees of its polynomials: t = sum of degree - 1 (Niederreiter 1988, theorem 1).
 TEST(elementary_intervals)
 {
     static const int degree[4] = {1, 1, 2, 3};
@@ -66,7 +66,7 @@ TEST(elementary_intervals)
     sampler_close(&s);
 }
 
-// A blue-noise tile is one sequence: blocks of pixels along the Z curve have it together.
+// A blue-noise tile is one sequence, which blocks of pixels along the Z curve share.
 TEST(blue_noise_blocks)
 {
     enum { SIDE = 8, LOG_SAMPLES = 3, M = 6 + LOG_SAMPLES };
@@ -94,8 +94,8 @@ TEST(blue_noise_blocks)
 
 // --- strata --------------------------------------------------------------------------------------
 
-// Every stratum of a component holds one point at most, and every cell of a pair; without jitter
-// the points are at the strata's centres.
+// Every stratum of a component, and every cell of a pair, contains at most one point. Without
+// jitter the points are at the centres of the strata.
 static void check_strata(const struct sampler_setup *s, uint32_t count)
 {
     static uint32_t line[1 << 12], cell[1 << 12];
@@ -129,7 +129,7 @@ TEST(strata)
     for (int k = 0; k < 14; k++) {
         s.sampler = k < 7 ? SAMPLER_STRATIFIED : SAMPLER_GRID;
         s.samples = counts[k % 7];
-        // The second lot is beyond the plan: strata of its own.
+        // The second set of samples exceeds the plan, and has strata of its own.
         for (uint32_t first = 0; first < 2 * s.samples; first += s.samples) {
             for (uint32_t i = 0; i < s.samples; i++)
                 draws[i] = (union draw){.pixel = 77, .sample = first + i, .dimension = 5};
@@ -143,9 +143,9 @@ TEST(strata)
 
 // --- scrambling ----------------------------------------------------------------------------------
 
-// The first three digits of four successive points, whatever their order: Owen's scrambling makes
-// each of the 2^7 outcomes (the quarters of the first two, all third digits) as likely. Over
-// pixels; a chi-square test of each component, at 1e-5.
+// Takes the first three digits of four successive points, in any order: with Owen's scrambling each
+// of the 2^7 outcomes (the quarters of the first two points, and all third digits) is equally
+// likely. This is a chi-square test over pixels for each component, at 1e-5.
 static void check_scrambling(int component, uint32_t pixels)
 {
     enum { CELLS = 8 * 16 };
@@ -158,7 +158,7 @@ static void check_scrambling(int component, uint32_t pixels)
             seen |= 1u << digits[i] / 2;
             thirds |= (digits[i] & 1) << digits[i] / 2;
         }
-        // Which quarter point 0 is in, and which part of the other half point 1.
+        // The quarter of point 0, and the part of the other half in which point 1 is.
         quarters = digits[0] / 2 * 2 + (digits[1] / 2 & 1);
         impossible += seen != 15;
         counts[quarters * 16 + thirds]++;
@@ -182,7 +182,7 @@ TEST(scrambling)
     for (uint32_t i = 0; i < SAMPLER_ITEMS; i++)
         draws[i] = (union draw){.pixel = i / 4, .sample = i % 4, .dimension = 2};
     if (sampler_uniforms(&s, draws, SAMPLER_ITEMS))
-        for (int c = 0; c < 2; c++) // of the others four points need not be in four quarters
+        for (int c = 0; c < 2; c++) // for other components four points need not be in four quarters
             check_scrambling(c, PIXELS);
     sampler_close(&s);
 }

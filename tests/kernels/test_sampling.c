@@ -1,5 +1,5 @@
-// The warps of lib/sampling.glsl and the choice of a light, as shipped, run on the device: their
-// distributions by chi-square, their extremes, and that bases are orthonormal.
+// Tests the renderer's warps (lib/sampling.glsl) and the choice of a light on the device:
+// distributions by chi-square, extreme inputs, and that bases are orthonormal.
 #include "library_fixture.h"
 #include "metrics/metrics.h"
 
@@ -9,7 +9,7 @@ enum {
     ROWS = 32,
     COLUMNS = 64,
     SAMPLES = 1 << 19,
-    DISTRIBUTIONS = 4, // tested, which the significance level is shared among
+    DISTRIBUTIONS = 4, // number of tests, among which the significance level is divided
 };
 
 static union words samples[SAMPLES];
@@ -20,7 +20,7 @@ struct cells {
     uint32_t count[ROWS][COLUMNS];
 };
 
-// Uniforms as the kernels have them, multiples of 2^-24 below 1.
+// Fills in uniforms as in the kernels: multiples of 2^-24 below 1.
 static void fill_uniforms(uint64_t seed)
 {
     struct random random = {seed};
@@ -42,8 +42,8 @@ static uint32_t column_of(const float p[2])
     return cell_of(turn < 0 ? turn + 1 : turn, COLUMNS);
 }
 
-// Pearson's statistic as a standard normal deviate (Wilson and Hilferty 1931), at a level of 1 %
-// for all distributions together (Sidak 1967).
+// Computes Pearson's statistic as a standard normal deviate (Wilson and Hilferty 1931), at a level
+// of 1 % for all distributions together (Sidak 1967).
 static void check_cells(const char *name, const struct cells *cells)
 {
     double statistic = 0, used = 0, probability = 0;
@@ -69,7 +69,7 @@ static void check_cells(const char *name, const struct cells *cells)
     printf("  %-18s chi-square %.0f in %.0f cells, %.2f deviations (limit %.2f)\n", name, statistic,
            used, deviate, limit);
     CHECK(deviate <= limit, "%s", name);
-    // Too even would be as suspicious.
+    // Counts that are too even would be an error, too.
     CHECK(deviate >= -4.5, "%s", name);
 }
 
@@ -144,7 +144,8 @@ TEST(disc)
     setup_close(&setup);
 }
 
-// Cells of the unit square of barycentric coordinates: the hypotenuse halves the ones it crosses.
+// Cells of the unit square of barycentric coordinates. The hypotenuse halves the cells that it
+// crosses.
 TEST(triangle)
 {
     static struct cells cells;
@@ -158,7 +159,7 @@ TEST(triangle)
         double u = (double)samples[i].f[0][0], v = (double)samples[i].f[0][1];
         bad += !(u >= 0 && v >= 0 && u + v <= 1 + 1e-7);
         uint32_t row = cell_of(u, ROWS), column = cell_of(v, ROWS);
-        // A sum that was rounded beyond 1 belongs to the cells that the hypotenuse crosses.
+        // If the sum was rounded beyond 1, the point belongs to a cell that the hypotenuse crosses.
         cells.count[row][column < ROWS - row ? column : ROWS - 1 - row]++;
     }
     CHECK(bad == 0, "%u of %u", bad, SAMPLES);
@@ -173,7 +174,8 @@ TEST(triangle)
 
 enum { STEPS = 1 << 24 };
 
-// So many triangles that emit, one in a hundred of which is dim: legs of 1, or of the root of DIM.
+// Of this many emissive triangles one in a hundred is dim: the legs have length 1, or the root of
+// DIM.
 #define DIM 3e-3
 
 static bool is_dim(uint32_t light)
@@ -194,10 +196,10 @@ static void add_lights(struct scene *scene, uint32_t count)
     add_triangles(scene, (const float(*)[3][3])triangles, count, 0);
 }
 
-// All 2^24 values of the first uniform, each with a random one in the bin: dim lights as a whole
-// are chosen as often as their area says, and each of the others as often as the rest. With bins
-// that are a power of two in number, the first uniform alone would have 128 values in each, and
-// choose dim lights 2.6 times as often.
+// Tests all 2^24 values of the first uniform, each with a random one within the bin. Dim lights
+// together are chosen as often as their area requires, and each of the others equally often. If the
+// number of bins is a power of two, the first uniform alone would have 128 values in each, and
+// would choose dim lights 2.6 times too often.
 static void check_choice(uint32_t count)
 {
     struct setup setup;
@@ -229,7 +231,7 @@ static void check_choice(uint32_t count)
     double expected_dim = STEPS * DIM * (dims[0] + dims[1]) / sum;
     double expected_upper = STEPS * lights[1] / sum;
     double t_dim = ((double)dim - expected_dim) / sqrt(expected_dim);
-    // Binomial at most: the first uniform is stratified.
+    // The variance is at most binomial, because the first uniform is stratified.
     double t_upper = ((double)upper - expected_upper) / sqrt(expected_upper / 2);
     printf(
         "  %u lights: %.0f of %.0f dim (%.1f deviations), %.0f of %.0f in the upper half (%.1f)\n",
@@ -246,7 +248,8 @@ TEST(light_choice)
 
 // --- extremes ------------------------------------------------------------------------------------
 
-// Uniforms of 0, the smallest and the largest: never a NaN, always on the domain.
+// Uniforms of 0, the smallest and the largest value must never give NaN, and always a point of the
+// domain.
 TEST(extreme_uniforms)
 {
     static const float extremes[] = {0, 0x1p-24f, 0.25f, 0.5f, 0.75f, 1 - 0x1p-24f};
@@ -279,8 +282,8 @@ TEST(extreme_uniforms)
 
 // --- bases ---------------------------------------------------------------------------------------
 
-// Orthonormal and right-handed about random directions, the axes, and close to -z, where the
-// construction changes sides.
+// Bases are orthonormal and right-handed for random directions, along the axes, and near -z, where
+// the construction changes.
 TEST(basis_around)
 {
     struct setup setup;

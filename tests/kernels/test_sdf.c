@@ -1,4 +1,4 @@
-// Distance fields' programs: the kernels' values and surfaces against double precision.
+// Tests the programs of distance fields: the kernels' values and surfaces against double precision.
 #include "library_fixture.h"
 #include "sdf_programs.h"
 
@@ -6,7 +6,7 @@ enum { POINTS = 10000 };
 
 static union words items[POINTS], inputs[POINTS];
 
-// All programs in one scene, far enough apart for rays to be aimed at one.
+// Adds all programs to one scene, far enough apart to aim rays at one of them.
 static void add_all(struct scene *scene)
 {
     scene_start(scene, 8, 8);
@@ -15,7 +15,7 @@ static void add_all(struct scene *scene)
                 &(struct sdf_place){.center = {16.0 * (i % 6), 16.0 * (i / 6), 0}, .scale = 1});
 }
 
-// Every value is within the bound that marches take for its rounding; most are far within.
+// Every value is within the bound that marching assumes for its rounding; most are well within.
 TEST(values)
 {
     struct setup setup;
@@ -28,7 +28,7 @@ TEST(values)
         for (uint32_t k = 0; k < POINTS; k++) {
             for (int c = 0; c < 3; c++)
                 items[k].f[0][c] = (float)random_between(&random, -reach, reach);
-            // On planes and axes of symmetry, too.
+            // Also on planes and axes of symmetry.
             items[k].f[0][k % 3] *= k % 16 == 0 ? 0.0f : 1.0f;
             items[k].f[0][(k + 1) % 3] *= k % 64 == 0 ? 0.0f : 1.0f;
             items[k].u[0][3] = i;
@@ -40,8 +40,8 @@ TEST(values)
             const double p[3] = {(double)in[0], (double)in[1], (double)in[2]};
             double exact = sdf_evaluate(sdf, p);
             double error = fabs((double)items[k].f[0][0] - exact);
-            // Fractals' distances have a slope for their divisor, which is rounded, too: nothing
-            // that the surface moves by.
+            // Distances of fractals are divided by a slope, which is rounded, too; this does not
+            // move the surface.
             error -= sdf_programs[i].is_fractal ? 1e-4 * fabs(exact) : 0;
             worst = fmax(worst, error);
             sum += error;
@@ -55,7 +55,7 @@ TEST(values)
     setup_close(&setup);
 }
 
-// No value falls or rises faster than the points are apart, or steps would not be safe.
+// Values differ by no more than the distance of their points, otherwise steps would not be safe.
 TEST(values_are_distances)
 {
     struct scene scene;
@@ -75,7 +75,7 @@ TEST(values_are_distances)
             double x = sdf_evaluate(&scene.sdfs[i], a), y = sdf_evaluate(&scene.sdfs[i], b);
             // The field of a Mandelbulb is a distance only outside of it.
             bool counts = x > 0 || (sdf_programs[i].code[0].op & 0xffu) != SDF_MANDELBULB;
-            // A surface between them is no farther than b from a; the field may bend at folds.
+            // A surface between them is at most as far from a as b is; the field may bend at folds.
             if (counts && (!sdf_programs[i].is_fractal || (x > 0) != (y > 0)))
                 worst = fmax(worst, (sdf_programs[i].is_fractal ? fabs(x) : fabs(x - y)) /
                                         vec3_norm(apart));
@@ -88,7 +88,7 @@ TEST(values_are_distances)
 
 // --- surfaces ------------------------------------------------------------------------------------
 
-// A point within `off` of the surface, by bisection between points of different signs.
+// Finds a point within `off` of the surface, by bisection between points of different sign.
 static bool random_surface_point(struct random *random, const struct sdf *sdf, double reach,
                                  double out[3])
 {
@@ -112,19 +112,22 @@ static bool random_surface_point(struct random *random, const struct sdf *sdf, d
 }
 
 struct surface_counts {
-    uint32_t smooth; // where the gradient does not turn within reach of the kernel's differences
-    uint32_t beyond, wrong_side, turned; // off by more than is reported; of the ray; of the normal
-    double worst;                        // angle of a normal
+    uint32_t smooth; // points at which the gradient does not change within reach of the kernel's
+                     // differences
+    uint32_t beyond, wrong_side, turned; // position error larger than reported; ray on the wrong
+                                         // side; wrong normal
+    double worst;                        // greatest angle between normals
 };
 
-// Points as the kernel has them: about an origin, in a unit, that suit the scene.
+// Converts points from the kernel's coordinates, which have an origin and a unit that suit the
+// scene.
 static void kernel_to_world(const struct flat_scene *flat, const float point[4], double out[3])
 {
     const double in[3] = {(double)point[0], (double)point[1], (double)point[2]};
     flat_to_world(flat, in, out);
 }
 
-// Judges the kernel's results for a point near the surface.
+// Evaluates the kernel's results for a point near the surface.
 static void judge_surface(const struct setup *setup, uint32_t number, const union words *in,
                           const union words *out, struct surface_counts *counts)
 {
@@ -144,7 +147,8 @@ static void judge_surface(const struct setup *setup, uint32_t number, const unio
     sdf_into(scene, shape, world[0], p);
     sdf_into(scene, shape, world[1], q);
     counts->beyond += !(fabs(sdf_evaluate(sdf, p)) * scale <= off);
-    // Smooth is where four of the kernel's widths show what a hundredth of one does.
+    // The field is smooth if differences of four times the kernel's width agree with those of a
+    // hundredth of it.
     sdf_normal(sdf, p, h / 100, fine);
     sdf_normal(sdf, p, 4 * h, coarse);
     vec3_cross(fine, coarse, turned);
@@ -164,8 +168,8 @@ static void judge_surface(const struct setup *setup, uint32_t number, const unio
         counts->wrong_side += !(outwards * sdf_evaluate(sdf, q) > 0x1p-20 * sdf->magnitude);
 }
 
-// Positions are as near to the surface as they say, normals are those of double precision, and rays
-// begin where a march cannot take the surface for met.
+// Positions are as near to the surface as reported, normals equal those of double precision, and
+// rays begin where a march cannot find the same surface again.
 TEST(surfaces)
 {
     struct setup setup;
@@ -188,7 +192,7 @@ TEST(surfaces)
             memset(&items[k], 0, sizeof items[k]);
             random_direction(&random, items[k].f[1]);
             items[k].u[0][3] = i;
-            // Off by what the rounding of t may do to a ray from ten sizes away.
+            // The error is what the rounding of t may cause for a ray from a distance of ten sizes.
             double at[3];
             for (int c = 0; c < 3; c++) {
                 at[c] = shape->center[c];
@@ -206,7 +210,7 @@ TEST(surfaces)
             judge_surface(&setup, i, &inputs[k], &items[k], &counts);
         printf("  %-20s %4u of %u smooth; normals off by %.1e\n", sdf_programs[i].name,
                counts.smooth, POINTS / 4, counts.worst);
-        // The places that look smooth and are not: where folds lie between the two widths.
+        // Some places seem smooth but are not, because a fold lies between the two widths.
         uint32_t folds = sdf_programs[i].is_fractal ? counts.smooth / 100 : counts.smooth / 1000;
         CHECK(counts.turned <= folds, "%s: %u normals", sdf_programs[i].name, counts.turned);
         CHECK(counts.beyond + counts.wrong_side == 0,

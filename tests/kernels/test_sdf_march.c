@@ -1,15 +1,15 @@
-// Sphere tracing in the kernels against marches in double precision that take half the steps.
+// Tests sphere tracing in the kernels against marches in double precision that take half the steps.
 #include "render/probe/ray_probe.h"
 #include "render/sdf_inline.h"
 #include "sdf_programs.h"
 
-enum { RAYS = 3072 }; // a program
+enum { RAYS = 3072 }; // rays per program
 
 static struct probe_ray rays[RAYS];
 static struct probe_hit hits[RAYS];
 
-// Room for the longest marches, which would be suspended otherwise: lavapipe's limit is 65,535
-// rounds of all loops of a subgroup, and its rays march side by side.
+// This budget suffices for the longest marches, which would otherwise be suspended: lavapipe's
+// limit is 65,535 iterations of all loops of a subgroup, whose rays march together.
 enum { BUDGET = 60000 };
 
 static void widen_budget(struct setup *setup)
@@ -31,8 +31,8 @@ static bool trace_part(struct renderer *r, struct probe_ray *from, uint32_t coun
     return complete;
 }
 
-// Once more, one ray a subgroup, those that met nothing: rays that turn up at a field by turns use
-// up the limit of their subgroup together.
+// Traces the rays that hit nothing again, one per subgroup: rays that reach a field at different
+// times use up the limit of their subgroup together.
 static void trace_misses(struct renderer *r)
 {
     static struct probe_ray spread[RAYS];
@@ -67,10 +67,11 @@ static void trace(struct renderer *r)
 
 // --- one ray -------------------------------------------------------------------------------------
 
-// A ray in the field's own space, metres; where it is within the box, and how far off it may be.
+// A ray in the field's own space, in metres; the interval in which it is inside the box; and its
+// possible error.
 struct field_ray {
     double origin[3], direction[3], begin, end;
-    double metres; // metres of the field for a unit of t
+    double metres; // metres of the field per unit of t
     double slack;
 };
 
@@ -107,14 +108,15 @@ static struct field_ray into_field(const struct scene *scene, const struct shape
             out.end = -1;
         }
     }
-    // The field's rounding, and that of the way to the box: 8 roundings of the world's coordinates.
+    // The rounding of the field, and of the way to the box: 8 rounding errors of the world's
+    // coordinates.
     out.slack = 0x1p-24 *
                 (24 * sdf->magnitude + 8 * far / sdf_scale(scene, shape) + 8 * fmax(out.begin, 0));
     return out;
 }
 
-// The first place from `from` on where the distance has the other sign, by more than `depth`;
-// INFINITY: none before `to`. `side` is the sign at the beginning.
+// Returns the first place from `from` on where the distance has the other sign, by more than
+// `depth`; INFINITY if there is none before `to`. `side` is the sign at the beginning.
 static double crossing(const struct sdf *sdf, const struct field_ray *ray, double from, double to,
                        double side, double depth)
 {
@@ -130,12 +132,14 @@ static double crossing(const struct sdf *sdf, const struct field_ray *ray, doubl
 }
 
 struct counts {
-    uint32_t hits, inside;              // numbers of rays that hit; that began inside
-    uint32_t off, through, missed, far; // wrong: not on the surface; behind another; none; outside
-    double worst;                       // distance from the surface, in slacks
+    uint32_t hits, inside;              // rays that hit, and rays that began inside
+    uint32_t off, through, missed, far; // errors: hit not on the surface; behind another one;
+                                        // missed; outside the interval
+    double worst;                       // distance from the surface, in units of the slack
 };
 
-// The hit is on the surface and nothing certain was before it; or nothing certain was there at all.
+// A hit must be on the surface, with no certain surface before it. Without a hit there must be no
+// certain surface.
 static void judge(const struct scene *scene, const struct shape *shape, uint32_t number,
                   const struct probe_ray *ray, const struct probe_hit *hit, struct counts *counts)
 {
@@ -176,7 +180,8 @@ static void random_in_box(struct random *random, const struct shape *shape, doub
     }
 }
 
-// By turns from around the box, from within, along axes, far from it, and along its diagonals.
+// Aims rays, in alternation, from around the box, from inside, along axes, from far away, and along
+// its diagonals.
 static void aim_rays(struct random *random, const struct shape *shape, double far,
                      struct probe_ray *out)
 {
@@ -194,7 +199,7 @@ static void aim_rays(struct random *random, const struct shape *shape, double fa
             memcpy(from, to, sizeof from);
             from[axis] += (i % 16 < 8 ? -1 : 1) * 3 * size;
         }
-        if (i % 8 == 4) // through the very centre
+        if (i % 8 == 4) // exactly through the centre
             memcpy(to, shape->center, sizeof to);
         double v[3], squared = 0;
         for (int c = 0; c < 3; c++) {
@@ -229,7 +234,7 @@ static void check_shape(const char *name, struct setup *setup, uint32_t number, 
 
 // --- programs ------------------------------------------------------------------------------------
 
-// Operations with loops slow down all others of their kernel: they have one of their own.
+// Operations with loops slow down all others in the same kernel, so they get a kernel of their own.
 static bool has_loops(const struct sdf_program *program)
 {
     return program->is_fractal || (program->code[0].op & 0xffu) == SDF_METABALLS;
@@ -254,7 +259,7 @@ static void check_programs(bool with_loops, struct random *random)
     setup_close(&setup);
 }
 
-// Every operation, and trees, on their own.
+// Tests every operation and trees of operations, each alone.
 TEST(every_program)
 {
     struct random random = {81};
@@ -262,7 +267,7 @@ TEST(every_program)
     check_programs(true, &random);
 }
 
-// Tiny, huge, and far away.
+// Tests tiny, huge and distant fields.
 TEST(places)
 {
     static const char *const names[] = {"box", "torus", "tree", "menger"};
@@ -274,7 +279,7 @@ TEST(places)
         uint32_t program = sdf_program_named(names[i]);
         struct setup setup;
         scene_start(&setup.scene, 8, 8);
-        // Something at the origin keeps the scene from being moved there.
+        // An object at the origin prevents the scene from being moved there.
         add_sdf(&setup.scene, &sdf_programs[program],
                 &(struct sdf_place){.center = {places[i].distance, 0, places[i].distance / 2},
                                     .scale = places[i].scale,
@@ -292,7 +297,8 @@ TEST(places)
 
 // --- code and interpreter ------------------------------------------------------------------------
 
-// A program so long that no program of its scene becomes code (render/sdf_inline.h): far away.
+// Adds, far away, a program that is so long that no program of the scene is compiled to code
+// (render/sdf_inline.h).
 static void add_long_program(struct scene *scene)
 {
     struct sdf_program sphere = sdf_programs[sdf_program_named("sphere")];
@@ -308,7 +314,7 @@ static void add_long_program(struct scene *scene)
     sdf->count = rounds + 1;
 }
 
-// Rays from around, some leaving the surface that was met before.
+// Traces rays from around, some of which leave the surface that was hit before.
 static void trace_program(uint32_t program, bool interpreted, struct probe_hit *out)
 {
     struct setup setup;
@@ -328,7 +334,8 @@ static void trace_program(uint32_t program, bool interpreted, struct probe_hit *
     setup_close(&setup);
 }
 
-// The two ways differ by rounding, which decides about rays that graze something.
+// Compiled and interpreted programs differ by rounding, which decides for rays that graze a
+// surface.
 TEST(code_is_what_is_interpreted)
 {
     static const char *const names[] = {"smooth union", "metaballs", "tree"};
@@ -351,8 +358,8 @@ TEST(code_is_what_is_interpreted)
 
 // --- a closed form -------------------------------------------------------------------------------
 
-// Evaluates the quartic of a torus about y: (|p|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2), negative
-// inside.
+// Evaluates the quartic of a torus about y: (|p|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2). It is
+// negative inside.
 static double torus_quartic(const struct field_ray *ray, double x, double ring, double tube)
 {
     double p[3];
@@ -361,8 +368,8 @@ static double torus_quartic(const struct field_ray *ray, double x, double ring, 
     return k * k - 4 * ring * ring * (p[0] * p[0] + p[2] * p[2]);
 }
 
-// The first root, between places so near to each other that grazing rays alone hide two; INFINITY:
-// none.
+// Returns the first root, by places so close to each other that only grazing rays can have two
+// roots between them; INFINITY if there is none.
 static double torus_root(const struct field_ray *ray, double ring, double tube)
 {
     enum { PLACES = 8192 };
@@ -403,7 +410,7 @@ TEST(torus)
         bool found = hits[i].primitive != NO_PRIMITIVE;
         field_point(&ray, found ? (double)hits[i].t * ray.metres : fmin(root, ray.end), p);
         sdf_normal(&setup.scene.sdfs[0], p, 1e-6, n);
-        // Along a surface of curvature 1 / tube rounding moves roots by its square root.
+        // Along a surface of curvature 1 / tube, rounding moves roots by its square root.
         if (fabs(vec3_dot(n, ray.direction)) < 0.03 &&
             fabs(sdf_evaluate(&setup.scene.sdfs[0], p)) < 1e-3) {
             grazing++;
@@ -448,7 +455,7 @@ static void render(const struct scene *scene, uint32_t wave, uint32_t budget, st
     CHECK(gpu.validation_messages == 0, "%u validation messages", gpu.validation_messages);
 }
 
-// Marches that go on in later dispatches, and waves of other sizes, change no bit.
+// Marches that continue in later dispatches, and other wave sizes, do not change any bit.
 TEST(suspended_marches)
 {
     struct scene scene;

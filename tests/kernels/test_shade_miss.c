@@ -1,5 +1,5 @@
-// shade_miss: which texel a direction sees, what it adds, and what happens to numbers that are not
-// finite.
+// Tests shade_miss: which texel is in a direction, what is added, and how numbers that are not
+// finite are handled.
 #include "environment_texel.h"
 #include "kernel_fixture.h"
 
@@ -9,7 +9,7 @@ static struct gpu_path paths[SLOTS];
 static float radiance[SLOTS][4];
 static uint32_t queue[SLOTS];
 
-// Runs the kernel over the first `count` slots. The queue lists them backwards.
+// Runs the kernel over the first `count` slots, which the queue lists in reverse order.
 static bool shade(struct renderer *r, uint32_t count, struct err *err)
 {
     struct gpu_buffer *buffers = r->buffers;
@@ -68,7 +68,7 @@ TEST(constant_environment)
     uint32_t wrong = 0, touched = 0;
     for (uint32_t i = 0; i < SLOTS; i++) {
         for (int c = 0; c < 3; c++) {
-            // A product and a sum, which may be contracted.
+            // A product and a sum, which the device may contract.
             double exact = (double)before[i][c] + (double)paths[i].throughput[c] *
                                                       (double)setup.scene.environment.radiance[c];
             wrong += i < COUNT && !(fabs((double)radiance[i][c] - exact) <= 0x1p-23 * exact);
@@ -82,20 +82,21 @@ TEST(constant_environment)
 
 // --- texels --------------------------------------------------------------------------------------
 
-// add_environment_image() numbers the texels: value 3 i + 1 in red.
+// Returns the texel that was found: add_environment_image() gives texel i the red value 3 i + 1.
 static uint32_t seen_texel(uint32_t slot)
 {
     return (uint32_t)lrintf((radiance[slot][0] - 1) / 3);
 }
 
-// The directions that scene/core/environment.h names.
+// Tests the directions that scene/core/environment.h names.
 TEST(axes_see_their_texels)
 {
     static const struct {
         float direction[3];
-        uint32_t texel; // number in 8 x 4 texels
+        uint32_t texel; // index in an image of 8 x 4 texels
     } axes[] = {
-        // The horizon is the upper edge of row 2; a half pixel to each side keeps off the edges.
+        // The horizon is the upper edge of row 2. Directions are off by half a pixel, to stay away
+        // from the edges.
         {{1, -0.1f, 0.1f}, 2 * 8 + 4},  {{0.1f, -0.1f, 1}, 2 * 8 + 5},
         {{-0.1f, -0.1f, 1}, 2 * 8 + 6}, {{-1, 0.1f, 0.1f}, 1 * 8 + 7},
         {{-1, 0.1f, -0.1f}, 1 * 8 + 0}, {{-0.1f, 0.1f, -1}, 1 * 8 + 1},
@@ -125,8 +126,8 @@ TEST(axes_see_their_texels)
     setup_close(&setup);
 }
 
-// Random directions against environment_texel() in double precision, but where an edge between
-// texels is too near for single precision.
+// Compares random directions with environment_texel() in double precision, except if an edge
+// between texels is too near for single precision.
 TEST(directions_see_the_reference_texels)
 {
     enum { IMAGE_WIDTH = 61, IMAGE_HEIGHT = 31 };
@@ -140,7 +141,7 @@ TEST(directions_see_the_reference_texels)
     clear();
     for (uint32_t i = 0; i < SLOTS; i++) {
         random_direction(&random, paths[i].direction);
-        if (i < 6) { // the axes themselves: right texel or neighbour, never one outside
+        if (i < 6) { // the axes: the correct texel or a neighbour, never one outside
             memset(paths[i].direction, 0, sizeof paths[i].direction);
             paths[i].direction[i / 2] = i % 2 ? -1.0f : 1.0f;
         }

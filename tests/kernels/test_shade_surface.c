@@ -1,6 +1,7 @@
-// shade_surface on hits of random rays: emission and its weight, the light sample in the shadow ray
-// and its weight, the scattered path and roulette, each recomputed in double precision. Azimuths,
-// which depend on the choice of a basis, are taken as they come out: test_sampling checks them.
+// Tests shade_surface on hits of random rays: emission and its weight, the light sample in the
+// shadow ray and its weight, the scattered path and Russian roulette are each computed again in
+// double precision. Azimuths depend on the choice of a basis, and are taken from the result:
+// test_sampling checks them.
 #include "check/estimators.h"
 #include "render/probe/ray_probe.h"
 #include "solid_angle_reference.h"
@@ -18,7 +19,8 @@ static uint32_t queue[SLOTS];
 
 enum { SMOOTH = 1, ENCLOSED = 2 };
 
-// A floor, a tilted mirror, and an emitter of each kind above; ENCLOSED: in an emissive sphere.
+// Makes a floor, a tilted mirror, and an emitter of each kind above. With ENCLOSED, all are in an
+// emissive sphere.
 static void make_scene(struct scene *scene, uint32_t kind)
 {
     static const float floor[2][3][3] = {{{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}},
@@ -49,7 +51,7 @@ static void make_scene(struct scene *scene, uint32_t kind)
     add_disc(scene, (double[3]){0, 2.5, 0}, (double[3]){0.2, -1, 0.1}, 0.5, first + 4);
     if (kind & ENCLOSED)
         add_sphere(scene, (double[3]){0, 1, 0}, 6, first + 5);
-    scene->settings.light_choice = LIGHT_CHOICE_POWER; // one shadow ray, as the reference has it
+    scene->settings.light_choice = LIGHT_CHOICE_POWER; // a single shadow ray, as in the reference
     scene->settings.max_bounces = 6;
     scene->settings.roulette_min_bounces = 2;
     scene->settings.seed = 1234567;
@@ -57,7 +59,7 @@ static void make_scene(struct scene *scene, uint32_t kind)
 
 // --- running -------------------------------------------------------------------------------------
 
-// Hits of random rays, and paths that have come some way.
+// Traces random rays, and makes paths of different lengths for their hits.
 static bool trace_rays(struct renderer *r, struct err *err)
 {
     static struct probe_ray rays[SLOTS];
@@ -74,7 +76,7 @@ static bool trace_rays(struct renderer *r, struct err *err)
         !gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, before, sizeof before, err))
         return false;
     for (uint32_t i = 0; i < SLOTS; i++) {
-        // A third as after a mirror or from the camera.
+        // A third of the paths come from a mirror or the camera.
         before[i].bsdf_pdf = i % 3 == 0 ? 0.0f : (float)random_between(&random, 0.01, 0.3);
         for (int c = 0; c < 3; c++)
             before[i].throughput[c] = (float)random_between(&random, 0, 1.5);
@@ -99,7 +101,7 @@ static bool read_queue(struct renderer *r, uint32_t number, bool in_queue[SLOTS]
     return true;
 }
 
-// Shades what trace_rays() hit, as the paths of `before`.
+// Shades the hits of trace_rays(), as the paths of `before`.
 static bool shade(struct renderer *r, uint32_t bounce, struct err *err)
 {
     struct gpu_buffer *buffers = r->buffers;
@@ -133,10 +135,11 @@ struct hit {
     const struct renderer *r;
     uint32_t slot;
     struct surface_point s;
-    double origin[3], direction[3], throughput[3]; // the path's
+    double origin[3], direction[3], throughput[3]; // of the path
     double u_light[4], u_bsdf[4];
-    double normal_error; // error of shading normals: octahedral codes, see test_precision
-    bool interpolated;   // the shading normal is, and may not be the geometric one
+    double normal_error; // error of the shading normal's octahedral code, see test_precision
+    bool interpolated;   // the shading normal is interpolated, so it may differ from the geometric
+                         // one
 };
 
 static struct hit load_hit(const struct renderer *r, uint32_t slot)
@@ -188,7 +191,7 @@ static double mis_weight(const struct hit *h, double pdf, double other_pdf)
     }
 }
 
-// Returns whether a vertex that so many bounces come before sends shadow rays.
+// Returns whether a vertex after this many bounces sends shadow rays.
 static bool connects(const struct hit *h, uint32_t bounces)
 {
     return has_feature(h, FEATURE_NEE) &&
@@ -218,7 +221,8 @@ static double unlimited_density(const struct hit *h, const double wi[3], double 
     }
 }
 
-// The density with which a path goes on into wi from a diffuse surface; cosine > 0.
+// Returns the density with which a path continues in direction wi from a diffuse surface; cosine >
+// 0.
 static double density_onwards(const struct hit *h, const double wi[3], double cosine)
 {
     double density = unlimited_density(h, wi, cosine);
@@ -226,7 +230,7 @@ static double density_onwards(const struct hit *h, const double wi[3], double co
     return ends ? 0 : density;
 }
 
-// By how much a contribution is scaled.
+// Returns the factor by which clamping scales a contribution.
 static double clamp_scale(const struct hit *h, const double radiance_rgb[3])
 {
     double most = fmax(radiance_rgb[0], fmax(radiance_rgb[1], radiance_rgb[2]));
@@ -240,7 +244,7 @@ static void check_emission(const struct hit *h)
 {
     double pdf = (double)before[h->slot].bsdf_pdf, weight = 1, expected_rgb[3];
     double pick = pick_density(h->r, h->s.material);
-    // At the first bounce the test's paths come from nowhere, but with a density.
+    // At the first bounce the test's paths have a density although no vertex precedes them.
     bool connected = has_feature(h, FEATURE_NEE) && (!has_feature(h, FEATURE_NEE_DEPTH) ||
                                                      h->r->push.bounce <= h->r->frame.nee_depth);
     if (connected && pdf > 0 && pick > 0)
@@ -250,7 +254,7 @@ static void check_emission(const struct hit *h)
     for (int c = 0; c < 3; c++)
         expected_rgb[c] = h->throughput[c] * (double)h->s.material->emission[c] * weight;
     double scale = clamp_scale(h, expected_rgb);
-    // Seen edge-on, the cosine's own rounding shows.
+    // If the surface is seen edge-on, the rounding of the cosine matters.
     double relative = 2e-5 + 4e-6 / fabs(vec3_dot(h->direction, h->s.geometric));
     for (int c = 0; c < 3; c++) {
         double expected = expected_rgb[c] * scale;
@@ -262,7 +266,7 @@ static void check_emission(const struct hit *h)
 
 // --- the light sample ----------------------------------------------------------------------------
 
-// Where on a triangle the numbers lead to from `origin`.
+// Computes the point of a triangle for these numbers, seen from `origin`.
 static void triangle_sample(const struct flat_triangle *triangle, const double origin[3],
                             const double u[2], double out[3])
 {
@@ -282,7 +286,8 @@ static void triangle_sample(const struct flat_triangle *triangle, const double o
                  b2 * (double)triangle->v[2][c];
 }
 
-// The sampled point is on its emitter, where the numbers say as far as that can be told.
+// Checks that the sampled point is on its emitter, and at the place that the numbers determine, as
+// far as precision permits.
 static void check_light_point(const struct hit *h, uint32_t primitive, const double origin[3],
                               const double point[3])
 {
@@ -322,7 +327,7 @@ static void check_light_point(const struct hit *h, uint32_t primitive, const dou
     CHECK(vec3_dot(from_center, to_center) <= 1e-5, "slot %u: the far side of the sphere", h->slot);
 }
 
-// The emitter that the table gives for u, as the kernel computes it.
+// Returns the emitter that the table gives for u, as the kernel computes it.
 static uint32_t picked_emitter(const struct renderer *r, const struct gpu_emitter *table, double u)
 {
     float scaled = (float)u * (float)r->tables.emitters.count;
@@ -332,7 +337,7 @@ static uint32_t picked_emitter(const struct renderer *r, const struct gpu_emitte
                                                       : table[bin].alias_primitive;
 }
 
-// The point as a surface seen from the shadow ray's origin.
+// Returns the point as a surface point seen from the shadow ray's origin.
 static struct surface_point light_surface(const struct renderer *r, uint32_t primitive,
                                           const double origin[3], const double wi[3],
                                           double distance)
@@ -383,8 +388,7 @@ static void check_shadow_ray(const struct hit *h)
     }
 }
 
-// Returns 1 where there must be a shadow ray, 0 where there must not be one, and -1 where either is
-// right.
+// Returns 1 if there must be a shadow ray, 0 if there must be none, and -1 if both are correct.
 static int wants_shadow_ray(const struct hit *h, uint32_t emitter)
 {
     if (!connects(h, h->r->push.bounce) || h->r->push.bounce >= h->r->frame.max_bounces ||
@@ -410,7 +414,7 @@ static int wants_shadow_ray(const struct hit *h, uint32_t emitter)
 
 // --- scattering ----------------------------------------------------------------------------------
 
-// The probability to go on; 1 before roulette begins.
+// Returns the probability that the path continues; 1 before Russian roulette begins.
 static double survival(const struct hit *h)
 {
     double most = 0;
@@ -425,7 +429,8 @@ static double survival(const struct hit *h)
                : (double)h->r->frame.roulette_survival;
 }
 
-// The number that decides it: of all pixels with the roulette of frames.
+// Returns the random number of Russian roulette; with roulette by frames it is the same for all
+// pixels.
 static double survival_number(const struct hit *h)
 {
     const struct gpu_push *push = &h->r->push;
@@ -437,7 +442,7 @@ static double survival_number(const struct hit *h)
     return u[3];
 }
 
-// The cosine that the numbers lead to; NaN where it depends on the choice of a basis.
+// Returns the cosine that the numbers determine; NaN if it depends on the choice of a basis.
 static double cosine_onwards(const struct hit *h)
 {
     double u = h->u_bsdf[0];
@@ -453,7 +458,7 @@ static double cosine_onwards(const struct hit *h)
     }
 }
 
-// The new origin is beside the surface, on the direction's side.
+// The new origin must be beside the surface, on the direction's side.
 static void check_new_origin(const struct hit *h, const double direction[3])
 {
     double off[3], from_plane[3];
@@ -469,7 +474,7 @@ static void check_new_origin(const struct hit *h, const double direction[3])
         height = outwards * (vec3_norm(from_plane) - (double)h->s.shape->radius);
     }
     CHECK(vec3_norm(off) <= 1e-5, "slot %u: the origin is %g away", h->slot, vec3_norm(off));
-    // Exactly in the plane is where an axis-parallel plane at 0 leaves it.
+    // The origin may be exactly in the plane, for an axis-parallel plane at 0.
     CHECK(height * side >= 0, "slot %u, %s: the origin is on the wrong side by %g", h->slot,
           h->s.material->name, height);
 }
@@ -479,7 +484,8 @@ static void check_next_path(const struct hit *h)
     const struct gpu_path *path = &after[h->slot];
     double direction[3], mirrored[3], q = survival(h);
     double pdf, part = 1,
-                relative = 1e-6; // part: fraction of the reflectance that this direction stands for
+                relative = 1e-6; // `part` is the fraction of the reflectance that this direction
+                                 // represents
     uint32_t directions = h->r->specialization.directions;
     bool fits = directions == DIRECTIONS_BSDF || directions == DIRECTIONS_COSINE;
     for (int c = 0; c < 3; c++)
@@ -514,7 +520,7 @@ static void check_next_path(const struct hit *h)
     check_new_origin(h, direction);
 }
 
-// 1, 0, or -1: either, where a bent normal may send the path into the surface.
+// Returns 1, 0, or -1 for either, if a bent normal may direct the path into the surface.
 static int wants_next_path(const struct hit *h)
 {
     if (h->r->push.bounce >= h->r->frame.max_bounces)
@@ -577,7 +583,7 @@ struct method {
     float mis_exponent; // 0: the usual one
 };
 
-// Leaves the test when there is no device.
+// Ends the test if there is no device.
 static void check_method(uint32_t kind, enum light_estimator estimator, uint32_t bounce,
                          const struct method *method)
 {
@@ -667,7 +673,7 @@ TEST(exponents_of_the_power_heuristic)
     check_method(0, ESTIMATOR_MIS, 0, &(struct method){.mis_exponent = 40});
 }
 
-// Paths end in unlikely directions; the light from there counts in full where shadow rays find it.
+// Paths end in unlikely directions. Light from there counts in full where shadow rays find it.
 TEST(least_densities)
 {
     check_method(0, ESTIMATOR_MIS, 0, &(struct method){.min_density = 0.15f});
@@ -675,7 +681,7 @@ TEST(least_densities)
     check_method(ENCLOSED, ESTIMATOR_BSDF, 1, &(struct method){.min_density = 0.2f});
 }
 
-// Weighted against the density that is drawn from.
+// The weights use the density from which directions are sampled.
 TEST(other_directions)
 {
     check_method(0, ESTIMATOR_MIS, 0, &(struct method){.directions = DIRECTIONS_SPHERE});
@@ -684,8 +690,8 @@ TEST(other_directions)
     check_method(0, ESTIMATOR_MIS, 0, &(struct method){.directions = DIRECTIONS_POWER_COSINE});
 }
 
-// The last vertex that sends shadow rays, and the first that does not: what rays from the last one
-// meet is weighted, what others meet counts in full.
+// Tests the last vertex that sends shadow rays and the first that does not: emission that rays from
+// the former hit is weighted, and emission that others hit counts in full.
 TEST(shadow_rays_by_depth)
 {
     for (uint32_t bounce = 0; bounce < 4; bounce++)
@@ -706,8 +712,7 @@ TEST(clamped_emission)
     check_method(0, ESTIMATOR_MIS, 0, &(struct method){.clamp_limit = 1.5f});
 }
 
-// A contribution that is not finite is left out of the sum, counted by its place, marked, and ends
-// the path.
+// A contribution that is not finite is not added, but counted and marked, and ends the path.
 TEST(nonfinite_throughput)
 {
     struct setup setup;

@@ -1,7 +1,7 @@
-// Points that next-event estimation chooses on quads, boxes, cylinders and tubes: uniform by solid
-// angle on quads that fill enough of it, by area on what is seen of boxes and cylinders, and on all
-// of the others; with the density that is said, which hits know as well, and only where the shape
-// does not hide them itself.
+// Tests the points that next-event estimation chooses on quads, boxes, cylinders and open
+// cylinders: uniform by solid angle on quads that subtend enough of it, by area on the visible
+// parts of boxes and cylinders, and on all of the others. The density must be the stated one, which
+// hits know as well, and the shape must not occlude the point itself.
 #include "library_fixture.h"
 #include "shape_reference.h"
 #include "shape_routines.h"
@@ -10,8 +10,8 @@
 #include "shapes_test.spv.h"
 
 enum {
-    SAMPLES = 1 << 16, // a place
-    GRID = 12,         // cells of a face, each way
+    SAMPLES = 1 << 16, // samples per place
+    GRID = 12,         // cells per face along each axis
     FACES = 6,
 };
 
@@ -43,18 +43,19 @@ static double whole_area(const struct exact_shape *s)
     return area;
 }
 
-// The faces of a shape on which points are sampled from one place.
+// The faces of a shape on which points are sampled, as seen from one place.
 struct aim {
-    double area[FACES]; // areas of the faces aimed at
+    double area[FACES]; // areas of these faces
     double whole;       // sum of these areas
-    double axis[3];     // a cylinder's: two directions across it, the first one from which its side
-    double across[2][3]; // is seen
-    double arc;          // half of the angle round the axis
-    double solid_angle;  // solid angle of a quad whose points are chosen by it; else 0
+    double axis[3];     // axis of a cylinder
+    double across[2][3]; // two directions across it; the first one is on the visible side
+    double arc;          // half of the visible angle about the axis
+    double solid_angle;  // solid angle of a quad whose points are chosen by solid angle; otherwise
+                         // 0
 };
 
-// The solid angle of part of a quad, from x[0] to x[1] and y[0] to y[1] of -1 ... 1 along its edges,
-// from the place `f` from its centre.
+// Returns the solid angle of the part of a quad from x[0] to x[1] and y[0] to y[1], which are in -1
+// ... 1 along its edges, from the place `f` relative to its centre.
 static double part_solid_angle(const struct exact_shape *s, const double f[3], const double x[2],
                                const double y[2])
 {
@@ -71,7 +72,8 @@ static double part_solid_angle(const struct exact_shape *s, const double f[3], c
     return exact_solid_angle(half[0]) + exact_solid_angle(half[1]);
 }
 
-// Directions across a cylinder's axis, the first one to the place `f` from its centre.
+// Computes directions across a cylinder's axis, the first one towards the place `f` relative to its
+// centre.
 static double directions_across(const struct exact_shape *s, const double f[3], double across[2][3])
 {
     double along = vec3_dot(f, s->axis[0]), away;
@@ -113,14 +115,15 @@ static struct aim aim_from(const struct exact_shape *s, const double f[3])
     return aim;
 }
 
-// Where on its face a point is, both from 0 to 1 and uniform by area. `at`: as hit records say.
+// Computes the place of a point on its face: two numbers from 0 to 1, uniform by area. `at` is as
+// in hit records.
 static int place_on_face(const struct exact_shape *s, const struct aim *aim, const double f[3],
                          int at, double place[2])
 {
     double u[3], v[3];
     switch (s->kind) {
     case SHAPE_QUAD:
-        // The coordinates along edges that are at any angle.
+        // Coordinates along the edges, which may have any angle.
         vec3_cross(s->axis[2], s->axis[1], u);
         vec3_cross(s->axis[2], s->axis[0], v);
         place[0] = 0.5 + vec3_dot(f, u) / vec3_dot(s->axis[0], u) / s->half[0] / 2;
@@ -157,7 +160,7 @@ struct tally {
     uint32_t off, beyond, wrong_density, disagree, wrongly_hidden, wrongly_seen, hidden;
 };
 
-// `pick`: the probability of choosing the shape.
+// `pick` is the probability of choosing the shape.
 static void check_sample(const struct exact_shape *s, const struct aim *aim, double pick,
                          const union words *out, const double origin[3], struct tally *tally)
 {
@@ -185,20 +188,20 @@ static void check_sample(const struct exact_shape *s, const struct aim *aim, dou
     for (int i = 0; i < crossings; i++)
         in_between = in_between || (t[i] > 0 && t[i] < 1 - 1e-3);
     tally->hidden += pdf == 0;
-    // Edge-on either may be.
+    // Seen edge-on, both results are possible.
     if (slope < 1e-2)
         return;
     tally->wrongly_seen += s->kind != SHAPE_QUAD && in_between && pdf > 0;
     tally->wrongly_hidden += !(may_hide && in_between) && pdf == 0 &&
                              !(may_hide && crossings == 2 && fabs(t[1] - t[0]) < 1e-2);
-    // Close by the roundings of both places are not little, far away those of the normal on a side.
+    // Nearby, the rounding errors of both places matter; far away, those of a side's normal.
     double rounding = 1e-6 * (vec3_norm(origin) + exact_size(s));
     double tolerance = 1e-4 + rounding / (slope * fmin(distance, s->radius > 0 ? s->radius : 1));
     tally->wrong_density += pdf > 0 && fabs(pdf / expected - 1) > tolerance;
     tally->disagree += pdf > 0 && fabs(pdf_of_hit / pdf - 1) > tolerance;
 }
 
-// The probability of a cell of a face.
+// Returns the probability of a cell of a face.
 static double cell_probability(const struct exact_shape *s, const struct aim *aim,
                                const double f[3], int face, int cell)
 {
@@ -257,7 +260,7 @@ static void check_place(struct setup *setup, const char *name, const double from
     double d = deviate(&shape, &aim, f, &tally);
     printf("  %-10s %3.0f %% aimed at, %4.1f %% hidden, %.2f deviations\n", name,
            100 * aim.whole / whole_area(&shape), 100.0 * tally.hidden / SAMPLES, d);
-    // A level of 1e-5 for all places of all kinds together.
+    // The level is 1e-5 for all places of all kinds together.
     CHECK(fabs(d) <= 5.2, "%s: %g deviations from uniform", name, d);
     CHECK(tally.off == 0, "%s: %u points off the surface", name, tally.off);
     CHECK(tally.beyond == 0, "%s: %u points beyond what is seen", name, tally.beyond);
@@ -268,7 +271,8 @@ static void check_place(struct setup *setup, const char *name, const double from
           tally.wrongly_hidden);
 }
 
-// A place by the shape's own directions, in units of its half edges, half height and radius.
+// Computes a place along the shape's own directions, in units of its half edges, half height and
+// radius.
 static void place_by_shape(const struct exact_shape *s, const double by[3], double place[3])
 {
     double across[2][3];
@@ -287,17 +291,17 @@ static void place_by_shape(const struct exact_shape *s, const double by[3], doub
 
 static void check_kind(const char *name, uint32_t kind, uint32_t choice)
 {
-    // From outside, at an edge's side, along the axis, and from inside.
+    // From outside, beside an edge, along the axis, and from inside.
     static const double places[][3] = {
         {2, 1.5, -1}, {0.1, -3, 0.2}, {0.4, 0.3, 9}, {0.02, 0.01, -0.015}};
-    // Over faces, near and far, edges, and corners; close to a face, and to where two meet; and in
-    // the corners inside.
+    // Over faces, near and far; at edges and corners; close to a face, and to where two meet; and
+    // in the corners inside.
     static const double own[][3] = {{0.3, -0.2, 1.5},  {-1.01, 0.4, 0.3},  {40, 0.1, 0.2},
                                     {-0.5, 1.8, -2.5}, {2, -0.3, -1.7},    {-1.2, 1.3, 1.4},
                                     {30, -50, 40},     {0.6, 1.001, 0.01}, {1.01, 1.02, -0.1},
                                     {0, 1e3, 0.5},     {0.9, -0.65, 0.7},  {-0.99, 0.69, -0.7}};
-    // Before a quad, by its half edges and its normal: close by, close to its diagonal, to an edge, a
-    // corner, far away.
+    // In front of a quad, in units of its half edges and its normal: nearby, close to its diagonal,
+    // to an edge, to a corner, and far away.
     static const double before[][3] = {{0.3, -0.2, 0.05}, {0.5, 0.5, 0.1}, {-0.4, 0.99, 0.05},
                                        {1, 1, 0.05},      {3, -2, 0.3},    {20, 10, 60}};
     struct setup setup;
@@ -306,7 +310,7 @@ static void check_kind(const char *name, uint32_t kind, uint32_t choice)
     setup.scene.settings.light_choice = choice;
     setup.scene.materials[0].emission[0] = 1;
     add_random_shape(&setup.scene, kind, (double[3]){0.5, -0.25, 0.75}, 1, 3, false, &random);
-    // A second emitter, so that there is a choice; and a place to choose from.
+    // A second emitter, so that there is a choice, and a place from which to choose.
     add_sphere(&setup.scene, (double[3]){0, 0, 5}, 0.1, 0);
     OPEN_SETUP(&setup, LIBRARY_SLOTS);
     struct exact_shape shape = exact_shape(&setup.r.flat.shapes[0], 0, 0);

@@ -1,25 +1,25 @@
-// Analytic shapes on the device against double precision: where rays meet them, how well the points
-// there are known, and what rays that start there meet.
+// Tests analytic shapes on the device against double precision: where rays hit them, the accuracy
+// of the hit points, and what rays that start there hit.
 //
-// Single precision may decide as it likes within its rounding. A result is right if it is that of
-// the shape, or of the shape larger or smaller by some roundings of the coordinates; where those do
-// not agree, rounding may have decided. All else is an error, and how often rounding may be the
-// reason is bounded.
+// Within its rounding errors, single precision may decide either way. A result is correct if it is
+// that of the shape, or of the shape enlarged or shrunk by some rounding errors of the coordinates.
+// If these do not agree, rounding may have decided. Any other result is an error, and the number of
+// decisions by rounding is bounded.
 #include "library_fixture.h"
 #include "shape_reference.h"
 #include "shape_routines.h"
 
 #include "shapes_test.spv.h"
 
-// The greatest relative error of one operation on this device, as in lib/constants.glsl.
+// The greatest relative error of an operation on this device, as in lib/constants.glsl.
 static double rounding;
 #define ROUNDING rounding
 
 enum {
-    SHAPES = 126, // a third in each of three worlds
-    RAYS = 1024,  // a shape
+    SHAPES = 126, // a third for each of three kinds of sizes
+    RAYS = 1024,  // rays per shape
     ITEMS = SHAPES * RAYS,
-    MODES = 8, // modes of rays
+    MODES = 8, // kinds of rays
 };
 
 static const struct routine leave = {shapes_spirv, sizeof shapes_spirv, ROUTINE_LEAVE_SHAPE};
@@ -32,8 +32,8 @@ static double random_magnitude(struct random *random)
     return pow(10, random_between(random, -8, 8));
 }
 
-// By turns shapes of about a metre near the origin, the same elongated up to 1e6 : 1, and sizes and
-// places from 1e-8 to 1e8.
+// In alternation, shapes of about a metre near the origin, the same elongated by up to 1e6 : 1, and
+// sizes and places from 1e-8 to 1e8.
 static void add_worlds(struct scene *scene, uint32_t kind, struct random *random)
 {
     for (uint32_t i = 0; i < SHAPES; i++) {
@@ -70,8 +70,8 @@ static void random_tangent(const double normal[3], struct random *random, double
         out[c] /= norm;
 }
 
-// The ray of number `n` to a shape: from near and from far, from inside, at edges, along faces,
-// along the shape's axis and the world's.
+// Makes ray number `n` to a shape: from near and from far, from inside, at edges, along faces, and
+// along the axes of the shape and of the world.
 static void random_ray(const struct exact_shape *shape, uint32_t n, struct random *random,
                        float origin[3], float direction[3])
 {
@@ -108,7 +108,7 @@ static void random_ray(const struct exact_shape *shape, uint32_t n, struct rando
         direction[0] = 1;
 }
 
-// Any direction, or one that hardly leaves the surface that a ray may have met.
+// Any direction, or one that hardly leaves the surface that the ray may have hit.
 static void random_next(const struct exact_shape *shape, uint32_t n, struct random *random,
                         float next[3])
 {
@@ -136,12 +136,12 @@ static void fill_items(const struct flat_scene *flat, struct random *random)
 
 // --- judging -------------------------------------------------------------------------------------
 
-// A shape, and the same larger and smaller by what rounding may be.
+// A shape, and the same enlarged and shrunk by the possible rounding errors.
 enum { VARIANTS = 9 };
 struct sizes {
     struct exact_shape shape[VARIANTS];
     double tolerance;
-    bool is_along; // the ray, a plane: anything may come out
+    bool is_along; // the ray lies in a plane of the shape, so that any result is possible
 };
 
 static bool is_flat(uint32_t kind)
@@ -154,8 +154,8 @@ static double largest(const double v[3])
     return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
 }
 
-// With twice the digits only what is beyond those of the ray itself. Where a plane is met aslant,
-// its edges are as uncertain as the place is.
+// With double-float arithmetic, only errors beyond those of the ray itself count. If a ray hits a
+// plane at a small angle, its edges are as uncertain as the place.
 static struct sizes sizes_of(const struct flat_shape *flat, const double origin[3],
                              const double d[3], double roundings, bool large)
 {
@@ -168,7 +168,7 @@ static struct sizes sizes_of(const struct flat_shape *flat, const double origin[
         s.is_along = slope <= 16 * ROUNDING;
         grown /= fmax(slope, ROUNDING);
     }
-    // How far along a tube its end is met is as uncertain as how far out it is.
+    // Along an open cylinder, the place of its end is as uncertain as its radius there.
     double across = 1;
     if (flat->kind == SHAPE_TUBE) {
         double along = vec3_dot(s.shape[0].axis[0], d);
@@ -176,12 +176,12 @@ static struct sizes sizes_of(const struct flat_shape *flat, const double origin[
     }
     for (int i = 1; i < VARIANTS; i++)
         s.shape[i] = exact_shape(flat, grown * (i % 3 - 1), s.tolerance * 2 / across * (i / 3 - 1));
-    s.shape[4] = exact_shape(flat, -grown, -s.tolerance * 2 / across); // the place of all of 0
+    s.shape[4] = exact_shape(flat, -grown, -s.tolerance * 2 / across); // the place of the ends
     return s;
 }
 
-// Returns whether a ray that runs along a tube's side is inside or outside of it is all that it
-// meets.
+// Returns whether the result depends only on whether a ray that runs along the side of an open
+// cylinder is inside or outside of it.
 static bool grazes_tube(const struct sizes *sizes, const double origin[3], const double d[3])
 {
     int hits = 0;
@@ -194,7 +194,7 @@ static bool grazes_tube(const struct sizes *sizes, const double origin[3], const
     return sizes->shape[0].kind == SHAPE_TUBE && hits != 0 && hits != VARIANTS;
 }
 
-// The first crossing ahead, or of a ray that starts on the shape the last one; negative: none.
+// The first crossing ahead or, for a ray that starts on the shape, the last one; negative: none.
 struct range {
     double low, high;
     bool sure_hit, sure_miss;
@@ -236,12 +236,13 @@ static enum verdict judge(const struct range *r, double t, double slack)
 // --- a kind --------------------------------------------------------------------------------------
 
 struct tally {
-    uint32_t hits, rounded, wrong;         // rays from anywhere
-    uint32_t loose, beyond;                // errors of points that are too large, or too small
-    uint32_t wrong_side, met_again;        // rays that leave
-    uint32_t far_found, far_rounded, lost; // rays that go in
-    uint32_t plain, plain_rounded;         // shapes and rays that nothing is the matter with
-    bool is_shown;                         // a ray that went wrong
+    uint32_t hits, rounded, wrong;         // for rays from anywhere
+    uint32_t loose, beyond;                // reported errors of points that are too large, or too
+                                           // small
+    uint32_t wrong_side, met_again;        // for rays that leave the shape
+    uint32_t far_found, far_rounded, lost; // for rays that enter it
+    uint32_t plain, plain_rounded;         // shapes and rays without special difficulty
+    bool is_shown;                         // a wrong ray was printed
 };
 
 static void to_double(const float v[3], double out[3])
@@ -263,7 +264,7 @@ static double smallest_size(const struct exact_shape *shape)
     return shape->kind == SHAPE_BOX ? size : fmin(size, shape->radius);
 }
 
-// The ray that left the point of item i, and that point.
+// Checks the ray that left the hit point of item i.
 static void check_leaving(const struct flat_shape *flat, uint32_t i, bool large,
                           struct tally *tally)
 {
@@ -283,7 +284,7 @@ static void check_leaving(const struct flat_shape *flat, uint32_t i, bool large,
     tally->loose += !(bound <= (large ? 4 * ROUNDING * reach + 0x1p-18 * ROUNDING * shape->radius
                                       : 32 * ROUNDING * (reach + exact_size(shape)))) &&
                     !(large && bound < 17 * ROUNDING * shape->radius);
-    // As offset_origin() decides.
+    // The side is decided as in offset_origin().
     double side = 0;
     for (int c = 0; c < 3; c++)
         side += next[c] * normal[c];
@@ -291,7 +292,7 @@ static void check_leaving(const struct flat_shape *flat, uint32_t i, bool large,
     double height = exact_height(shape, from, at);
     if (unsure)
         side = height;
-    // Where rounding is as large as the shape there is no inside.
+    // If rounding errors are as large as the shape, there is no inside.
     bool has_inside = sizes.tolerance < smallest_size(shape);
     tally->wrong_side += !(height * side > 0) && (side > 0 || has_inside);
     if (is_flat(flat->kind) || side > 0) {

@@ -1,18 +1,19 @@
-// Points on triangles chosen by solid angle (lib/solid_angle.glsl) as shipped, run on the device:
-// solid angles against double precision by other formulas, points against Arvo's own construction,
-// their distribution by chi-square; at the bounds of where this is done, and beyond.
+// Tests points on triangles that the renderer chooses by solid angle (lib/solid_angle.glsl), on the
+// device: solid angles against double precision by other formulas, points against Arvo's own
+// construction, and their distribution by chi-square; within the range in which this method is
+// used, at its limits, and beyond.
 #include "library_fixture.h"
 #include "solid_angle_reference.h"
 
 enum {
-    SAMPLES = 1 << 16, // a triangle
+    SAMPLES = 1 << 16, // samples per triangle
     GRID = 12,         // rows of cells
     CELLS = GRID * GRID,
 };
 
 static union words items[SAMPLES], results[SAMPLES];
 
-// A triangle from the origin of coordinates: corner 0 and edges, floats.
+// A triangle relative to the point: corner 0 and two edges, in floats.
 struct place {
     const char *name;
     float corner[3], edge1[3], edge2[3];
@@ -36,14 +37,14 @@ static void fill_item(const struct place *place, const float u[2], union words *
     memcpy(item->f[3], u, 2 * sizeof *u);
 }
 
-// A point of the triangle by its barycentric coordinates.
+// Computes the point of the triangle with these barycentric coordinates.
 static void point_at(double corners[3][3], double b1, double b2, double out[3])
 {
     for (int c = 0; c < 3; c++)
         out[c] = (1 - b1 - b2) * corners[0][c] + b1 * corners[1][c] + b2 * corners[2][c];
 }
 
-// Cells are small triangles: of each square of the grid of (b1, b2) the lower and the upper half.
+// Cells are small triangles: the lower and the upper half of each square of the grid of (b1, b2).
 static int cell_of(double b1, double b2)
 {
     int i = (int)(b1 * GRID), j = (int)(b2 * GRID);
@@ -69,8 +70,8 @@ static void cell_probabilities(double corners[3][3], double solid_angle, double 
     }
 }
 
-// Pearson's statistic as a standard normal deviate (Wilson and Hilferty 1931); cells that expect
-// fewer than 10 count together.
+// Returns Pearson's statistic as a standard normal deviate (Wilson and Hilferty 1931). Cells with
+// an expected count below 10 are pooled.
 static double deviate(const double probability[CELLS], const uint32_t count[CELLS])
 {
     double statistic = 0, cells = 0, rest_expected = 0, rest_count = 0;
@@ -92,7 +93,7 @@ static double deviate(const double probability[CELLS], const uint32_t count[CELL
     return (cbrt(statistic / (cells - 1)) - (1 - spread)) / sqrt(spread);
 }
 
-// How far the chosen point is, as an angle, from where Arvo's construction leads, in units of the
+// Returns the angle between the chosen point and that of Arvo's construction, in units of the
 // triangle's angular size.
 static double distance_to_exact(double corners[3][3], const float u[2], const double b[2],
                                 double size)
@@ -137,7 +138,7 @@ static void check_place(struct setup *setup, const struct place *place, struct r
     CHECK(worst_angle <= 2e-5, "%s: a solid angle is off by %g", place->name, worst_angle);
     CHECK(worst <= 2e-3, "%s: a point is off by %g", place->name, worst);
     CHECK(outside == 0, "%s: %u points outside", place->name, outside);
-    // A level of 1e-5 for all places together.
+    // The level is 1e-5 for all places together.
     CHECK(fabs(d) <= 5.2, "%s: %g deviations from uniform", place->name, d);
 }
 
@@ -168,8 +169,8 @@ TEST(seen_triangles)
     setup_close(&setup);
 }
 
-// Where points are chosen by area: too small, in the plane of the point, the point on the triangle,
-// on an edge, at a corner; no area.
+// Points are chosen by area if the triangle is too small, if the point is in its plane, on it, on
+// an edge or at a corner, or if it has no area.
 TEST(by_area)
 {
     static const struct place by_area[] = {
@@ -196,8 +197,8 @@ TEST(by_area)
     setup_close(&setup);
 }
 
-// Uniforms of 0, the smallest and the largest: never a NaN, always on the triangle, where Arvo's
-// construction leads to.
+// Uniforms of 0, the smallest and the largest value must never give NaN, and always the point of
+// the triangle to which Arvo's construction leads.
 TEST(extreme_uniforms)
 {
     static const float extremes[] = {0, 0x1p-24f, 0.25f, 0.5f, 0.75f, 1 - 0x1p-24f};

@@ -1,6 +1,6 @@
-// Pairs of tiny scenes, with and without one need, show that what a scene does not need is left
-// out: the first one's Vulkan objects must be there, and the second one's must be gone, and nothing
-// else.
+// Pairs of tiny scenes, with and without a single need, show that unnecessary parts are left out:
+// the Vulkan objects for the need must exist for the first scene and not for the second, and all
+// others must be the same.
 #include "flatten/geometry.h"
 #include "kernel_fixture.h"
 #include "render/probe/replay.h"
@@ -17,47 +17,47 @@ enum {
     DISC = TRAIT(2),
     SMOOTH = TRAIT(3),        // the quad has normals
     MIRROR_QUAD = TRAIT(4),   // the quad is a mirror, not diffuse
-    MIRROR_SPHERE = TRAIT(5), // the sphere likewise
+    MIRROR_SPHERE = TRAIT(5), // the sphere is a mirror, not diffuse
     BRIGHT_QUAD = TRAIT(6),   // the quad emits
     BRIGHT_SPHERE = TRAIT(7), // the sphere emits
     BRIGHT_DISC = TRAIT(8),   // the disc emits
     SKY = TRAIT(9),           // a constant environment
-    SKY_IMAGE = TRAIT(10),    // an image of one
+    SKY_IMAGE = TRAIT(10),    // an environment image
     JITTER = TRAIT(11),
     ROULETTE = TRAIT(12),
     ONLY_BSDF = TRAIT(13),
     ONLY_NEE = TRAIT(14),
     NO_BOUNCE = TRAIT(15),
-    SPARE_MIRROR = TRAIT(16), // a material that nothing is made of
+    SPARE_MIRROR = TRAIT(16), // a material without a surface
     LAMP = TRAIT(17),         // a point light
     PRINCIPLED_SPHERE = TRAIT(18),
     GLASS_SPHERE = TRAIT(19),
     PHONG_SPHERE = TRAIT(20),
-    THIN = TRAIT(21),          // all surfaces are
-    UVS = TRAIT(22),           // the quad has two sets
-    COLORS = TRAIT(23),        // and colours
-    BRUSHED_QUAD = TRAIT(24),  // it is anisotropic
-    TEXTURE = TRAIT(25),       // a texture of halves, on all surfaces
-    FLOAT_TEXTURE = TRAIT(26), // another, of floats
-    TEXTURE_1 = TRAIT(27),     // another, over the second coordinates
+    THIN = TRAIT(21),          // all surfaces are thin
+    UVS = TRAIT(22),           // the quad has two sets of texture coordinates
+    COLORS = TRAIT(23),        // the quad has vertex colours
+    BRUSHED_QUAD = TRAIT(24),  // the quad is anisotropic
+    TEXTURE = TRAIT(25),       // all surfaces have a texture of halves
+    FLOAT_TEXTURE = TRAIT(26), // all surfaces have a texture of floats
+    TEXTURE_1 = TRAIT(27),     // all surfaces have a texture with the second set of coordinates
     NORMAL_MAP = TRAIT(28),
     MASK = TRAIT(29), // all surfaces have an alpha mask
     LENS = TRAIT(32),
-    TILES = TRAIT(31), // sample counts by tile are asked for
+    TILES = TRAIT(31), // tiles have numbers of samples of their own
     NEE_DEPTH = TRAIT(40),
     CLAMP = TRAIT(41),
     MIN_DENSITY = TRAIT(30),
-    SPLIT = TRAIT(55),   // paths at their first vertex
-    PROFILE = TRAIT(42), // the lamp has one
-    SUN = TRAIT(43),     // a directional light with an extent
-    PLACED = TRAIT(44),  // the quad is an instance in its own space
+    SPLIT = TRAIT(55),   // paths split at their first vertex
+    PROFILE = TRAIT(42), // the lamp has an IES profile
+    SUN = TRAIT(43),     // a directional light with an angular diameter
+    PLACED = TRAIT(44),  // the quad is an instance with a space of its own
     PLANE = TRAIT(45),
     SHEET = TRAIT(46), // an analytic quad
     BOX = TRAIT(47),
     CYLINDER = TRAIT(48),
     TUBE = TRAIT(49),
     GLOBE = TRAIT(50),         // a sphere of 1e6 m
-    BRIGHT_SHAPES = TRAIT(51), // sheet, box, cylinder and tube emit
+    BRIGHT_SHAPES = TRAIT(51), // sheet, box, cylinder and open cylinder emit
     FIELD = TRAIT(52),         // a distance field
     FAR = TRAIT(53),           // the camera is 1e6 times as far away
     TINY = TRAIT(54),          // the quad is 2e-7 m large, and 0.3 m away
@@ -108,7 +108,7 @@ static void add_textures(struct scene *scene, uint64_t has, struct material *mat
         add_texture(scene, material, false, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT);
 }
 
-// Makes a part's material: of `model`, emitting by the bit `bright`.
+// Makes the material of a part, with this `model`; it emits if `bright` is among the traits.
 static uint32_t make_material(struct scene *scene, uint64_t has, uint32_t model, uint64_t bright)
 {
     struct material material;
@@ -160,7 +160,7 @@ static uint32_t sphere_model(uint64_t has)
                                      : MATERIAL_LAMBERT;
 }
 
-// Even, of two angles.
+// A constant profile with two angles.
 static float profile_values[4] = {0, 180, 1, 1};
 static const struct light_profile profile = {
     .vertical_count = 2,
@@ -185,7 +185,7 @@ static void add_shape(struct scene *scene, uint64_t has, uint64_t trait, enum sh
         .axes = {{0, 0.2, 0}, {kind < SHAPE_CYLINDER ? 0.2 : 1, 0, 0}, {0, 0, -0.2}}};
 }
 
-// A ball of 0.2 m.
+// Adds a ball of 0.2 m as a distance field.
 static void add_field(struct scene *scene, uint64_t has)
 {
     static struct gpu_sdf_instruction code = {.op = SDF_SPHERE, .a = {0.2f}};
@@ -273,12 +273,12 @@ static void make_scene(uint64_t has, struct scene *scene)
     settings->mis = has & ONLY_NEE ? MIS_NONE : MIS_POWER;
 }
 
-// The parts of a renderer that were made for a scene.
+// The parts of a renderer that were created for a scene.
 struct inventory {
-    uint64_t features; // the scene's; emitters from bit 32 on
-    uint32_t kernels;  // bits by enum kernel_id: pipelines
-    uint32_t buffers;  // bits by binding: VkBuffers
-    uint32_t planned;  // a bit for each binding that the memory plan has
+    uint64_t features; // of the scene; emitters are from bit 32 on
+    uint32_t kernels;  // pipelines, as bits of enum kernel_id
+    uint32_t buffers;  // VkBuffers, as bits of bindings
+    uint32_t planned;  // bindings in the memory plan, as bits
     uint64_t queue_rows, plan_bytes;
 };
 
@@ -329,11 +329,11 @@ static bool make(struct gpu *gpu, uint64_t has, bool compile_all, struct invento
 struct pair {
     const char *name;
     uint64_t with, without;
-    // These go with the need, and nothing else does.
+    // The following parts exist with the need and not without it; all others are the same.
     uint64_t features;
     uint32_t kernels, buffers;
     uint32_t queue_rows;
-    uint32_t kernels_instead; // that only the one without it has
+    uint32_t kernels_instead; // kernels that exist only without the need
 };
 
 #define SHADOW_KERNELS BIT(KERNEL_intersect_shadow)
@@ -490,7 +490,7 @@ TEST(each_need)
     gpu_close(&gpu);
 }
 
-// Bits of the geometry that there are pairs for.
+// Bits of the geometry for which there are pairs.
 #define GEOMETRY_PAIRED                                                                            \
     (GEOMETRY_SHAPES | GEOMETRY_LARGE_SPHERES | GEOMETRY_INSTANCES | GEOMETRY_SMALL_TRIANGLES)
 
@@ -504,7 +504,7 @@ static uint64_t named_bits(void)
     return named;
 }
 
-// Every feature with a name is removed by some pair.
+// Every feature with a name must be removed by some pair.
 TEST(no_feature_is_forgotten)
 {
     uint64_t seen = 0, named = named_bits();
@@ -514,12 +514,12 @@ TEST(no_feature_is_forgotten)
           (unsigned long long)named);
 }
 
-// Features that work on data that scenes may lack are not compiled in on demand.
+// Features that process data which scenes may lack; these are not compiled in on request.
 #define WITH_DATA                                                                                  \
     (FEATURE_CLASSES | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |             \
      FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA |               \
      FEATURE_NORMAL_MAPS | FEATURE_TILES)
-// Of other integrators.
+// Kernels of other integrators.
 #define OTHER_KERNELS                                                                              \
     (BIT(KERNEL_shade_ao) | BIT(KERNEL_shade_whitted) | BIT(KERNEL_generate_light_rays) |          \
      BIT(KERNEL_shade_light) | BIT(KERNEL_intersect_camera) | BIT(KERNEL_add_splats))
@@ -537,7 +537,7 @@ TEST(everything_is_created_on_demand)
         make(&gpu, JITTER | data, true, &full)) {
         const uint64_t by_shape = MEETS(GEOMETRY_SDFS | GEOMETRY_LARGE_SPHERES |
                                         GEOMETRY_INSTANCES | GEOMETRY_SMALL_TRIANGLES);
-        // A choice, and one that doubles the code.
+        // A feature that a setting selects, and one that doubles the code.
         uint64_t by_setting = FEATURE_SPLIT_LOBES;
         uint64_t named = named_bits() & ~by_shape & ~by_setting;
         uint32_t buffers = (BIT(BINDING_COUNT) - 1) & ~(BIT(BINDING_SUSPENDED) | BIT(BINDING_SORT));
@@ -557,9 +557,9 @@ TEST(everything_is_created_on_demand)
 
 // --- lobes ---------------------------------------------------------------------------------------
 
-// A material, and what it asks of shading.
+// A material, and the lobes that shading needs for it.
 struct lobe_case {
-    uint32_t model, flags, parameter; // one parameter that is not at its default
+    uint32_t model, flags, parameter; // a single parameter differs from its default
     float value;
     uint32_t lobes;
 };
@@ -627,7 +627,7 @@ static const struct lobe_case lobe_cases[] = {
      ROUGH_PRINCIPLED | LOBE_THIN | LOBE_DIFFUSE_TRANSMISSION},
 };
 
-// The lobes of a scene with one sphere of that material.
+// Returns the lobes of a scene with one sphere of that material.
 static uint32_t lobes_of(struct gpu *gpu, const struct lobe_case *c)
 {
     struct scene scene;
@@ -659,7 +659,7 @@ static uint32_t lobes_of(struct gpu *gpu, const struct lobe_case *c)
     return lobes;
 }
 
-// A material has the lobes that it asks for and no other; each that has a name is asked for.
+// A material has exactly the lobes that it needs. Each lobe with a name is needed by some material.
 TEST(lobes)
 {
     struct gpu gpu;
@@ -694,7 +694,8 @@ static bool render(struct gpu *gpu, const struct scene *scene, bool compile_all,
     return ok;
 }
 
-// Compiled in or left out changes no bit, where the driver compiles the rest alike (lavapipe).
+// Compiling unnecessary features in does not change any bit, if the driver compiles the rest
+// equally (lavapipe).
 TEST(everything_changes_no_bit)
 {
     static const uint64_t scenes[] = {
@@ -731,8 +732,8 @@ TEST(everything_changes_no_bit)
 
 // --- suspended traversals ------------------------------------------------------------------------
 
-// More identical triangles than a ray's budget: only then are there a buffer and two queues for
-// traversals that go on later.
+// There are more identical triangles than a ray's budget. Only then are a buffer and two queues for
+// suspended traversals created.
 TEST(suspended_traversals_are_made_when_needed)
 {
     struct gpu gpu;

@@ -1,4 +1,5 @@
-// Splats by thousands of threads to a few pixels, against sums in C: the same bits in any order.
+// Thousands of threads splat to a few pixels. The sums must have the same bits as in C, in any
+// order.
 #include "film_reference.h"
 #include "kernel_fixture.h"
 #include "splat_test.spv.h"
@@ -7,13 +8,13 @@ enum { SLOTS = 4096, SPLATS = 2 * SLOTS, PIXELS = 3 };
 
 struct splat {
     float value[3];
-    uint32_t place; // twice the pixel plus the half
+    uint32_t place; // two times the pixel plus the half
 };
 static struct splat splats[SPLATS];
 static struct gpu_film_pixel expected[PIXELS], film[PIXELS];
 
-// Pixels of radiances from 1e-20 to 1e20, of all that single precision has, and of values near 1
-// that carry often; of both signs, with zeros, and now and then one that is not finite.
+// Makes pixels with radiance from 1e-20 to 1e20, with the whole range of single precision, and with
+// values near 1 that often carry. Signs differ, there are zeros, and some values are not finite.
 static void make_splats(struct random *random)
 {
     static const double decades[PIXELS] = {20, 38, 0.5};
@@ -53,7 +54,7 @@ static void shuffle(struct random *random)
     }
 }
 
-// Adds them to an empty film, at most `part` at once.
+// Adds the splats to an empty film, at most `part` at a time.
 static bool add_all(struct renderer *r, const struct gpu_kernel *kernel, uint32_t part,
                     struct err *err)
 {
@@ -70,8 +71,8 @@ static bool add_all(struct renderer *r, const struct gpu_kernel *kernel, uint32_
     return ok && gpu_download(r->gpu, &r->film[0], 0, film, sizeof film, err);
 }
 
-// Checks the rounding error against the bounds of film_sums.h, by sums that are exact to 2^-64 of
-// their terms.
+// Checks the rounding error against the bounds of film_sums.h, with sums that are accurate to 2^-64
+// of their terms.
 static void check_value(uint32_t place, uint32_t c)
 {
     const struct gpu_film_pixel *pixel = &film[place / 2];

@@ -1,10 +1,10 @@
-// How many entries of a traversal's stack are in the memory that a workgroup shares.
+// Tests how many entries of a traversal stack are in the memory that a workgroup shares.
 #include "gpu/gpu.h"
 #include "render/specialize.h"
 #include "test.h"
 
-// GPUs have 12 entries of a stack in shared memory, or what there is room for; CPU drivers none,
-// but where they are asked to.
+// GPUs keep 12 entries of a stack in shared memory, or as many as fit. CPU drivers keep none,
+// unless it is requested.
 TEST(stacks_fit_into_shared_memory)
 {
     static const struct {

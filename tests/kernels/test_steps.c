@@ -1,7 +1,7 @@
-// The steps that traversal kernels count, against the CPU's walks through the same nodes in double
-// precision. A ray that hits nothing must enter every box that it meets, in whatever order: the
-// counts are the same then, but for boxes that it only just meets, which are known beforehand. One
-// that hits must enter those that begin before the hit, and may enter all.
+// Tests the steps that traversal kernels count, against walks through the same nodes on the CPU in
+// double precision. A ray that hits nothing must enter every box that it meets, in any order, so
+// the counts are equal, except for boxes that it only just meets, which are known in advance. A ray
+// that hits must enter the boxes that begin before the hit, and may enter all.
 #include "bvh/bvh_node.h"
 #include "render/wave.h"
 #include "traversal_judge.h"
@@ -9,8 +9,8 @@
 
 enum { RAYS = 8000 };
 
-// The margin of all planes in units of the largest distance to one: more than the kernel widens
-// boxes by, which is some 16 roundings of 2^-24 of two such distances.
+// The margin of all planes, in units of the greatest distance to one. It exceeds the amount by
+// which the kernel enlarges boxes: about 16 rounding errors of 2^-24 of two such distances.
 #define MARGIN 1e-5
 
 struct counts {
@@ -19,7 +19,7 @@ struct counts {
 
 // --- on the CPU ----------------------------------------------------------------------------------
 
-// Where the ray is in the box, widened by a part of its reach.
+// Returns whether the ray enters the box, enlarged by a fraction of its reach.
 static bool enters(const struct probe_ray *ray, const double min[3], const double max[3],
                    double widen, double t_end)
 {
@@ -43,7 +43,7 @@ static void add_counts(struct counts *sum, struct counts more)
     sum->primitives += more.primitives;
 }
 
-// All that a ray enters up to t_end.
+// Counts everything that a ray enters up to t_end.
 static struct counts walk(const struct bvh *bvh, const struct probe_ray *ray, double widen,
                           double t_end)
 {
@@ -91,13 +91,13 @@ static struct counts trace(struct renderer *r, enum kernel_id kernel, const stru
 
 // --- both ----------------------------------------------------------------------------------------
 
-// Rays by what can be said of them.
+// The rays, by what is known about their counts.
 struct rays {
     struct probe_ray sure[RAYS], other[RAYS];
     uint32_t sure_count, other_count;
-    struct counts exact;       // counts of the sure rays
-    struct counts least, most; // counts of the others
-    struct counts reference;   // counts of the others, by the CPU's own traversal
+    struct counts exact;       // counts of rays whose counts are certain
+    struct counts least, most; // bounds for the counts of the other rays
+    struct counts reference;   // counts of the other rays by the CPU's own traversal
 };
 
 static void sort_ray(const struct renderer *r, const struct reference *reference, bool shadow,
@@ -118,7 +118,7 @@ static void sort_ray(const struct renderer *r, const struct reference *reference
     out->other[out->other_count++] = *ray;
     add_counts(&out->most, most);
     add_counts(&out->reference, (struct counts){hit.nodes_visited, hit.primitives_tested});
-    if (shadow) // any hit ends it
+    if (shadow) // any hit ends a shadow ray
         least = (struct counts){1, hit.primitive != UINT32_MAX};
     else
         least = walk(&r->bvh, ray, 0, hit.t * (1 - MARGIN));
@@ -172,8 +172,8 @@ static void check_kernel(const char *name, struct renderer *r, enum kernel_id ke
     CHECK(other.primitives >= rays.least.primitives && other.primitives <= rays.most.primitives,
           "%s: %llu primitives of others, %llu to %llu", name, (unsigned long long)other.primitives,
           (unsigned long long)rays.least.primitives, (unsigned long long)rays.most.primitives);
-    // The CPU also skips what a hit found in the meantime has overtaken, but visits in the same
-    // order: nearly as many nodes.
+    // The CPU also skips nodes behind a hit found in the meantime, but visits them in the same
+    // order, so it visits nearly as many.
     CHECK(shadow || ((double)other.nodes > 0.99 * (double)rays.reference.nodes &&
                      (double)other.nodes < 1.5 * (double)rays.reference.nodes),
           "%s: %llu nodes, on the CPU %llu", name, (unsigned long long)other.nodes,
@@ -235,7 +235,8 @@ TEST(shapes)
 
 // --- what is known exactly -----------------------------------------------------------------------
 
-// One node: each ray visits it, also where no box is met, and threads past the end visit nothing.
+// With one node, each ray visits it, even if it meets no box. Threads beyond the last ray visit
+// nothing.
 TEST(one_node)
 {
     static const float triangle[1][3][3] = {{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}};
@@ -262,7 +263,7 @@ TEST(one_node)
     setup_close(&s);
 }
 
-// There is nothing but the environment: the root is empty.
+// The scene has only an environment, so the root is empty.
 TEST(no_surface)
 {
     static struct probe_ray ups[100];
@@ -280,7 +281,7 @@ TEST(no_surface)
     setup_close(&s);
 }
 
-// The counts have 64 bits, of which the device adds to halves.
+// Counts have 64 bits, whose halves the device adds separately.
 TEST(carry)
 {
     static struct probe_ray ups[100];

@@ -1,13 +1,14 @@
-// Opacity: values against references, masks, and random decisions at blended surfaces, which must
-// have the right probability, be independent, and depend only on place and time of the query.
+// Tests opacity: values against references, masks, and random decisions at blended surfaces, which
+// must have the correct probability, be independent, and depend only on the place and the index of
+// the query.
 #include "texture_fixture.h"
 
 enum { COUNT = 60000 };
 
 static union texture_item items[COUNT], inputs[COUNT];
 
-// Number of successes of `count` trials with probability p: within 5 standard deviations, which one
-// of 1.7 million such tests misses.
+// Checks the number of successes in `count` trials with probability p: it must be within 5 standard
+// deviations, which one of 1.7 million such tests exceeds.
 static void check_binomial(uint32_t successes, uint32_t count, double p, const char *what)
 {
     double deviation = sqrt(count * p * (1 - p));
@@ -25,7 +26,7 @@ static uint32_t add_alpha_material(struct scene *scene, uint32_t flags, float op
     return add_material(scene, &m);
 }
 
-// A primitive at barycentric coordinates; random but the same for all runs.
+// Makes a query for a primitive at barycentric coordinates, random but the same in all runs.
 static void ask(union texture_item *item, uint32_t primitive, uint32_t material,
                 struct random *random)
 {
@@ -41,7 +42,8 @@ static void ask(union texture_item *item, uint32_t primitive, uint32_t material,
     item->u[2][2] &= 255;
 }
 
-// Opacity x vertex alpha x two textures' alphas; textures that scale something else count not.
+// The opacity is the product of the material's opacity, the vertex alpha and the alphas of two
+// textures. Textures that scale other parameters do not count.
 TEST(opacities)
 {
     struct setup setup;
@@ -65,7 +67,7 @@ TEST(opacities)
         ask(&items[k], k & 1, material, &random);
     memcpy(inputs, items, sizeof items);
     REQUIRE(texture_run(&setup, ROUTINE_ALPHA, items, COUNT));
-    // The texture itself has its own test: here it is sampled by the other routine.
+    // Texture lookup has its own test, so here another routine samples the texture.
     static union texture_item samples[COUNT];
     const struct mesh *mesh = &scene->meshes[0];
     double alphas[COUNT];
@@ -123,7 +125,7 @@ TEST(masks)
     }
 }
 
-// A plain blend of one opacity a material; materials 1 … N.
+// Materials 1 … N have these opacities, without textures.
 static const float opacities[] = {0, 1e-3f, 0.25f, 0.5f, 0.9f, 1};
 enum { OPACITIES = sizeof opacities / sizeof *opacities };
 
@@ -138,7 +140,7 @@ static void open_blend(struct setup *setup)
     OPEN_SETUP(setup, TEXTURE_SLOTS);
 }
 
-// Over pixels, over samples, over bounces, over primitives and over seeds: each alone must do.
+// The probability must be correct over pixels, samples, bounces, primitives and seeds, each alone.
 TEST(blending_has_the_right_probability)
 {
     struct setup setup;
@@ -171,7 +173,7 @@ TEST(blending_has_the_right_probability)
     setup_close(&setup);
 }
 
-// The decisions for two queries that differ in one respect must be independent: both occur together
+// Decisions for two queries that differ in one respect must be independent: both occur together
 // with the product of their probabilities.
 TEST(decisions_are_independent)
 {
@@ -210,7 +212,7 @@ TEST(decisions_are_independent)
     setup_close(&setup);
 }
 
-// Queries have the same answers in any order.
+// Queries have the same results in any order.
 TEST(decisions_do_not_depend_on_order)
 {
     struct setup setup;
@@ -231,7 +233,7 @@ TEST(decisions_do_not_depend_on_order)
     setup_close(&setup);
 }
 
-// On shapes the texture lies as their surfaces say: by the point that is hit.
+// On shapes, texture coordinates follow from the point that is hit.
 TEST(shapes)
 {
     struct setup setup;
@@ -239,7 +241,7 @@ TEST(shapes)
     const double center[3] = {0, 1, 0}, at[3] = {5, 0, 0}, up[3] = {0, 0, 1};
     scene_start(&setup.scene, 8, 8);
     uint32_t material = add_alpha_material(&setup.scene, MATERIAL_ALPHA_MASK, 1, 0.5f);
-    // Left half transparent, right half opaque.
+    // The left half is transparent, the right half opaque.
     uint32_t image = add_image(&setup.scene, 2, 1, true, 1);
     float *texels = (float *)(uintptr_t)setup.scene.images[image].texels;
     texels[3] = 0;
@@ -259,7 +261,7 @@ TEST(shapes)
     }
     memcpy(inputs, items, sizeof items);
     REQUIRE(texture_run(&setup, ROUTINE_ALPHA, items, COUNT));
-    // The right half of the image is that of +x on a sphere, and on this disc, too.
+    // The right half of the image is at +x, on a sphere and on this disc.
     for (uint32_t k = 0; k < COUNT; k++) {
         float x = inputs[k].f[1][0] - (k & 1 ? 5.0f : 0.0f);
         CHECK(fabsf(x) < 1e-5f || (items[k].f[0][1] == 1) == (x > 0), "shape %u, x %g: %g", k & 1,

@@ -1,6 +1,5 @@
-// The effect of textures and vertex colours on a material and on its shading frame, and the
-// attributes that surfaces store for them: the shipped routines against references in double
-// precision.
+// Tests the effect of textures and vertex colours on a material and its shading frame, and the
+// attributes stored for them: the renderer's routines against references in double precision.
 #include "texture_fixture.h"
 
 enum { COUNT = 20000 };
@@ -23,8 +22,8 @@ static float distance(const float *a, const double *b, int count)
 
 // --- parameters ----------------------------------------------------------------------------------
 
-// A scene whose material 1 is `material` with the textures that `add` gives it; colours and both
-// sets of coordinates are there.
+// Makes a scene whose material 1 is `material` with the textures that `add` adds; vertex colours
+// and both sets of coordinates exist.
 static struct scene *begin(struct setup *setup, const struct material *material)
 {
     scene_start(&setup->scene, 8, 8);
@@ -54,7 +53,7 @@ static void check_group(const float got[4], double a, double b, double c, double
           (double)got[0], (double)got[1], (double)got[2], (double)got[3], a, b, c, d);
 }
 
-// Values are exact in halves. Vertex colours scale the base colour before.
+// Halves represent the values exactly. Vertex colours scale the base colour first.
 TEST(textures_scale_groups)
 {
     struct setup setup;
@@ -70,7 +69,7 @@ TEST(textures_scale_groups)
     struct scene *scene = begin(&setup, &m);
     use_plain(scene, texture_scales(GROUP_BASE, (int[]){0, 1, 2, 3}), a, false);
     use_plain(scene, texture_scales(GROUP_BASE, (int[]){3, 3, -1, -1}), b, false);
-    // glTF: green roughness, blue metallic; and gloss in alpha, which is 1 - roughness.
+    // glTF: green is roughness, blue metallic. Gloss in alpha is 1 - roughness.
     use_plain(scene, texture_scales(GROUP_METAL, (int[]){-1, 1, 2, -1}), a, true);
     use_plain(scene,
               texture_scales(GROUP_METAL, (int[]){-1, 3, -1, -1}) | 2u << TEXTURE_INVERT_SHIFT, b,
@@ -120,7 +119,8 @@ TEST(colors_of_unlit_materials_are_shown)
     setup_close(&setup);
 }
 
-// KHR_materials_anisotropy: the texture's direction turns by the material's rotation, blue scales.
+// KHR_materials_anisotropy: the texture's direction is rotated by the material's rotation, and blue
+// scales the strength.
 TEST(anisotropy)
 {
     static const double directions[][2] = {{1, 0.5}, {0.5, 1}, {0, 0.5},
@@ -146,8 +146,8 @@ TEST(anisotropy)
 
 // --- normal maps ---------------------------------------------------------------------------------
 
-// (x, y, z) of the map is scale x along the tangent made orthogonal to the normal, scale y along
-// sign * vec3_cross(normal, tangent), and z along the normal.
+// The normal (x, y, z) of the map is scale x along the tangent, made orthogonal to the normal, plus
+// scale y along sign * vec3_cross(normal, tangent), plus z along the normal.
 static void expected_normal(const union texture_item *in, const double local[3], double out[3])
 {
     double n[3], t[3], b[3];
@@ -193,7 +193,7 @@ TEST(normal_maps)
             expected_normal(&inputs[k], local, expected);
             widen(inputs[k].f[2], n);
             widen(inputs[k].f[3], t);
-            // The tangent's direction is lost in rounding as it nears the normal's.
+            // The tangent's direction is lost in rounding errors as it approaches the normal's.
             double across = sqrt(fmax(1e-12, 1 - vec3_dot(n, t) * vec3_dot(n, t)));
             float error = distance(items[k].f[3], expected, 3);
             worst = fmaxf(worst, error * (float)across);
@@ -204,7 +204,7 @@ TEST(normal_maps)
     }
 }
 
-// A tangent along the normal, and a map that says nothing, still leave a unit normal.
+// A tangent along the normal, or a map with a zero vector, still gives a unit normal.
 TEST(normal_maps_without_a_frame)
 {
     struct setup setup;
@@ -221,7 +221,7 @@ TEST(normal_maps_without_a_frame)
     memset(items, 0, 2 * sizeof *items);
     for (int i = 0; i < 2; i++) {
         items[i].u[0][0] = i ? second : 1;
-        items[i].f[2][1] = items[i].f[3][1] = 1; // both along y
+        items[i].f[2][1] = items[i].f[3][1] = 1; // both are along y
     }
     REQUIRE(texture_run(&setup, ROUTINE_APPLY, items, 2));
     CHECK(items[0].f[3][1] == 1 && items[0].f[3][0] == 0, "%g", (double)items[0].f[3][1]);
@@ -233,8 +233,8 @@ TEST(normal_maps_without_a_frame)
 
 // --- the frame -----------------------------------------------------------------------------------
 
-// Whatever the normals and the viewer are: an orthonormal frame whose normal faces the viewer, and
-// whose mirror direction is above the surface; the normal itself where it does that already.
+// For any normals and viewer: the frame is orthonormal, its normal faces the viewer, and its mirror
+// direction is above the surface. A normal that fulfils this is not changed.
 TEST(frames_face_the_viewer_and_reflect_upwards)
 {
     struct setup setup;
@@ -253,12 +253,12 @@ TEST(frames_face_the_viewer_and_reflect_upwards)
         do
             random_direction(&random, wo);
         while (!(wo[0] * ng[0] + wo[1] * ng[1] + wo[2] * ng[2] > 0));
-        if (k % 4 == 1) // grazing
+        if (k % 4 == 1) // at a grazing angle
             for (int c = 0; c < 3; c++)
                 wo[c] += ng[c] * (1e-4f - (wo[0] * ng[0] + wo[1] * ng[1] + wo[2] * ng[2]));
-        if (k % 4 == 2) // the geometric normal
+        if (k % 4 == 2) // equal to the geometric normal
             memcpy(ns, ng, sizeof(float[3]));
-        if (k % 4 == 3) // the worst: against the viewer
+        if (k % 4 == 3) // opposite to the viewer, the worst case
             for (int c = 0; c < 3; c++)
                 ns[c] = -wo[c];
         double unit[3];
@@ -294,7 +294,8 @@ TEST(frames_face_the_viewer_and_reflect_upwards)
               vec3_dot(n, ng));
         CHECK(vec3_dot(mirrored, ng) > 0, "item %u reflects to %g", k, vec3_dot(mirrored, ng));
         lowest = fmin(lowest, vec3_dot(mirrored, ng));
-        // Normals stay as they are from the height on that bend_normal() bends to.
+        // Normals are not changed if the mirror direction is above the height to which
+        // bend_normal() bends.
         if (vec3_dot(wanted, ng) > fmin(sqrt(32 * rounding), vec3_dot(wo, ng)) + 1e-5) {
             kept++;
             double sign = vec3_dot(ns, wo) < 0 ? -1 : 1;
@@ -311,7 +312,7 @@ TEST(frames_face_the_viewer_and_reflect_upwards)
 
 // --- surfaces ------------------------------------------------------------------------------------
 
-// Barycentric coordinates of corners 1 and 2 to whatever corners carry.
+// Interpolates a vertex attribute by the barycentric coordinates of corners 1 and 2.
 static double between(const float *a, const float *b, const float *c, const float uv[2])
 {
     return (1 - (double)uv[0] - (double)uv[1]) * (double)*a + (double)uv[0] * (double)*b +
@@ -332,7 +333,7 @@ TEST(corners_are_interpolated)
     for (int v = 0; v < 6; v++) {
         random_direction(&random, mesh->tangents[v]);
         mesh->tangents[v][3] = v < 3 ? 1 : -1;
-        // Far from the origin, to where coordinates are multiples of 2^-4.
+        // Far from the origin, where coordinates are multiples of 2^-4.
         mesh->uvs[1][v][0] += 1e6f;
     }
     OPEN_SETUP(&setup, TEXTURE_SLOTS);
@@ -342,7 +343,7 @@ TEST(corners_are_interpolated)
         bool flip = u + v > 1;
         memset(&items[k], 0, sizeof items[k]);
         items[k].u[0][3] = k & 1;
-        items[k].f[0][2] = k & 2 ? 1 : -1; // from above, from below
+        items[k].f[0][2] = k & 2 ? 1 : -1; // seen from above and from below
         items[k].f[1][2] = k & 2 ? -1 : 1;
         items[k].f[2][0] = flip ? 1 - u : u;
         items[k].f[2][1] = flip ? 1 - v : v;
@@ -380,7 +381,7 @@ TEST(corners_are_interpolated)
     setup_close(&setup);
 }
 
-// Spheres and discs: coordinates and tangents in closed form, on both sides.
+// Spheres and discs have coordinates and tangents in closed form, on both sides.
 TEST(shapes_have_coordinates)
 {
     struct setup setup;
@@ -402,7 +403,7 @@ TEST(shapes_have_coordinates)
         memset(&items[k], 0, sizeof items[k]);
         items[k].u[0][3] = PRIMITIVE_SHAPE | (k & 1);
         random_direction(&random, d);
-        for (int c = 0; c < 3 && k < 16; c++) // the axes
+        for (int c = 0; c < 3 && k < 16; c++) // along the axes
             d[c] = (k / 2 % 3 == (uint32_t)c) * (k & 1 ? -1.0f : 1.0f);
         widen(d, n);
         for (int c = 0; c < 3; c++)
@@ -431,7 +432,7 @@ TEST(shapes_have_coordinates)
             n[c] = k & 1 ? normal[c] : (point[c] - center[c]) / radius;
             t[c] *= side;
         }
-        vec3_cross(n, t, b); // up in the picture
+        vec3_cross(n, t, b); // upwards in the image
         if (k & 1) {
             double from[3] = {point[0] - at[0], point[1] - at[1], point[2] - at[2]};
             uv[0] = 0.5 + 0.5 * vec3_dot(from, t) / disc_radius;
@@ -448,7 +449,7 @@ TEST(shapes_have_coordinates)
         CHECK(items[k].f[1][3] == (float)side && fabs(vec3_norm(t) - 1) < 1e-6);
         for (int c = 0; c < 2; c++) {
             double error = fabs((double)items[k].f[0][c] - uv[c]);
-            if (!(k & 1) && c == 0) { // the seam; and the pole, where u is lost
+            if (!(k & 1) && c == 0) { // the seam, and the pole, where u is not defined
                 error = fmin(error, 1 - error);
                 error *= sqrt(n[0] * n[0] + n[2] * n[2]);
             }

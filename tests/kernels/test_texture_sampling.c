@@ -1,4 +1,4 @@
-// Textures as the device samples them, against a reference in double precision.
+// Tests texture lookups on the device against a reference in double precision.
 #include "texture_fixture.h"
 
 enum { ITEMS_A_TEXTURE = 400, TEXTURES_MAX = 512 };
@@ -7,7 +7,8 @@ static const struct {
     uint32_t width, height;
 } sizes[] = {{1, 1}, {2, 1}, {3, 5}, {16, 16}, {7, 64}, {1, 33}};
 
-// Exact in single precision for coordinates that are multiples of 2^-12, or not.
+// Transforms that are exact in single precision for coordinates that are multiples of 2^-12, or
+// not.
 static const struct {
     float rows[2][3];
     bool is_exact;
@@ -21,7 +22,7 @@ static union texture_item items[TEXTURES_MAX * ITEMS_A_TEXTURE];
 
 // --- the reference -------------------------------------------------------------------------------
 
-// The texel of a place without bounds.
+// Returns the texel of an unbounded place.
 static uint32_t wrap(double i, uint32_t size, uint32_t mode)
 {
     double period = mode == TEXTURE_WRAP_MIRROR ? 2.0 * size : size;
@@ -72,7 +73,7 @@ static float coordinate(struct random *random, uint32_t size, int kind)
         return (float)random_between(random, -10, 10);
     case 2: // steps of 2^-4
         return (float)random_between(random, -1e6, 1e6);
-    case 3: // the texels' edges and centres
+    case 3: // edges and centres of texels
         return (float)(int32_t)(random_u32(random) % (8 * size + 1) - 4 * size) / (float)(2 * size);
     default:
         return specials[random_u32(random) % (sizeof specials / sizeof specials[0])];
@@ -97,8 +98,8 @@ static void fill_items(const struct scene *scene)
     }
 }
 
-// How far the device's place may be off, in texels: the roundings of the transform, one of the
-// wrap, one of the multiplication.
+// Returns the possible error of the device's place, in texels: the rounding errors of the
+// transform, of wrapping and of the multiplication.
 static double place_error(const struct texture *texture, const struct texture_image *image,
                           const union texture_item *in, int axis, bool is_exact)
 {
@@ -126,8 +127,8 @@ static void check_item(const struct scene *scene, const union texture_item *in,
     for (int axis = 0; axis < 2; axis++) {
         double error = place_error(texture, image, in, axis, is_exact);
         slack += error;
-        // Which texel contains an edge is for rounding to say, unless nothing was rounded; and of
-        // mirrored ones either.
+        // Rounding decides which texel contains an edge, unless nothing was rounded; for mirrored
+        // textures it decides in any case.
         uint32_t shift = axis ? TEXTURE_WRAP_T_SHIFT : TEXTURE_WRAP_S_SHIFT;
         bool is_mirrored = (texture->flags >> shift & 3u) == TEXTURE_WRAP_MIRROR;
         bool is_rounded =
@@ -141,7 +142,7 @@ static void check_item(const struct scene *scene, const union texture_item *in,
     worst->checked++;
     for (int c = 0; c < 4; c++) {
         double error = fabs((double)out->f[0][c] - reference(texture, image, st, c));
-        // Neighbours differ by at most 1; four roundings of the interpolation.
+        // Neighbours differ by at most 1, and the interpolation has four rounding errors.
         bool ok = error <= slack + 4 * 0x1p-24;
         worst->error = fmax(worst->error, is_exact ? error : 0);
         worst->wrong += !ok;
@@ -155,8 +156,8 @@ static void check_item(const struct scene *scene, const union texture_item *in,
 
 // --- tests ---------------------------------------------------------------------------------------
 
-// Every wrap, filter, transform and UV set, of images of `formats`: 1 halves, 2 floats, 3 both by
-// turns.
+// Tests every wrap mode, filter, transform and UV set, with images of `formats`: 1 halves, 2
+// floats, 3 both in alternation.
 static void check_formats(int formats)
 {
     struct setup setup;
@@ -193,8 +194,8 @@ static void check_formats(int formats)
     memcpy(inputs, items, sizeof inputs);
     REQUIRE(texture_run(&setup, ROUTINE_SAMPLE, items, count));
     for (uint32_t i = 0; i < count; i++) {
-        // Without a transform all is exact but the wrap; with an exact one, of coordinates on a
-        // grid that leaves it room.
+        // Without a transform everything but the wrap is exact; with an exact transform, also for
+        // coordinates on a sufficiently coarse grid.
         bool is_exact = exact[i / ITEMS_A_TEXTURE];
         if (i / ITEMS_A_TEXTURE / 6 % 3 == 1)
             is_exact = i % 2 && i % 5 != 2 && i % 5 != 4;
@@ -221,7 +222,7 @@ TEST(both)
     check_formats(3);
 }
 
-// Whatever the coordinates are, a texel of the picture comes out (docs/verification.md, C32).
+// For any coordinates the result is a texel of the image (docs/verification.md, C32).
 TEST(coordinates_without_bounds)
 {
     static const float bad[] = {1e30f, -1e30f,   3.4e38f,   -3.4e38f, 1e-38f,       -1e-45f,
@@ -236,7 +237,7 @@ TEST(coordinates_without_bounds)
             add_texture(&setup.scene, image,
                         modes % 3 << TEXTURE_WRAP_S_SHIFT | modes / 3 << TEXTURE_WRAP_T_SHIFT |
                             (nearest ? TEXTURE_NEAREST : 0));
-    setup.scene.textures[3].transform[0][0] = 3e38f; // overflows
+    setup.scene.textures[3].transform[0][0] = 3e38f; // this overflows
     add_square(&setup.scene, 1);
     OPEN_SETUP(&setup, TEXTURE_SLOTS);
     for (uint32_t i = 0; i < COUNT; i++) {
@@ -263,7 +264,7 @@ TEST(coordinates_without_bounds)
     setup_close(&setup);
 }
 
-// The longest row, and values beyond halves (docs/verification.md, C31 and C34).
+// Tests the longest row, and values beyond the range of halves (docs/verification.md, C31 and C34).
 TEST(long_rows_and_bright_texels)
 {
     enum { COUNT = 1000 };

@@ -1,8 +1,8 @@
-// Only the textures and corner attributes that a scene uses are uploaded, and equal images once.
+// Only the textures and vertex attributes that a scene uses are uploaded, and equal images once.
 #include "render/attributes.h"
 #include "texture_fixture.h"
 
-// Opens a renderer on the scene for its buffers' sizes.
+// Opens a renderer for the scene, to get the sizes of its buffers.
 static void open_setup(struct setup *setup)
 {
     OPEN_SETUP(setup, 128);
@@ -23,18 +23,18 @@ TEST(unused_images_stay_away_and_equal_ones_are_there_once)
     struct material m;
     material_init(&m);
     uint32_t used = add_material(scene, &m);
-    uint32_t halves = add_image(scene, 5, 3, false, 1); // 15 texels: 120 bytes, in words 128
+    uint32_t halves = add_image(scene, 5, 3, false, 1); // 15 texels: 120 bytes, padded to words 128
     uint32_t equal = add_image(scene, 5, 3, false, 1);
     uint32_t floats = add_image(scene, 4, 4, true, 2); // 256 bytes
     uint32_t other = add_image(scene, 5, 3, false, 3); // 128 bytes
-    add_image(scene, 64, 64, true, 4);                 // no texture has it
+    add_image(scene, 64, 64, true, 4);                 // no texture uses it
     uint32_t unused = add_image(scene, 32, 32, true, 5);
     add_texture(scene, halves, SCALES_BASE);
     add_texture(scene, equal, SCALES_BASE | TEXTURE_UV1);
     add_texture(scene, floats, SCALES_BASE | TEXTURE_NEAREST);
     add_texture(scene, floats, TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT);
     add_texture(scene, other, SCALES_BASE);
-    add_material(scene, &m); // no triangle has it
+    add_material(scene, &m); // no triangle uses it
     add_texture(scene, unused, SCALES_BASE);
     add_square(scene, used);
     open_setup(&setup);
@@ -44,7 +44,7 @@ TEST(unused_images_stay_away_and_equal_ones_are_there_once)
               setup.r.tables.textures.saved_bytes == 128 + 65536 + 16384,
           "%llu", (unsigned long long)setup.r.tables.textures.saved_bytes);
 
-    // Each texture's record leads to the texels of its image.
+    // Each texture's record must refer to the texels of its image.
     static uint8_t bytes[512];
     struct err err = {0};
     REQUIRE(
@@ -64,7 +64,7 @@ TEST(unused_images_stay_away_and_equal_ones_are_there_once)
     setup_close(&setup);
 }
 
-// Bytes a triangle, and what is in them, feature by feature.
+// Checks the bytes per triangle and their contents for each feature.
 TEST(only_attributes_that_are_read)
 {
     for (uint32_t mask = 0; mask < 16; mask++) {
@@ -98,7 +98,7 @@ TEST(only_attributes_that_are_read)
     }
 }
 
-// Shapes alone: textures without any attribute buffer.
+// With shapes only, there are textures but no buffer of attributes.
 TEST(shapes_need_no_attributes)
 {
     struct setup setup;

@@ -1,20 +1,21 @@
-// intersect_closest and intersect_shadow on the device against the CPU reference in double
-// precision: on scenes and rays of every kind, read as storage or texel buffers, with ballot and
-// without, whatever the BVH.
+// Tests intersect_closest and intersect_shadow on the device against the CPU reference in double
+// precision: on scenes and rays of every kind, read from storage or texel buffers, with and without
+// ballot, for any BVH.
 //
-// Two results agree when both are misses, or both hit the same primitive at distances within 1e-5
-// of each other plus 1e-6 of the scene's extent: some 16 roundings of the largest coordinate
-// relative to the ray's origin, the distance error of a triangle that is neither a sliver nor seen
-// edge-on. Where they do not, traversal_judge.h says whether rounding in single precision explains
-// it: not once may it not. How often it may is bounded for each scene.
+// Two results agree if both are misses, or if both hit the same primitive at distances that differ
+// by at most 1e-5 of the distance plus 1e-6 of the scene's extent: about 16 rounding errors of the
+// largest coordinate relative to the ray's origin, the error for a triangle that is neither a
+// sliver nor seen edge-on. If they do not agree, traversal_judge.h decides whether rounding in
+// single precision explains it, which must always be so. How often this may happen is bounded for
+// each scene.
 #include "traversal_judge.h"
 #include "traversal_scenes.h"
 
-enum { RAYS = 12288 }; // a scene and kernel
+enum { RAYS = 12288 }; // rays per scene and kernel
 enum { MOST_EXPLAINED = RAYS / 1024 };
 
-// Reading as texels or not, ballot or not, where the stack is, and what the BVH is like must not
-// change a bit.
+// Reading through texel buffers, using ballot, the place of the stack, and the BVH must not change
+// any bit.
 struct variant {
     const char *name;
     struct gpu_limit_overrides limits;
@@ -48,9 +49,9 @@ static uint32_t same_hits(const struct probe_hit *a, const struct probe_hit *b)
 
 struct comparison {
     uint32_t hits;
-    uint32_t explained;   // by rounding
-    uint32_t delicate;    // the same, of delicate rays
-    uint32_t unexplained; // wrong
+    uint32_t explained;   // explained by rounding
+    uint32_t delicate;    // those of delicate rays
+    uint32_t unexplained; // errors
 };
 
 static double scene_extent(const struct flat_scene *flat)
@@ -141,7 +142,7 @@ static void report(const char *name, const char *kernel, const struct comparison
           c->hits);
 }
 
-// Traces the scene with the first `count` variants; the first one is compared with the reference.
+// Traces the scene with the first `count` variants, and compares the first one with the reference.
 static void check_variants(const char *name, struct scene *scene, enum kernel_id kernel, int count)
 {
     bool shadow = kernel == KERNEL_intersect_shadow;

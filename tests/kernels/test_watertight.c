@@ -1,5 +1,5 @@
-// Exact requirements of a traversal: nothing passes through a closed surface, the lowest id wins
-// among equal distances, and an independent library agrees on scanned meshes.
+// Tests exact requirements of traversal: no ray passes through a closed surface, the lowest id is
+// reported among equal distances, and an independent library agrees on scanned meshes.
 #include "../bench/bench.h"
 #include "traversal_judge.h"
 #include "traversal_scenes.h"
@@ -32,8 +32,8 @@ static uint32_t count_misses(uint32_t count)
 
 // --- closed surfaces -----------------------------------------------------------------------------
 
-// Rays from about `center` at vertices and edges of setup->scene: none may get out. Shadow rays
-// reach twice as far.
+// Traces rays from about `center` towards vertices and edges of setup->scene; none may escape.
+// Shadow rays reach twice as far.
 static void check_closed(const char *name, struct setup *setup, struct bvh_method bvh,
                          const double center[3], double inner_radius)
 {
@@ -44,7 +44,7 @@ static void check_closed(const char *name, struct setup *setup, struct bvh_metho
     for (uint32_t i = 0; i < RAYS; i++) {
         const struct flat_triangle *triangle = &flat->triangles[i % flat->triangle_count];
         uint32_t edge = random_u32(&random) % 3;
-        // Every other ray meets a vertex, the others a random point of an edge.
+        // Every other ray is aimed at a vertex, the others at a random point of an edge.
         double along = i % 2 == 0 ? 0 : random_unit(&random);
         float offset[3], target[3];
         random_direction(&random, offset);
@@ -72,7 +72,7 @@ static void check_closed(const char *name, struct setup *setup, struct bvh_metho
 
 TEST(nothing_leaves_a_blob)
 {
-    // Scale 1 at up to 32 is not moved to the origin when it is loaded.
+    // A scene of scale 1 at coordinates up to 32 is not moved to the origin when it is loaded.
     static const struct {
         const char *name;
         double scale, center[3];
@@ -91,7 +91,7 @@ TEST(nothing_leaves_a_blob)
     }
 }
 
-// Corners at -1 and 1.
+// Adds a cube with corners at -1 and 1.
 static void add_cube(struct scene *scene)
 {
     float triangles[12][3][3];
@@ -112,7 +112,7 @@ static void add_cube(struct scene *scene)
 TEST(nothing_leaves_a_cube)
 {
     static const double center[3] = {0, 0, 0};
-    // From the very centre the diagonals and the edges' middles are exact.
+    // From the exact centre, the diagonals and the middles of edges are exact.
     static const double radii[] = {0.5, 0};
     for (int i = 0; i < 4; i++) {
         enum bvh_format format = i < 2 ? BVH_QUANTISED : BVH_FLOAT;
@@ -124,7 +124,7 @@ TEST(nothing_leaves_a_cube)
     }
 }
 
-// Paths that start next to an edge meet the adjoining wall, however near it is.
+// Paths that start next to an edge hit the adjoining wall, however near it is.
 TEST(no_light_enters_a_closed_cube)
 {
     struct setup setup;
@@ -149,7 +149,7 @@ TEST(no_light_enters_a_closed_cube)
 
 // --- surfaces in one plane -----------------------------------------------------------------------
 
-// Two squares of edge 2 size, a turn apart, with the same corners.
+// Adds two squares with sides of 2 `size`, rotated by a quarter turn, with the same corners.
 static void add_coplanar_squares(struct scene *scene, double size, const double center[3],
                                  const double u[3], const double v[3])
 {
@@ -166,7 +166,7 @@ static void add_coplanar_squares(struct scene *scene, double size, const double 
     add_triangles(scene, (const float(*)[3][3])triangles, 4, 0);
 }
 
-// Two surfaces in one plane look like one (docs/verification.md, C11): under an even sky each
+// Two surfaces in one plane look like one (docs/verification.md, C11): under a constant sky each
 // sample is exactly the reflectance, 0.5.
 TEST(coplanar_surfaces_do_not_shade_each_other)
 {
@@ -213,8 +213,8 @@ TEST(coplanar_surfaces_do_not_shade_each_other)
 
 // --- equals --------------------------------------------------------------------------------------
 
-// Every triangle twice, the copies far from the originals in the list: the original's id wins,
-// whatever the tree.
+// Every triangle occurs twice, with the copies far from the originals in the list. The original's
+// id is reported for any tree.
 TEST(the_lower_of_two_equal_triangles_wins)
 {
     struct setup setup;
@@ -235,7 +235,8 @@ TEST(the_lower_of_two_equal_triangles_wins)
     setup_close(&setup);
 }
 
-// Spheres and discs twice, and discs that lie in a triangle: triangles win, then the lower shape.
+// Spheres and discs occur twice, and discs lie in a triangle: triangles precede shapes, then the
+// lower shape is reported.
 TEST(triangles_win_against_equal_shapes)
 {
     struct setup setup;
@@ -250,7 +251,7 @@ TEST(triangles_win_against_equal_shapes)
     OPEN_SETUP(&setup, RAYS);
     struct random random = {14};
     for (uint32_t i = 0; i < RAYS; i++) {
-        // Straight down: all distances to the floor are exact.
+        // The rays go straight down, so all distances to the floor are exact.
         rays[i] = (struct probe_ray){.origin = {(float)random_between(&random, -1, 1), 2,
                                                 (float)random_between(&random, -1, 1)},
                                      .direction = {0, -1, 0}};
@@ -274,8 +275,8 @@ TEST(triangles_win_against_equal_shapes)
 
 // --- Embree --------------------------------------------------------------------------------------
 
-// Embree computes in single precision too, and here without its robust mode: where the two differ,
-// the judge must find ours right.
+// Embree computes in single precision, too, and here without its robust mode. If the two differ,
+// the judge must find the kernel's result correct.
 static void compare_with_embree(const char *name)
 {
     struct setup setup;

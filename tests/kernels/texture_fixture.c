@@ -11,7 +11,8 @@ static bool create_kernel(struct renderer *r, uint32_t routine, struct gpu_kerne
 {
     uint32_t constants[CONSTANT_ROUTINE + 1];
     memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
-    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes what it reads
+    constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes to buffers that the
+                                                          // kernel reads
     constants[CONSTANT_LOBES] |= LOBE_ANISOTROPIC;
     constants[CONSTANT_ROUTINE] = routine;
     const struct gpu_kernel_params params = {

@@ -1,4 +1,4 @@
-// Scenes with textures, and running the routines of texture.comp on them.
+// Makes scenes with textures, and runs the routines of texture.comp on them.
 #ifndef LAMPYRIS_TESTS_TEXTURE_FIXTURE_H
 #define LAMPYRIS_TESTS_TEXTURE_FIXTURE_H
 
@@ -15,26 +15,26 @@ union texture_item {
 
 #define TEXTURE_SLOTS (1u << 16)
 
-// Replaces `items` by what the routine makes of them; records a failure and returns false if that
-// cannot be. With LOBE_ANISOTROPIC, so that there are tangents.
+// Replaces `items` by the output of the routine. Returns false, and records a failure, if the
+// device failed. LOBE_ANISOTROPIC is compiled in, so that there are tangents.
 bool texture_run(struct setup *setup, uint32_t routine, union texture_item *items, uint32_t count);
 
-// Texels that look random, in [0, 1): of floats, or of halves rounded from the same floats. A
-// `seed` stands for an image: equal ones make equal images.
+// Adds an image of texels in [0, 1) that look random: floats, or halves rounded from the same
+// floats. Equal seeds make equal images.
 uint32_t add_image(struct scene *scene, uint32_t width, uint32_t height, bool is_float,
                    uint32_t seed);
-// One texel of this colour.
+// Adds an image with one texel of this colour.
 uint32_t add_plain_image(struct scene *scene, const float color[4], bool is_float);
-// Component c of a texel, as the device is to see it.
+// Returns component c of a texel, as the device should read it.
 double image_texel(const struct texture_image *image, uint32_t x, uint32_t y, int c);
 
-// A texture of the scene's last material that reads an image as it lies.
+// Adds a texture to the scene's last material, which reads the image without a transform.
 struct texture *add_texture(struct scene *scene, uint32_t image, uint32_t flags);
 
-// A square in z = 0, from (0, 0) to (1, 1), of two triangles with uv = position in set 0, twice
-// that in set 1, tangents along x, normals along z and corners of the colours that corner_color()
-// gives.
+// Adds a square in z = 0, from (0, 0) to (1, 1), of two triangles. In UV set 0 the coordinates
+// equal the position, in set 1 twice the position. Tangents are along x, normals along z, and
+// vertices have the colours of corner_color().
 struct mesh *add_square(struct scene *scene, uint32_t material);
-void corner_color(uint32_t vertex, float out[4]); // exact in halves
+void corner_color(uint32_t vertex, float out[4]); // halves represent it exactly
 
 #endif

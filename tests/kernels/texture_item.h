@@ -1,4 +1,4 @@
-// Routines of texture.comp, and the contents of its items: read by C and by GLSL.
+// Routines of texture.comp and the contents of its items, for C and GLSL.
 #ifndef LAMPYRIS_TESTS_TEXTURE_ITEM_H
 #define LAMPYRIS_TESTS_TEXTURE_ITEM_H
 

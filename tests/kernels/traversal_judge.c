@@ -2,7 +2,7 @@
 
 #include "kernel_fixture.h"
 
-// Half a unit in the last place of 1.
+// Half an ulp of 1.
 #define ROUNDING 0x1p-24
 
 // --- the reference -------------------------------------------------------------------------------
@@ -43,7 +43,7 @@ static double intersect_shape(const void *context, uint32_t index, const struct 
     return t > 0 && t < ray->t_max ? t : -1;
 }
 
-// Transforms a ray's origin as kernels do, L (o - t), without rounding.
+// Transforms a ray's origin as kernels do, L (o - t), but without rounding.
 static void to_object(const struct flat_instance *instance, double out[3][4])
 {
     for (int row = 0; row < 3; row++) {
@@ -131,10 +131,11 @@ enum certainty { SURE_MISS, DOUBTFUL, SURE_HIT };
 struct judgement {
     enum certainty certainty;
     double t, tolerance;
-    double refused; // at most here, a kernel may take the hit as rounded to the front: no hit
+    double refused; // a kernel may take a hit up to this distance for a rounding error, and report
+                    // no hit
 };
 
-// n roundings in a row (Higham 2002, lemma 3.1).
+// The error bound of n successive roundings (Higham 2002, lemma 3.1).
 static double gamma_n(int n)
 {
     return n * ROUNDING / (1 - n * ROUNDING);
@@ -145,9 +146,9 @@ static double largest(double p[3][3], int c)
     return fmax(fabs(p[0][c]), fmax(fabs(p[1][c]), fabs(p[2][c])));
 }
 
-// The bound of t's error by Pharr, Jakob, Humphreys 2023, section 6.8.7, up to which hits are
-// refused, but for triangles that are wholly in front. p: sheared corners, z in units of t; speed:
-// the direction's largest component.
+// Returns the bound of t's error (Pharr, Jakob, Humphreys 2023, section 6.8.7) up to which hits are
+// refused, except for triangles that are completely in front. `p` has the sheared corners, with z
+// in units of t; `speed` is the direction's largest component.
 static double refused_distance(double p[3][3], const double weight[3], double speed)
 {
     if (p[0][2] > 0 && p[1][2] > 0 && p[2][2] > 0)
@@ -160,12 +161,12 @@ static double refused_distance(double p[3][3], const double weight[3], double sp
            fabs(weight[0] + weight[1] + weight[2]);
 }
 
-// The test of Woop, Benthin, Wald 2013 as lib/intersect_triangle.glsl does it. Rounding: a
-// difference of coordinates has one, the shear 5 (a division is good to 2.5 ulp by the Vulkan
-// specification), product and difference one each: at most 10 of the largest coordinate relative to
-// the origin, in each sheared coordinate. `slack`: what the ray itself is off by.
+// The test of Woop, Benthin, Wald 2013 as in lib/intersect_triangle.glsl. A difference of
+// coordinates has one rounding error, the shear 5 (a division has 2.5 ulps by the Vulkan
+// specification), a product and a difference one each: at most 10 of the largest coordinate
+// relative to the origin, in each sheared coordinate. `slack` is the error of the ray itself.
 struct slack {
-    double origin, direction; // each component
+    double origin, direction; // for each component
 };
 
 static struct judgement judge_triangle(const struct flat_triangle *triangle,
@@ -212,15 +213,15 @@ static struct judgement judge_triangle(const struct flat_triangle *triangle,
         return (struct judgement){DOUBTFUL, isfinite(t) ? t : 0, INFINITY};
     for (int i = 0; i < 3; i++)
         t_error += error[i] * fabs(p[i][2] - t) / (fabs(sum) - sum_error);
-    // Three products and sums, a reciprocal, and the 7 of the sheared z.
+    // Three products and sums, a reciprocal, and the 7 rounding errors of the sheared z.
     return (struct judgement){sure_inside ? SURE_HIT : DOUBTFUL, t,
                               t_error + 20 * ROUNDING * distance +
                                   (slack.origin + distance * slack.direction) / speed,
                               refused_distance(p, weight, fabs(d[z]))};
 }
 
-// lib/intersect_shape.glsl. Sums of three products have 3 roundings, each sum of absolute values
-// is at most that of the vectors' lengths; a division has 5.
+// The test of lib/intersect_shape.glsl. A sum of three products has 3 rounding errors, and each sum
+// of absolute values is at most the product of the vectors' lengths. A division has 5.
 static struct judgement judge_sphere(const struct flat_shape *shape, const struct bvh_ray *ray)
 {
     double f[3], closest[3], radius = (double)shape->radius;
@@ -240,7 +241,8 @@ static struct judgement judge_sphere(const struct flat_shape *shape, const struc
         return (struct judgement){DOUBTFUL, middle,
                                   sqrt(2 * chord2_error / a) + 20 * ROUNDING * far / sqrt(a)};
 
-    // The root with the larger magnitude is a sum, the other one the product over it.
+    // The root with the larger magnitude is computed as a sum, the other one as the product divided
+    // by it.
     double half = sqrt(chord2 / a);
     double error =
         chord2_error / (2 * sqrt((chord2 - chord2_error) * a)) + 20 * ROUNDING * far / sqrt(a);
@@ -250,7 +252,7 @@ static struct judgement judge_sphere(const struct flat_shape *shape, const struc
     double low = middle - half, high = middle + half;
     double low_error = middle > 0 ? smaller_error : error;
     double high_error = middle > 0 ? error : smaller_error;
-    if (fabs(low) <= low_error) // either one may be the first in front
+    if (fabs(low) <= low_error) // either root may be the first one in front
         return (struct judgement){DOUBTFUL, high / 2, high / 2 + low_error + high_error};
     return low > 0 ? (struct judgement){SURE_HIT, low, low_error}
                    : (struct judgement){SURE_HIT, high, high_error};
@@ -289,7 +291,8 @@ static double sum_of_products(const double m[4], const double v[3])
     return fabs(m[0] * v[0]) + fabs(m[1] * v[1]) + fabs(m[2] * v[2]);
 }
 
-// The ray in an instance's space. Rounding: a difference, then sums of three products.
+// Transforms the ray to an instance's space. The rounding errors are those of a difference and of
+// sums of three products.
 static struct bvh_ray ray_of_instance(const struct flat_instance *instance,
                                       const struct bvh_ray *ray, struct slack *slack)
 {
@@ -325,7 +328,7 @@ static struct judgement judge(const struct flat_scene *flat, uint32_t primitive,
 
 // --- a result ------------------------------------------------------------------------------------
 
-// Every primitive one after the other: of the world, then of each instance.
+// Visits every primitive: those of world space first, then those of each instance.
 struct visit {
     uint32_t next, instance, primitive;
 };
@@ -341,10 +344,10 @@ static bool visit_next(const struct flat_scene *flat, struct visit *v)
         i = 0;
         v->next = 1;
     }
-    // Instances of empty meshes there are none.
+    // There are no instances of empty meshes.
     if (v->instance == NO_INSTANCE ||
         i >= flat->meshes[flat->instances[v->instance].mesh].triangle_count) {
-        v->instance++; // to 0 from NO_INSTANCE
+        v->instance++; // from NO_INSTANCE to 0
         v->next = 1;
         i = 0;
         if (v->instance == flat->placed_count)
@@ -354,7 +357,7 @@ static bool visit_next(const struct flat_scene *flat, struct visit *v)
     return true;
 }
 
-// A primitive that is certainly hit in (0, t_max).
+// Returns whether a primitive is certainly hit in (0, t_max).
 static bool certain_hit_before(const struct flat_scene *flat, const struct bvh_ray *ray,
                                double t_max)
 {

@@ -53,7 +53,7 @@ void add_spheres_and_discs(struct scene *scene, uint32_t count, uint64_t seed)
             center[c] = random_between(&random, -0.5, 0.5);
             normal[c] = (double)direction[c];
         }
-        // Radii over three orders of magnitude.
+        // The radii span three orders of magnitude.
         double radius = 0.2 * pow(10, random_between(&random, -3, 0));
         if (i % 2 == 0)
             add_sphere(scene, center, radius, 0);
@@ -113,7 +113,8 @@ static void point_inside(const struct flat_scene *flat, struct random *random, f
             (float)random_between(random, (double)flat->bounds_min[c], (double)flat->bounds_max[c]);
 }
 
-// On the sphere about the bounds' centre with twice the radius of the one around them.
+// Returns a point on a sphere about the centre of the bounds, with twice the radius of their
+// bounding sphere.
 static void point_around(const struct flat_scene *flat, struct random *random, float point[3])
 {
     double diagonal[3];
@@ -125,7 +126,7 @@ static void point_around(const struct flat_scene *flat, struct random *random, f
                            (double)direction[c] * vec3_norm(diagonal));
 }
 
-// A vertex of a triangle or the middle of one of its edges.
+// Returns a vertex of a triangle, or the middle of one of its edges.
 static void point_on_triangle_edge(const struct flat_triangle *triangle, struct random *random,
                                    float point[3])
 {
@@ -134,7 +135,8 @@ static void point_on_triangle_edge(const struct flat_triangle *triangle, struct 
         point[c] = (float)(((double)triangle->v[a][c] + (double)triangle->v[b][c]) / 2);
 }
 
-// Where a ray from `origin` just hits or misses a sphere or disc: by 1e-8 to 1e-2 of its radius.
+// Returns a point near the outline of a sphere or disc, as seen from `origin`: inside or outside by
+// 1e-8 to 1e-2 of its radius.
 static void point_at_rim(const struct flat_shape *shape, const float origin[3],
                          struct random *random, float point[3])
 {
@@ -147,7 +149,7 @@ static void point_at_rim(const struct flat_shape *shape, const float origin[3],
         other[c] = (double)direction[c];
     }
     vec3_cross(axis, other, aside);
-    // Seen from nearby, the outline of a sphere is before its centre.
+    // Seen from nearby, the outline of a sphere is in front of its centre.
     double sine = radius / vec3_norm(axis);
     if (shape->kind == SHAPE_SPHERE && sine < 1)
         radius /= sqrt(1 - sine * sine);
@@ -177,7 +179,7 @@ static float signed_zero(struct random *random)
     return random_u32(random) & 1u ? -0.0f : 0.0f;
 }
 
-// Leaves `components` components of a direction and makes the others zeros of either sign.
+// Keeps `components` components of a direction and replaces the others by zeros of either sign.
 static void flatten_ray(struct random *random, uint32_t components, struct probe_ray *ray)
 {
     uint32_t first = random_u32(random) % 3;
@@ -209,11 +211,11 @@ void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t
             point_inside(flat, &random, ray->origin);
             flatten_ray(&random, 1, ray);
             break;
-        case 5: // in a plane of two axes
+        case 5: // in a coordinate plane
             point_inside(flat, &random, ray->origin);
             flatten_ray(&random, 2, ray);
             break;
-        case 6: // nearly so: down to below what a float's square holds
+        case 6: // nearly in a coordinate plane, down to components whose square underflows
             ray->direction[random_u32(&random) % 3] =
                 (float)pow(10, random_between(&random, -30, -3));
             normalize(ray->direction);
@@ -224,8 +226,8 @@ void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t
     }
 }
 
-// A segment through a point of a triangle, from one hundred-thousandth of the scene's extent long
-// to all of it.
+// Makes a segment through a point of a triangle, with a length from a hundred-thousandth of the
+// scene's extent to all of it.
 static void cross_triangle(const struct flat_scene *flat, struct random *random,
                            struct probe_ray *ray)
 {
