@@ -1,9 +1,9 @@
-// Helpers for the tests of the mesh loaders: a temporary folder, files in it, captured warnings,
-// and systematic damage to files.
+// Helpers for the tests of mesh loaders: a temporary folder, files in it, captured warnings, and
+// systematic damage to files.
 #ifndef LAMPYRIS_TESTS_MESH_FILES_H
 #define LAMPYRIS_TESTS_MESH_FILES_H
 
-// Included first, so that nftw is declared.
+// Must be included first, so that nftw is declared.
 #define _XOPEN_SOURCE 700
 #define _DEFAULT_SOURCE
 
@@ -16,8 +16,8 @@
 #include <unistd.h>
 
 static char folder[64];    // exists while main runs
-static unsigned warnings;  // since load_checked() or the start
-static char warning[1024]; // the last one
+static unsigned warnings;  // number since load_checked() or the start
+static char warning[1024]; // the last warning
 static char path_buffer[512];
 
 static inline void capture_warning(void *context, enum log_level level, const char *message)
@@ -39,7 +39,8 @@ static inline void remove_folder(void)
     nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
 }
 
-// Makes the folder, removed at exit, and captures warnings. False where there can be none.
+// Creates the folder, which is removed at exit, and captures warnings. Returns false if it cannot
+// be created.
 static inline bool begin_mesh_tests(void)
 {
     const char *parent = getenv("TMPDIR");
@@ -52,7 +53,7 @@ static inline bool begin_mesh_tests(void)
     return true;
 }
 
-// The path of a file in the folder; valid until the next call.
+// Returns the path of a file in the folder, valid until the next call.
 static inline const char *in_folder(const char *name)
 {
     snprintf(path_buffer, sizeof path_buffer, "%s/%s", folder, name);
@@ -62,7 +63,8 @@ static inline const char *in_folder(const char *name)
 static inline const char *write_bytes(const char *name, const void *data, size_t size)
 {
     const char *path = in_folder(name);
-    // Some file systems flush a file that replaces its own content, which is slow thousandfold.
+    // Some file systems flush a file when its content is replaced, which is slow if it is done a
+    // thousand times.
     remove(path);
     FILE *file = fopen(path, "wb");
     CHECK(file && fwrite(data, 1, size, file) == size, "cannot write %s", path);
@@ -76,7 +78,7 @@ static inline const char *write_text(const char *name, const char *text)
     return write_bytes(name, text, strlen(text));
 }
 
-// A file of the external data, or NULL where it is missing.
+// Returns the path of an external data file, or NULL if it is missing.
 static inline const char *data_file(const char *name)
 {
     const char *data = getenv("LAMPYRIS_DATA"), *root = getenv("LAMPYRIS_SOURCE_ROOT");
@@ -87,7 +89,8 @@ static inline const char *data_file(const char *name)
     return access(path_buffer, R_OK) == 0 ? path_buffer : NULL;
 }
 
-// Every index below its bound, every float finite, every normal of length 1 or 0.
+// Checks that every index is below its bound, every float is finite, and every normal has length 1
+// or 0.
 static inline void check_mesh(const struct scene *scene, const struct mesh *mesh)
 {
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
@@ -117,8 +120,8 @@ static inline void check_triangle(const struct mesh *mesh, uint32_t triangle, ui
           corners[0], corners[1], corners[2]);
 }
 
-// UTM coordinates of something of a metre, of which single precision leaves halves: vertex v of a
-// triangle.
+// Corners of a triangle of about a metre in UTM coordinates, of which single precision keeps only
+// multiples of a half.
 static const double far_corners[3][3] = {
     {500000.0625, 5400000.123, 100.1},
     {500001.0625, 5400000.123, 100.1},
@@ -138,8 +141,8 @@ static inline void check_far_corners(const struct mesh *mesh)
 
 typedef bool (*mesh_load_fn)(struct scene *scene, const char *path, struct err *err);
 
-// Starts counting warnings and loads a file that has to be fine; the caller finishes the scene. A
-// zero mesh on failure.
+// Counts warnings from now on, and loads a file that must be valid; the caller finishes the scene.
+// Returns a zero mesh on failure.
 static inline struct mesh load_checked(mesh_load_fn load, const char *path, struct scene *scene)
 {
     struct err err = {0};
@@ -153,7 +156,7 @@ static inline struct mesh load_checked(mesh_load_fn load, const char *path, stru
     return scene->meshes[0];
 }
 
-// The file is ERR_INPUT with a message that contains `expected`.
+// Checks that the file is refused with ERR_INPUT and a message that contains `expected`.
 static inline void check_mesh_refused(mesh_load_fn load, const char *path, const char *expected)
 {
     struct scene scene = {0};
@@ -164,7 +167,8 @@ static inline void check_mesh_refused(mesh_load_fn load, const char *path, const
     scene_finish(&scene);
 }
 
-// Every limit from nothing to enough: an error that says so, or success.
+// Tries every memory limit from nothing to enough: loading must succeed or fail with an error about
+// memory.
 static inline void check_memory_limits(mesh_load_fn load, const char *path)
 {
     unsigned failures = 0;
@@ -182,7 +186,7 @@ static inline void check_memory_limits(mesh_load_fn load, const char *path)
     CHECK(is_loaded && failures > 10, "%u", failures);
 }
 
-// Whatever the file holds, it loads to a valid mesh or is ERR_INPUT with a message.
+// Loads a file with any content: it must give a valid mesh, or ERR_INPUT with a message.
 static inline void check_loads_or_fails(mesh_load_fn load, const char *path, const char *how,
                                         size_t where)
 {
@@ -196,7 +200,7 @@ static inline void check_loads_or_fails(mesh_load_fn load, const char *path, con
     scene_finish(&scene);
 }
 
-// The file cut at every byte.
+// Truncates the file at every byte.
 static inline void cut_everywhere(mesh_load_fn load, const char *name, const void *data,
                                   size_t size)
 {
@@ -204,7 +208,8 @@ static inline void cut_everywhere(mesh_load_fn load, const char *name, const voi
         check_loads_or_fails(load, write_bytes(name, data, length), "cut at", length);
 }
 
-// `count` copies with one to four random bytes changed; SplitMix64 makes the same ones every time.
+// Makes `count` copies with one to four random bytes changed; SplitMix64 makes the same ones in
+// each run.
 static inline void flip_bytes(mesh_load_fn load, const char *name, const void *data, size_t size,
                               unsigned count)
 {

@@ -9,7 +9,7 @@
 
 double random_unit(struct random *random)
 {
-    // Knuth's linear congruential generator (MMIX); its upper bits.
+    // Knuth's linear congruential generator (MMIX), of which the upper bits are used.
     random->state = random->state * 6364136223846793005u + 1442695040888963407u;
     return (double)(random->state >> 11) * 0x1p-53;
 }
@@ -32,7 +32,7 @@ static void random_direction(struct random *random, double out[3])
     } while (!vec3_normalize(out));
 }
 
-// Also the ends of the range, and a value of seven digits and one of nine.
+// Also returns the ends of the range, and values with seven and nine digits.
 static float random_float(struct random *random, float min, float max)
 {
     switch (random_below(random, 6)) {
@@ -137,11 +137,11 @@ static void edit_settings(struct settings *s, struct random *random)
         else
             field_set(field, s, random_below(random, count));
     }
-    // No picture has as many pixels as both at their most.
+    // A picture cannot have both the greatest width and the greatest height.
     s->height = 1 + s->height % (uint32_t)(SETTINGS_PIXELS_MAX / s->width);
 }
 
-// Also to where a shape cannot be: it then stays.
+// Also tries places that are impossible for a shape; it then stays.
 static void place_at_random(struct scene *scene, struct random *random)
 {
     uint32_t count = scene->instance_count + scene->shape_count;
@@ -244,7 +244,7 @@ static void check_same_meshes(const struct scene *a, const struct scene *b, cons
 void check_same_scene(struct scene *a, struct scene *b, const char *what)
 {
     struct err err = {0};
-    // Profiles are other copies of the same.
+    // Profiles are separate copies with the same content.
     for (uint32_t i = 0; i < a->light_count && i < b->light_count; i++)
         if (a->lights[i].profile && b->lights[i].profile)
             b->lights[i].profile = a->lights[i].profile;

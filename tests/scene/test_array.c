@@ -1,4 +1,4 @@
-// Meshes in arrays of the caller's: what is copied, and what is refused.
+// Tests meshes in the caller's arrays: which data are copied, and which are refused.
 #include "base/memory.h"
 #include "scene/core/scene.h"
 #include "test.h"
@@ -9,7 +9,7 @@
     " \"transform\": {\"translate\": [10, 0, 0]}},"                                                \
     "{\"type\": \"mesh\", \"array\": \"waves\"}]}"
 
-// Vertices with gaps behind each attribute.
+// A vertex with gaps after each attribute.
 struct vertex {
     char gap;
     float position[3], normal[3], uv[2], color[4];

@@ -1,5 +1,5 @@
-// Figures: of the wanted size, closed, facing outwards, the same each time, with detail where there
-// are triangles for it.
+// Tests generated figures: they have the requested size, are closed, face outwards, are the same
+// each time, and have detail if there are enough triangles.
 #include "base/maths.h"
 #include "scene/generate/figure_field.h"
 #include "test.h"
@@ -23,7 +23,7 @@ static int compare_edges(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-// Each directed edge as often as its opposite.
+// Returns whether each directed edge occurs as often as its opposite.
 static bool is_closed(const struct mesh *mesh)
 {
     size_t count = 3 * (size_t)mesh->triangle_count;
@@ -45,7 +45,7 @@ static bool is_closed(const struct mesh *mesh)
 
 struct shape_of {
     double low[3], high[3], volume, area;
-    double turned; // the area of triangles that their corners' normals turn away from
+    double turned; // area of triangles on whose back the vertex normals are
 };
 
 static struct shape_of measure(const struct mesh *mesh)
@@ -75,7 +75,7 @@ static struct shape_of measure(const struct mesh *mesh)
     return s;
 }
 
-// Each has its size, and fills so much of its box.
+// Each figure has its size, and fills this fraction of its box.
 TEST(figures)
 {
     static const struct {
@@ -121,7 +121,7 @@ TEST(the_same_each_time)
     scene_finish(&scenes[1]);
 }
 
-// Detail is of the figure's scale, and there is none that the mesh cannot show.
+// Detail is relative to the figure's size, and there is none that the mesh cannot represent.
 TEST(detail_is_as_fine_as_the_mesh)
 {
     for (int skin = SKIN_BONE; skin < SKIN_PLAIN; skin++) {

@@ -1,4 +1,4 @@
-// Flattening against what can be said in closed form.
+// Tests flattening against closed forms.
 #include "mesh_files.h"
 
 #include "flatten/flatten.h"
@@ -6,7 +6,7 @@
 
 #include <float.h>
 
-// A scene with one triangle mesh and one material, on the stack's arrays.
+// A scene with one triangle mesh and one material, whose arrays are members.
 struct fixture {
     struct scene scene;
     struct mesh mesh;
@@ -129,7 +129,7 @@ TEST(normals_are_transformed_by_the_inverse_transpose)
     end(&f);
 }
 
-// Turns out-of-plane normals and winding through a reflection: both stay on the outside.
+// Through a reflection, normals and winding remain on the outside.
 TEST(mirrored_instances_stay_outside_out)
 {
     struct fixture f;
@@ -182,7 +182,7 @@ TEST(degenerate_triangles_are_dropped_and_counted)
 {
     struct fixture f;
     begin(&f);
-    // A point, a line, a triangle, another line.
+    // A point, a line, a triangle and another line.
     const float positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0},
                                    {3, 0, 0}, {0, 0, 1}, {0, 0, 2}};
     const uint32_t indices[4][3] = {{1, 1, 1}, {0, 1, 3}, {0, 1, 2}, {0, 4, 5}};
@@ -201,14 +201,15 @@ TEST(degenerate_triangles_are_dropped_and_counted)
     CHECK(f.flat.normals[0][2][0] > 0.9f, "the normals went with the dropped");
     CHECK(f.flat.bounds_max[0] == 1, "a dropped triangle counts in the bounds");
 
-    // Slivers have an area, however small.
+    // Slivers have an area, however small it is.
     f.positions[1][0] = 1e-15f;
     REQUIRE(flatten(&f), "%s", f.err.msg);
     CHECK(f.flat.triangle_count == 1);
     end(&f);
 }
 
-// Which triangle of which instance a flat one is, past those that were dropped.
+// Each flat triangle must name its instance and its triangle in the mesh, although others were
+// dropped.
 TEST(sources_of_triangles)
 {
     struct fixture f;
@@ -247,7 +248,7 @@ TEST(singular_instances_are_skipped_with_a_warning)
     begin(&f);
     f.scene.instance_count = 4;
     set_matrix(&f.instances[1], (const double[]){1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0});
-    // Two equal columns, turned: the determinant is 0 up to rounding.
+    // Two equal columns, rotated, so that the determinant is 0 except for rounding.
     set_matrix(&f.instances[2], (const double[]){.1, .1, .7, 0, .3, .3, .2, 0, .9, .9, .6, 0});
     REQUIRE(flatten(&f), "%s", f.err.msg);
     CHECK(f.flat.triangle_count == 2 && f.flat.skipped_instances == 2);
@@ -290,8 +291,8 @@ TEST(tiny_and_huge_scales_are_not_singular)
     end(&f);
 }
 
-// The unit of length: 1 m for all that is of a size that one may meet, a power of two for what is
-// not; and numbers beyond all sizes are an error that tells them.
+// The unit of length is 1 m for scenes of ordinary size and a power of two for others. Numbers
+// beyond all supported sizes are reported as errors.
 TEST(sizes_choose_the_unit)
 {
     static const struct {
@@ -329,7 +330,7 @@ TEST(sizes_choose_the_unit)
     end(&f);
 }
 
-// A lamp of 1e-8 m at a distance of 2 m is a point in single precision; its edges are kept
+// A lamp of 1e-8 m at a distance of 2 m is a point in single precision. Its edges are stored
 // separately, in a box.
 TEST(small_emitters_keep_their_edges)
 {
@@ -368,7 +369,7 @@ TEST(small_emitters_keep_their_edges)
     end(&f);
 }
 
-// Emitters whose own positions are one point, which no edges are left of.
+// Emitters whose positions are a single point have no edges left.
 TEST(emitters_without_area_are_warned_of)
 {
     struct fixture f;
@@ -401,7 +402,7 @@ TEST(far_scenes_are_rebased_in_double_precision)
         }
     CHECK(warnings == 0, "%s", warning);
 
-    // Up to 16 times the extent it stays where it is.
+    // Up to 16 times its extent away, the scene is not moved.
     set_matrix(&f.instances[0], (const double[]){1, 0, 0, 15, 0, 1, 0, 0, 0, 0, 1, 0});
     REQUIRE(flatten(&f), "%s", f.err.msg);
     CHECK(f.flat.origin[0] == 0 && f.flat.triangles[0].v[1][0] == 16);
@@ -450,7 +451,7 @@ TEST(vertices_out_of_range_are_errors)
         CHECK(strstr(f.err.msg, "test: instance 0: mesh 0 \"triangle\": vertex 2 lies at ("), "%s",
               f.err.msg);
     }
-    // An unused vertex harms nobody.
+    // An unused vertex has no effect.
     f.positions[2][1] = 1;
     f.positions[3][0] = NAN;
     f.mesh.vertex_count = 4;
@@ -475,7 +476,7 @@ TEST(shapes)
     CHECK(is_point(f.flat.shapes[1].center, 0, 2.5, 0) &&
           is_point(f.flat.shapes[1].normal, 0, 1, 0));
     CHECK(f.flat.shapes[0].kind == SHAPE_SPHERE && f.flat.shapes[0].radius == 2);
-    // The disc is flat: nothing of it above y = 2.5 but the outward rounding.
+    // The disc is flat, so nothing is above y = 2.5 except for outward rounding.
     CHECK(f.flat.bounds_max[1] >= 2.5f && f.flat.bounds_max[1] < 2.5f + 1e-6f);
     CHECK(f.flat.bounds_min[0] <= -2 && f.flat.bounds_min[0] > -2.00001f);
 
@@ -495,7 +496,8 @@ static bool share(struct fixture *f, enum instancing instancing)
                          &f->err);
 }
 
-// Where flat triangle `id` of instance `i` lies in the world, less where it should.
+// Returns the difference between the place of flat triangle `id` of instance `i` in world space and
+// its correct place.
 static double placing_error(const struct fixture *f, uint32_t i, uint32_t id, int corner)
 {
     const struct flat_instance *placed = &f->flat.instances[i];
@@ -578,7 +580,7 @@ TEST(what_cannot_be_shared_is_in_the_world)
     struct fixture f;
     begin(&f);
     f.scene.instance_count = 4;
-    f.instances[1].material = 2; // emits
+    f.instances[1].material = 2; // this material emits
     f.materials[2].emission[1] = 1;
     set_matrix(&f.instances[2], (const double[]){1, 0, 0, 0, 0, 1e-5, 0, 0, 0, 0, 1, 0});
     REQUIRE(share(&f, INSTANCING_ON), "%s", f.err.msg);
@@ -588,7 +590,7 @@ TEST(what_cannot_be_shared_is_in_the_world)
     uint32_t instance, triangle;
     flat_triangle_source(&f.flat, 1, &instance, &triangle);
     CHECK(instance == 2 && triangle == 0);
-    f.materials[1].emission[1] = 1; // the mesh itself
+    f.materials[1].emission[1] = 1; // the mesh's own material emits
     REQUIRE(share(&f, INSTANCING_ON), "%s", f.err.msg);
     CHECK(f.flat.placed_count == 0 && f.flat.mesh_count == 0 && f.flat.triangle_count == 4);
     f.materials[1].emission[1] = 0;
@@ -600,7 +602,7 @@ TEST(what_cannot_be_shared_is_in_the_world)
     end(&f);
 }
 
-// Sharing by itself: where it saves something, and never a mesh that is used once.
+// By default a mesh is shared if that saves memory, and never if it is used only once.
 TEST(sharing_has_to_pay)
 {
     enum { TRIANGLES = 65536 };

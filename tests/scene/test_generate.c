@@ -1,5 +1,5 @@
-// Generated meshes: the blob is closed, of the wanted size, with right normals; the teapot is the
-// one that is known.
+// Tests generated meshes: the blob is closed, has the requested size and correct normals, and the
+// teapot is the well-known one.
 #include "base/maths.h"
 #include "base/memory.h"
 #include "scene/generate/generate.h"
@@ -12,7 +12,7 @@ static bool make_blob(struct scene *scene, uint32_t triangles, uint32_t *mesh, s
     return scene_add_material(scene, NULL) && generate_blob(scene, triangles, 0, mesh, err);
 }
 
-// Twice the area times the unit normal of a triangle.
+// Computes twice the area times the unit normal of a triangle.
 static void area_vector(const struct mesh *mesh, uint32_t triangle, double out[3])
 {
     const uint32_t *corners = mesh->indices[triangle];
@@ -36,7 +36,7 @@ TEST(sizes)
         bool is_made = make_blob(&scene, wanted[i], &index, &err);
         REQUIRE(is_made, "%s", err.msg);
         uint32_t got = scene.meshes[index].triangle_count;
-        // Neighbouring grids differ by 8 n triangles where 4 n^2 were wanted.
+        // Neighbouring grids differ by 8 n triangles, where 4 n^2 are requested.
         CHECK(got >= 8 && (got <= wanted[i] || got == 8), "%u", got);
         CHECK((double)got + 4.0 * sqrt((double)got) + 8.0 >= (double)wanted[i], "%u for %u", got,
               wanted[i]);
@@ -44,7 +44,7 @@ TEST(sizes)
     }
 }
 
-// Each directed edge stands once, and its opposite once: a closed, oriented surface.
+// Each directed edge occurs once, and so does its opposite: the surface is closed and oriented.
 TEST(the_surface_is_closed)
 {
     struct scene scene;
@@ -77,8 +77,8 @@ TEST(radius_and_normals)
     bool is_made = make_blob(&scene, 100000, &index, &err);
     REQUIRE(is_made, "%s", err.msg);
     const struct mesh *mesh = &scene.meshes[index];
-    // The mean radius over solid angle. A triangle with area A, normal n and centre p subtends
-    // about A (n . p) / |p|^3.
+    // Computes the mean radius over solid angle. A triangle with area A, normal n and centre p
+    // subtends about A (n . p) / |p|^3.
     double solid_angle = 0.0, mean = 0.0, worst = 1.0, smallest = INFINITY, largest = 0.0;
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         double area[3], center[3] = {0.0, 0.0, 0.0};
@@ -103,7 +103,7 @@ TEST(radius_and_normals)
     }
     CHECK(fabs(solid_angle - 4.0 * M_PI) < 1e-2, "%g", solid_angle);
     CHECK(fabs(mean / solid_angle - 1.0) < 1e-3, "%g", mean / solid_angle);
-    // 1e5 triangles have edges of about 0.02, over which a normal turns by a few degrees.
+    // With 1e5 triangles edges are about 0.02 long, and normals turn by a few degrees along them.
     CHECK(worst > 0.97, "a normal is off by acos(%g)", worst);
     CHECK(largest > 10.0 * smallest, "sizes %g to %g", smallest, largest);
     scene_finish(&scene);
@@ -150,7 +150,8 @@ static struct mesh make_teapot(struct scene *scene, uint32_t resolution)
     return is_made ? scene->meshes[index] : (struct mesh){0};
 }
 
-// 32 patches of n^2 cells of two triangles, but one in a cell at a pole; eight patches have one.
+// There are 32 patches of n^2 cells with two triangles each, except for cells at a pole, which have
+// one; eight patches have such cells.
 TEST(teapot_sizes)
 {
     for (uint32_t n = 1; n < 20; n++) {
@@ -165,9 +166,9 @@ TEST(teapot_sizes)
     }
 }
 
-// The spout's outline in the plane of symmetry ends in the cubic of x = 3.3, 3.525, 3.45, 3.2,
-// whose derivative is 3 (0.225 - 0.6 t + 0.125 t^2): it is greatest at t = (0.6 - sqrt(0.2475)) /
-// 0.25.
+// In the plane of symmetry, the outline of the spout ends with the cubic of x = 3.3, 3.525, 3.45,
+// 3.2, whose derivative is 3 (0.225 - 0.6 t + 0.125 t^2). x is greatest at t = (0.6 - sqrt(0.2475))
+// / 0.25.
 TEST(teapot_extents)
 {
     struct scene scene;
@@ -184,8 +185,8 @@ TEST(teapot_extents)
     }
     CHECK(fabs(tip - 3.434) < 1e-4, "%g", tip);
     for (int i = 0; i < 3; i++) {
-        // The tip is up to 1/128 of the parameter from a vertex; the curve's second derivative
-        // there is 3 (-0.6 + 0.25 t), 1.5 in size.
+        // The tip is up to 1/128 of the parameter away from a vertex. The second derivative of the
+        // curve there is 3 (-0.6 + 0.25 t), about 1.5.
         double below = i == 0 ? 1.5 / 2 / 128 / 128 : 0;
         CHECK(fabs(found[0][i] - expected[0][i]) < 1e-6, "%d: %.9g", i, found[0][i]);
         CHECK(found[1][i] < expected[1][i] + 1e-6 && found[1][i] > expected[1][i] - below - 1e-6,
@@ -194,8 +195,8 @@ TEST(teapot_extents)
     scene_finish(&scene);
 }
 
-// Unit normals, on the side from which the triangles are counter-clockwise. Where patches of a body
-// of revolution meet, in the very same points, their normals agree; so they do at the poles.
+// Normals are unit vectors on the side from which triangles are counter-clockwise. Patches of a
+// body of revolution meet in the same points, with the same normals; this includes the poles.
 TEST(teapot_normals)
 {
     struct scene scene;
@@ -224,13 +225,14 @@ TEST(teapot_normals)
                 CHECK(fabsf(mesh.normals[a][i] - mesh.normals[b][i]) < 1e-5f, "%u and %u", a, b);
         }
     }
-    // The four profiles of six patches, and the three circles between patches and the one that body
-    // and bottom share, at least.
+    // At least the four profiles of six patches, the three circles between patches, and the circle
+    // between body and bottom are shared.
     CHECK(shared >= (4 * 6 + 4 * 4) * (n + 1), "%u", shared);
     scene_finish(&scene);
 }
 
-// Seen from outside the picture is not mirrored: s runs to the right where t runs down.
+// Seen from outside, the image is not mirrored: s increases to the right where t increases
+// downwards.
 TEST(teapot_coordinates)
 {
     struct scene scene;
@@ -246,8 +248,8 @@ TEST(teapot_coordinates)
 
 // --- torus ---------------------------------------------------------------------------------------
 
-// Its area vectors cancel, as those of closed surfaces do, and by the divergence theorem it
-// encloses 2 pi^2 tube^2, so that it faces outwards.
+// The area vectors cancel, as for closed surfaces. By the divergence theorem it encloses 2 pi^2
+// tube^2, so it faces outwards.
 TEST(torus_is_closed)
 {
     const struct torus torus = {.tube = 0.3, .segments = 400, .tube_segments = 200};
@@ -279,8 +281,8 @@ TEST(torus_is_closed)
 
 // --- stadium -------------------------------------------------------------------------------------
 
-// The area vectors of a surface that is open in one plane sum up to that of the opening; and what
-// it encloses with that plane is the ground below each step times its height.
+// The area vectors of a surface with a plane opening sum to that of the opening. The volume that it
+// encloses with that plane is the ground below each step times its height.
 static void check_stadium(const struct stadium *stadium)
 {
     struct scene scene = {0};

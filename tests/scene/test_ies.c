@@ -1,4 +1,4 @@
-// Photometric profiles: what the formats' variants mean, symmetries, integrals, and bad files.
+// Tests photometric profiles: variants of the formats, symmetries, integrals, and invalid files.
 #define _GNU_SOURCE // memfd_create
 #include "ies_reference.h"
 #include "test.h"
@@ -15,7 +15,7 @@ static bool load_text(struct scene *scene, const char *text, size_t size,
         abort();
     char path[64];
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    scene->profiles = NULL; // the next one has the same path
+    scene->profiles = NULL; // the next file has the same path
     bool ok = ies_load(scene, path, out, err);
     close(fd);
     return ok;
@@ -43,7 +43,8 @@ static void check_near(const char *what, double value, double expected, double t
 TEST(values)
 {
     struct scene scene = {0};
-    // Candela times the multiplier and both ballast factors, over 683; commas separate, too.
+    // The values are candela times the multiplier and both ballast factors, over 683. Commas are
+    // separators, too.
     const struct light_profile *p =
         load(&scene, HEAD "1 1000 2 3 1 1 2 .1 .1 0\n0.5 0.25 50\n0,45,90\n0\n1366 683\n0\n");
     check_near("greatest", p->greatest, 2 * 0.5 * 0.25 * 2, 1e-9);
@@ -53,7 +54,7 @@ TEST(values)
     check_near("at 22.5", ies_relative(p, 22.5, 200), 0.75, 1e-7);
     check_near("at 67.5", ies_relative(p, 67.5, 200), 0.25, 1e-7);
     check_near("at 90.1", ies_relative(p, 90.1, 200), 0, 0);
-    // Without a header, and with the lamp's tilt: its values are read and of no account.
+    // A file without a header, with the lamp's tilt, whose values are read but not used.
     p = load(&scene,
              "a lamp\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9\n1 1 1 2 1 1" SIZES "0 180\n0\n5 5\n");
     check_near("sphere", p->solid_angle, 4 * M_PI, 1e-6);
@@ -61,8 +62,8 @@ TEST(values)
     scene_finish(&scene);
 }
 
-// Rows of values that tell the planes apart, of the symmetries that files use: at 0, 30, 90, 150,
-// 200, 270, 330 and 360 degrees.
+// Values that differ between planes, for each symmetry that files use: at 0, 30, 90, 150, 200, 270,
+// 330 and 360 degrees.
 static const struct {
     const char *name, *text;
     double expected[8];
@@ -100,7 +101,7 @@ TEST(symmetry)
     scene_finish(&scene);
 }
 
-// The integral against a sum over many small patches.
+// Compares the integral with a sum over many small patches.
 TEST(integral)
 {
     struct scene scene = {0};
@@ -116,7 +117,7 @@ TEST(integral)
     scene_finish(&scene);
 }
 
-// A web whose flux is what its header says: cosine, 1000 lm from 1000 / pi cd.
+// A profile whose flux agrees with its header: a cosine with 1000 lm from 1000 / pi cd.
 TEST(flux)
 {
     char text[4096];
@@ -172,13 +173,13 @@ TEST(bad_files)
         CHECK(!ok && err.code == ERR_INPUT && strstr(err.msg, bad[i].message), "%zu: %s", i,
               ok ? "was read" : err.msg);
     }
-    // Cut off anywhere before the last value.
+    // The file is truncated anywhere before the last value.
     for (size_t size = 0; size + 4 < sizeof good; size++) {
         struct err err = {0};
         bool ok = load_text(&scene, good, size, &p, &err);
         CHECK(!ok && err.code == ERR_INPUT, "cut off at byte %zu", size);
     }
-    // A byte of the middle gone wrong, NUL and all: an error of the input, or values.
+    // One byte in the middle is damaged: the result is an error of the input, or values.
     for (size_t i = 0; i + 1 < sizeof good; i++) {
         char text[sizeof good];
         for (int byte = 0; byte < 256; byte += 5) {

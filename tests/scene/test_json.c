@@ -1,12 +1,12 @@
-// The JSON format: what is read, how it is overridden, and that nothing crashes. What is refused,
-// and with which words, stands in bad_scenes.json, which check_format.py runs.
+// Tests the JSON format: values, overrides, and that nothing crashes. Documents that are refused,
+// with their messages, are in bad_scenes.json, which check_format.py runs.
 #include "mesh_files.h"
 
 #include "base/memory.h"
 #include "shared/types.h"
 #include <sys/stat.h>
 
-// A PNG of one texel.
+// A PNG with one texel.
 static const unsigned char texel_png[] = {
     0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48,
     0x44, 0x52, 0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00,
@@ -16,7 +16,7 @@ static const unsigned char texel_png[] = {
 
 #define ONE_TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n"
 
-// Loads a file with overrides KEY, VALUE, …, NULL; the caller finishes the scene.
+// Loads a file with overrides KEY, VALUE, …, NULL. The caller finishes the scene.
 static bool load_file_with(struct scene *scene, const char *path, const char *const *overrides,
                            struct err *err)
 {
@@ -30,7 +30,8 @@ static bool load_file_with(struct scene *scene, const char *path, const char *co
 
 #define WITH(...) ((const char *const[]){__VA_ARGS__, NULL})
 
-// Loads {"lampyris": 1, BODY} with overrides; {0}, and a failure, when that is refused.
+// Loads {"lampyris": 1, BODY} with overrides. If that is refused, records a failure and returns
+// {0}.
 static struct scene load_body_with(const char *body, const char *const *overrides)
 {
     char text[4096];
@@ -108,7 +109,7 @@ TEST(film_and_settings)
     scene_finish(&scene);
 }
 
-// Scenes that earlier versions saved, with attenuation by distance, have this key.
+// Scenes saved by earlier versions, which attenuated light by distance, have this key.
 TEST(no_fading_by_distance_is_read)
 {
     struct scene scene = load_body("\"settings\": {\"falloff\": 0, \"spp\": 9}");
@@ -116,7 +117,7 @@ TEST(no_fading_by_distance_is_read)
     scene_finish(&scene);
 }
 
-// This holds for the former accumulation, too, which sums in bins have replaced.
+// The former accumulation is read as binned sums, which have replaced it.
 TEST(compensated_sums_are_read_as_binned)
 {
     struct scene scene = load_body("\"settings\": {\"film_accumulation\": \"compensated\"}");
@@ -169,7 +170,7 @@ TEST(materials_of_every_model)
     CHECK(fabsf(m[1].extinction[1] - logf(2) / 2) < 1e-7f, "%g", (double)m[1].extinction[1]);
     CHECK(m[2].model == MATERIAL_CONDUCTOR && m[2].conductor_eta[0] == 0.001f);
     CHECK(m[2].flags == MATERIAL_COMPENSATE && m[2].roughness == 0 && m[2].conductor_k[1] == 3.9f);
-    // 1000^(1/4)
+    // The expected value is 1000^(1/4).
     CHECK(m[3].model == MATERIAL_BLINN_PHONG && fabsf(m[3].exponent - 5.6234133f) < 1e-6f);
     CHECK(m[4].model == MATERIAL_MICROFACET && m[4].roughness == 0.75f);
     CHECK((m[4].flags & ~MATERIAL_COMPENSATE) ==
@@ -178,7 +179,7 @@ TEST(materials_of_every_model)
     CHECK((m[5].flags & MATERIAL_THIN) && m[5].roughness == 0.125f && m[5].medium_priority == 1);
     CHECK(material_has_inside(&m[1]) && !material_has_inside(&m[5]));
     CHECK(is_color(m[6].conductor_eta, 0.21f, 0.43f, 1.38f) && m[6].conductor_k[2] == 1.914f);
-    // alpha = 1/4 is the exponent 2 / alpha^2 - 2 = 30.
+    // alpha = 1/4 corresponds to the exponent 2 / alpha^2 - 2 = 30.
     CHECK(m[9].roughness == 0.5f, "%g", (double)m[9].roughness);
     CHECK((m[9].flags & ~MATERIAL_COMPENSATE) ==
           (DISTRIBUTION_PHONG << MATERIAL_DISTRIBUTION_SHIFT |
@@ -202,7 +203,7 @@ TEST(materials_like_others)
     CHECK(m[0].metallic == 0.25f && m[0].roughness == 0.75f);
     CHECK(m[1].model == MATERIAL_PRINCIPLED && m[1].metallic == 0.5f && m[1].roughness == 1);
     CHECK(m[2].model == MATERIAL_PRINCIPLED && m[2].metallic == 0 && m[2].roughness == 1);
-    // A path of the user's own stays that where it is inherited.
+    // A path given by the user remains relative to the user's folder when it is inherited.
     CHECK(scene.texture_count == 3 && scene.image_count == 1 && m[2].texture_count == 1);
     scene_finish(&scene);
 }
@@ -249,7 +250,7 @@ TEST(textures_scale_groups_of_parameters)
     CHECK(y->roughness == 0.25f && y->metallic == 0 && y->anisotropic == 1);
 
     const struct texture *t = scene.textures;
-    // Bits of a mask and channels of two bits, component 0 lowest.
+    // Bits of a mask, and channels of two bits each, with component 0 lowest.
     const uint32_t wrapped = TEXTURE_WRAP_MIRROR | TEXTURE_NEAREST | TEXTURE_UV1;
     CHECK(t[0].flags == (TEXTURE_WRAP_CLAMP | TEXTURE_WRAP_CLAMP << TEXTURE_WRAP_T_SHIFT |
                          GROUP_BASE << TEXTURE_GROUP_SHIFT | 7u << TEXTURE_MASK_SHIFT |
@@ -266,7 +267,8 @@ TEST(textures_scale_groups_of_parameters)
           "%x", t[3].flags);
     CHECK(t[4].flags == TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT, "%x", t[4].flags);
     CHECK(t[5].flags == TEXTURE_USE_ANISOTROPY << TEXTURE_USE_SHIFT, "%x", t[5].flags);
-    // Colours and numbers of one file are two images: the texel is sRGB-encoded in one of them.
+    // A file that is used for colours and for numbers becomes two images, one of which is
+    // sRGB-decoded.
     CHECK(scene.image_count == 2 && t[1].image == t[4].image && t[0].image != t[1].image);
 
     // A quarter turn: s = 5 + 3 v, t = 6 - 2 u.
@@ -297,7 +299,7 @@ TEST(lights)
     CHECK(fabs((double)l[1].inner_angle - M_PI / 6) < 1e-7 &&
           fabs((double)l[1].outer_angle - M_PI / 3) < 1e-7);
     CHECK(is_color(l[1].radiant, 1, 2, 3) && IS_VECTOR(l[2].direction, 0, 0, 1));
-    // By the midpoint rule over cosines, against the loader's closed form.
+    // Compares the loader's closed form with the midpoint rule over cosines.
     double solid_angle = 0, outer = cos(M_PI / 3), inner = cos(M_PI / 6);
     const int steps = 100000;
     for (int i = 0; i < steps; i++) {
@@ -331,7 +333,7 @@ static void check_outward(const struct mesh *mesh, const double center[3])
     }
 }
 
-// Triangles that are counter-clockwise on the surface are so in the picture, whose v points
+// Triangles that are counter-clockwise on the surface must be so in the image, whose v points
 // downwards.
 static void check_not_mirrored(const struct mesh *mesh)
 {
@@ -364,7 +366,7 @@ TEST(primitives)
     CHECK(box->vertex_count == 24 && box->triangle_count == 12);
     check_not_mirrored(quad);
     check_not_mirrored(box);
-    // Upright on the side at +z: the upper left corner of the picture.
+    // On the side at +z the image is upright, with its upper left corner at the left.
     for (uint32_t v = 20; v < 24; v++)
         CHECK((box->uvs[0][v][0] == 0 && box->uvs[0][v][1] == 0) ==
               IS_VECTOR(box->exact_positions[v], 0, 2, 3));
@@ -411,7 +413,8 @@ TEST(mesh_files_fit_their_box)
               " \"transform\": {\"translate\": [5, 5, 5]},"
               " \"fit\": {\"min\": [-3, 1, -2], \"max\": [1, 2, 2]}}]");
     REQUIRE(scene.instance_count == 1);
-    // 1 x 2 x 0 in size: the height decides, by 1/2; the middle goes to x = -1 and z = 0.
+    // The size is 1 x 2 x 0, so the height decides: the scale is 1/2. The middle goes to x = -1 and
+    // z = 0.
     const double expected[12] = {.5, 0, 0, -1.25, 0, .5, 0, 1, 0, 0, .5, 0};
     CHECK(is_near(scene.instances[0].transform[0], expected, 12, 1e-15));
     CHECK(scene.instances[0].material == 1);
@@ -524,12 +527,12 @@ TEST(paths_confined_to_the_folder)
     CHECK(!load_file_with(&scene, path, NULL, &err) && err.code == ERR_INPUT, "%s", err.msg);
     CHECK(strstr(err.msg, "shapes[0].file: path \"../one.obj\" contains \"..\""), "%s", err.msg);
 
-    // Allowed, it is relative to the scene's folder.
+    // If it is allowed, the path is relative to the scene's folder.
     const struct scene_load_params allowed = {.path = path, .allow_outside_paths = true};
     CHECK(scene_load(&allowed, &scene, &err) && scene.mesh_count == 1, "%s", err.msg);
     scene_finish(&scene);
 
-    // From the command line it is the user's own, whether by definition or in a whole shape.
+    // A path on the command line is the user's own, both as a definition and within a whole shape.
     snprintf(outside, sizeof outside, "%s/one.obj", folder);
     CHECK(load_file_with(&scene, path, WITH("mesh", outside), &err), "%s", err.msg);
     scene_finish(&scene);
@@ -589,7 +592,7 @@ TEST(memory_limits_are_errors)
     CHECK(loaded, "16 MiB are not enough");
 }
 
-// Where the closing brace of the document is.
+// Returns the place of the document's closing brace.
 static size_t document_end(const char *text, size_t size)
 {
     while (size > 0 && text[size - 1] != '}')

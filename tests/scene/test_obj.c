@@ -1,4 +1,4 @@
-// OBJ and MTL: what is read, what is refused, and that nothing crashes.
+// Tests OBJ and MTL: what is read, what is refused, and that nothing crashes.
 #include "mesh_files.h"
 
 #include "base/file.h"
@@ -14,7 +14,7 @@ static bool load(struct scene *scene, const char *path, struct err *err)
     return load_obj(scene, path, SCENE_NONE, false, &mesh, err);
 }
 
-// Loads `text` as mesh.obj; the caller finishes the scene. A zero mesh on failure.
+// Loads `text` as mesh.obj; the caller finishes the scene. Returns a zero mesh on failure.
 static struct mesh load_text(struct scene *scene, const char *text)
 {
     return load_checked(load, write_text("mesh.obj", text), scene);
@@ -55,13 +55,13 @@ TEST(all_forms_of_indices)
     struct scene scene;
     struct mesh mesh = load_text(&scene, SQUARE "vt 0 0\nf 1/1 2/1 3/1\nf -4 -3 -2\nf -1/-1 1/1 2");
     CHECK(mesh.triangle_count == 3 && !mesh.normals && mesh.uvs[0]);
-    // A corner without texture coordinates is another vertex.
+    // A corner without texture coordinates is a separate vertex.
     check_triangle(&mesh, 0, 0, 1, 2);
     check_triangle(&mesh, 1, 3, 4, 5);
     check_triangle(&mesh, 2, 6, 0, 4);
     scene_finish(&scene);
 
-    // With normals, vertices are numbered in the order of their first use.
+    // If there are normals, vertices are numbered in the order of their first use.
     mesh = load_text(&scene, SQUARE "vn 0 0 2\nf 1//1 2//1 4//-1\nf 1//-1 2//1 3");
     CHECK(mesh.vertex_count == 4 && mesh.triangle_count == 2 && mesh.normals);
     check_triangle(&mesh, 0, 0, 1, 2);
@@ -115,7 +115,7 @@ TEST(what_has_no_faces_is_empty)
 
 TEST(pairs_of_position_and_normal_are_merged)
 {
-    // A cube: 8 positions, 6 normals, 24 pairs.
+    // A cube with 8 positions, 6 normals, and 24 pairs of them.
     struct scene scene;
     struct mesh mesh =
         load_text(&scene, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
@@ -127,7 +127,8 @@ TEST(pairs_of_position_and_normal_are_merged)
         const uint32_t *corners = mesh.indices[t];
         const float *n = mesh.normals[corners[0]];
         for (int c = 0; c < 3; c++) {
-            // On a unit cube a face's normal is +-1 where all its corners have coordinate 1 or 0.
+            // The normal of a face of the unit cube is +-1 on the axis on which all its corners are
+            // at 1 or at 0.
             const float *p = mesh.positions[corners[c]];
             for (int axis = 0; axis < 3; axis++)
                 CHECK(n[axis] == 0.0f || p[axis] == (n[axis] > 0.0f ? 1.0f : 0.0f), "triangle %u",
@@ -169,7 +170,7 @@ static const struct material *find_material(const struct scene *scene, const cha
     "v 500000.0625 5400000.123 100.1\nv 500001.0625 5400000.123 100.1\nv 500000.0625 5400001 "     \
     "100\n"
 
-// With attributes vertices are made anew.
+// If there are attributes, vertices are copied.
 TEST(far_positions_stay_exact)
 {
     static const char *const texts[] = {
@@ -183,7 +184,7 @@ TEST(far_positions_stay_exact)
         check_far_corners(&mesh);
         scene_finish(&scene);
     }
-    // Two triangles of a metre 1e7 m apart, and a mesh that needs nothing of the kind.
+    // Two triangles of a metre, 1e7 m apart, and a mesh that needs no such precision.
     struct mesh mesh =
         load_text(&scene, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 10000000.25 0 0\n"
                           "v 10000001.25 0 0\nv 10000000.25 1 0\nf 1 2 3\nf 4 5 6\n");
@@ -271,13 +272,13 @@ TEST(materials_of_exporters)
     m = find_material(&scene, "half");
     CHECK(m->roughness == 0.0f && is_near(m->metallic, 0.5) && is_near(m->opacity, 0.75));
     CHECK(m->specular_weight == 1.0f);
-    // Without any reflection, it is Lambert's.
+    // Without reflection the material is Lambertian.
     m = find_material(&scene, "matt");
     CHECK(m->specular_weight == 0.0f && material_shading_model(m) == MATERIAL_LAMBERT);
     scene_finish(&scene);
 }
 
-// A PNG of one pixel is written by the image library, as any exporter's would be read.
+// Writes a PNG of one pixel with the image library.
 static void write_pixel(const char *name, float red, float green, float blue)
 {
     float pixel[1][3] = {{red, green, blue}};
@@ -291,7 +292,7 @@ static void write_pixel(const char *name, float red, float green, float blue)
 TEST(textures_of_exporters)
 {
     write_pixel("color map.png", 0.5f, 0.25f, 1.0f);
-    write_pixel("normals.png", 0.2140411f, 0.2140411f, 1.0f); // sRGB's code of a half
+    write_pixel("normals.png", 0.2140411f, 0.2140411f, 1.0f); // the sRGB code of a half
     write_pixel("heights.png", 0.2f, 0.2f, 0.2f);
     write_text("maps.mtl", "newmtl a\nKd 0 0 0\nmap_Kd -s 2 3 1 -o .5 .25 color map.png\n"
                            "map_Pr -clamp on heights.png\nbump -bm .5 normals.png\n"
@@ -309,7 +310,7 @@ TEST(textures_of_exporters)
     const struct texture *color = &scene.textures[a->first_texture];
     CHECK((color->flags >> TEXTURE_MASK_SHIFT & 15u) == 7u &&
           (color->flags >> TEXTURE_GROUP_SHIFT & 15u) == GROUP_BASE);
-    // s = 2 u + .5; t = 1 - (3 v + .25), with our v' = 1 - v.
+    // s = 2 u + .5; t = 1 - (3 v + .25), where v' = 1 - v is this program's coordinate.
     CHECK(color->transform[0][0] == 2.0f && color->transform[0][2] == 0.5f);
     CHECK(color->transform[1][1] == 3.0f && is_near(color->transform[1][2], 1.0 - 3.0 - 0.25));
     const float *mean = scene.images[color->image].mean;
@@ -384,7 +385,7 @@ TEST(colours_are_clamped_and_counted)
     struct scene scene;
     load_text(&scene, "mtllib c.mtl\n" SQUARE "usemtl a\nf 1 2 3\n");
     CHECK(warnings == 2, "clamped colours and a spectral one: %u", warnings);
-    // The map that is not there is warned of when the scene is complete.
+    // A missing image is reported when the scene is complete.
     REQUIRE(scene.image_count == 1);
     CHECK(scene.images[0].is_missing && strstr(scene.images[0].name, "c.mtl:5") &&
               strstr(scene.images[0].name, "x.png"),
@@ -397,7 +398,7 @@ TEST(colours_are_clamped_and_counted)
 
 TEST(material_libraries_are_confined)
 {
-    // The OBJ file stands in a folder of its own beside the library.
+    // The OBJ file is in a subfolder beside the library.
     write_text("outside.mtl", "newmtl a\nKd 1 0 0\n");
     CHECK(mkdir(in_folder("inner"), 0700) == 0);
     CHECK(symlink("../outside.mtl", in_folder("inner/link.mtl")) == 0);
@@ -533,7 +534,7 @@ TEST(real_meshes)
 {
     static const struct {
         const char *name;
-        uint32_t triangles, vertices; // counted by other means: faces and their corners, lines "v"
+        uint32_t triangles, vertices; // counted by other means: faces, their corners, and lines "v"
     } meshes[] = {
         {"mesh/nefertiti.obj", 99938, 49971}, {"mesh/stanford-bunny.obj", 69451, 35947},
         {"mesh/spot.obj", 5856, 3225},        {"mesh/teapot.obj", 6320, 3644},

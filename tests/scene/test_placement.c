@@ -1,4 +1,4 @@
-// Objects that are placed anew are where their placement says, and come back to the bit.
+// Objects that are moved are where their placement requires, and can be restored bit for bit.
 #include "test.h"
 
 #include "scene/core/affine.h"
@@ -8,7 +8,7 @@
 
 static struct scene scene;
 
-// A triangle that is moved and stretched by its instance, and a quad: objects 0 and 1.
+// Makes a triangle that its instance moves and scales, and a quad: objects 0 and 1.
 static bool set_up(void)
 {
     static float positions[3][3] = {{0, 0, 0}, {2, 0, 0}, {0, 4, 0}};
@@ -40,7 +40,7 @@ TEST(an_object_has_a_middle)
 {
     double middle[3];
     REQUIRE(set_up());
-    scene_object_middle(&scene, 0, middle); // of (1, 2, 0) in the mesh's space
+    scene_object_middle(&scene, 0, middle); // this is (1, 2, 0) in the mesh's space
     CHECK(is_near(middle, 1 - 4, 2 + 3, 3), "%g %g %g", middle[0], middle[1], middle[2]);
     scene_object_middle(&scene, 1, middle);
     CHECK(is_near(middle, 5, 6, 7));
@@ -58,8 +58,8 @@ TEST(a_mesh_is_scaled_along_its_own_axes)
     to.turn_degrees[2] = 90;
     to.move[2] = 10;
     REQUIRE(scene_place(&scene, 0, &to, &err), "%s", err.msg);
-    // The corner (2, 0, 0) is (1, -2, 0) from the middle, (2, -2, 0) after the scale: (4, 6, 0) in
-    // the world, which a quarter turn makes (-6, 4, 0).
+    // The corner (2, 0, 0) is (1, -2, 0) relative to the middle, and (2, -2, 0) after scaling: (4,
+    // 6, 0) in world space, which a quarter turn makes (-6, 4, 0).
     affine_point((const double(*)[4])scene.instances[0].transform, (const double[3]){2, 0, 0},
                  corner);
     CHECK(is_near(corner, -3 - 6, 5 + 4, 13), "%g %g %g", corner[0], corner[1], corner[2]);
@@ -75,7 +75,7 @@ TEST(turns_go_about_x_then_y_then_z)
     struct placement to = placement_none(scene.shapes[0].center);
     to.turn_degrees[0] = to.turn_degrees[1] = 90;
     REQUIRE(scene_place(&scene, 1, &to, &err), "%s", err.msg);
-    // About x: y becomes z. About y: z becomes x, and x becomes -z.
+    // Rotation about x turns y into z. Rotation about y turns z into x, and x into -z.
     CHECK(is_near(scene.shapes[0].axes[0], 0, 0, -1) && is_near(scene.shapes[0].axes[1], 2, 0, 0));
     CHECK(is_near(scene.shapes[0].center, 5, 6, 7));
     scene_finish(&scene);

@@ -1,4 +1,4 @@
-// PLY: what is read, what is refused, and that nothing crashes.
+// Tests PLY: what is read, what is refused, and that nothing crashes.
 #include "mesh_files.h"
 
 #include <float.h>
@@ -10,7 +10,7 @@ static bool load(struct scene *scene, const char *path, struct err *err)
     return load_ply(scene, path, SCENE_NONE, &mesh, err);
 }
 
-// Loads bytes as mesh.ply; the caller finishes the scene. A zero mesh on failure.
+// Loads bytes as mesh.ply; the caller finishes the scene. Returns a zero mesh on failure.
 static struct mesh load_bytes(struct scene *scene, const void *data, size_t size)
 {
     return load_checked(load, write_bytes("mesh.ply", data, size), scene);
@@ -160,7 +160,7 @@ TEST(stitched_strips_keep_their_winding)
 
 // --- binary files --------------------------------------------------------------------------------
 
-// A file under construction.
+// A file that is being assembled.
 struct builder {
     unsigned char bytes[4096];
     size_t size;
@@ -190,7 +190,8 @@ static void put(struct builder *builder, const void *value, size_t size)
             put((builder), &values_[i_], sizeof *values_);                                         \
     } while (0)
 
-// Every type of property, lists to skip among them; two vertices and one face of each kind.
+// Makes a file with every type of property, including lists to skip, two vertices, and one face of
+// each kind.
 static struct builder build_binary(bool is_big_endian)
 {
     struct builder file = {.is_big_endian = is_big_endian};
@@ -244,7 +245,7 @@ TEST(binary_of_both_byte_orders)
     }
 }
 
-// Behind "end_header" CR LF, data that begin with LF stay whole; behind a bare CR as well.
+// Data that begin with LF must be complete, after "end_header" CR LF as well as after CR alone.
 static struct builder far_triangle(const char *format, const char *type, bool is_big_endian)
 {
     struct builder file = {.is_big_endian = is_big_endian};
@@ -282,7 +283,7 @@ TEST(double_positions_stay_exact)
     }
 }
 
-// Digits count, whatever type is declared; but floats of binary files have no more.
+// All digits count, whatever type is declared; but floats in binary files do not have more.
 TEST(far_positions_of_ascii_files_stay_exact)
 {
     static const char rows[] = "3 0 1 2\n0 500000.0625 5400000.123 100.1\n"
@@ -473,7 +474,7 @@ TEST(igea)
           mesh->triangle_count);
     check_mesh(&scene, mesh);
     // All triangles face outwards, so the volume by the divergence theorem is that of the head:
-    // positive, and a good part of its bounding box.
+    // positive, and a large fraction of its bounding box.
     double volume = 0.0, low[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, high[3];
     for (int c = 0; c < 3; c++)
         high[c] = -DBL_MAX;

@@ -1,4 +1,5 @@
-// Strewn spheres: none overlaps another, all lie on the disc, everywhere the same.
+// Tests scattered spheres: none overlaps another, all are on the disc, and they are the same on
+// every machine.
 #include "scene/generate/phong_spheres.h"
 #include "scene/generate/scatter.h"
 #include "test.h"
@@ -20,7 +21,8 @@ static uint32_t strew(const struct scatter *scatter, struct scattered_sphere *ou
     return placed;
 }
 
-// By brute force, with the distance in space rather than that of the feet.
+// Counts overlaps by brute force, by the distance in space instead of that of the points on the
+// disc.
 static uint32_t count_overlaps(const struct scattered_sphere *s, uint32_t count)
 {
     uint32_t overlaps = 0;
@@ -56,8 +58,8 @@ TEST(places)
     check_places(&plain, spheres, placed);
 }
 
-// More than fit; radii of one value, and of six orders of magnitude; one sphere as large as the
-// disc; a disc far larger than what lies on it.
+// More spheres than fit; equal radii, and radii over six orders of magnitude; a sphere as large as
+// the disc; a disc much larger than its spheres.
 TEST(stiff_places)
 {
     static struct scattered_sphere spheres[COUNT];
@@ -77,7 +79,7 @@ TEST(stiff_places)
     CHECK(strew(&wide, spheres) == COUNT);
 }
 
-// FNV-1a over the bits: the same on every machine.
+// Returns the FNV-1a hash of the bits, which must be the same on every machine.
 static uint64_t hash_of(const struct scatter *scatter)
 {
     static struct scattered_sphere spheres[COUNT];
@@ -104,8 +106,8 @@ TEST(the_seed_decides)
     CHECK(hash_of(&other) != hash);
 }
 
-// Radii have the distribution min + (max - min) u^3, choices are even, places fill the disc.
-// Each count's bound is 5 standard deviations.
+// Radii have the distribution min + (max - min) u^3, choices are uniform, and places fill the disc.
+// The limit of each count is 5 standard deviations.
 TEST(distributions)
 {
     static struct scattered_sphere spheres[COUNT];
@@ -142,13 +144,13 @@ static void check_icosphere(uint32_t subdivision, double volume_min)
         CHECK(part > 0, "triangle %u is seen from inside", t);
         volume += part / 6;
     }
-    // All corners are on the sphere, and the triangles close it from within.
+    // All vertices are on the sphere, and the triangles approximate it from inside.
     double whole = 4.0 / 3.0 * acos(-1.0);
     CHECK(volume < whole && volume > volume_min * whole, "%g of %g", volume, whole);
     scene_finish(&scene);
 }
 
-// An icosahedron fills 0.6055 of its sphere; each step leaves a quarter of what was missing.
+// An icosahedron fills 0.6055 of its sphere; each step leaves a quarter of the missing part.
 TEST(icospheres)
 {
     check_icosphere(0, 0.605);
@@ -179,8 +181,8 @@ static bool is_near(const float *a, const double *b, int count)
     return true;
 }
 
-// The first, the second and the last one and how many of each kind there are, from the sequence and
-// the formulas as they are published, computed apart from this program in double precision.
+// The first, the second and the last sphere, and the number of each kind, from the published
+// sequence and formulas, computed independently of this program in double precision.
 TEST(the_published_spheres)
 {
     static struct phong_sphere s[TRIED];

@@ -1,4 +1,4 @@
-// Tests what scene_load adds to a file: camera, light, material; and environments.
+// Tests the camera, light and material that scene_load adds to a file, and environments.
 #include "mesh_files.h"
 
 #include "environment_texel.h"
@@ -88,20 +88,20 @@ TEST(an_emitter_in_use_is_light_enough)
         CHECK(scene.environment.present != cases[i].is_lit, "case %zu", i);
         scene_finish(&scene);
     }
-    // Emission without an area is light that was meant, in a model as well.
+    // Emission of a model without area is still meant as light.
     write_text("point.mtl", "newmtl lamp\nKe 1 1 1\n");
     struct scene point = load(write_text("point.obj", "mtllib point.mtl\nusemtl lamp\nv 2 1 0\n"
                                                       "v 2 1 0\nv 2 1 0\nf 1 2 3\n"));
     CHECK(!point.environment.present);
     scene_finish(&point);
-    // Darkness that is asked for stays dark.
+    // Darkness that was requested remains.
     struct scene scene = load(
         write_text("scene.json", "{\"lampyris\": 1, \"environment\": {\"radiance\": [0, 0, 0]}}"));
     CHECK(scene.environment.present && scene.environment.radiance[0] == 0);
     scene_finish(&scene);
 }
 
-// Grows the box of points in the picture, where it ends at -1 and 1.
+// Extends the bounding box of points in the picture, whose edges are at -1 and 1.
 static void add_in_picture(const struct scene *scene, const double point[3], double low[2],
                            double high[2])
 {
@@ -123,7 +123,7 @@ static void add_in_picture(const struct scene *scene, const double point[3], dou
     }
 }
 
-// One pair of sides is 0.8 from the middle, the other within.
+// Checks that the box reaches 0.8 from the middle on one pair of sides, and less on the other.
 static void check_filled(const double low[2], const double high[2], double tolerance)
 {
     int tight = high[0] - low[0] > high[1] - low[1] ? 0 : 1;
@@ -158,7 +158,7 @@ TEST(what_is_framed_fills_the_picture)
             }
             check_filled(low, high, 1e-12);
         }
-        // Above what it looks at, and looking down by 20 degrees.
+        // The camera is above the object and looks down by 20 degrees.
         const struct camera *camera = &scene.cameras[0];
         const double ups[3][3] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
         CHECK(fabs(vec3_dot(camera->direction, ups[up]) + sin(M_PI / 9)) < 1e-12);
@@ -284,7 +284,8 @@ TEST(directions_see_their_texels)
         double direction[3];
         uint32_t column, row;
     } cases[] = {
-        // A little beside the axes, which are texel borders of a 4 x 2 image.
+        // The directions are slightly off the axes, which are borders between texels of a 4 x 2
+        // image.
         {{1, 0.1, 0.1}, 2, 0},    {{1, 0.1, -0.1}, 1, 0},  {{-0.1, 0.1, 1}, 3, 0},
         {{0.1, 0.1, 1}, 2, 0},    {{-1, -0.1, 0.1}, 3, 1}, {{-1, -0.1, -0.1}, 0, 1},
         {{-0.1, -0.1, -1}, 0, 1}, {{0.1, -0.1, -1}, 1, 1}, {{-1, -0.1, 0.0}, 3, 1},

@@ -1,4 +1,4 @@
-// An edited scene that is written to a file is read back with the same bits.
+// Tests that an edited scene, written to a file, is read with the same bits.
 #include "mesh_files.h"
 
 #include "json/json_node.h"
@@ -14,7 +14,7 @@
 
 #define ONE_TRIANGLE "v 1 1 1\nv 3 1 1\nv 1 2 1\nf 1 2 3\n"
 
-// A scene with a snapshot of how it was loaded.
+// A scene, with a copy of its state after loading.
 struct edited {
     struct scene_load_params load;
     struct scene scene, before;
@@ -50,7 +50,7 @@ static bool write_edited(const struct edited *e, const char *path, bool *is_outs
     return scene_write(&params, err);
 }
 
-// Writes it, loads that and compares.
+// Writes the scene, loads the file and compares.
 static void check_round_trip(struct edited *e, const char *path, const char *what)
 {
     struct err err = {0};
@@ -77,7 +77,7 @@ static char *read_text(const char *path)
 
 // --- every scene there is ------------------------------------------------------------------------
 
-// Edited, written and loaded; edited again, and written over the first.
+// Edits, writes and loads the scene; then edits it again and writes it over the first file.
 static void check_scene_twice(struct scene_load_params load, uint64_t seed, const char *what)
 {
     struct random random = {seed};
@@ -137,7 +137,7 @@ TEST(models_of_others)
     }
 }
 
-// A triangle that moves, in the second of two scenes, with a light and a camera.
+// A moving triangle in the second of two scenes, with a light and a camera.
 static const char gltf[] =
     "{\"asset\": {\"version\": \"2.0\"}, \"extensionsUsed\": [\"KHR_lights_punctual\"],"
     "\"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{\"type\": \"spot\", \"name\": \"s\","
@@ -193,7 +193,7 @@ static const char *write_environment(void)
     return path;
 }
 
-// The lights of a scene, and perhaps a sky with its sun.
+// The lights of a scene; it may also have a sky with a sun.
 #define LIGHTS                                                                                     \
     "\"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": [1, 2, 3]}],"      \
     "\"shapes\": [{\"type\": \"mesh\", \"file\": \"one.obj\"}]}"
@@ -219,7 +219,7 @@ static bool replace(struct scene *scene, uint32_t kind)
         {.sky = &sky},
     };
     struct err err = {0};
-    if (kind == 4) { // none
+    if (kind == 4) { // no lights
         const struct environment former = scene->environment;
         scene->environment = (struct environment){0};
         scene_remove_sun(scene, &former);
@@ -252,7 +252,7 @@ TEST(environments_that_were_replaced)
             edit_at_random(&e.scene, &random);
             check_round_trip(&e, saved, what);
             finish_edited(&e);
-            // Once more on top of that, with the environment of yet another.
+            // Edits the saved scene again, with the environment of another one.
             if (!load_edited(&e, (struct scene_load_params){.path = saved}))
                 return;
             check_round_trip(&e, saved, what);
@@ -287,7 +287,7 @@ TEST(environments_of_the_command_line)
                 return;
             check_round_trip(&e, saved, "command line");
             finish_edited(&e);
-            // The same options are applied on top of the saved file.
+            // The same options are applied to the saved file.
             struct scene_load_params load = loads[i];
             char other[sizeof path_buffer];
             snprintf(other, sizeof other, "%s", in_folder("other.json"));
@@ -343,7 +343,8 @@ TEST(names_of_files)
     check_not_written(&e, in_folder("none/a.json"), ERR_OUTPUT, "No such file");
     finish_edited(&e);
 
-    // A file that is made from it may be written over, but not what that is made from.
+    // A file that was made from another one may be overwritten, but not the file from which it was
+    // made.
     REQUIRE(load_edited(&e, (struct scene_load_params){.path = saved}));
     check_round_trip(&e, saved, "itself");
     check_not_written(&e, path, ERR_USAGE, "expected another name");
@@ -374,7 +375,7 @@ TEST(paths_in_overrides)
     finish_edited(&e);
     REQUIRE(load_edited(&e, (struct scene_load_params){.path = saved}));
     check_round_trip(&e, saved, "overrides again");
-    // From another folder, and back.
+    // Saves into another folder, and back.
     snprintf(path, sizeof path, "%s", in_folder("elsewhere"));
     CHECK(mkdir(path, 0700) == 0);
     snprintf(path, sizeof path, "%s", in_folder("elsewhere/saved.json"));
@@ -450,7 +451,7 @@ TEST(values_that_are_refused)
     finish_edited(&e);
 }
 
-// Whichever allocation fails, there is a message and no file.
+// If any allocation fails, there is a message and no file.
 TEST(memory_that_runs_out)
 {
     char path[sizeof path_buffer], saved[sizeof path_buffer];
@@ -479,7 +480,8 @@ TEST(memory_that_runs_out)
     finish_edited(&e);
 }
 
-// Other characters at a few places of a written file give an error that names the file, or a scene.
+// If some characters of a written file are changed, the result is an error that names the file, or
+// a scene.
 TEST(damaged_files)
 {
     char path[sizeof path_buffer];
@@ -547,7 +549,7 @@ TEST(cameras_as_text)
     arena_finish(&arena);
 }
 
-// A value of a written file, chosen at random, and where it ends.
+// Finds a random value of a written file, and its end.
 static char *find_value(char *text, struct random *random, char **end)
 {
     char *edits = strstr(text, "\"edits\"");
@@ -559,7 +561,7 @@ static char *find_value(char *text, struct random *random, char **end)
     return at;
 }
 
-// Values of other kinds and sizes in place of those of the edits.
+// Replaces values of the edits by values of other types and sizes.
 TEST(odd_values)
 {
     static const char *const odd[] = {

@@ -1,6 +1,6 @@
-// Distance fields from scene files to programs: that no value is more than the distance, that
-// nothing is outside the box, what repetition, twists and transforms do. What is refused stands in
-// bad_scenes.json.
+// Tests distance fields from scene files to programs: that no value exceeds the distance, that
+// nothing is outside the box, and the effect of repetition, twists and transforms. Documents that
+// are refused are in bad_scenes.json.
 #include "mesh_files.h"
 
 #include "scene/core/affine.h"
@@ -11,8 +11,8 @@
 
 #define FIELD_TEXT 60000
 
-// Loads a scene of one distance field with `text` for "field" and more members; the caller finishes
-// it.
+// Loads a scene with one distance field: `text` is the value of "field", and further members
+// follow. The caller finishes it.
 static bool load_field(struct scene *scene, const char *text, const char *more, struct err *err)
 {
     static char document[FIELD_TEXT + 1000];
@@ -40,7 +40,7 @@ static double between(double low, double high)
     return low + (high - low) * uniform();
 }
 
-// A point of the box, `wide` times as large.
+// Returns a random point of the box enlarged by `wide`.
 static void point_near(const struct sdf *sdf, double wide, double p[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -57,8 +57,8 @@ static bool is_within(const struct sdf *sdf, const double p[3])
     return within;
 }
 
-// The most that the value changes in a metre between points of the box, as far apart as the box and
-// as near as a millionth of it.
+// Returns the greatest change of the value per metre between points of the box, with distances from
+// a millionth of the box to all of it.
 static double steepest(const struct sdf *sdf, int pairs)
 {
     double most = 0;
@@ -70,7 +70,7 @@ static double steepest(const struct sdf *sdf, int pairs)
             q[i] = p[i] + part * (q[i] - p[i]);
         vec3_subtract(p, q, from);
         double far = vec3_length(from);
-        // Values are rounded to the largest coordinate's precision in double.
+        // Values have the rounding error of the largest coordinate in double precision.
         double change = fabs(sdf_evaluate(sdf, p) - sdf_evaluate(sdf, q));
         most = fmax(most, (change - 1e-14 * sdf->magnitude) / far);
     }
@@ -251,7 +251,7 @@ static void say_tree(struct text *out, int depth)
     case 1:
     case 2:
     case 3:
-        // Intersections of anything are often empty, which is refused.
+        // Intersections of arbitrary fields are often empty, which is refused.
         say(out, "{\"type\": \"%s\", \"of\": [", joints[kind % 2 * 2]);
         say_tree(out, depth - 1);
         say(out, ", ");
@@ -298,7 +298,8 @@ TEST(values_of_random_trees_stay_below_the_distance)
         state = 1000 + (uint64_t)k;
         say_tree(&out, 4);
         if (!load_field(&scene, buffer, "", &err)) {
-            // Too long, too deep, too far twisted, nothing left of it: said at a place.
+            // The field is too long, too deep, twisted too much, or empty; the error names the
+            // place.
             CHECK(strstr(err.msg, "shapes[0].field") && err.code == ERR_INPUT, "%s: %s", buffer,
                   err.msg);
             refused++;
@@ -317,12 +318,13 @@ static double value_at(const struct scene *scene, double x, double y, double z)
     return sdf_evaluate(&scene->sdfs[0], (double[3]){x, y, z});
 }
 
-// Copies of what is lopsided within its cell are all there: the same as their union.
+// All copies of an asymmetric field in a cell must exist: the result equals their union.
 TEST(repetition_is_the_union_of_its_copies)
 {
     static const char lopsided[] = "{\"type\": \"cone\", \"radius\": 0.4, \"height\": 1, "
                                    "\"transform\": {\"translate\": [%g, 0, 0]}}";
-    static const double offsets[] = {0, 0.55, 1.4}; // the last one leaves its cell
+    static const double offsets[] = {0, 0.55, 1.4}; // with the last offset the field exceeds its
+                                                    // cell
     for (int k = 0; k < 3; k++) {
         char child[400], text[2000];
         struct scene repeated, one;
@@ -350,7 +352,8 @@ TEST(repetition_is_the_union_of_its_copies)
     }
 }
 
-// The stretch of a twist is that of its Jacobian where it is greatest: at the box's edge.
+// The Lipschitz constant of a twist follows from its Jacobian where that is greatest: at the edge
+// of the box.
 TEST(twists_are_slowed_as_much_as_they_stretch)
 {
     struct scene scene;
@@ -362,7 +365,7 @@ TEST(twists_are_slowed_as_much_as_they_stretch)
             "%s", err.msg);
     const struct sdf *sdf = &scene.sdfs[0];
     double radius = hypot(sdf->max[0], sdf->max[2]), k = 100 * M_PI / 180, most = 0;
-    // Numerically: the longest image of a unit vector in the tangent plane of a cylinder.
+    // Numerically, the longest image of a unit vector in the tangent plane of a cylinder.
     for (int i = 0; i < 10000; i++) {
         double angle = M_PI * i / 10000, across = cos(angle), up = sin(angle);
         most = fmax(most, hypot(across + k * radius * up, up));
@@ -416,7 +419,7 @@ TEST(transforms_place_fields)
     scene_finish(&scene);
 }
 
-// Where bounds cut the solid there is a hole, which is said.
+// If bounds cut the solid, there is a hole, which is noted.
 TEST(open_cuts_are_noted)
 {
     struct scene scene;

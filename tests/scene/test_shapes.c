@@ -1,5 +1,5 @@
-// Analytic shapes on the host: what a scene file makes of them, how transforms move them, and that
-// bounds and boxes hold all of their points.
+// Tests analytic shapes on the host: shapes in scene files, their transforms, and that bounds and
+// boxes contain all of their points.
 #include "mesh_files.h"
 
 #include "flatten/flatten_shapes.h"
@@ -82,15 +82,15 @@ TEST(transforms)
     // x + y = 1 becomes x / 2 + y = 1.
     CHECK(is_near(s[0].normal, 1 / sqrt(5), 2 / sqrt(5), 0) && is_near(s[0].center, 0, 1, 0));
     CHECK(fabs(vec3_dot(s[0].normal, s[0].axes[1])) < 1e-15);
-    // Mirrored: what was above is below.
+    // After a reflection, the upper side is the lower one.
     CHECK(is_near(s[1].normal, 0, -1, 0) && is_near(s[1].center, 0, 3, 0));
     CHECK(is_near(s[2].axes[0], 3, 0, 0) && fabs(s[2].radius - 6) < 1e-12, "%g", s[2].radius);
     CHECK(is_near(s[2].center, 5, 0, 0) && is_near(s[2].axes[1], 0, 0, -1));
-    // A reflected box is right-handed as before.
+    // A reflected box is right-handed again.
     double third[3];
     vec3_cross(s[3].axes[0], s[3].axes[1], third);
     CHECK(vec3_dot(third, s[3].axes[2]) > 0 && fabs(s[3].axes[1][1]) == 3);
-    // Sheared and reflected: the front goes along with what it faces.
+    // After shearing and reflection, the front faces what it faced before.
     vec3_cross(s[4].axes[0], s[4].axes[1], third);
     CHECK(third[2] < 0 && is_near(s[4].center, 2, 1, 7) && is_near(s[4].axes[1], 1, 1, 0));
     scene_finish(&scene);
@@ -106,7 +106,8 @@ static double random_unit(void)
     return (double)(random_state >> 11) * 0x1p-53;
 }
 
-// In single precision already, so that points of the shape are points of what is flattened.
+// Returns a shape in single precision, so that points of the shape are points of the flattened
+// shape.
 static struct shape random_shape(enum shape_kind kind)
 {
     struct shape shape = {.kind = kind};
@@ -126,7 +127,7 @@ static struct shape random_shape(enum shape_kind kind)
     return shape;
 }
 
-// Any point of the surface.
+// Returns a random point of the surface.
 static void point_of(const struct shape *shape, double out[3])
 {
     double a = 2 * random_unit() - 1, b = 2 * random_unit() - 1, angle = 7 * random_unit();
@@ -186,7 +187,7 @@ static void check_boxes(enum shape_kind kind)
         flat_shape_box(&flat.shapes[0], min, max);
         const struct scene_part whole = scene_whole(&scene);
         double center[3] = {1, 2, 3}, radius = bounds_radius(&scene, &whole, center);
-        // The part of the box that points reach: it is not much too large.
+        // The fraction of the box that points reach shows that it is not much too large.
         double low[3] = {1, 1, 1}, high[3] = {0, 0, 0};
         for (int n = 0; n < 2000; n++) {
             double point[3], from[3];
@@ -239,7 +240,7 @@ TEST(planes_have_no_bounds)
         scene_flatten(&(struct flatten_params){&with_ball, INSTANCING_AUTO}, &arena, &flat, &err),
         "%s", err.msg);
     CHECK(flat.origin[0] == 1e5 && flat.bounds_max[1] < 1.001f);
-    // Its point is near the origin now, and still one of the plane: 3 y + 4 z = -3.
+    // Its point is now near the origin, and still in the plane: 3 y + 4 z = -3.
     const float *point = flat.shapes[1].center;
     CHECK(fabsf(point[0]) < 1 && fabsf(3 * point[1] + 4 * point[2] + 3) < 1e-5f);
     scene_finish(&with_ball);

@@ -1,4 +1,4 @@
-// The sky's formulas at values worked out by hand, its baked image against the formulas, its sun,
+// Tests the sky's formulas with values computed by hand, its image against the formulas, its sun,
 // and gradients.
 #include "base/maths.h"
 #include "scene/core/environment.h"
@@ -28,10 +28,10 @@ static double luminance_towards(const struct sky_model *model, double elevation,
     return exact_luminance(rgb);
 }
 
-// Preetham, Shirley and Smits 1999, appendix A.2: the zenith's luminance in kcd/m^2 is
-// (4.0453 T - 4.9710) tan((4/9 - T/120)(pi - 2 theta)) - 0.2155 T + 2.4192. Here by hand:
-// T = 3, 45 degrees: 7.1649 tan(0.658862) + 1.7727 = 7.1649 * 0.774282 + 1.7727;
-// T = 2, 90 degrees (the sun on the horizon): the tangent is 0.
+// Preetham, Shirley and Smits 1999, appendix A.2: the luminance of the zenith in kcd/m^2 is (4.0453
+// T - 4.9710) tan((4/9 - T/120)(pi - 2 theta)) - 0.2155 T + 2.4192. By hand: for T = 3 and 45
+// degrees it is 7.1649 tan(0.658862) + 1.7727 = 7.1649 * 0.774282 + 1.7727; for T = 2 and 90
+// degrees (the sun at the horizon) the tangent is 0.
 TEST(zenith)
 {
     static const struct {
@@ -47,8 +47,8 @@ TEST(zenith)
     }
 }
 
-// Perez's formula: towards the horizon opposite of a sun in the zenith, at gamma = 90 degrees, the
-// ratio to the zenith is (1 + C e^(D pi/2)) / ((1 + A e^B) (1 + C + E)), since e^(B / 0) is 0.
+// Perez's formula: for a sun in the zenith, the ratio of the horizon, at gamma = 90 degrees, to the
+// zenith is (1 + C e^(D pi/2)) / ((1 + A e^B) (1 + C + E)), because e^(B / 0) is 0.
 TEST(horizon)
 {
     const struct sky sky = make_sky(3, 90);
@@ -61,8 +61,8 @@ TEST(horizon)
     CHECK(fabs(found / expected - 1) <= 1e-4, "%.9g, not %.9g", found, expected);
 }
 
-// Under a clear sky the horizon is brighter than the zenith and the sky opposite of the sun is
-// bluer than that round the sun; the sun is redder when it is low, and dimmer in haze.
+// Under a clear sky the horizon is brighter than the zenith, and the sky opposite the sun is bluer
+// than that around the sun. The sun is redder when it is low, and dimmer in haze.
 TEST(looks_like_a_sky)
 {
     const struct sky high = make_sky(2.5, 50), low = make_sky(2.5, 5), hazy = make_sky(8, 50);
@@ -81,15 +81,15 @@ TEST(looks_like_a_sky)
           suns[1][1], suns[1][2]);
     CHECK(exact_luminance(suns[2]) < 0.7 * exact_luminance(suns[0]), "hazy sun %g, clear %g",
           exact_luminance(suns[2]), exact_luminance(suns[0]));
-    // Outside of the atmosphere there are 127 to 134 klx, and on the ground up to about 100.
+    // Outside the atmosphere there are 127 to 134 klx, and on the ground at most about 100.
     double klx = exact_luminance(suns[0]) * 683 / 1000;
     printf("  a sun 50 degrees high: %.1f klx, %.3g %.3g %.3g W/m^2\n", klx, suns[0][0], suns[0][1],
            suns[0][2]);
     CHECK(klx > 70 && klx < 115, "%g klx", klx);
 }
 
-// Texels are means of the formula, so that irradiance is right to rounding; the formula differs
-// from the texel that shows it by at most what docs/lighting.md says.
+// Texels are means of the formula, so irradiance is accurate except for rounding. The formula
+// differs from the texel in a direction by at most the number in docs/lighting.md.
 TEST(baked)
 {
     static const struct {
@@ -138,7 +138,7 @@ TEST(baked)
     }
 }
 
-// The ground sends back the albedo's part of what it gets from all of the sky and the sun.
+// The ground reflects the fraction `albedo` of the irradiance from the whole sky and the sun.
 TEST(ground_and_sun)
 {
     struct scene scene = {0};
@@ -159,7 +159,7 @@ TEST(ground_and_sun)
     double ground = (double)e->texels[SKY_WIDTH * SKY_HEIGHT - 1][1];
     CHECK(fabs(ground * M_PI / 0.5 / irradiance - 1) <= 1e-4, "%g", ground);
 
-    // Turned by 90 degrees what was towards +Z is towards +X, the sun too.
+    // After a rotation by 90 degrees, the part that was at +Z is at +X, and so is the sun.
     REQUIRE(scene_adjust_environment(&scene, M_PI / 2, 2, &err) && scene_add_sky_sun(&scene, &err),
             "%s", err.msg);
     const struct light *light = &scene.lights[0];

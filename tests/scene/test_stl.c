@@ -1,4 +1,4 @@
-// STL: what is read, what is refused, and that nothing crashes.
+// Tests STL: what is read, what is refused, and that nothing crashes.
 #include "mesh_files.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@ static bool load(struct scene *scene, const char *path, struct err *err)
     return load_stl(scene, path, SCENE_NONE, &mesh, err);
 }
 
-// Loads bytes as mesh.stl; the caller finishes the scene. A zero mesh on failure.
+// Loads bytes as mesh.stl; the caller finishes the scene. Returns a zero mesh on failure.
 static struct mesh load_bytes(struct scene *scene, const void *data, size_t size)
 {
     return load_checked(load, write_bytes("mesh.stl", data, size), scene);
@@ -28,7 +28,7 @@ static struct mesh load_text(struct scene *scene, const char *text)
         FACET("0 0 -0", "1 1 0", "0 1e0 0") "endsolid a square\n"
 #define BINARY_BYTES (84 + 2 * 50)
 
-// The same square. The comment begins as ASCII files do.
+// Makes the same square in binary form, with a comment that begins like an ASCII file.
 static void make_binary(unsigned char bytes[BINARY_BYTES])
 {
     static const float corners[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}},

@@ -19,7 +19,7 @@ static struct scene load(const char *path, enum scene_up up)
 
 static const char triangle[] = "v 1 2 3\nv 2 2 3\nv 1 3 4\nf 1 2 3\n";
 
-// The middle of a texel, by the words of environment.h.
+// Computes the direction of a texel's centre as environment.h defines it.
 static void texel_direction(const struct environment *e, uint32_t row, uint32_t column,
                             double out[3])
 {
@@ -29,8 +29,8 @@ static void texel_direction(const struct environment *e, uint32_t row, uint32_t 
     out[2] = sin(v) * sin(u);
 }
 
-// A level surface receives pi, and the ground far away reflects what the background is at the
-// horizon and below.
+// A horizontal surface receives pi. The distant ground reflects as much light as the background has
+// at the horizon and below.
 TEST(the_ground_meets_the_background)
 {
     for (int up = SCENE_UP_Y; up <= SCENE_UP_Z; up++) {
@@ -57,8 +57,8 @@ TEST(the_ground_meets_the_background)
     }
 }
 
-// Last of the shapes, with the last material, below the lowest point, and no object of the model
-// has another number than without it.
+// The ground is the last shape, with the last material, below the lowest point. No object of the
+// model has another index because of it.
 TEST(the_ground_is_below)
 {
     static const double lowest[] = {[SCENE_UP_Y] = 2, [SCENE_UP_X] = 1, [SCENE_UP_Z] = 3};
@@ -75,7 +75,7 @@ TEST(the_ground_is_below)
     }
 }
 
-// F / (pi A) of a unit square that emits, in its bounding sphere of radius sqrt(1/2).
+// F / (pi A) for a unit square that emits, in its bounding sphere of radius sqrt(1/2).
 TEST(emission_is_judged)
 {
     static const struct {
@@ -99,8 +99,9 @@ TEST(emission_is_judged)
     }
 }
 
-// A model of radius sqrt(1/2) with a light that sends it flux F is lit to F / (pi A). From afar a
-// point light's intensity I gives I pi r^2 / d^2, from within 4 pi I, a directional one E pi r^2.
+// If a light sends the flux F to a model of radius sqrt(1/2), the model's illumination is F / (pi
+// A). A distant point light of intensity I sends I pi r^2 / d^2, one inside 4 pi I, and a
+// directional light E pi r^2.
 TEST(lights_are_judged)
 {
     static const struct {
@@ -143,7 +144,7 @@ TEST(lights_are_judged)
     }
 }
 
-// Our own format: a camera makes a scene a composed one; emission is there on purpose.
+// In this program's own format, a camera shows that the scene is composed, so emission is intended.
 TEST(scene_files)
 {
     static const struct {

@@ -1,4 +1,5 @@
-// Generated tangents against closed cases and against a slow search of the same groups.
+// Tests generated tangents against closed forms, and against a slow search for the same groups of
+// triangles.
 #include "scene/core/scene.h"
 #include "scene/mesh/tangents.h"
 #include "test.h"
@@ -32,7 +33,7 @@ static void check_tangent(const float *tangent, double x, double y, double z, do
           (double)tangent[1], (double)tangent[2], (double)tangent[3], x, y, z, w);
 }
 
-// The picture stands upright on the square: u to the right, t downwards.
+// The image is upright on the square: u increases to the right, t downwards.
 TEST(upright_square)
 {
     float positions[4][3] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
@@ -50,7 +51,7 @@ TEST(upright_square)
     arena_finish(&arena);
 }
 
-// u grows away from the middle on both sides: the two vertices there are split.
+// u increases away from the middle on both sides, so the two vertices there are split.
 TEST(mirrored_halves)
 {
     float positions[6][3] = {{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {-1, 1, 0}, {0, 1, 0}, {1, 1, 0}};
@@ -84,14 +85,14 @@ TEST(mirrored_halves)
 
 // --- cubes ---------------------------------------------------------------------------------------
 
-// Corner `c` (0 … 3, round the face) of face f: the face's normal is along axis f / 2.
+// Returns corner `c` (0 … 3, in order) of face f. The face's normal is along axis f / 2.
 static void cube_corner(int f, int c, float position[3], float uv[2])
 {
     int axis = f / 2, side = f % 2;
     float s = c == 1 || c == 2 ? 1 : 0, t = c >= 2 ? 1 : 0;
     position[axis] = (float)side;
-    position[(axis + 1) % 3] = side ? s : 1 - s; // u grows along the axis on side 1,
-                                                 // and against it on side 0
+    position[(axis + 1) % 3] = side ? s : 1 - s; // on side 1 u increases along the axis, on side 0
+                                                 // against it
     position[(axis + 2) % 3] = t;
     uv[0] = s;
     uv[1] = 1 - t;
@@ -108,7 +109,7 @@ static void check_cube(const struct mesh *mesh)
     }
 }
 
-// Each face a picture of its own: the edges are seams.
+// Each face has an image of its own, so edges are seams.
 TEST(cube_with_seams)
 {
     float positions[24][3], normals[24][3] = {{0}}, uvs[24][2];
@@ -131,14 +132,14 @@ TEST(cube_with_seams)
         CHECK(mesh.vertex_count == 24, "%u", mesh.vertex_count);
         check_cube(&mesh);
     }
-    // Without normals the faces are flat: the same tangents.
+    // Without normals the faces are flat, with the same tangents.
     mesh.normals = NULL;
     mesh.tangents = NULL;
     if (generate(&mesh, &arena)) {
         CHECK(mesh.vertex_count == 24 && !mesh.normals, "%u", mesh.vertex_count);
         check_cube(&mesh);
     }
-    // A vertex for each corner makes no difference: equal ones are welded.
+    // With separate vertices for each corner the result is the same, because equal ones are merged.
     float wide_positions[36][3], wide_uvs[36][2];
     uint32_t wide_indices[12][3];
     for (uint32_t i = 0; i < 36; i++) {
@@ -160,9 +161,9 @@ TEST(cube_with_seams)
 
 enum { SLICES = 256, STACKS = 32, SPHERE_VERTICES = (SLICES + 1) * (STACKS + 1) };
 
-// The vertices of the seam see triangles on one side only, so that their tangents are half a slice
-// off: 0.7 degrees.
-// Latitude and longitude with u along longitude, `turn` times round and then backwards where -1.
+// Makes a sphere by latitude and longitude, with u along the longitude; it increases `turn` times
+// around, or decreases for -1. Vertices of the seam have triangles on one side only, so their
+// tangents are off by half a slice: 0.7 degrees.
 static void make_sphere(float (*positions)[3], float (*uvs)[2], uint32_t (*indices)[3], float turn)
 {
     uint32_t t = 0;
@@ -201,7 +202,7 @@ static void check_sphere(float turn)
         for (uint32_t v = 0; v < mesh.vertex_count; v++) {
             const float *p = mesh.positions[v], *tangent = mesh.tangents[v];
             double radius = hypot((double)p[0], (double)p[1]);
-            if (radius == 0) // a pole: u has no direction there
+            if (radius == 0) // a pole, where u has no direction
                 continue;
             CHECK(tangent[3] == turn, "vertex %u", v);
             double along = (double)turn *
@@ -226,8 +227,8 @@ TEST(mirrored_sphere)
 
 // --- rules ---------------------------------------------------------------------------------------
 
-// At the origin a triangle with an angle of 90 degrees and tangent (1, 0) meets one with an angle
-// of 45 degrees and tangent (1, 1) / sqrt(2): P = u (1, 1) + v (0, 1) there.
+// At the origin, a triangle with an angle of 90 degrees and the tangent (1, 0) meets one with 45
+// degrees and the tangent (1, 1) / sqrt(2), where P = u (1, 1) + v (0, 1).
 TEST(weights_are_angles)
 {
     float positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 1, 0}};
@@ -242,7 +243,7 @@ TEST(weights_are_angles)
         check_tangent(mesh.tangents[0], x / length, y / length, 0, 1, "shared");
         check_tangent(mesh.tangents[1], 1, 0, 0, 1, "first alone");
         check_tangent(mesh.tangents[3], sqrt(0.5), sqrt(0.5), 0, 1, "second alone");
-        // At (0, 1): 45 degrees of the first, 90 of the second.
+        // At (0, 1) the first triangle has 45 degrees, and the second one 90.
         x = 45 + 90 * sqrt(0.5), y = 90 * sqrt(0.5), length = hypot(x, y);
         check_tangent(mesh.tangents[2], x / length, y / length, 0, 1, "shared");
     }
@@ -264,7 +265,7 @@ TEST(tangents_lie_in_the_plane_of_the_normal)
     arena_finish(&arena);
 }
 
-// Two triangles that touch in one vertex are not connected: each keeps its own direction.
+// Two triangles that share only one vertex are not connected: each keeps its own direction.
 TEST(touching_in_a_point)
 {
     float positions[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
@@ -282,15 +283,16 @@ TEST(touching_in_a_point)
     arena_finish(&arena);
 }
 
-// A triangle whose corners have one texture coordinate takes the tangents of its neighbour,
-// mirrored or not; one without area those of whatever shares its vertices.
+// A triangle whose corners have the same texture coordinates gets the tangents of its neighbour,
+// mirrored or not. A triangle without area gets those of triangles that share its vertices.
 TEST(triangles_without_a_direction)
 {
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         float sign = mirrored ? -1 : 1;
         float positions[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}};
         float normals[5][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
-        // (1, 0) and (0, 1) have the same u; (1, 1) too: no area in the second triangle.
+        // (1, 0), (0, 1) and (1, 1) have the same u, so the second triangle has no area in texture
+        // space.
         float uvs[5][2] = {{-sign, 0}, {0, 0}, {0, -1}, {0, -3}, {0, 0}};
         uint32_t indices[3][3] = {{1, 4, 3}, {0, 1, 2}, {1, 3, 2}};
         struct mesh mesh = MESH(.vertex_count = 5, .triangle_count = 3, .positions = positions,
@@ -302,7 +304,8 @@ TEST(triangles_without_a_direction)
             CHECK(memcmp(expected, tangent_at(&mesh, 2, 0), 4 * sizeof(float)) == 0);
             CHECK(memcmp(expected, tangent_at(&mesh, 0, 0), 4 * sizeof(float)) == 0);
             CHECK(memcmp(expected, tangent_at(&mesh, 0, 1), 4 * sizeof(float)) == 0);
-            // Nobody gives (1, 1) a direction: any unit vector in the plane of the normal.
+            // No triangle defines a direction at (1, 1), so any unit vector in the normal's plane
+            // is correct.
             const float *free = tangent_at(&mesh, 2, 1);
             CHECK(fabs(hypot((double)free[0], (double)free[1]) - 1) < 1e-6 && free[2] == 0);
         }
@@ -310,9 +313,9 @@ TEST(triangles_without_a_direction)
     }
 }
 
-// The middle of a square with one texture coordinate, its rim a circle in the picture: u grows
-// along the sides. All four triangles are connected, and each leaves out the opposite one: what the
-// others add is across and cancels.
+// A square whose middle has one pair of texture coordinates and whose border is a circle in the
+// image; u increases along the sides. All four triangles are connected, and the contributions of
+// opposite ones cancel.
 TEST(pole)
 {
     float positions[6][3] = {{0, 0, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}};
@@ -334,7 +337,8 @@ TEST(pole)
     arena_finish(&arena);
 }
 
-// Three triangles at one edge: the first two that pass it in opposite directions are connected.
+// Three triangles share an edge: the first two that traverse it in opposite directions are
+// connected.
 TEST(edge_of_three_triangles)
 {
     float positions[5][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, 1}};
@@ -377,7 +381,7 @@ static void make_grid(struct grid *grid, uint32_t seed)
         grid->positions[v][0] = (float)(v % GRID);
         grid->positions[v][1] = (float)(v / GRID);
         grid->positions[v][2] = (float)random_in(&seed, 0, .5);
-        // Enough disorder that some triangles are turned over.
+        // The grid is so irregular that some triangles are mirrored.
         grid->uvs[v][0] = (float)((double)(v % GRID) + random_in(&seed, -.7, .7));
         grid->uvs[v][1] = (float)((double)(v / GRID) + random_in(&seed, -.7, .7));
     }
@@ -403,7 +407,8 @@ static void project(const float n[3], const double v[3], double out[3])
         out[i] /= sqrt(square);
 }
 
-// dP/du of a triangle, by Cramer's rule; returns the sign of its map with v upwards.
+// Computes dP/du of a triangle by Cramer's rule. Returns the orientation of its map, with v
+// upwards.
 static double slow_direction(const struct grid *grid, uint32_t t, double out[3])
 {
     const uint32_t *k = grid->indices[t];
@@ -453,7 +458,7 @@ static bool share_edge_at(const struct grid *grid, uint32_t a, uint32_t b, uint3
     return shared == 2 && find_corner(grid, a, vertex) >= 0 && find_corner(grid, b, vertex) >= 0;
 }
 
-// Returns whether two triangles at a vertex are connected there by triangles of one orientation.
+// Returns whether triangles of one orientation connect two triangles at a vertex.
 static bool in_one_group(const struct grid *grid, uint32_t from, uint32_t to, uint32_t vertex)
 {
     bool reached[GRID_TRIANGLES] = {false}, grew = true;
@@ -510,13 +515,13 @@ TEST(slow_search_agrees)
         split += mesh.vertex_count - GRID_VERTICES;
         arena_finish(&arena);
     }
-    // Both kinds must occur, or the test tests little.
+    // Both kinds must occur, or little is tested.
     CHECK(mirrored > 20 && split > 20, "%u mirrored corners, %u more vertices", mirrored, split);
 }
 
 // --- robustness ----------------------------------------------------------------------------------
 
-// Triangles of any vertices, degenerate ones among them, with few different numbers.
+// Triangles with arbitrary vertices, some degenerate, and with few distinct numbers.
 TEST(soup)
 {
     enum { VERTICES = 40, TRIANGLES = 300 };
@@ -531,7 +536,7 @@ TEST(soup)
                 uvs[v][i] = (float)floor(random_in(&seed, 0, 3));
             int axis = (int)random_in(&seed, 0, 4);
             for (int i = 0; i < 3; i++)
-                normals[v][i] = i == axis ? 1 : 0; // none where 3
+                normals[v][i] = i == axis ? 1 : 0; // the normal is zero for 3
         }
         for (int i = 0; i < 3 * TRIANGLES; i++)
             indices[i / 3][i % 3] = (uint32_t)random_in(&seed, 0, VERTICES);
@@ -579,7 +584,7 @@ TEST(allocation_failures)
 
 // --- scenes --------------------------------------------------------------------------------------
 
-// Which set of texture coordinates a material's tangents follow, seen by what they become.
+// Finds by which texture coordinates a material's tangents are computed, from the result.
 static float tangent_x(const struct texture *textures, uint32_t count, float anisotropic)
 {
     float positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

@@ -1,4 +1,4 @@
-// Numbers and words of text formats; the C library's strtof is the judge of numbers.
+// Tests numbers and words of text formats, with the C library's strtof as the reference.
 #include "scene/core/text.h"
 #include "test.h"
 
@@ -15,8 +15,8 @@ static uint64_t random_bits(void)
     return x ^ (x >> 31);
 }
 
-// Parsing must give the same bits and end at the same character as strtof, including the sign of
-// zero.
+// Parsing must give the same bits, including the sign of zero, and end at the same character as
+// strtof.
 static void check_against_strtof(const char *text)
 {
     char *expected_end;
@@ -27,7 +27,7 @@ static void check_against_strtof(const char *text)
           (double)value, (double)expected);
 }
 
-// Does the same in double precision, against strtod.
+// Does the same in double precision with strtod.
 static void check_against_strtod(const char *text)
 {
     char *expected_end;
@@ -129,7 +129,7 @@ TEST(numbers_of_all_shapes)
         check_against_strtof(texts[i]);
 }
 
-// Many zeros that a large exponent cancels.
+// Many zeros compensate a large exponent.
 TEST(zeros_and_exponents_cancel)
 {
     static char text[100100];
@@ -164,7 +164,8 @@ TEST(random_numbers)
     }
 }
 
-// Decimals at and right beside the middle of two neighbouring floats, where rounding twice errs.
+// Decimals exactly and almost midway between two neighbouring floats, for which rounding twice
+// would be wrong.
 TEST(numbers_between_two_floats)
 {
     for (int i = 0; i < 100000; i++) {
@@ -204,7 +205,7 @@ TEST(infinite_and_nan)
     CHECK(text_parse_float("-nan", &value) && isnan(value));
 }
 
-// A locale with a decimal comma changes nothing, neither on the fast path nor on the slow one.
+// A locale with a decimal comma has no effect, neither on the fast path nor on the slow one.
 TEST(the_locale_does_not_matter)
 {
     if (!setlocale(LC_NUMERIC, "de_DE.UTF-8"))

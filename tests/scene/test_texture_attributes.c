@@ -1,4 +1,4 @@
-// Texture attributes of corners, flattened, against closed forms.
+// Tests the texture attributes of flattened corners against closed forms.
 #include "base/memory.h"
 #include "flatten/flatten.h"
 #include "scene/core/affine.h"
@@ -6,8 +6,8 @@
 
 #include <float.h>
 
-// One triangle (0,0,0) (2,0,0) (0,1,0) whose u grows along x, v along -y (up in the picture is +y),
-// and one instance of it.
+// A triangle (0,0,0) (2,0,0) (0,1,0), whose u increases along x and v along -y (up in the image is
+// +y), and one instance of it.
 struct fixture {
     struct scene scene;
     struct mesh mesh;
@@ -105,7 +105,7 @@ TEST(only_what_materials_need)
     REQUIRE(flatten(&f), "%s", f.err.msg);
     CHECK(f.flat.uvs[0] && f.flat.tangents);
 
-    // A material that no triangle has needs nothing; an instance's replaces the mesh's.
+    // A material without triangles needs no attributes. An instance's material replaces the mesh's.
     f.mesh.material = 1;
     REQUIRE(flatten(&f), "%s", f.err.msg);
     CHECK(!f.flat.uvs[0] && !f.flat.tangents);
@@ -113,7 +113,7 @@ TEST(only_what_materials_need)
     REQUIRE(flatten(&f), "%s", f.err.msg);
     CHECK(f.flat.uvs[0] && f.flat.tangents);
 
-    // Anisotropy needs tangents, and coordinates only for what has no tangents.
+    // Anisotropy needs tangents, and coordinates only for meshes without tangents.
     f.instance.material = SCENE_NONE;
     f.materials[1].anisotropic = 0.5f;
     REQUIRE(flatten(&f), "%s", f.err.msg);
@@ -150,13 +150,13 @@ TEST(missing_attributes)
         CHECK(f.flat.uvs[0][1][corner][0] == 0 && f.flat.uvs[0][1][corner][1] == 0);
         for (int c = 0; c < 4; c++)
             CHECK(f.flat.colors[1][corner][c] == 1);
-        // Any direction in the triangle's plane will do.
+        // Any direction in the triangle's plane is correct.
         CHECK(fabsf(t[0] * t[0] + t[1] * t[1] - 1) < 1e-6f && t[2] == 0);
     }
     end(&f);
 }
 
-// docs/verification.md, C32.
+// See docs/verification.md, C32.
 TEST(coordinates_that_are_not_finite_are_zero)
 {
     struct fixture f;
@@ -173,7 +173,7 @@ TEST(coordinates_that_are_not_finite_are_zero)
     end(&f);
 }
 
-// Along growing u, and the bitangent up in the picture: cross(z, x) = +y.
+// The tangent is along increasing u, and the bitangent upwards in the image: cross(z, x) = +y.
 TEST(tangents_follow_coordinates)
 {
     struct fixture f;
@@ -183,20 +183,20 @@ TEST(tangents_follow_coordinates)
     for (int corner = 0; corner < 3; corner++)
         check_tangent(&f, corner, 1, 0, 0, 1);
 
-    // Coordinates mirrored in u: the tangent turns round, up stays up.
+    // If the coordinates are mirrored in u, the tangent is reversed and the bitangent unchanged.
     f.uvs[0][0][0] = 1;
     f.uvs[0][1][0] = 0;
     f.uvs[0][2][0] = 1;
     REQUIRE(flatten(&f), "%s", f.err.msg);
     check_tangent(&f, 0, -1, 0, 0, -1);
 
-    // Coordinates turned: u grows along +y, and v along +x, so that up is -x.
+    // If they are rotated, u increases along +y and v along +x, so upwards is -x.
     const float turned[3][2] = {{0, 0}, {0, 2}, {1, 0}};
     memcpy(f.uvs[0], turned, sizeof turned);
     REQUIRE(flatten(&f), "%s", f.err.msg);
     check_tangent(&f, 0, 0, 1, 0, 1);
 
-    // The second set, where the normal map uses that.
+    // The second set is used if the normal map uses it.
     use_texture(&f, NORMAL_MAP | TEXTURE_UV1);
     const float second[3][2] = {{0, 0}, {0, 1}, {-1, 0}}; // u along -y, v along +x
     memcpy(f.uvs[1], second, sizeof second);
@@ -228,7 +228,7 @@ TEST(coordinates_without_extent_still_give_a_tangent)
     end(&f);
 }
 
-// The matrix itself turns tangents; normals take its inverse transpose.
+// Tangents are transformed by the matrix, normals by its inverse transpose.
 TEST(tangents_are_transformed)
 {
     struct fixture f;
@@ -245,8 +245,8 @@ TEST(tangents_are_transformed)
     end(&f);
 }
 
-// A mirrored instance shows the mirrored picture: tangent and bitangent are those of the mesh,
-// mirrored. The bitangent is sign * cross(normal, tangent), of normals that flattening turned.
+// A mirrored instance shows the mirrored image: its tangent and bitangent are those of the mesh,
+// mirrored. The bitangent is sign * cross(normal, tangent) with the flattened normals.
 TEST(mirrored_instances_keep_their_bitangents)
 {
     struct fixture f;
@@ -277,7 +277,7 @@ TEST(mirrored_instances_keep_their_bitangents)
                       "given %d, axis %d: tangent %g, bitangent %g, normal %g", given, axis,
                       (double)t[0], (double)up, (double)n[2]);
             }
-            // The corners' coordinates stay with their corners.
+            // The corners keep their coordinates.
             for (int corner = 0; corner < 3; corner++) {
                 const float *p = f.flat.triangles[0].v[corner];
                 const float *uv = f.flat.uvs[0][0][corner];
@@ -292,7 +292,7 @@ TEST(tangents_that_are_none_are_derived)
     struct fixture f;
     begin(&f);
     use_texture(&f, NORMAL_MAP);
-    f.mesh.tangents = f.tangents; // zero
+    f.mesh.tangents = f.tangents; // all zero
     f.tangents[1][0] = NAN;
     f.tangents[2][1] = 1;
     f.tangents[2][3] = 1;

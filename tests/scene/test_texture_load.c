@@ -1,4 +1,4 @@
-// Images as textures: what is read, kept once, refused and noted.
+// Tests images as textures: what is read, stored once, refused and noted.
 #include "mesh_files.h"
 
 #include "base/file.h"
@@ -20,7 +20,7 @@ static void end(void)
     scene_finish(&scene);
 }
 
-// A picture of width x height pixels of one colour; image_write tells the format by the name.
+// Writes an image of width x height pixels with one colour; its name selects the format.
 static void write_picture(const char *name, uint32_t width, uint32_t height, const float color[3])
 {
     struct image image = {width, height, calloc((size_t)width * height, sizeof *image.pixels)};
@@ -54,7 +54,7 @@ TEST(equal_images_are_kept_once)
     CHECK(image->width == 3 && image->height == 2 && !image->is_float && !image->has_alpha);
     CHECK(fabsf(image->mean[0] - 0.5f) < 3e-3f && image->mean[3] == 1, "%g",
           (double)image->mean[0]);
-    // The code of 0.5 is 188; taken as it is, it is 188 / 255.
+    // The code of 0.5 is 188; without decoding it is 188 / 255.
     CHECK(fabsf(scene.images[linear].mean[1] - 188.0f / 255) < 3e-4f, "%g",
           (double)scene.images[linear].mean[1]);
 
@@ -71,7 +71,7 @@ TEST(equal_images_are_kept_once)
     end();
 }
 
-// Only emission may be scaled up; the user is told of what is cut.
+// Only emission may be scaled up; values that are clamped are reported.
 TEST(texels_above_one_are_noted)
 {
     static const float bright[3] = {0.5f, 1.5f, 0.25f}, plain[3] = {1, 1, 1};
@@ -105,7 +105,7 @@ TEST(hdr_pictures_have_no_encoding)
     write_picture("a.exr", 2, 2, bright);
     REQUIRE(load("a.exr", true, &a) && load("a.exr", false, &b), "%s", error.msg);
     CHECK(a == b && scene.image_count == 1);
-    // Beyond halves (docs/verification.md, C34).
+    // This exceeds the range of halves (docs/verification.md, C34).
     const float *texels = scene.images[a].texels;
     CHECK(scene.images[a].is_float && texels[0] == 1e6f && texels[2] == 0.25f && texels[3] == 1,
           "%g", (double)texels[0]);
@@ -113,7 +113,7 @@ TEST(hdr_pictures_have_no_encoding)
     end();
 }
 
-// docs/verification.md, C31.
+// See docs/verification.md, C31.
 TEST(sides)
 {
     static const float white[3] = {1, 1, 1};
@@ -174,7 +174,7 @@ TEST(what_cannot_be_read)
               strstr(error.msg, "images[3]: is not an image"),
           "%s", error.msg);
     CHECK(scene.image_count == 0);
-    // A budget that the texels do not fit into.
+    // The budget is smaller than the texels.
     write_picture("large.png", 512, 512, white);
     memory_set_budget(1 << 20);
     CHECK(!load("large.png", true, &index) && error.code == ERR_BUDGET &&

@@ -1,5 +1,5 @@
 // Helpers for the tests of the panel's widgets: a panel with one control of each kind, without a
-// device, and a user who moves the mouse and types.
+// device, and a simulated user who moves the mouse and types.
 #ifndef LAMPYRIS_TESTS_GUI_BENCH_H
 #define LAMPYRIS_TESTS_GUI_BENCH_H
 
@@ -9,7 +9,7 @@
 #define BENCH_WIDTH 800u
 #define BENCH_HEIGHT 600u
 
-// One control of each kind; what the panel of the program does with its own.
+// One control of each kind, and its value, as the program's panel has them.
 struct values {
     bool on;
     double number;
@@ -18,15 +18,15 @@ struct values {
     float color[3];
     double vector[3];
     char text[64];
-    uint32_t changes; // controls that returned true
+    uint32_t changes; // number of calls of controls that returned true
 };
 
 struct bench {
     struct gui gui;
     struct values values;
     struct gpu_drawing drawing;
-    bool disabled;    // the number is
-    bool has_twice;   // an id twice
+    bool disabled;    // the number is disabled
+    bool has_twice;   // an id occurs twice
     uint32_t fillers; // lines above the last group
     uint32_t rows, row_calls;
     uint32_t width, height; // size of the window; 0: BENCH_WIDTH and BENCH_HEIGHT
@@ -35,7 +35,7 @@ struct bench {
 // The ranges of the controls.
 extern const struct gui_range bench_unit, bench_metres, bench_counts, bench_wide;
 
-struct bench *bench_new(float scale); // exits the program where there is none
+struct bench *bench_new(float scale); // exits the program when out of memory
 void bench_free(struct bench *bench);
 void bench_frame(struct bench *bench);
 void bench_frames(struct bench *bench, int count);
@@ -46,11 +46,11 @@ void bench_move(struct bench *bench, double x, double y);
 void bench_button(struct bench *bench, bool down, uint32_t modifiers);
 void bench_key(struct bench *bench, int code);
 void bench_type(struct bench *bench, const char *text);
-// Finds a point at this part of the control's width, where the mouse goes. Returns false, and has
-// recorded a failure, where the control is not shown.
+// Finds the point at this fraction of the control's width. If the control is not visible, records a
+// failure and returns false.
 bool bench_point(struct bench *bench, const char *id, double part, double *x, double *y);
-// Moves, presses and releases all at once, as it comes when frames take long: the panel must not
-// lose a click between frames.
+// Moves the mouse, presses and releases a button between two frames, as happens when frames take
+// long: the panel must not lose the click.
 void bench_click_with(struct bench *bench, const char *id, uint32_t modifiers);
 void bench_click(struct bench *bench, const char *id);
 void bench_drag(struct bench *bench, const char *id, double part, double pixels);

@@ -34,7 +34,8 @@ static double distance(const double a[3], const double b[3])
     return vec3_length(d);
 }
 
-// Where a point is in the picture, as tangents; false behind the camera.
+// Computes the place of a point in the picture, as tangents. Returns false if it is behind the
+// camera.
 static bool project(const struct camera *camera, const double point[3], double out[2])
 {
     double right[3], up[3], way[3];
@@ -72,7 +73,7 @@ TEST(flying_goes_where_keys_say)
     camera_rig_step(&rig, &(struct camera_rig_input){.up = -1, .slow = true, .seconds = 0.5},
                     &camera);
     CHECK(distance(camera.position, (const double[]){1, -0.1, 4}) < 1e-12);
-    // Two keys at once are no faster than one.
+    // Two keys held together are not faster than one.
     struct camera there = camera;
     camera_rig_step(&rig, &(struct camera_rig_input){.forward = 1, .right = 1, .seconds = 0.5},
                     &there);
@@ -119,7 +120,7 @@ TEST(orbits_keep_the_target_in_its_place)
     struct camera camera = looking((const double[]){2, 1, 5}, (const double[]){0.3, 0.2, 0}, UP_Y);
     struct camera_rig rig = camera_rig_of(&camera);
     rig.mode = CAMERA_RIG_ORBIT;
-    memset(rig.target, 0, sizeof rig.target); // not in the middle of the picture
+    memset(rig.target, 0, sizeof rig.target); // the target is not in the middle of the picture
     double before[2], after[2], way = distance(camera.position, rig.target);
     project(&camera, rig.target, before);
     for (int i = 0; i < 500; i++)
@@ -138,14 +139,15 @@ TEST(revolving_takes_its_time)
     rig.revolves = true;
     rig.revolve_speed = 90;
     memset(rig.target, 0, sizeof rig.target);
-    for (int i = 0; i < 40; i++) // a whole turn in four seconds
+    for (int i = 0; i < 40; i++) // a full turn in four seconds
         CHECK(camera_rig_step(&rig, &(struct camera_rig_input){.seconds = 0.1}, &camera));
     CHECK(distance(camera.position, (const double[]){0, 0, 5}) < 1e-9);
     rig.revolves = false;
     CHECK(!camera_rig_step(&rig, &(struct camera_rig_input){.seconds = 0.1}, &camera));
 }
 
-// 45 degrees a second for every second, and no faster than 360; the camera stays on its circle.
+// The key changes the speed by 45 degrees per second each second, up to 360. The camera stays on
+// its circle.
 TEST(keys_say_how_fast_it_revolves)
 {
     struct camera camera = usual();
@@ -223,7 +225,7 @@ TEST(roll_is_kept)
     CHECK(fabs(vec3_dot(right, rig.up) + sin(tilt)) < 1e-9, "%g", vec3_dot(right, rig.up));
 }
 
-// A scene of a size, far from the origin or tiny, is looked at as one of another size is.
+// The view of a scene must not depend on its size, or on its distance from the origin.
 static void check_scale(double scale, const double offset[3])
 {
     double position[3], target[3], min[3], max[3], seen[2];

@@ -38,7 +38,7 @@ static void tear_down(void)
     scene_finish(&viewer.document.scene);
 }
 
-// Returns what was asked for since the last time.
+// Returns the change that was requested since the last call.
 static enum change asked(uint32_t side)
 {
     enum change change = viewer.stage.changes[side];
@@ -278,7 +278,7 @@ TEST(what_is_placed_comes_back)
     struct shape shape = viewer.document.scene.shapes[0];
     struct placement to = placement_none(shape.center);
     asked(0);
-    for (int i = 1; i <= 3; i++) { // a drag
+    for (int i = 1; i <= 3; i++) { // changes of a single drag
         to.move[1] = i;
         REQUIRE(edit_place(&viewer, 1, &to, "object.position"), "%s", viewer.shell.message);
     }
@@ -288,13 +288,13 @@ TEST(what_is_placed_comes_back)
     CHECK(memcmp(&viewer.document.scene.shapes[0], &shape, sizeof shape) == 0);
     edit_redo(&viewer);
     CHECK(viewer.document.scene.shapes[0].center[1] == 3);
-    to.scale[0] = 2; // of a sphere along one axis
+    to.scale[0] = 2; // scales a sphere along one axis
     CHECK(!edit_place(&viewer, 1, &to, "object.scale") && edit_undo_count(&viewer) == 1);
     CHECK(viewer.document.scene.shapes[0].center[1] == 3);
     tear_down();
 }
 
-// Adding a lamp with its material, and exchanging one for another, are one step each.
+// Adding a lamp with its material is one step, and so is replacing a lamp by a light.
 TEST(lamps_come_and_go_as_one_step)
 {
     REQUIRE(set_up());
@@ -321,7 +321,7 @@ TEST(lamps_come_and_go_as_one_step)
     tear_down();
 }
 
-// To the middle of the scene both send the same: 4 half edges^2 L / distance^2, face on.
+// Both send the same light to the middle of the scene: 4 half edges^2 L / distance^2, face on.
 TEST(lamps_are_as_bright_as_what_they_become)
 {
     REQUIRE(set_up());
@@ -348,7 +348,8 @@ TEST(lamps_are_as_bright_as_what_they_become)
     tear_down();
 }
 
-// A texture scales what the lamp emits by its mean, and opacity what of it is there.
+// A texture scales the emission of the lamp by its mean, and opacity the emitting part of the
+// surface.
 TEST(lamps_with_textures_are_as_bright_as_their_means)
 {
     static struct texture_image image = {.width = 1, .height = 1, .mean = {0.25f, 0.5f, 1, 0.125f}};
@@ -378,7 +379,7 @@ TEST(lamps_with_textures_are_as_bright_as_their_means)
         float ratio = scene->lights[2].radiant[c] / plain.radiant[c];
         CHECK(fabsf(ratio - 0.5f * image.mean[c]) < 1e-6f, "%d: %g", c, (double)ratio);
     }
-    // An object that cannot light a scene is no lamp.
+    // An object that cannot light the scene is not a lamp.
     lamp->opacity = 0;
     CHECK(!lamp_is(scene, object));
     lamp->opacity = 1;
@@ -413,7 +414,8 @@ TEST(lights_are_added_beside_a_sun)
     tear_down();
 }
 
-// More than the history holds: the oldest are forgotten, the newest can be undone.
+// There are more steps than the history holds: the oldest ones are discarded, and the newest can be
+// undone.
 TEST(histories_end)
 {
     REQUIRE(set_up());

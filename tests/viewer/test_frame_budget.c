@@ -9,7 +9,7 @@ static void run(struct frame_budget *pace, double ms_per_sample, double overhead
     }
 }
 
-// Frames of a device that takes so long for a sample, until the choice rests.
+// Simulates frames of a device with this time per sample until the size no longer changes.
 static struct frame_budget settled(double ms_per_sample, double overhead_ms)
 {
     struct frame_budget pace;
@@ -44,7 +44,7 @@ TEST(means_follow_what_is_measured)
     CHECK(fabs(pace.ms_per_sample - 0.1) < 1e-4, "%g", pace.ms_per_sample);
     CHECK(fabs(pace.overhead_ms - 6.0) < 1e-2, "%g", pace.overhead_ms);
     frame_budget_measure(&pace, 0.0, 0.0,
-                         6.0); // a frame that rendered nothing says nothing of rendering
+                         6.0); // a frame without samples gives no information about rendering
     CHECK(fabs(pace.ms_per_sample - 0.1) < 1e-4, "%g", pace.ms_per_sample);
 }
 
@@ -135,7 +135,7 @@ TEST(calm_frames_are_longer_but_answer)
     }
 }
 
-// Work that is done once for every pixel makes previews smaller.
+// Work that is done once per pixel makes previews smaller.
 TEST(denoising_is_paced)
 {
     struct frame_budget pace = settled(1e-4, 5.0);
@@ -148,8 +148,8 @@ TEST(denoising_is_paced)
     CHECK(pace.shrink == without, "%u", pace.shrink);
 }
 
-// Dispatches of small pictures cost more a sample: what these took decides on their size, and not
-// on the waves of large ones.
+// Dispatches of small pictures cost more per sample. Their times decide the size of small pictures,
+// but not the waves of large ones.
 TEST(small_pictures_are_measured_apart)
 {
     struct frame_budget pace = settled(1e-4, 5.0);

@@ -1,4 +1,4 @@
-// The panel's widgets without a device: scripts, made-up events, and what comes out.
+// Tests the panel's widgets without a device: scripts, simulated events, and the resulting values.
 #include "gui_bench.h"
 
 #include <GLFW/glfw3.h>
@@ -146,7 +146,7 @@ TEST(texts_read_back_to_the_same_bits)
     CHECK(strcmp(text, "12000") == 0, "%s", text);
 }
 
-// Bounds are those that files and options have: a number is compared before it is rounded.
+// Bounds are those of files and options: a number is compared before it is rounded.
 TEST(bounds_belong_to_ranges)
 {
     static const struct gui_range survival = {0.01, 1};
@@ -168,9 +168,9 @@ TEST(words_stand_for_ends_of_ranges)
     CHECK(bench->values.count == UINT32_MAX, "%u", bench->values.count);
     CHECK_VALUE(bench, "kinds.count", "all");
     bench->values.count = 3;
-    CHECK_SET(bench, "kinds.count", "off"); // as files say it
+    CHECK_SET(bench, "kinds.count", "off"); // the word in files
     CHECK(bench->values.count == UINT32_MAX, "%u", bench->values.count);
-    CHECK_VALUE(bench, "kinds.float", "0.1"); // a float's shortest text, not a double's
+    CHECK_VALUE(bench, "kinds.float", "0.1"); // the shortest text of a float, not of a double
     CHECK_SET(bench, "kinds.float", "none");
     CHECK(bench->values.real == 0, "%g", (double)bench->values.real);
     CHECK_VALUE(bench, "kinds.float", "none");
@@ -270,7 +270,7 @@ TEST(numbers_and_texts_are_typed)
     bench_type(bench, "c");
     bench_frames(bench, 6);
     CHECK(bench->values.text[0] == '\0', "not before Enter: %s", bench->values.text);
-    bench_click(bench, "kinds.switch"); // as good as Enter
+    bench_click(bench, "kinds.switch"); // has the same effect as Enter
     CHECK(strcmp(bench->values.text, "ac") == 0, "%s", bench->values.text);
     bench_free(bench);
 }
@@ -298,7 +298,7 @@ TEST(untouched_values_keep_their_bits)
     before.color[2] = 0.7f;
     bench->values = before;
     bench_frames(bench, 2);
-    bench_drag(bench, "kinds.number", 0.5, 1); // a click that trembles
+    bench_drag(bench, "kinds.number", 0.5, 1); // a click during which the mouse moves by a pixel
     bench_click_with(bench, "kinds.number", EVENT_CONTROL);
     bench_key(bench, GLFW_KEY_ENTER);
     bench_frames(bench, 4);

@@ -1,4 +1,5 @@
-// The panel's drawing, without a device: its triangles, for any window and any numbers.
+// Tests the panel's drawing without a device: its triangles, for windows of any size and any
+// numbers.
 #include "gui_bench.h"
 
 static void check_drawing(const struct gpu_drawing *drawing)
@@ -101,7 +102,7 @@ TEST(charts_take_any_numbers)
     bench_free(bench);
 }
 
-// Where there is no value, a bound is drawn; where there is one, none.
+// A bound is drawn where there is no value.
 TEST(charts_show_bounds)
 {
     struct bench *bench = bench_new(1);
@@ -122,7 +123,7 @@ TEST(charts_show_bounds)
     bench_free(bench);
 }
 
-// So that the next one goes below: the height is that of what is drawn.
+// The height of a note must be that of its lines, because the next one is drawn below.
 TEST(notes_are_as_high_as_their_lines)
 {
     struct bench *bench = bench_new(1);

@@ -16,7 +16,7 @@ struct script {
     bool ok;
 };
 
-// To be finished by arena_finish.
+// Reads a script; the result is released by arena_finish().
 static struct script read_text(const char *text)
 {
     struct script s = {0};

@@ -28,7 +28,8 @@ static void write_file(const char *path, const char *text)
 {
     if (!temporary_write(path, text))
         abort();
-    // As if it were written long ago: a file that is as old as the run may have been read before.
+    // Sets old modification times, because a file as recent as the run may have been read before
+    // its change.
     const struct timespec times[2] = {{.tv_sec = 1000000000}, {.tv_sec = 1000000000}};
     utimensat(AT_FDCWD, path, times, 0);
 }
@@ -80,7 +81,7 @@ static void free_code(struct kernels *k)
         free(k->results[i].code);
 }
 
-// "SUC": which were skipped as unchanged, compiled, failed.
+// Returns a word such as "SUC": which kernels were skipped as unchanged, were compiled, or failed.
 static const char *outcomes(const struct kernels *k)
 {
     static char text[4];
@@ -123,7 +124,7 @@ TEST(faults_have_file_and_line)
     CHECK(!strstr(k.errors, "terminated"), "%s", k.errors);
     CHECK(strstr(k.errors, "two.comp:2: "), "%s", k.errors);
     CHECK(!strstr(k.errors, k.folder) && !strstr(k.errors, "ERROR"), "%s", k.errors);
-    // A kernel restored to its earlier source is right again, and is found in the cache.
+    // The kernel's former source is restored, so it is correct again, and is found in the cache.
     write_file("lib/value.glsl", "#define VALUE 7\n");
     CHECK(!compile(&k, &err) && strcmp(outcomes(&k), "SFS") == 0, "%s", outcomes(&k));
     clean_up(&k);
@@ -158,7 +159,7 @@ TEST(what_cannot_be_is_said)
     clean_up(&k);
 }
 
-// The source of this build gives the code of this build: the arguments are the same.
+// The build's sources give the build's code, because the arguments of the compiler are the same.
 TEST(the_builds_own_code)
 {
     for (int ballot = 0; ballot < 2; ballot++) {

@@ -1,4 +1,4 @@
-// The parameters chosen for a swapchain, for surfaces of all kinds.
+// Tests the parameters that are chosen for a swapchain, for surfaces of all kinds.
 #include "test.h"
 #include "viewer/window/swapchain_choose.h"
 
@@ -15,7 +15,7 @@ TEST(formats_that_store_come_before_those_that_encode)
         {VK_FORMAT_B8G8R8A8_UNORM, SRGB},
         {VK_FORMAT_R8G8B8A8_UNORM, SRGB},
     };
-    // The first `count` of them are offered.
+    // The surface supports the first `count` formats.
     static const VkFormat expected[] = {
         VK_FORMAT_UNDEFINED,      VK_FORMAT_UNDEFINED,     VK_FORMAT_UNDEFINED,
         VK_FORMAT_B8G8R8A8_SRGB,  VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,

@@ -1,11 +1,12 @@
-// The window without one: what is pushed comes back in order, and no display is a message.
+// Tests the window without a display: pushed events are returned in order, and a missing display is
+// reported.
 #include "test.h"
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
 #include <time.h>
 
-// Headless; leaves the test where that fails.
+// Opens a window without a display. If that fails, the test ends.
 #define OPEN_HEADLESS(window)                                                                      \
     do {                                                                                           \
         struct err open_err = {0};                                                                 \
@@ -64,7 +65,8 @@ TEST(headless_has_no_surface)
     window_close(&window);
 }
 
-// Everything of every kind, in order, once; paths are copies that live until the next poll.
+// Events of all kinds are returned once and in order. Paths are copies that remain valid until the
+// next poll.
 TEST(pushed_events_come_in_order)
 {
     struct window window;
@@ -90,7 +92,7 @@ TEST(pushed_events_come_in_order)
         window_push(&window, &events[i]);
     memset(path, 'x', strlen(path));
     CHECK(window.event_count == 0, "before the poll: %u", window.event_count);
-    window_poll(&window, 10); // does not wait
+    window_poll(&window, 10); // returns at once
     CHECK(window.event_count == count, "%u of %u", window.event_count, count);
     for (uint32_t i = 0; i < count && i < window.event_count; i++) {
         const struct event *got = &window.events[i], *pushed = &events[i];
@@ -101,7 +103,7 @@ TEST(pushed_events_come_in_order)
     CHECK(window.event_count == count && strcmp(window.events[7].path, "scene.json") == 0 &&
           strcmp(window.events[8].path, "other") == 0);
     CHECK(window.should_close);
-    // Events that come while these are read keep off them.
+    // Events that arrive while others are read must not overwrite them.
     window_push(&window, &events[0]);
     CHECK(window.events[10].kind == EVENT_CLOSE && window.event_count == count);
     window_poll(&window, 0);
@@ -128,7 +130,7 @@ TEST(movements_and_sizes_in_a_row_become_one)
     window_close(&window);
 }
 
-// Events that do not fit are dropped, but no key stays held because of that.
+// Events that do not fit are dropped, but no key remains held because of that.
 TEST(too_many_events_end_without_the_focus)
 {
     struct window window;

@@ -1,11 +1,11 @@
-// A user's input by keyboard and mouse, made by the X server itself (XTEST, through xdotool), and
-// the requests of a window manager become events.
+// Input by keyboard and mouse, which the X server itself simulates (XTEST, with xdotool), and
+// requests of a window manager become events.
 #include "window_fixture.h"
 
 #include <GLFW/glfw3.h>
 #include <X11/Xatom.h>
 
-// A window with the keyboard's focus, for which no window manager cares here.
+// Opens a window with the keyboard focus; no window manager handles that here.
 static bool window_with_focus(struct stage *stage, struct err *err)
 {
     *stage = (struct stage){0};
@@ -41,8 +41,8 @@ static void finish(struct stage *stage)
     XCloseDisplay(stage->display);
 }
 
-// Polls until `count` events other than movements have come (ten seconds at most), and hands them
-// out.
+// Polls for at most ten seconds until `count` events other than movements have arrived. Returns
+// their number.
 static uint32_t gather(struct stage *stage, struct event *out, uint32_t count)
 {
     uint32_t found = 0;
@@ -142,7 +142,7 @@ TEST(the_mouse_moves_presses_and_scrolls)
     finish(&stage);
 }
 
-// Captured, the mouse has no bounds: it may go on in one direction for ever.
+// A captured mouse has no bounds: it may move in one direction without end.
 TEST(a_captured_mouse_has_no_bounds)
 {
     struct stage stage;
@@ -184,7 +184,7 @@ TEST(closing_is_asked_for)
     finish(&stage);
 }
 
-// As GLFW tells it once a file manager has let them go over the window.
+// GLFW reports this when a file manager has dropped files on the window.
 TEST(dropped_files_are_events)
 {
     struct stage stage;
@@ -218,7 +218,7 @@ TEST(titles_and_clipboards_are_set)
     finish(&stage);
 }
 
-// Displays with small pixels say so by this resource (X11): text has twice the size on them.
+// Displays with small pixels set this X11 resource; text has twice the size on them.
 TEST(scale_is_the_displays)
 {
     static const struct {

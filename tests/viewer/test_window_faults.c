@@ -1,8 +1,8 @@
-// Faults of window systems and devices that affect a swapchain: calls are made to fail in the same
-// ways.
+// Tests faults of window systems and devices that affect a swapchain, by making calls fail in the
+// same ways.
 #include "window_fixture.h"
 
-// The calls that are replaced, and how often each of them fails from now on.
+// The calls that are replaced, and how many times each of them will fail.
 static struct swapchain_calls real;
 static struct {
     VkResult acquire, present, create, capabilities;
@@ -17,7 +17,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL acquire(VkDevice device, VkSwapchainKHR sw
     bool fails = fake.acquires > 0;
     fake.acquires -= fails;
     if (fails && fake.acquire != VK_SUBOPTIMAL_KHR)
-        return fake.acquire; // nothing was acquired
+        return fake.acquire; // no image was acquired
     VkResult result = real.acquire(device, swapchain, timeout, semaphore, fence, index);
     return fails ? fake.acquire : result;
 }
@@ -85,7 +85,7 @@ static void replace_calls(struct stage *stage)
     calls->formats = formats;
 }
 
-// Draws and shows a picture, which is seen.
+// Draws and presents a picture, and checks that it is visible.
 static void check_shown(struct stage *stage, uint32_t seed)
 {
     struct err err = {0};
@@ -102,13 +102,13 @@ TEST(out_of_date_is_made_anew)
     check_shown(&stage, 0);
     fake.acquire = VK_ERROR_OUT_OF_DATE_KHR;
     fake.acquires = 1;
-    check_shown(&stage, 1); // in the second attempt
+    check_shown(&stage, 1); // shown by the second attempt
     CHECK(stage.swapchain.recreated == 1, "%u", (unsigned)stage.swapchain.recreated);
     fake.present = VK_ERROR_OUT_OF_DATE_KHR;
     fake.presents = 1;
     check_shown(&stage, 2);
     CHECK(stage.swapchain.recreated == 2, "%u", (unsigned)stage.swapchain.recreated);
-    // Twice: this picture is left out, the next one is not.
+    // With two failures this picture is left out, but not the next one.
     struct err err = {0};
     fake.acquires = 2;
     uint64_t shown = stage.swapchain.shown;
@@ -118,7 +118,7 @@ TEST(out_of_date_is_made_anew)
     stage_close(&stage);
 }
 
-// Made anew once; where that does not help, it is taken as it is.
+// A suboptimal swapchain is recreated once; if that does not help, it is used as it is.
 TEST(suboptimal_is_made_anew_once)
 {
     struct stage stage;
@@ -156,7 +156,7 @@ TEST(late_images_leave_pictures_out)
     stage_close(&stage);
 }
 
-// At whichever call the loss is seen.
+// The loss may be detected by any call.
 TEST(lost_surfaces_are_made_anew)
 {
     struct stage stage;
@@ -166,7 +166,7 @@ TEST(lost_surfaces_are_made_anew)
     int *const places[] = {&fake.acquires, &fake.presents, &fake.creates, &fake.capability_reads};
     for (uint32_t i = 0; i < 4; i++) {
         VkSurfaceKHR before = stage.swapchain.surface;
-        stage.swapchain.vsync = i % 2; // so that it is made anew
+        stage.swapchain.vsync = i % 2; // so that the swapchain is recreated
         *places[i] = 1;
         check_shown(&stage, 2 * i);
         struct err err = {0};
@@ -177,7 +177,7 @@ TEST(lost_surfaces_are_made_anew)
     stage_close(&stage);
 }
 
-// A window system that is gone for good is an error in the end, and no endless loop.
+// If the window system remains lost, an error is reported, without an endless loop.
 TEST(surfaces_that_stay_lost_are_an_error)
 {
     struct stage stage;
@@ -211,8 +211,8 @@ TEST(windows_without_area_have_no_swapchain)
     stage_close(&stage);
 }
 
-// Values that are encoded already arrive as they are on surfaces that encode: bit for bit, also
-// after a change of the window's size.
+// Surfaces that encode sRGB show encoded values unchanged, bit for bit, also after the window's
+// size has changed.
 TEST(surfaces_that_encode_get_the_same_bits)
 {
     struct stage stage;
@@ -256,7 +256,8 @@ TEST(errors_are_told)
     }
 }
 
-// At each submission from the first picture on: an error, and a clean end.
+// The device is lost at each submission, from the first picture on: an error is reported, and
+// everything is destroyed.
 TEST(the_device_may_be_lost)
 {
     for (uint32_t n = 1, failures = 1; failures; n++) {
@@ -273,7 +274,7 @@ TEST(the_device_may_be_lost)
             ok = stage_draw(&stage, i, &err) && stage_show(&stage, &err);
         CHECK(ok || (stage.gpu.lost && err.code == ERR_GPU && strstr(err.msg, "device lost")), "%s",
               err.msg);
-        // Asked again, it says so again.
+        // A second call reports the loss again.
         if (!ok && stage.swapchain.surface && stage.screen.is_drawn)
             CHECK(!stage_show(&stage, &err));
         failures += !ok;

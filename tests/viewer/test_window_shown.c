@@ -1,4 +1,4 @@
-// Pictures in a real window: they are there bit by bit, through every change of the window.
+// Tests pictures in a real window: they are shown bit by bit, through every change of the window.
 #include "window_fixture.h"
 
 #include <GLFW/glfw3.h>
@@ -47,7 +47,7 @@ static void resize_often(struct stage *stage, uint32_t count, uint32_t period, d
               (unsigned long long)stage->gpu.allocated_bytes, (unsigned long long)bytes);
     }
     CHECK(ok, "%s", err.msg);
-    // On a busy machine a few images may come too late.
+    // On a busy machine a few images may be late.
     CHECK(stage->swapchain.shown + count / 20 >= count, "%u shown",
           (unsigned)stage->swapchain.shown);
     CHECK(stage->swapchain.recreated >= count - 1, "%u made anew",
@@ -61,7 +61,7 @@ TEST(resizing_leaks_nothing)
     double grown;
     STAGE_OPEN(&stage, .validation = false);
     resize_often(&stage, 500, 50, &grown);
-    // 400 leaked swapchains of three images of these sizes would take 270 megabytes.
+    // 400 leaked swapchains, each with three images of these sizes, would take 270 MB.
     CHECK(grown < 16, "%.1f megabytes", grown);
     stage_close(&stage);
 }
@@ -75,7 +75,7 @@ TEST(resizing_is_silent)
     stage_close(&stage);
 }
 
-// The window has grown, and the picture not yet: it is scaled. Quarters of one colour each.
+// The window is larger than the picture, so the picture is scaled. Each quarter has one colour.
 TEST(pictures_of_another_size_are_scaled)
 {
     struct stage stage;
@@ -90,7 +90,7 @@ TEST(pictures_of_another_size_are_scaled)
               gpu_screen_draw(&stage.gpu, &stage.screen, &stage.pixels, NULL, &err) &&
               stage_show(&stage, &err),
           "%s", err.msg);
-    sleep_ms(100); // until the window system has it
+    sleep_ms(100); // until the window system has processed it
     for (int quarter = 0; quarter < 4; quarter++) {
         int x = 5 + (quarter & 1) * 290, y = 5 + (quarter >> 1) * 170;
         XImage *image =
@@ -155,12 +155,12 @@ TEST(minimised_windows_show_nothing)
         CHECK(wait_minimised(&stage, false));
         CHECK(stage_show(&stage, &err) && stage_shows(&stage, round + 50), "%s", err.msg);
     }
-    window_minimise(&stage.window, true); // asks a window manager that is not there
+    window_minimise(&stage.window, true); // no window manager exists that could do it
     window_minimise(&stage.window, false);
     stage_close(&stage);
 }
 
-// The window of the surface is gone, and there is another one.
+// The window of the surface is destroyed, and another one exists.
 TEST(another_window_gets_a_surface)
 {
     struct stage stage;

@@ -7,16 +7,16 @@
 #include <time.h>
 
 struct task {
-    atomic_int *started; // tasks that have started
+    atomic_int *started; // number of tasks that have started
     atomic_bool *gate;   // the task waits until this is true; NULL: it does not wait
-    int number;          // tasks that had started before this one
+    int number;          // number of tasks that had started before this one
     bool fails;
     bool is_signal_blocked;
 };
 
-struct tally { // what `done` is given as the viewer
+struct tally { // passed to `done` in place of the viewer
     int done, in_order, failed;
-    struct worker *again; // adds one more job from inside
+    struct worker *again; // adds one more job from within a job
     struct task *task;
 };
 
@@ -104,7 +104,7 @@ TEST(a_full_list_takes_no_more)
     worker_poll(worker, &tally);
     CHECK(tally.done == 0 && !worker_is_idle(worker), "%d", tally.done);
     atomic_store(&gate, true);
-    worker_destroy(worker, &tally); // loses none
+    worker_destroy(worker, &tally); // no job is lost
     CHECK(tally.done == 64 && tally.in_order == 64, "%d, %d", tally.done, tally.in_order);
 }
 

@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-// GLFW's header for it wants more X11 headers than this declaration.
+// GLFW's header for this function needs more X11 headers than this declaration.
 struct GLFWwindow;
 unsigned long glfwGetX11Window(struct GLFWwindow *window);
 

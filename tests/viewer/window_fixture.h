@@ -1,5 +1,5 @@
-// Helpers for the tests with a real window: a device that shows pictures in it, a screen, and an
-// X11 connection of the test's own, by which it inspects the window and acts as the window manager.
+// Helpers for tests with a real window: a device that shows images in it, a screen, and a separate
+// X11 connection, with which the test inspects the window and acts as the window manager.
 #ifndef LAMPYRIS_TESTS_WINDOW_FIXTURE_H
 #define LAMPYRIS_TESTS_WINDOW_FIXTURE_H
 
@@ -22,8 +22,8 @@ struct stage {
     Display *display;
 };
 
-// Opens all of it, or leaves the test: as skipped without a display, Vulkan or validation layers,
-// as failed for any other reason.
+// Opens everything. If that fails, the test ends: as skipped without a display, Vulkan or
+// validation layers, otherwise as failed.
 #define STAGE_OPEN(stage, ...)                                                                     \
     do {                                                                                           \
         struct err open_err = {0};                                                                 \
@@ -39,20 +39,20 @@ struct stage {
     } while (0)
 
 bool stage_open(struct stage *stage, const struct gpu_params *params, struct err *err);
-// Also checks that nothing is left and that the validation layers were silent.
+// Closes everything. Checks that no object is left and that the validation layers were silent.
 void stage_close(struct stage *stage);
-// The screen and its picture in the window's size, or another one.
+// Creates the screen and its picture, with the size of the window or another one.
 bool stage_size(struct stage *stage, uint32_t width, uint32_t height, struct err *err);
-// Fills the picture with what `seed` makes of the pixels' numbers, and draws it on the screen.
+// Fills the picture with values made from `seed` and the indices of the pixels, and draws it on the
+// screen.
 bool stage_draw(struct stage *stage, uint32_t seed, struct err *err);
 static inline bool stage_show(struct stage *stage, struct err *err)
 {
     return swapchain_show(&stage->gpu, &stage->swapchain, &stage->window, &stage->screen, err);
 }
-// Returns whether the window, as it is seen, comes to show `seed`'s picture bit for bit within ten
-// seconds.
+// Returns whether the visible window shows the picture of `seed`, bit for bit, within ten seconds.
 bool stage_shows(struct stage *stage, uint32_t seed);
-// Polls until an event of this kind comes, for up to ten seconds; NULL: none came.
+// Polls for at most ten seconds until an event of this kind arrives. Returns NULL if none does.
 const struct event *stage_wait(struct stage *stage, enum event_kind kind);
 
 Window stage_x11_window(const struct stage *stage);
