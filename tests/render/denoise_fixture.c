@@ -30,7 +30,7 @@ void film_close(struct made_film *film)
     free(film->picture);
 }
 
-// Sums of the layers as the film has them.
+// Writes sums of the layers in the form of the film.
 static void put_sums(uint32_t *words, uint32_t at, const float *mean, uint32_t components, float n)
 {
     const uint32_t aovs = film_aovs_of_device(DENOISE_AOVS);

@@ -11,8 +11,8 @@ struct values values_new(uint32_t width, uint32_t height, struct arena *arena)
     return (struct values){width, height, ARENA_NEW(arena, struct value, (size_t)width * height)};
 }
 
-// A share of [at, at + 1] in units of `to` pixels that pixel `from` of `size` covers; or how much
-// interpolation takes of it.
+// Returns the fraction of [at, at + 1], in units of `to` pixels, that pixel `from` of `size`
+// covers, or its weight in the interpolation.
 static double share_of(uint32_t at, uint32_t to, uint32_t from, uint32_t size, bool nearest)
 {
     double scale = (double)size / to;
@@ -140,11 +140,11 @@ static void encode(const double rgb[3], double out[3])
         out[c] = (double)image_srgb_from_linear((float)fmin(fmax(rgb[c], 0), 1));
 }
 
-// `nudge`: of the level, where a colour begins.
+// `nudge` is added to the level, to test the limits of a colour.
 static void false_color_of(const struct value *v, uint32_t shown, const double range[2],
                            double nudge, double out[3])
 {
-    static float palette[ERROR_MAP_COLORS][3]; // takes its time
+    static float palette[ERROR_MAP_COLORS][3]; // computing it takes time
     memset(out, 0, 3 * sizeof *out);
     if (!(v->rgb[1] > 0))
         return;
@@ -162,7 +162,7 @@ static void false_color_of(const struct value *v, uint32_t shown, const double r
                  (double)palette[(int)(level * (ERROR_MAP_COLORS - 1) + 0.5)][c];
 }
 
-// Display values.
+// Computes display values.
 static void color_of(const struct value *v, const struct display_call *call, const double range[2],
                      double nudge, double out[3])
 {
@@ -197,7 +197,7 @@ static bool is_close(const uint8_t pixel[4], const double wanted[3])
     return ok;
 }
 
-// Both columns of the line are seen, in whatever order.
+// Both columns of the line are visible, in either order.
 static bool is_line(const struct display_call *call, uint32_t x, double wanted[3])
 {
     uint32_t split = (uint32_t)floor(call->split * call->picture[2] + 0.5);
@@ -238,7 +238,7 @@ uint8_t (*display_pixels(struct display *display, const struct display_call *cal
     return pixels;
 }
 
-// With LAMPYRIS_PICTURES in the environment: pictures in that folder, to look at.
+// With the environment variable LAMPYRIS_PICTURES, writes pictures to that folder for inspection.
 static void save(const char *name, const struct display_call *call, uint8_t (*pixels)[4],
                  struct arena *arena)
 {

@@ -48,7 +48,7 @@ static void try_form(struct gpu *gpu, const struct check_case *form,
     printf("  %" PRIu64 " spp, %.1f s\n", seen.samples, clock_seconds_since(start));
 }
 
-// Seeds of its own for each form: equal ones would give forms that share their random numbers.
+// Each form has seeds of its own; with equal ones, forms would share their random numbers.
 static struct closed_form_trial trial_of(const struct check_group *group, size_t index,
                                          uint32_t first_seed, enum light_estimator estimator)
 {

@@ -1,5 +1,5 @@
-// Sample counts by tile: how they are shared out, that they bias nothing, and what they are worth;
-// and the promise of --error on a real scene.
+// Tests numbers of samples by tile: how they are distributed, that they cause no bias, and what
+// they gain. Also tests that --error is reached on a real scene.
 #include "job/job.h"
 #include "metrics/metrics.h"
 #include "render_fixture.h"
@@ -47,7 +47,8 @@ TEST(even_pictures_are_sampled_evenly)
     arena_finish(&arena);
 }
 
-// Neyman 1934: by the root of the variance. The neighbours' part is taken into account.
+// Neyman 1934: the number of samples is proportional to the standard deviation, here with the
+// neighbours' part.
 TEST(counts_go_with_the_root_of_the_variance)
 {
     enum { TILES = 40 };
@@ -59,7 +60,7 @@ TEST(counts_go_with_the_root_of_the_variance)
     CHECK(plan.least == 50 && plan.most >= 146 && plan.most <= 150, "%u to %u", plan.least,
           plan.most);
     CHECK((double)plan.total > 0.98 * 100 * 256 * TILES * TILES);
-    // One tile with all the variance is given the most, and what is left goes to the others.
+    // One tile has all the variance and gets the greatest number; the others share the rest.
     for (int i = 0; i < TILES * TILES; i++)
         variances[i] = i == 5 * TILES + 5 ? 1e300 : 1e-300;
     plan = plan_of(16 * TILES, 16 * TILES, variances, 16, &arena);
@@ -95,7 +96,7 @@ static void finish_trial(struct trial *trial)
     scene_finish(&trial->scene);
 }
 
-// From the beginning, with another seed.
+// Renders from the beginning with another seed.
 static bool run_trial(struct trial *trial, uint32_t seed, struct err *err)
 {
     struct job *job = &trial->job;
@@ -106,8 +107,8 @@ static bool run_trial(struct trial *trial, uint32_t seed, struct err *err)
 #define REFERENCE_SEED 100000u
 static const char caustic_scene[] = "tests/render/scenes/caustic.json";
 
-// Light only from a small lamp, which scattered paths find once in some 250 times; evenly lit where
-// they are led there.
+// The only light is a small lamp, which scattered paths hit about once in 250 times. With light
+// sampling, the picture is lit evenly.
 #define SMALL_LAMP                                                                                 \
     {"film.width", "48"}, {"film.height", "48"}, {"settings.sampler", "pcg"},                      \
         {"settings.max_bounces", "2"},                                                             \
@@ -119,7 +120,7 @@ static const struct scene_override smooth[] = {SMALL_LAMP, {0}};
 
 enum { BIAS_TILES = 9 }; // tiles of 48 x 48 pixels
 
-// The samples that a replicate gave to a tile, and the tile's result.
+// The number of samples that a replicate gave to a tile, and the tile's mean.
 struct tile_results {
     double counts[BIAS_TILES][REPLICATES], means[BIAS_TILES][REPLICATES];
 };
@@ -136,10 +137,10 @@ static void note_tiles(const struct job *job, uint32_t replicate, struct tile_re
     }
 }
 
-// Student's t of the covariance between a tile's count and its mean, summed over tiles of which
-// each is taken relative to its average. Where the counts do not depend on the samples that they
-// count, it is zero; were the pilot's samples part of the picture, tiles that began bright would
-// have more of them.
+// Returns Student's t of the covariance between a tile's number of samples and its mean, summed
+// over tiles relative to their averages. It is zero if the numbers do not depend on the samples
+// that they count. If the pilot's samples were part of the picture, tiles that began bright would
+// have more samples.
 static double covariance_t(const struct tile_results *results)
 {
     double sums[REPLICATES] = {0}, mean, variance;
@@ -155,8 +156,8 @@ static double covariance_t(const struct tile_results *results)
     return mean / sqrt(variance / REPLICATES);
 }
 
-// The mean of pictures whose counts come from a pilot, against that of even ones of the same light
-// by another estimator.
+// Compares the mean of pictures with numbers of samples from a pilot to that of pictures with equal
+// numbers and another estimator of the same light.
 TEST(counts_bias_nothing)
 {
     const struct job_goal adaptive = {.samples = 16, .adaptive = true}, plain = {.samples = 32};
@@ -205,7 +206,8 @@ static double relmse(const struct film_image *film, const struct film_image *ref
     return metrics.relmse;
 }
 
-// A small bright caustic on an even floor, at equal numbers of samples, the pilot's included.
+// A small bright caustic on an evenly lit floor, with equal total numbers of samples, including the
+// pilot's.
 TEST(a_caustic_gains)
 {
     enum { SEEDS = 8, SAMPLES = 128 };
@@ -229,7 +231,7 @@ TEST(a_caustic_gains)
     printf("relMSE evenly %.5f, by tile (%u to %u) %.5f: %.2f times\n", sums[0],
            trials[1].job.film.samples ? (unsigned)trials[1].job.film.least_samples : 0,
            (unsigned)trials[1].job.film.most_samples, sums[1], sums[0] / sums[1]);
-    // The reference's own error is in both sums; 8 seeds leave some 20 % of noise.
+    // Both sums contain the reference's own error; with 8 seeds the noise is about 20 %.
     CHECK(sums[0] / sums[1] > 1.05, "%g", sums[0] / sums[1]);
     for (int i = 0; i < 2; i++)
         finish_trial(&trials[i]);
@@ -253,7 +255,8 @@ static double local_relmse(const struct film_image *film, const struct film_imag
 
 TEST(errors_asked_for_are_kept)
 {
-    // With a chance of 0.95 each, fewer than 19 of 24 hold in 0.2 % of all cases.
+    // If each interval is correct with a probability of 0.95, fewer than 19 of 24 are correct in
+    // 0.2 % of cases.
     enum { SEEDS = 24, HOLD_MIN = 19 };
     const double limit = 0.01;
     const struct scene_override overrides[] = {{"film.width", "32"},

@@ -1,5 +1,5 @@
-// Pictures besides the radiance: their values where they are known, that parts make up the whole,
-// and that they change nothing and depend on nothing that the radiance does not.
+// Tests the AOVs: their values where they are known, that parts of the light add up to the whole,
+// and that AOVs change nothing else and depend on nothing that the radiance does not depend on.
 #include "base/maths.h"
 #include "render/wave.h"
 #include "render_fixture.h"
@@ -33,7 +33,7 @@ static void take(struct hit *hit, enum object object, double t, const double d[3
     }
 }
 
-// Returns the hit that a pixel of scenes/aovs.json about (1000, 2000, -500) has, without the veil.
+// Returns the hit in a pixel of scenes/aovs.json, about (1000, 2000, -500), without the veil.
 static struct hit expect(uint32_t pixel)
 {
     struct hit hit = {0};
@@ -71,7 +71,7 @@ static double difference(const float a[3], const double b[3])
     return worst;
 }
 
-// The wall has a texture of one grey texel: its albedo is half the colour.
+// The wall has a texture of one grey texel, so its albedo is half the colour.
 static void paint_wall(struct scene *scene, struct material *wall)
 {
     static const float grey[4] = {0.5f, 0.5f, 0.5f, 1};
@@ -100,8 +100,8 @@ static void check_pixel(const struct film_aovs *aovs, uint32_t i, const uint32_t
 {
     static const double albedos[][3] = {
         [WALL] = {0.4, 0.2, 0.1}, [MIRROR] = {0.9, 0.8, 0.7}, [GLASS] = {1, 1, 1}};
-    // In the file the mirror and the glass are the first and the second shape, the veil and the
-    // wall the first and the second instance.
+    // In the file, the mirror and the glass are the first two shapes, and the veil and the wall the
+    // first two instances.
     static const uint32_t objects[] = {[VEIL] = 1, [WALL] = 2, [MIRROR] = 3, [GLASS] = 4};
     struct hit hit = expect(i);
     const double origin[3] = {1000, 2000, -500}, nothing[3] = {0, 0, 0};
@@ -120,7 +120,7 @@ static void check_pixel(const struct film_aovs *aovs, uint32_t i, const uint32_t
         hit.position[c] += origin[c];
     CHECK(fabs((double)aovs->depth[i] - hit.t) < 1e-5 && aovs->alpha[i] == 1, "pixel %u: %g m", i,
           (double)aovs->depth[i]);
-    // At 2000 m single precision has steps of 1.2e-4 m.
+    // At 2000 m, single precision has steps of 1.2e-4 m.
     CHECK(difference(aovs->position[i], hit.position) < 1.3e-4, "pixel %u: position", i);
     CHECK(difference(aovs->normal[i], hit.normal) < 1e-5 &&
               difference(aovs->normal_geometric[i], hit.normal) < 1e-5,
@@ -160,8 +160,8 @@ TEST(first_surfaces)
     gpu_close(&gpu);
 }
 
-// With jitter pixels are covered in part: depth and position stay those of what is there, normals
-// and alpha are shares.
+// With jitter, pixels are partly covered. Depth and position are means over the covered samples;
+// normals and alpha are means over all samples.
 TEST(partly_covered_pixels)
 {
     static const struct scene_override overrides[] = {
@@ -177,7 +177,7 @@ TEST(partly_covered_pixels)
         .gpu = &gpu, .scene = &scene, .aovs = AOV_DEPTH | AOV_NORMAL};
     REQUIRE_OK(render_film(&params, 16, &arena, &film, NULL, &err));
     CHECK(!film.aovs.alpha && !film.aovs.position && !film.aovs.ids, "only what is asked for");
-    // The wall's middle column: its edge in x = 0 is that of two pixels.
+    // The middle column of the wall, whose edge at x = 0 is shared by two pixels.
     for (uint32_t y = 1; y < SIZE; y++) {
         uint32_t left = y * SIZE + 15;
         CHECK(film.aovs.depth[left] > 4.99f && film.aovs.depth[left] < 5.6f, "depth %g",
@@ -274,8 +274,8 @@ static void check_parts(const struct film_image *film)
             CHECK(fabs((double)film->aovs.variance[i][c] - variance) <= 1e-6 * variance, "pixel %u",
                   i);
         }
-    // A path's contributions are summed in 9 roundings at most, once all and once by parts; sums
-    // over samples add nothing to that.
+    // A path's contributions are summed with at most 9 roundings, once all together and once by
+    // parts. Sums over samples add no error.
     CHECK(worst < 32 * 0x1p-24, "parts differ from the whole by %g", worst);
     CHECK(sums[0] > 1 && sums[1] > 1 && sums[2] > 1, "parts of %g, %g and %g", sums[0], sums[1],
           sums[2]);
@@ -308,7 +308,7 @@ TEST(parts_and_same_bits)
     arena_finish(&arena);
 }
 
-// Parts are those of all branches; the first surface is that of the one they begin with.
+// Parts include all branches; the first surface is the one at which they begin.
 TEST(split_paths)
 {
     static const struct scene_override overrides[] = {{"film", "{\"width\": 32, \"height\": 32}"},
@@ -352,8 +352,8 @@ static bool render_steps(struct renderer *r, const struct renderer_params *param
            renderer_read(r, arena, film, err);
 }
 
-// Where nothing is scattered, all rays that are counted are camera rays. Traversals in pieces come
-// to the same number, distance fields and instances too.
+// If nothing is scattered, all counted rays are camera rays. Suspended traversals give the same
+// counts, also for distance fields and instances.
 TEST(steps)
 {
     static const char *const paths[] = {"scenes/cornell.json", "scenes/sdf_csg.json",
@@ -391,8 +391,8 @@ TEST(steps)
 
 // --- memory --------------------------------------------------------------------------------------
 
-// Only what is asked for takes memory: words of 16 bytes a slot and, a pixel, 64 for four
-// sums, and 16 for the digits of up to 16.
+// Only requested AOVs take memory: words of 16 bytes per slot and, per pixel, 64 bytes for four
+// sums and 16 for the digits of up to 16 sums.
 TEST(memory)
 {
     static const struct {
@@ -403,7 +403,8 @@ TEST(memory)
                  {AOV_ALPHA, 1, 0},
                  {AOV_STEPS, 1, 0},
                  {AOV_DEPTH, 1, 0},
-                 {AOV_POSITION, 1, 0}, // with the share of samples that it is a mean of
+                 {AOV_POSITION, 1, 0}, // with the fraction of samples over which the position is a
+                                       // mean
                  {AOV_POSITION | AOV_ALPHA, 1, 0},
                  {AOV_IDS, 0, 1},
                  {AOV_NORMAL | AOV_NORMAL_GEOMETRIC, 2, 0},

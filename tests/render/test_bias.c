@@ -1,6 +1,7 @@
-// How often honest methods whose light comes by few samples are called biased: by converge, from
-// replicates, and by render --reference, from one picture. Pictures, seeds and references are as in
-// `lampyris converge --spp S`: 16 replicates, and 100 S samples of another seed.
+// Measures how often unbiased methods whose light comes from few samples are reported as biased: by
+// converge, from replicates, and by render --reference, from one picture. Pictures, seeds and
+// references are those of `lampyris converge --spp S`: 16 replicates, and 100 S samples of another
+// seed.
 #include "metrics/bias.h"
 #include "metrics/forecast.h"
 #include "metrics/metrics.h"
@@ -11,8 +12,8 @@ enum { REPLICATES = 16, REFERENCE_FACTOR = 100, OVERRIDES = 8, SEEDS = 500 };
 struct method {
     const char *name, *path, *width, *height;
     uint32_t samples;
-    struct scene_override scene[OVERRIDES];  // settings of the reference, too
-    struct scene_override varied[OVERRIDES]; // settings of the method alone
+    struct scene_override scene[OVERRIDES];  // settings of the method and of the reference
+    struct scene_override varied[OVERRIDES]; // settings of the method only
 };
 
 static const struct method methods[] = {
@@ -58,7 +59,7 @@ static const struct method methods[] = {
 };
 enum { METHODS = sizeof methods / sizeof *methods };
 
-// One renderer for the reference and one for the method.
+// A renderer for the reference, and one for the method.
 struct study {
     const struct method *method;
     struct gpu gpu;
@@ -157,7 +158,7 @@ static bool run_seed(struct study *s, uint32_t seed, struct verdict *out, struct
     return ok;
 }
 
-// At most `most` of the seeds first, first + step, … may be called biased by either.
+// Checks that at most `most` of the seeds first, first + step, … are reported as biased by either.
 static void check_seeds(const struct method *method, uint32_t first, uint32_t step, uint32_t count,
                         uint32_t most)
 {
@@ -185,14 +186,14 @@ static void check_seeds(const struct method *method, uint32_t first, uint32_t st
     gpu_close(&s.gpu);
 }
 
-// Each of these was called biased when the interval was from the replicates' noise alone.
+// Each of these was reported as biased when the interval came from the replicates' noise alone.
 TEST(lobes)
 {
     check_seeds(&methods[0], 1000, 100, 2, 0);
     check_seeds(&methods[0], 2400, 200, 2, 0);
 }
 
-// A row each of docs/convergence.md.
+// Each method is a row of docs/convergence.md.
 TEST(honest_methods_long)
 {
     printf("| method | pixels | samples | seeds | converge | render --reference |\n");

@@ -1,4 +1,4 @@
-// Scenes whose radiance is known in closed form, of the table of cases (src/check/case_list.h), by
+// Tests scenes with radiance in closed form from the table of cases (src/check/case_list.h), with
 // their numbers in docs/verification.md, B and C.
 #include "form_trials.h"
 #include "test.h"

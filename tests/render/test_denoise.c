@@ -1,4 +1,4 @@
-// The denoiser's spatial filter on films made up for it.
+// Tests the denoiser's spatial filter on invented films.
 #include "denoise_fixture.h"
 #include "shared/aov.h"
 #include <float.h>
@@ -6,7 +6,7 @@
 static const struct camera across = {
     .direction = {0, 0, -1}, .up = {0, 1, 0}, .kind = CAMERA_ORTHOGRAPHIC, .height = 2};
 
-// A sample's light as other halves would have it, from -1 to 1; the same for the same arguments.
+// Returns a random number from -1 to 1 for a half, which depends only on the arguments.
 static float random_at(uint32_t x, uint32_t y, uint32_t which)
 {
     uint32_t h = x * 0x9e3779b1u ^ y * 0x85ebca6bu ^ which * 0xc2b2ae35u;
@@ -80,7 +80,7 @@ TEST(constant_stays)
 {
     OPEN_BENCH(b, 41, 37);
     RUN_BENCH(b, constant_pixel, NULL);
-    // The sums of four samples, and a quarter of both: exact but for the products.
+    // The sums of four samples and a quarter of them are exact except for the products.
     struct made_pixel p = constant_pixel(NULL, 0, 0);
     for (uint32_t i = 0; i < 41 * 37; i++)
         for (int c = 0; c < 3; c++) {
@@ -92,7 +92,7 @@ TEST(constant_stays)
     bench_close(&b);
 }
 
-// Light that does not vary between the halves but by rounding, whatever it is: nothing is noise.
+// Whatever the light is, the halves differ only by rounding, so nothing is noise.
 static struct made_pixel certain_pixel(const void *context, uint32_t x, uint32_t y)
 {
     (void)context;
@@ -129,7 +129,7 @@ TEST(what_is_certain_stays_and_the_film_too)
             struct made_pixel m = certain_pixel(NULL, p % 70, p / 70);
             for (int c = 0; c < 3; c++) {
                 float mean = m.albedo[c] * m.light[c] + m.emission[c];
-                // With an emission of 3 the sums have an error of 2^-22, which counts as noise over
+                // With an emission of 3, the sums have an error of 2^-22, which counts as noise for
                 // divisors down to 0.04.
                 CHECK(fabsf(b.film.picture[p][c] - mean) <= 64 * FLT_EPSILON * (1 + mean),
                       "pixel %u: %.9g, expected %.9g", p, (double)b.film.picture[p][c],
@@ -144,7 +144,7 @@ TEST(what_is_certain_stays_and_the_film_too)
 
 // --- noise ---------------------------------------------------------------------------------------
 
-// An impulse of colour that leaves the luminance as it is: no weight is below that of the kernel.
+// An impulse of colour with constant luminance: no weight is below that of the kernel.
 static struct made_pixel impulse_pixel(const void *context, uint32_t x, uint32_t y)
 {
     const uint32_t *size = context;
@@ -156,7 +156,7 @@ static struct made_pixel impulse_pixel(const void *context, uint32_t x, uint32_t
     return p;
 }
 
-// Computes the cascade of so many levels of the B3 spline, at distances from -62 to 62.
+// Computes the cascade of this many levels of the B3 spline, for distances from -62 to 62.
 static void cascade(uint32_t levels, double kernel[125])
 {
     static const double spline[] = {0.0625, 0.25, 0.375, 0.25, 0.0625};
@@ -198,7 +198,7 @@ TEST(the_wavelet_is_the_cascade_of_splines)
     bench_close(&b);
 }
 
-// White noise, known to be so by its halves: each half has a mean of two samples.
+// White noise, which the halves show: each half has a mean of two samples.
 static struct made_pixel noisy_pixel(const void *context, uint32_t x, uint32_t y)
 {
     const float *sigma = context;
@@ -211,8 +211,8 @@ static struct made_pixel noisy_pixel(const void *context, uint32_t x, uint32_t y
     return p;
 }
 
-// Luminances that differ have less weight, and 25 degrees of freedom leave a doubt: not all that
-// the kernel could take away goes.
+// Different luminances have less weight, and the variance is uncertain with 25 degrees of freedom,
+// so less noise is removed than the kernel could remove.
 TEST(white_noise_goes)
 {
     static const float sigma = 0.3f;
@@ -230,7 +230,7 @@ TEST(white_noise_goes)
         }
     printf("  white noise: 1/%.0f of its variance is left\n", before / after);
     CHECK(after * 25 < before, "1/%.1f of the variance is left", before / after);
-    // 0.3 / sqrt(6) a pixel over 19200 of them: 0.0009.
+    // The deviation is 0.3 / sqrt(6) per pixel, over 19200 pixels: 0.0009.
     CHECK(fabs(mean / count) < 4 * 0.0009, "the mean moved by %g", mean / count);
     bench_close(&b);
 }
@@ -250,7 +250,7 @@ static struct made_pixel edge_pixel(const void *context, uint32_t x, uint32_t y)
     const struct edge_film *film = context;
     struct made_pixel p = noisy_pixel(&film->sigma, x, y);
     bool right = x >= 60;
-    // A texture's step leaves the light as it is; others are steps of the light.
+    // A step of a texture does not change the light; other edges are steps of the light.
     for (int c = 0; c < 3; c++) {
         p.albedo[c] = film->edge == EDGE_ALBEDO && right ? 0.4f : 0.5f;
         p.light[c] += film->edge != EDGE_ALBEDO && right ? -0.8f : 0.0f;
@@ -261,7 +261,8 @@ static struct made_pixel edge_pixel(const void *context, uint32_t x, uint32_t y)
     return p;
 }
 
-// A column's mean error as a part of the edge's height, and what is left of its noise's variance.
+// The mean error of a column as a fraction of the edge's height, and the fraction of its noise's
+// variance that remains.
 struct column {
     double offset, noise;
 };
@@ -285,7 +286,7 @@ TEST(edges_stay_sharp)
 {
     OPEN_BENCH(b, 120, 200);
     for (int e = 0; e < EDGES; e++) {
-        // Where the light alone tells an edge, it must stand out of the noise.
+        // If only the light shows an edge, the edge must exceed the noise.
         const struct edge_film film = {(enum edge)e, e == EDGE_LUMINANCE ? 0.1f : 0.3f};
         RUN_BENCH(b, edge_pixel, &film);
         struct column worst = {0};
@@ -315,7 +316,7 @@ static struct made_pixel wild_pixel(const void *context, uint32_t x, uint32_t y)
         if (kind == 0)
             p.samples = 0;
         if (kind == 1)
-            p.normal[c] = p.alpha = 0; // nothing is there
+            p.normal[c] = p.alpha = 0; // no surface
         if (kind == 2)
             p.albedo[c] = p.light[c] = p.apart[c] = 0;
         if (kind == 3)
@@ -325,7 +326,7 @@ static struct made_pixel wild_pixel(const void *context, uint32_t x, uint32_t y)
         if (kind == 5)
             p.light[c] = p.apart[c] = 1e-38f;
         if (kind == 6)
-            p.normal[c] = 0; // those of several samples cancel
+            p.normal[c] = 0; // the normals of several samples cancel
     }
     p.depth = kind == 7 ? 1e-18f : kind == 8 ? 1e18f : p.depth;
     p.samples = kind == 9 ? 1 : kind == 10 ? 1u << 24 : p.samples;
@@ -374,7 +375,8 @@ static struct made_pixel empty_beside(const void *context, uint32_t x, uint32_t 
     return p;
 }
 
-// Pixels without samples speak for nothing: those beside are as if they were another surface's.
+// Pixels without samples contribute nothing: their neighbours are filtered as if another surface
+// were there.
 TEST(empty_pixels_give_nothing)
 {
     OPEN_BENCH(b, 64, 32);
@@ -383,7 +385,8 @@ TEST(empty_pixels_give_nothing)
     memcpy(kept, b.film.picture, sizeof kept);
     RUN_BENCH(b, empty_beside, &(bool){true});
     uint32_t differing = 0;
-    // The judgement of the last pass looks 2 pixels far, the variance's Gaussian 1 for each level.
+    // The weights of the last pass reach 2 pixels, and the Gaussian of the variance 1 pixel for
+    // each level.
     for (uint32_t i = 0; i < 64 * 32; i++)
         for (int c = 0; c < 3 && i % 64 < 22; c++)
             differing += fabsf(kept[i][c] - b.film.picture[i][c]) > 0.02f;
@@ -423,8 +426,8 @@ TEST(pictures_of_any_size)
     CHECK(gpu.allocated_bytes == 0, "%llu bytes are left", (unsigned long long)gpu.allocated_bytes);
 }
 
-// A device whose workgroups take 1 ms, and that is lost after 250 ms: any kernel over this film
-// takes more.
+// The device's workgroups take 1 ms, and it is lost after 250 ms, which any kernel over the whole
+// film would exceed.
 static void denoise_twice(const struct gpu_limit_overrides *limits, struct arena *arena,
                           float (**pictures)[4])
 {

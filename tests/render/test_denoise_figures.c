@@ -1,6 +1,6 @@
-// How far the denoised preview is from the truth, and the film it is made of: better while there is
-// noise, no worse when there is little. With LAMPYRIS_PICTURES=FOLDER in the environment the
-// pictures are written there.
+// Measures the error of the denoised preview and of its film: it must be smaller as long as there
+// is noise, and not larger if there is little. With LAMPYRIS_PICTURES=FOLDER in the environment,
+// the pictures are written there.
 #include "denoise_fixture.h"
 #include "image/image.h"
 #include "metrics/metrics.h"
@@ -11,11 +11,11 @@ static const uint32_t counts[COUNTS] = {1, 4, 16, 64, 256};
 struct case_of_scene {
     const char *name, *path, *width, *height;
     bool painted;
-    uint32_t reference;    // samples
-    double limits[COUNTS]; // limits for the denoised relMSE as a part of the film's
+    uint32_t reference;    // number of samples
+    double limits[COUNTS]; // limits of the denoised relMSE, as a fraction of the film's
 };
 
-// Tiles on all that is white: squares of two colours, and lines a texel wide.
+// Adds tiles to all white surfaces: squares of two colours, and lines one texel wide.
 static void paint_tiles(struct scene *scene)
 {
     enum { SIZE = 32 };
@@ -130,7 +130,7 @@ static double relmse(const struct bench *b, const float (*pixels)[3])
     return metrics.relmse;
 }
 
-// Returns how far pixels were moved, as a part of the variance that the halves give, in squares.
+// Returns the mean squared change of pixels, as a fraction of the variance that the halves give.
 static double moved(const struct bench *b, const struct film_image *film)
 {
     double moves = 0, variances = 0;
@@ -213,7 +213,7 @@ TEST(figures_long)
 
 // --- while the camera moves ----------------------------------------------------------------------
 
-// About +Y, by a part of its way around the middle of the box.
+// Rotates the camera about +Y, around the middle of the box.
 static void turn(struct camera *camera, double degrees)
 {
     const double a = degrees * M_PI / 180, middle[] = {0.278, 0.273, 0.28};
@@ -225,7 +225,7 @@ static void turn(struct camera *camera, double degrees)
     camera->direction[2] = -dx * sin(a) + dz * cos(a);
 }
 
-// One sample a frame and a degree between frames: the history takes the place of samples.
+// There is one sample per frame and a degree between frames, so the history replaces samples.
 static void move(struct bench *b)
 {
     struct camera camera = b->scene.cameras[0], end = camera;

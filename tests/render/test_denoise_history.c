@@ -1,5 +1,5 @@
-// Where the denoiser finds what was seen before the camera or an object moved, against rays traced
-// here.
+// Tests where the denoiser finds a place in the history before the camera or an object moved,
+// against rays traced here.
 #include "denoise_fixture.h"
 #include "scene/core/affine.h"
 #include "shared/bindings.h"
@@ -18,7 +18,7 @@ struct seen {
 struct view {
     struct camera camera;
     uint32_t width, height;
-    double card[3], card_angle, card_scale; // its middle; its turn about +Y
+    double card[3], card_angle, card_scale; // its centre, its rotation about +Y, and its scale
 };
 
 static void scale(double v[3], double factor)
@@ -27,7 +27,8 @@ static void scale(double v[3], double factor)
         v[i] *= factor;
 }
 
-// Unit vectors to the right and upwards, and half of what is seen that way at distance 1.
+// Computes unit vectors to the right and upwards, and half of the visible width and height at
+// distance 1.
 static void axes(const struct view *v, double right[3], double up[3], double half[2])
 {
     vec3_cross(v->camera.direction, v->camera.up, right);
@@ -61,7 +62,8 @@ static void ray(const struct view *v, double x, double y, double origin[3], doub
     scale(direction, 1 / sqrt(vec3_dot(direction, direction)));
 }
 
-// Where a point is in the picture, pixels; false behind the camera.
+// Computes the place of a point in the picture, in pixels. Returns false if it is behind the
+// camera.
 static bool find(const struct view *v, const double point[3], double at[2])
 {
     double right[3], up[3], half[2], to[3];
@@ -82,8 +84,8 @@ static bool find(const struct view *v, const double point[3], double at[2])
     return v->camera.kind != CAMERA_PERSPECTIVE || z > 0;
 }
 
-// A ball around the cameras, so far off its centre that its slopes are none that a camera looks
-// straight at: there the filter's weights, which go by slopes, are not the same to both sides.
+// A ball around the cameras, whose centre is far enough from them that no camera looks straight at
+// its surface: there the filter's weights, which depend on slopes, are not symmetric.
 static const double ball_centre[3] = {7, 3, 1};
 #define BALL_RADIUS 14.0
 
@@ -100,7 +102,7 @@ static struct seen see_ball(const double origin[3], const double direction[3])
     return s;
 }
 
-// A wall in z = -6, and in front of it a post in z = -2.
+// A wall at z = -6, and a post at z = -2 in front of it.
 static struct seen see_wall(const double origin[3], const double direction[3])
 {
     struct seen s = {.surface = WALL, .normal = {0, 0, 1}};
@@ -113,7 +115,7 @@ static struct seen see_wall(const double origin[3], const double direction[3])
     return s;
 }
 
-// A card of 2 x 1.4 in front of that wall. From its own space to the world.
+// A card of 2 x 1.4 in front of that wall. This is the map from its own space to world space.
 static void card_map(const struct view *v, double map[3][4])
 {
     double c = v->card_scale * cos(v->card_angle), s = v->card_scale * sin(v->card_angle);
@@ -156,14 +158,14 @@ static struct seen see(enum world world, const struct view *v, double x, double 
 
 // --- films of it ---------------------------------------------------------------------------------
 
-// The history's light shows the place in its picture by a colour of the same luminance; that of the
-// film shows nothing, and varies much between its halves: with all its weights the filter keeps a
-// slope as it is.
+// The history's light encodes the place in its picture by colours of equal luminance. The film's
+// light does not, and varies strongly between its halves: if all its weights are used, the filter
+// preserves a slope.
 #define CARD_PRIMITIVE 7u
 struct painting {
     enum world world;
     const struct view *view;
-    int axis; // 0: x, 1: y; -1: none
+    int axis; // 0: x, 1: y, -1: none
 };
 
 static struct made_pixel paint(const void *context, uint32_t x, uint32_t y)
@@ -213,7 +215,7 @@ static void trip_close(struct trip *t)
     CHECK(t->gpu.validation_messages == 0, "%u validation messages", t->gpu.validation_messages);
 }
 
-// How the card moved, for a film in which it is some primitives in the world.
+// Returns how the card moved, for a film in which the card is a set of primitives in world space.
 static struct denoise_motion card_motion(const struct move *m)
 {
     struct denoise_motion motion = {CARD_PRIMITIVE, 1, NO_INSTANCE};
@@ -245,7 +247,7 @@ static bool trip_run(struct trip *t, const struct move *m, int axis)
 }
 
 // Returns the position in the history's picture, in pixels, that the pixel's value encodes; NAN if
-// no history was used. The history counts as 32 samples, less the part that fades with the film's
+// no history was used. The history counts as 32 samples, minus the part that fades with the film's
 // two samples, of 64.
 static double told(const struct trip *t, const struct move *m, uint32_t x, uint32_t y, int axis)
 {
@@ -261,7 +263,7 @@ static double radians(double degrees)
     return degrees * M_PI / 180;
 }
 
-// Turned about +Y to the right, from -Z.
+// Rotates the view about +Y to the right, from -Z.
 static struct view look(uint32_t kind, double degrees, double x, double y, double z)
 {
     double a = radians(degrees);
@@ -294,8 +296,8 @@ static struct view sized(struct view v, uint32_t width, uint32_t height)
     return v;
 }
 
-// Returns whether the direction to a point is within acos(0.9) of that to the ball's centre, or of
-// the opposite one; for panoramas.
+// For panoramas: returns whether the direction to a point is within acos(0.9) of that to the ball's
+// centre, or of the opposite one.
 static bool is_straight(const struct view *v, const double point[3])
 {
     double to[3], centre[3];
@@ -311,7 +313,7 @@ static void check_places(const struct trip *t, const struct move *m, int axis)
     double worst = 0;
     uint32_t found = 0, outside = 0;
     double size = axis == 0 ? m->from.width : m->from.height;
-    // At the border the filter has one side only.
+    // At the border the filter has only one side.
     for (uint32_t y = 2; y < m->to.height - 2; y++)
         for (uint32_t x = 2; x < m->to.width - 2; x++) {
             double at[2];
@@ -382,7 +384,7 @@ static enum past_view past_of(const struct move *m, double x, double y, enum sur
     return see(m->world, &m->from, at[0], at[1]).surface == now.surface ? PAST_SEEN : PAST_HIDDEN;
 }
 
-// Next to edges the filter's 5 x 5 pixels are of both kinds.
+// Next to edges, the filter's 5 x 5 pixels contain both surfaces.
 static bool is_clear(const struct move *m, uint32_t x, uint32_t y, enum past_view expected)
 {
     enum surface middle, beside;
@@ -436,7 +438,7 @@ static struct made_pixel with_samples(const void *context, uint32_t x, uint32_t 
     return pixel;
 }
 
-// Runs with and without the history and says whether that made a difference.
+// Runs with and without the history. Returns whether the results differ.
 static bool differs(struct trip *t, const struct move *m, uint32_t samples, bool *differs_out)
 {
     size_t bytes = (size_t)m->to.width * m->to.height * sizeof *t->to.picture;
@@ -454,8 +456,8 @@ static bool differs(struct trip *t, const struct move *m, uint32_t samples, bool
     return ok;
 }
 
-// A film of 64 samples is on its own, one without samples leaves no history, and what was forgotten
-// is gone.
+// A film of 64 samples uses no history, one without samples leaves none, and a discarded history is
+// not used.
 TEST(history_ends)
 {
     const struct view front = look(CAMERA_ORTHOGRAPHIC, 0, 0, 0, 0);
@@ -482,9 +484,9 @@ TEST(history_ends)
 
 // --- what moved ----------------------------------------------------------------------------------
 
-// Where what a place of the picture shows was in the history's, and whether it was seen there.
-// False: that is outside of it, or next to an edge, now or then, where the filter's pixels are of
-// both.
+// Computes where a place of the picture was in the history's picture, and whether it was visible
+// there. Returns false if it is outside, or next to an edge, now or then, where the filter's pixels
+// contain both surfaces.
 static bool past_of_card(const struct move *m, double x, double y, double at[2], bool *was_seen)
 {
     if (x < 2 || x > m->to.width - 2 || y < 2 || y > m->to.height - 2)
@@ -508,8 +510,8 @@ static bool past_of_card(const struct move *m, double x, double y, double at[2],
     return true;
 }
 
-// Moved objects take the history of their former position, others their own, and surfaces that have
-// come into view have none.
+// Moved objects use the history at their former position, others that at their own, and surfaces
+// that have become visible have none.
 TEST(what_moved_is_followed)
 {
     const struct view front = look(CAMERA_PERSPECTIVE, 0, 0, 0, 0);
@@ -560,12 +562,12 @@ TEST(what_moved_is_followed)
 
 // --- what it says of the variance ----------------------------------------------------------------
 
-// A wall in front of a parallel camera with light of 1. What is now has one sample a pixel, 1.5 or
-// 0.5; what was has 64, and halves that give the same variance. In every fourth column of every
-// fourth row lies the pixel that differs.
+// A wall in front of an orthographic camera has light 1. The present film has one sample per pixel,
+// 1.5 or 0.5; the history has 64, and halves that give the same variance. Every fourth pixel of
+// every fourth row is different.
 struct noisy {
     bool is_past;
-    float past_normal[3]; // normal of the pixels that differ
+    float past_normal[3]; // normal of the pixels that are different
     uint32_t past_samples;
 };
 
@@ -596,7 +598,7 @@ static struct made_pixel noise(const void *context, uint32_t x, uint32_t y)
     return pixel;
 }
 
-// The mean square of what is left of the noise, of 0.25, in the pixels that differ.
+// Returns the mean square of the remaining noise, initially 0.25, in the pixels that are different.
 static double left_over(const struct trip *t)
 {
     double sum = 0;
@@ -612,13 +614,13 @@ static double left_over(const struct trip *t)
 }
 
 // A pixel whose history hardly fits, as where two surfaces meet, or that has none, is filtered as
-// without a history at all: its variance is not that of the pixels around, which have theirs.
+// without any history: its variance is not that of its neighbours, which have one.
 TEST(a_poor_history_leaves_no_noise)
 {
     const struct view front = look(CAMERA_ORTHOGRAPHIC, 0, 0, 0, 0);
     const struct move move = {"at rest", WORLD_WALL_AND_POST, front, front};
     const struct noisy now = {.is_past = false};
-    // Normals' weight is their cosine^128: 0.37 and 0.0014.
+    // The weight of normals is their cosine^128: 0.37 and 0.0014.
     const struct {
         const char *name;
         struct noisy past;

@@ -1,10 +1,11 @@
-// The denoised preview after an object moved: nearer to the truth than without its history.
+// Tests that the denoised preview after an object has moved is nearer to the truth with its history
+// than without.
 #include "denoise_fixture.h"
 
 #define MOVED_BY 0.4
 enum { SEEDS = 4, REFERENCE = 128 };
 
-// Where the error is looked for: on the moved box, where it was, and elsewhere.
+// The regions in which errors are measured: the moved box, its former place, and the rest.
 enum region { REGION_BOX, REGION_UNCOVERED, REGION_ELSEWHERE, REGION_ALL, REGIONS };
 static const char *const region_names[] = {"the box", "uncovered", "elsewhere", "all"};
 
@@ -20,7 +21,7 @@ struct box {
     struct denoiser denoiser;
     struct arena arena;
     float (*picture)[4];
-    double errors[2][REGIONS]; // without the history, and with it
+    double errors[2][REGIONS]; // without and with the history
     struct err err;
 };
 
@@ -102,8 +103,8 @@ static bool denoise(struct box *b, const struct denoise_call *call, int which)
     return true;
 }
 
-// `samples` with the box where it was, and one with it where it is: of the same random numbers, as
-// in the viewer.
+// Renders `samples` with the box at its former place, and one at its new place with the same random
+// numbers, as the viewer does.
 static bool move(struct box *b, uint32_t seed, uint64_t samples)
 {
     const struct denoise_motion motion = {
@@ -125,7 +126,7 @@ static bool move(struct box *b, uint32_t seed, uint64_t samples)
 
 struct move_case {
     const char *name, *sky, *lamp;
-    // The error with a history of 64 samples, as a fraction of that without a history.
+    // Limits of the error with a history of 64 samples, as a fraction of that without a history.
     double limits[REGIONS];
 };
 
@@ -145,7 +146,7 @@ static void compare(struct box *b, const struct move_case *c, uint64_t samples)
     }
 }
 
-// A history of one sample says too little: there it makes no difference.
+// A history of one sample has too little information: it makes no difference.
 static void run(const struct move_case *c)
 {
     struct box b = {0};
@@ -164,7 +165,7 @@ TEST(under_a_sky)
     run(&(struct move_case){"even sky", WHITE, "[0, 0, 0]", {1.0, 1.0, 0.95, 0.95}});
 }
 
-// Its shadow moves along.
+// The shadow of the box moves with it.
 TEST(beside_a_lamp)
 {
     run(&(struct move_case){"lamp", DARK, "[20, 20, 20]", {1.1, 1.1, 1.0, 1.0}});

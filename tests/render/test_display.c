@@ -1,4 +1,4 @@
-// Compares what a viewer shows, pixel by pixel, with a computation on the host.
+// Compares the display of a viewer, pixel by pixel, with a computation on the host.
 #include "base/clock.h"
 #include "display_reference.h"
 #include "render/show/denoise.h"
@@ -43,8 +43,8 @@ TEST(every_curve)
     stage_close(&s);
 }
 
-// The film as it is, smaller, larger, smaller in one way and larger in the other; inside of a
-// larger picture, and with squares for pixels.
+// Shows the film unscaled, smaller, larger, and smaller along one axis and larger along the other;
+// within a larger picture; and with pixels as squares.
 TEST(every_size)
 {
     static const struct {
@@ -80,11 +80,11 @@ TEST(every_size)
 
 // --- what is shown -------------------------------------------------------------------------------
 
-// Where a range is found from the picture, it is that of the values' quantiles, but for what bins
-// of a sixteenth of an octave leave open.
+// A range found from the picture must be that of the quantiles of its values, within bins of a
+// sixteenth of an octave.
 static void check_range(const struct display *display, uint32_t shown, const struct values *values)
 {
-    // The shares of all values that are below the range, and below its end.
+    // The fractions of all values below the range, and below its end.
     static const double shares[SHOWN_COUNT][2] = {
         [SHOWN_DEPTH] = {0.01, 0.95},
         [SHOWN_SAMPLES] = {0, 1},
@@ -150,8 +150,8 @@ TEST(everything_shown)
     }
 }
 
-// Where the first samples are one half and the last the other: how many there are of each depends
-// on how many were planned.
+// If the first samples are one half and the last the other one, the size of each half depends on
+// the planned number.
 TEST(variance_of_contiguous_halves)
 {
     static const struct scene_override overrides[] = {{"film", "{\"width\": 40, \"height\": 30}"},
@@ -179,7 +179,8 @@ TEST(variance_of_contiguous_halves)
 
 // --- sides, what was kept, parts -----------------------------------------------------------------
 
-// Two films of other sizes side by side, the line at several places, its ends among them.
+// Two films of different sizes are side by side, with the dividing line at several places,
+// including its ends.
 TEST(split)
 {
     static const double splits[] = {0.5, 0, 1, 0.313, 1.0 / 61};
@@ -224,8 +225,8 @@ TEST(split)
     stage_close(&s);
 }
 
-// Puts the film over what is kept, as the kernels do: the latter is there as far as the film has
-// nothing.
+// Combines the film with the kept image, as the kernels do: the latter is visible as far as the
+// film has no samples.
 static struct values over(const struct values *film, const struct values *kept, struct arena *arena)
 {
     struct values out = values_new(film->width, film->height, arena);
@@ -244,7 +245,7 @@ static bool stop_at_once(void *context)
     return true;
 }
 
-// Samples of some pixels only.
+// Renders samples of some pixels only.
 static bool render_some(struct stage *s, struct err *err)
 {
     static const struct progress stops = {.should_stop = stop_at_once};
@@ -268,14 +269,14 @@ TEST(kept)
     struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
     call.use_kept = true;
 
-    // Nothing at all, then a film.
+    // First without a film, then with one.
     REQUIRE_OK(stage_render(&s, 2, &err));
     const struct values first = values_of(&s.film, SHOWN_RADIANCE, &s.arena);
     struct expected expected = {.sides = {first}};
     check_picture("nothing kept", &s.display, &call, &expected, &s.arena);
     REQUIRE_OK(display_keep(&s.display, &call, &err));
 
-    // An empty film, with and without what was kept.
+    // An empty film, with and without a kept image.
     REQUIRE_OK(renderer_restart(&s.renderer, 1, &err));
     check_picture("kept", &s.display, &call, &expected, &s.arena);
     call.use_kept = false;
@@ -284,13 +285,13 @@ TEST(kept)
     check_picture("not used", &s.display, &call, &expected, &s.arena);
     call.use_kept = true;
 
-    // Half of one.
+    // A film with samples in half of its pixels.
     REQUIRE_OK(render_some(&s, &err));
     const struct values half = values_of(&s.film, SHOWN_RADIANCE, &s.arena);
     expected.sides[0] = over(&half, &first, &s.arena);
     check_picture("half kept", &s.display, &call, &expected, &s.arena);
 
-    // Scale to another size, keep the picture at that size, and show it at the first size.
+    // Changes the size, keeps the picture at that size, and shows it at the first size.
     call.width = call.picture[2] = 100;
     call.height = call.picture[3] = 30;
     const struct values half_sized = values_scaled(&half, 100, 30, false, &s.arena);
@@ -306,7 +307,7 @@ TEST(kept)
     expected.sides[0] = values_scaled(&both, 64, 48, false, &s.arena);
     check_picture("kept twice, the first size", &s.display, &call, &expected, &s.arena);
 
-    // A kept picture is not shown for another AOV, nor once it is forgotten.
+    // A kept picture is not shown for another AOV, nor after it was discarded.
     expected.sides[0] = nothing;
     call.shown = SHOWN_SAMPLES;
     check_picture("of something else", &s.display, &call, &expected, &s.arena);
@@ -345,15 +346,15 @@ static void show_parts(const struct parts *parts)
     stage_close(&s);
 }
 
-// Films in several buffers, drawings in several submissions, and linear pictures without texel
-// buffers all give the same pixels.
+// Films in several buffers, drawing in several submissions, and linear pictures without texel
+// buffers must all give the same pixels.
 TEST(parts)
 {
     static const struct parts parts[] = {
         {{.storage_range = 1u << 16}, "{\"width\": 61, \"height\": 47}"},
         {{.storage_range = 100000, .no_texel = true}, "{\"width\": 160, \"height\": 120}"},
         {{.texel_elements = 4096}, "{\"width\": 61, \"height\": 47}"},
-        // A workgroup takes 3 ms, and the device is lost after 250 ms: drawing takes several
+        // A workgroup takes 3 ms, and the device is lost after 250 ms, so drawing takes several
         // submissions.
         {{.group_ns = 3000000, .watchdog_ms = 250}, "{\"width\": 160, \"height\": 120}"},
     };
@@ -361,7 +362,7 @@ TEST(parts)
         show_parts(&parts[i]);
 }
 
-// A denoiser's picture in place of the film's; where it knows nothing, what was kept.
+// Shows the denoiser's picture in place of the film's and, where it has none, the kept image.
 TEST(denoised)
 {
     struct stage s = {0};
@@ -401,7 +402,8 @@ TEST(denoised)
     stage_close(&s);
 }
 
-// A window and a PNG file show the same: up to one code of 255, where values lie between two.
+// A window and a PNG file show the same pixels. Codes may differ by one of 255 if a value is
+// between two codes.
 TEST(png)
 {
     struct stage s = {0};
@@ -440,7 +442,7 @@ TEST(png)
     stage_close(&s);
 }
 
-// Values that films have seldom: written into one.
+// Writes values into the film that films seldom have.
 TEST(extreme_values)
 {
     static const float values[] = {0,       -1,    1e-45f,  1e-38f,   1e-7f, 3e-4f,    0.0031308f,
@@ -475,7 +477,8 @@ TEST(extreme_values)
     stage_close(&s);
 }
 
-// A window that is pulled about: memory stays within what the largest picture takes, and goes back.
+// The window's size changes often: the memory must not exceed that of the largest picture, and
+// decrease again.
 TEST(changing_sizes)
 {
     struct stage s = {0};
@@ -501,7 +504,8 @@ TEST(changing_sizes)
         if (i % 3 == 0)
             REQUIRE_OK(display_keep(&s.display, &call, &err));
     }
-    // Each side has five linear pictures of 200 x 150, taps, and the pixels; a quarter is room.
+    // Each side has five linear pictures of 200 x 150, filter taps, and the pixels; a quarter is
+    // added as a margin.
     uint64_t most = (2 * (5 * 200 * 150 * 16 + 4 * 350 * 16) + 4 * 218 * 150) / 4 * 5 + (1u << 16);
     CHECK(s.gpu.allocated_bytes - before < most, "%llu bytes",
           (unsigned long long)(s.gpu.allocated_bytes - before));
@@ -524,7 +528,7 @@ TEST(what_cannot_be_shown)
     call = call_of_film(&s, SHOWN_RADIANCE);
     call.width = 0;
     CHECK(!display_draw(&s.display, &call, &err) && strstr(err.msg, "0 x 16"), "%s", err.msg);
-    // It goes on after that, and shows nothing where there is no side.
+    // Drawing works afterwards, and shows nothing if there is no side.
     call = call_of_film(&s, SHOWN_RADIANCE);
     call.side_count = 0;
     REQUIRE_OK(display_draw(&s.display, &call, &err));
@@ -534,7 +538,8 @@ TEST(what_cannot_be_shown)
     stage_close(&s);
 }
 
-// Prints what calls take on the device and in all; limits are for quiet machines.
+// Prints the cost of calls on the device and in total. The limits are for machines without other
+// load.
 static void print_cost(struct stage *s, const char *name, const struct display_call *call)
 {
     struct err err = {0};

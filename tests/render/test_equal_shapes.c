@@ -1,5 +1,5 @@
-// Quads and boxes as triangles and analytic: the same picture, as a whole and in 4 x 4 tiles, by 64
-// replicates of each.
+// Quads and boxes as triangles and as analytic shapes must give the same picture, as a whole and in
+// 4 x 4 tiles, by 64 replicates of each.
 #include "metrics/metrics.h"
 #include "render_fixture.h"
 #include "check/replicates.h"
@@ -20,7 +20,7 @@ static void render_form(struct gpu *gpu, const char *form, uint32_t seed, uint64
     scene_finish(&scene);
 }
 
-// The limit is exceeded by chance, in any of all comparisons, with probability 1e-3.
+// Any of all comparisons exceeds the limit by chance with probability 1e-3.
 static void compare_forms(uint64_t samples, double half_width)
 {
     static struct replicates results[2];
@@ -38,7 +38,7 @@ static void compare_forms(uint64_t samples, double half_width)
         worst = fmax(worst, t);
         CHECK(t <= limit, "value %u: %.6g and %.6g, t = %.2f of at most %.2f", v, a.mean, b.mean, t,
               limit);
-        // The last one is of the whole picture.
+        // The last value is that of the whole picture.
         if (v + 1 == count)
             CHECK(b.half_width <= half_width * b.mean, "half-width %.2g", b.half_width / b.mean);
     }

@@ -1,6 +1,6 @@
-// Next-event estimation alone, BSDF sampling alone and both by multiple importance sampling
-// estimate the same picture: the Cornell box, and a row of rough materials, as a whole and in 4 x 4
-// tiles. Estimates are compared by pairs, each with 64 replicates.
+// Next-event estimation alone, BSDF sampling alone and their combination by multiple importance
+// sampling estimate the same picture: the Cornell box and a row of rough materials, as a whole and
+// in 4 x 4 tiles. Estimates are compared in pairs, each with 64 replicates.
 #include "base/clock.h"
 #include "check/estimators.h"
 #include "metrics/metrics.h"
@@ -13,7 +13,7 @@
 
 struct plan {
     const char *scene;
-    uint64_t samples[3]; // by estimator
+    uint64_t samples[3]; // for each estimator
     // Greatest half-width of the 95 % confidence interval of a difference, relative to the value.
     double half_width_whole, half_width_tile;
 };
@@ -46,7 +46,7 @@ static void check_pair(const struct replicates *a, const struct replicates *b,
         struct estimate of_a = replicates_estimate(a, v), of_b = replicates_estimate(b, v);
         double error = hypot(of_a.standard_error, of_b.standard_error);
         double t = (of_a.mean - of_b.mean) / error, mean = 0.5 * (of_a.mean + of_b.mean);
-        // The fewest of Welch's degrees of freedom, which are between these numbers.
+        // The least of Welch's degrees of freedom, which are between these numbers.
         double half_width = error * stats_t_quantile(0.975, REPLICATES - 1);
         double bound = v == WHOLE ? plan->half_width_whole : plan->half_width_tile;
         if (v == WHOLE)
@@ -71,7 +71,7 @@ static void check_estimators(const struct plan *plan)
     check_pair(&replicates[ESTIMATOR_NEE], &replicates[ESTIMATOR_BSDF], plan);
 }
 
-// The lamp fills little of what a surface sees: BSDF sampling alone needs the most samples.
+// The lamp fills a small part of a surface's view, so BSDF sampling alone needs the most samples.
 TEST(agree)
 {
     check_estimators(

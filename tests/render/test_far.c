@@ -1,5 +1,5 @@
-// Objects far from the origin of their file or of the scene: the picture is the one of the same
-// objects about the origin.
+// Objects far from the origin of their file or of the scene must give the same picture as near the
+// origin.
 #define _XOPEN_SOURCE 700 // nftw
 #define _DEFAULT_SOURCE
 
@@ -10,7 +10,7 @@
 
 // --- meshes in files -----------------------------------------------------------------------------
 
-// An octahedron, whose middle is the origin and whose coordinates are multiples of 2^-6, moved.
+// An octahedron about the origin with coordinates that are multiples of 2^-6, translated.
 #define CORNERS 6
 #define FACES 8
 
@@ -140,7 +140,7 @@ TEST(files)
 
 // --- objects far apart ---------------------------------------------------------------------------
 
-// One of each kind.
+// One object of each kind.
 static const char *const kinds[] = {
     "\"type\": \"sphere\", \"radius\": 0.5, \"center\": [-1.5, 0.5, 0]",
     "\"type\": \"disc\", \"radius\": 0.5, \"normal\": [0, 1, 0], \"center\": [0, 1.25, 0]",
@@ -159,8 +159,8 @@ static const char *const kinds[] = {
 };
 #define KINDS (sizeof kinds / sizeof kinds[0])
 
-// The last one is nearest to the camera, with a corner at (x, 0, 0): so that coordinates far from
-// the origin begin there, too.
+// The last object is nearest to the camera and has a corner at (x, 0, 0), so that coordinates far
+// from the origin begin there.
 static void write_objects(FILE *file, double x, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -175,7 +175,7 @@ static void write_objects(FILE *file, double x, size_t count)
             x, x);
 }
 
-// The camera is at `near`; `count` kinds of objects are.
+// The camera is at `near`, and `count` kinds of objects are at `far`.
 static bool write_apart(double near, double far, size_t count)
 {
     FILE *file = fopen("far.json", "wb");
@@ -207,7 +207,7 @@ TEST(apart)
     for (int i = 0; i < 4; i++) {
         double distance = distances[i % 2];
         enum instancing instancing = i < 2 ? INSTANCING_OFF : INSTANCING_ON;
-        // Corners of the mesh of a sphere are not multiples of what doubles resolve at 1e12.
+        // Vertices of the mesh of a sphere are not multiples of the resolution of doubles at 1e12.
         size_t count = distance < 1e9 ? KINDS : KINDS - 1;
         REQUIRE(write_apart(0, -distance, count), "far.json");
         render_file(&gpu, instancing, &arena, &about_origin);
@@ -223,7 +223,7 @@ TEST(apart)
 
 // --- a small lamp within a large mesh ------------------------------------------------------------
 
-// Two cubes of one mesh: one of side `size` at (2, 1, 0), and one below the floor.
+// Two cubes of one mesh: one with side `size` at (2, 1, 0), and one below the floor.
 static bool write_baked_lamp(double size)
 {
     static const int sides[6][4] = {{1, 4, 3, 2}, {5, 6, 7, 8}, {1, 2, 6, 5},
@@ -256,7 +256,7 @@ static bool write_baked_lamp(double size)
     return fclose(file) == 0 && temporary_write("far.json", text);
 }
 
-// The floor's middle sees three sides: (albedo / pi) cos (projected area / size^2) / d^2.
+// The middle of the floor sees three sides: (albedo / pi) cos (projected area / size^2) / d^2.
 TEST(baked_lamps)
 {
     static const double sizes[] = {1e-5, 1e-6, 1e-7};
@@ -308,7 +308,7 @@ static void flatten_file(enum instancing instancing)
     scene_finish(&scene);
 }
 
-// A thing of each kind at (x, 0, 0), beside a sphere at the origin, which the camera sees.
+// Writes an object of a kind at (x, 0, 0), and a sphere at the origin, which the camera sees.
 static void write_kind(size_t kind, double x)
 {
     FILE *file = fopen("far.json", "wb");
@@ -323,8 +323,8 @@ static void write_kind(size_t kind, double x)
     REQUIRE(fclose(file) == 0, "far.json");
 }
 
-// Name, size and distance of each kind of object, and how coarse it is there; and nothing of one
-// that is resolved.
+// Warnings name each kind of object with its size, its distance and its coarseness there; objects
+// that are resolved are not mentioned.
 TEST(warnings)
 {
     static const struct {

@@ -1,9 +1,9 @@
-// A still life of distance fields, and the same of analytic shapes: the same picture.
+// A still life of distance fields and the same of analytic shapes must give the same picture.
 #include "check/replicates.h"
 #include "metrics/metrics.h"
 #include "render_fixture.h"
 
-// The text of its argument, for values of the scene file.
+// Turns its argument into a string with a value for the scene file.
 #define JSON(...) #__VA_ARGS__
 
 // clang-format off
@@ -44,7 +44,7 @@ static void render_form(struct gpu *gpu, const struct scene_override *overrides,
     scene_finish(&scene);
 }
 
-// The limit is exceeded by chance, in any of all comparisons, with probability 1e-3.
+// Any of all comparisons exceeds the limit by chance with probability 1e-3.
 static void compare(uint64_t samples)
 {
     static struct replicates results[2];
@@ -59,7 +59,7 @@ static void compare(uint64_t samples)
         struct estimate a = replicates_estimate(&results[0], v);
         struct estimate b = replicates_estimate(&results[1], v);
         double difference = fabs(a.mean - b.mean);
-        // Where only the environment is seen there is no variance.
+        // Pixels that see only the environment have no variance.
         double t = difference > 0.0 ? difference / hypot(a.standard_error, b.standard_error) : 0.0;
         worst = fmax(worst, t);
         CHECK(t <= limit, "value %u: %.6g and %.6g, t = %.2f of at most %.2f", v, a.mean, b.mean, t,

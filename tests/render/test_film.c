@@ -1,5 +1,5 @@
-// The film's precision at sample counts where sums in single precision go wrong: the mean must stay
-// within 1e-6 of the samples' own mean. One pixel.
+// Tests the film's precision, in one pixel, at numbers of samples for which sums in single
+// precision are wrong: the mean must be within 1e-6 of the samples' own mean.
 #include "render_fixture.h"
 
 #define ERROR_MAX 1e-6
@@ -15,8 +15,8 @@ static void render_one_pixel(const char *path, const struct scene_override *over
     OPEN_GPU(&gpu, 0);
     REQUIRE_OK(load_scene(path, overrides, &scene, &err));
     scene.settings.width = scene.settings.height = 1;
-    scene.settings.sampler = SAMPLER_PCG; // count_below_edge() knows it
-    scene.settings.max_bounces = 0;       // fewer dispatches a wave: nothing here reflects
+    scene.settings.sampler = SAMPLER_PCG; // count_below_edge() computes its random numbers
+    scene.settings.max_bounces = 0;       // nothing here reflects, so this saves dispatches
     const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
     REQUIRE_OK(render_film(&params, samples, &arena, &film, NULL, &err));
     memcpy(mean, film.mean[0], sizeof film.mean[0]);
@@ -26,7 +26,8 @@ static void render_one_pixel(const char *path, const struct scene_override *over
     gpu_close(&gpu);
 }
 
-// Equal samples, none of them a short binary fraction: a plain sum is off by 1e-3 to 1e-2.
+// Equal samples that are not short binary fractions: a plain sum would have an error of 1e-3 to
+// 1e-2.
 static void check_constant(uint64_t samples)
 {
     static const float sky[3] = {0.3f, 7.7f, 1e-3f};
@@ -42,7 +43,8 @@ static void check_constant(uint64_t samples)
     }
 }
 
-// shaders/lib/random.glsl, for the place in the pixel: pcg4d of Jarzynski and Olano 2020.
+// The hash of shaders/lib/random.glsl for the place in the pixel: pcg4d of Jarzynski and Olano
+// 2020.
 static void pcg4d(uint32_t v[4])
 {
     for (int i = 0; i < 4; i++)
@@ -57,8 +59,8 @@ static void pcg4d(uint32_t v[4])
     }
 }
 
-// The scene's edge is 70 % of the way down the pixel. How many samples are below it, and how many
-// so near that the rounding of the ray decides.
+// Counts the samples below the scene's edge, which is 70 % of the way down the pixel, and those so
+// near that the rounding of the ray decides.
 static void count_below_edge(uint64_t samples, uint64_t *below, uint64_t *unclear)
 {
     *below = *unclear = 0;

@@ -1,10 +1,10 @@
-// Parts of a film, each with a range of the samples, add up to the bits of the whole in any order
-// and grouping.
+// Parts of a film, each with a range of the samples, add up to the same bits as the whole, in any
+// order and grouping.
 #include "render/film_copy.h"
 #include "render_fixture.h"
 
 enum { PARTS = 6, LAYERS = AOV_ALBEDO | AOV_DEPTH | AOV_IDS | AOV_EMISSION | AOV_BY_EMITTER };
-// Even numbers of samples.
+// The numbers are even.
 static const uint64_t part_samples[PARTS] = {2, 6, 2, 4, 8, 2};
 
 struct bench {
@@ -16,7 +16,7 @@ struct bench {
     struct err err;
 };
 
-// The records of each part, and those of one film with all samples.
+// Renders the records of each part, and those of a film with all samples.
 static bool render_parts(struct bench *b)
 {
     uint64_t samples = 0;
@@ -50,7 +50,7 @@ static void close_bench(struct bench *b)
     gpu_close(&b->gpu);
 }
 
-// One of `count` numbers, by splitmix64 (Steele, Lea and Flood 2014).
+// Returns one of `count` numbers, by SplitMix64 (Steele, Lea and Flood 2014).
 static uint32_t choose(uint64_t *state, uint32_t count)
 {
     uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
@@ -59,7 +59,7 @@ static uint32_t choose(uint64_t *state, uint32_t count)
     return (uint32_t)((z ^ z >> 31) % count);
 }
 
-// Two of those that are left, chosen at random, become one, until one is left.
+// Adds two of the remaining parts, chosen at random, until one is left.
 static bool add_at_random(struct bench *b, uint64_t *state, struct film_copy *out)
 {
     const uint64_t bytes = film_copy_bytes(&b->r);
@@ -83,7 +83,7 @@ static bool add_at_random(struct bench *b, uint64_t *state, struct film_copy *ou
     return true;
 }
 
-// Under a sky of 1, and of radiances from 1e-20 to 1e20 beside each other.
+// Under a sky of radiance 1, and of radiances from 1e-20 to 1e20 side by side.
 TEST(any_order_gives_the_bits_of_the_whole)
 {
     static const char *const skies[] = {"[1, 0.8, 0.6]", "[1e20, 0.3, 1e-20]"};
@@ -128,7 +128,7 @@ TEST(what_has_an_order_is_refused)
     uint32_t done = 2;
     b.parts[0].done = &done;
     check_refused(&b, "tiles");
-    // As of renderers with other settings.
+    // As if from renderers with other settings.
     b.r.specialization.halves = HALVES_CONTIGUOUS;
     check_refused(&b, "--halves independent");
     b.r.specialization.accumulation = ACCUMULATION_SUM;

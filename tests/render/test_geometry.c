@@ -1,5 +1,5 @@
-// Geometry that several renderers share, that follows the scene's changes, and that leaves out what
-// is hidden.
+// Tests geometry that several renderers share, that follows changes of the scene, and that leaves
+// out hidden objects.
 #include "flatten/geometry.h"
 #include "render/tables/camera_media.h"
 #include "render_fixture.h"
@@ -30,8 +30,8 @@ static bool is_lit(const struct film_image *film)
 struct hiding {
     const char *path;
     enum instancing instancing;
-    uint32_t one_of; // so many instances, and so many shapes
-    uint32_t from;   // the first of them
+    uint32_t one_of; // number of instances, and of shapes, that one hides
+    uint32_t from;   // index of the first one
 };
 
 static const struct hiding hidings[] = {
@@ -55,8 +55,8 @@ static void hide(const struct hiding *h, struct scene *scene)
         scene->shapes[i].hidden = is_hidden(h, i);
 }
 
-// The scene without what hide() hides. Of its objects, and of nothing, plus 1: what they are in the
-// whole scene.
+// Returns the scene without the objects that hide() hides. *objects maps its objects plus 1, and 0,
+// to those of the whole scene.
 static struct scene remove_hidden(const struct hiding *h, const struct scene *scene,
                                   struct arena *arena, uint32_t **objects)
 {
@@ -128,7 +128,7 @@ TEST(hiding_is_removing)
     gpu_close(&gpu);
 }
 
-// Nothing but the environment is left.
+// Only the environment is left.
 TEST(all_can_be_hidden)
 {
     const struct hiding all = {.one_of = 1};
@@ -155,7 +155,7 @@ TEST(all_can_be_hidden)
 
 // --- what is shared ------------------------------------------------------------------------------
 
-// Two renderers at a time, of which the first is finished before the second goes on.
+// Two renderers exist at the same time. The first is finished before the second continues.
 TEST(sharing_changes_no_bit)
 {
     struct arena arena = {0};
@@ -173,7 +173,7 @@ TEST(sharing_changes_no_bit)
     REQUIRE_OK(geometry_create(
         &(struct geometry_params){.scene = &scene, .instancing = INSTANCING_ON}, &geometry, &err));
     params.geometry = &geometry;
-    params.instancing = INSTANCING_OFF; // has no effect
+    params.instancing = INSTANCING_OFF; // this has no effect
     REQUIRE_OK(renderer_create(&params, &first, &err));
     REQUIRE_OK(renderer_create(&params, &second, &err));
     CHECK(first.flat.triangles == second.flat.triangles && first.bvh.nodes == geometry.bvh.nodes,
@@ -196,7 +196,7 @@ TEST(sharing_changes_no_bit)
 
 // --- what changes --------------------------------------------------------------------------------
 
-// The part of the geometry that a change makes anew.
+// The part of the geometry that a change makes new.
 enum renewed { NOTHING, ARRAYS, HIERARCHY };
 struct change {
     const char *name;
@@ -213,7 +213,7 @@ static struct material *material_of(struct scene *scene, const char *name)
     return NULL;
 }
 
-// The first pot's. The room's walls and lamps come before it.
+// The instance of the first pot; the room's walls and lamps precede it.
 #define POT 4
 
 static struct material *material_of_pot(struct scene *scene)
@@ -275,7 +275,7 @@ static void change_shape(struct scene *scene)
     scene->shapes[scene->shape_count - 1].center[0] += 0.05;
 }
 
-// The mesh is shared no longer then.
+// The mesh is then no longer shared.
 static void change_to_emitter(struct scene *scene)
 {
     material_of_pot(scene)->model = MATERIAL_LAMBERT;
@@ -300,7 +300,7 @@ static const struct change changes[] = {
     {"a mesh that has emitted", change_color, NOTHING},
 };
 
-// As before the change, then with what the geometry became, and with geometry of its own.
+// Renders before the change, then with the refreshed geometry, and with newly built geometry.
 static void check_change(struct gpu *gpu, struct scene *scene, const struct change *change,
                          const struct geometry_params *shape, struct geometry *geometry)
 {
@@ -309,7 +309,7 @@ static void check_change(struct gpu *gpu, struct scene *scene, const struct chan
     struct err err = {0};
     struct renderer_params params = {
         .gpu = gpu, .scene = scene, .geometry = geometry, .instancing = shape->instancing};
-    // The very nodes: what is built anew may have the same content.
+    // The nodes' address is compared, because rebuilt nodes may have the same content.
     const struct bvh_node *nodes = geometry->bvh.nodes;
     const struct flat_triangle *triangles = geometry->flat.triangles;
     change->make(scene);
@@ -328,7 +328,7 @@ static void check_change(struct gpu *gpu, struct scene *scene, const struct chan
     arena_finish(&arena);
 }
 
-// Two spheres on the floor.
+// Adds two spheres on the floor.
 static void add_spheres(struct scene *scene)
 {
     for (int i = 0; i < 2; i++) {
@@ -408,10 +408,10 @@ TEST(a_failure_leaves_nothing)
 
 // --- what the camera is in -----------------------------------------------------------------------
 
-#define MEDIA 2u // glass of the pots, and of everything else
+#define MEDIA 2u // the glass of the pots, and that of other objects
 #define POINTS 160
 
-// By way of the hierarchy, and with every triangle, as where one has several places.
+// Compares media found by the hierarchy, and with every triangle, as for places that are ambiguous.
 static void compare_media(const struct scene *scene, enum instancing instancing, bool *found)
 {
     struct geometry geometry;
@@ -429,7 +429,7 @@ static void compare_media(const struct scene *scene, enum instancing instancing,
         .scene = scene, .flat = &geometry.flat, .camera = &camera};
     uint32_t wrong = 0;
     for (int i = 0; i < POINTS; i++) {
-        // About the first and the second pot.
+        // Places around the first and the second pot.
         camera.position[0] = -2.8 + 1.6 * (i % 20) / 20.0;
         camera.position[1] = 0.02 + 0.5 * (i / 20 % 4) / 4.0;
         camera.position[2] = i < POINTS / 2 ? -0.3 : 0.0;

@@ -1,5 +1,5 @@
-// Whatever splits the primitives into a BVH, and whatever its nodes are: the picture has the same
-// bits.
+// The picture has the same bits for every way of splitting primitives into a BVH, and for every
+// kind of nodes.
 #include "render_fixture.h"
 
 #define SAMPLES 4u
@@ -33,7 +33,7 @@ enum { WAYS = sizeof ways / sizeof *ways };
 struct picture {
     struct film_image film;
     struct bvh_stats stats;
-    uint64_t order_hash; // hash of the triangles in the tree, and of its nodes' number
+    uint64_t order_hash; // hash of the order of triangles in the tree and of the number of nodes
     uint32_t duplicates;
 };
 
@@ -75,7 +75,7 @@ static uint32_t different_pixels(const struct film_image *a, const struct film_i
     return different;
 }
 
-// A device, or none to test with.
+// Ends the test if there is no device.
 static void check_device(void)
 {
     struct gpu gpu;
@@ -98,7 +98,7 @@ static void check(uint32_t light_choice)
               "%s: %u of %u pixels differ", ways[i].name,
               different_pixels(&pictures[i].film, &pictures[0].film),
               scene.settings.width * scene.settings.height);
-        // Trees that are the same would prove nothing.
+        // If the trees were the same, equal pictures would prove nothing.
         bool same_tree = pictures[i].order_hash == pictures[0].order_hash;
         bool same_way = ways[i].bvh.split == BVH_SPLIT_SAH &&
                         ways[i].bvh.optimize == BVH_OPTIMIZE_NORMAL && ways[i].bvh.max_leaf == 0 &&

@@ -1,5 +1,5 @@
-// docs/verification.md, C8: 10^6 identical triangles. No box separates them, so a ray that
-// enters theirs visits them all: far more steps than one dispatch has.
+// docs/verification.md, C8: 10^6 identical triangles. No box separates them, so a ray that enters
+// their box tests them all, which takes many more steps than one dispatch has.
 #include "base/maths.h"
 #include "bvh_trace.h"
 #include "render_fixture.h"
@@ -9,14 +9,14 @@
 #define SMALL_PILE 20000u
 #define PILE_SAMPLES 2u
 
-// Returns as many triangles as the device takes, where its limits are lowered.
+// Returns the number of triangles that the device supports, if its limits are lowered.
 static uint32_t pile_size(const struct gpu *gpu)
 {
     uint64_t fits = gpu->max_storage_range / sizeof(struct gpu_triangle) - 16;
     return fits < PILE ? (uint32_t)fits : PILE;
 }
 
-// Adds the pile: the first triangle of the scene's first material, the others of the second.
+// Adds the triangles: the first one with the scene's first material, the others with the second.
 static bool add_pile(struct scene *scene, uint32_t count)
 {
     static const float corners[3][3] = {
@@ -51,7 +51,7 @@ static bool load_pile(const struct scene_override *overrides, uint32_t count, st
 
 // --- the CPU reference ---------------------------------------------------------------------------
 
-// The ray through a pixel's centre.
+// Returns the ray through a pixel's centre.
 static struct bvh_ray camera_ray(const struct scene *scene, uint32_t x, uint32_t y)
 {
     const struct camera *camera = &scene->cameras[0];
@@ -71,7 +71,7 @@ static struct bvh_ray camera_ray(const struct scene *scene, uint32_t x, uint32_t
     return ray;
 }
 
-// A disc; see shaders/lib/intersect_shape.glsl.
+// Intersects a disc; see shaders/lib/intersect_shape.glsl.
 static double intersect_disc(const void *context, uint32_t index, const struct bvh_ray *ray)
 {
     const struct flat_scene *flat = context;
@@ -89,7 +89,7 @@ static double intersect_disc(const void *context, uint32_t index, const struct b
     return distance2 <= (double)shape->radius * shape->radius && t < ray->t_max ? t : -1.0;
 }
 
-// Finds what the first surface on the ray emits.
+// Returns the emission of the first surface on the ray.
 static void trace_emission(const struct scene *scene, const struct flat_scene *flat,
                            const struct bvh *bvh, uint32_t x, uint32_t y, float emission[3])
 {
@@ -115,7 +115,7 @@ static void trace_emission(const struct scene *scene, const struct flat_scene *f
 
 // --- tests ---------------------------------------------------------------------------------------
 
-// Each material glows in a colour of its own: the picture shows what the camera's rays hit.
+// Each material emits a colour of its own, so the picture shows what the camera's rays hit.
 TEST(hits_equal_the_reference)
 {
     const struct scene_override glowing[] = {{"settings.max_bounces", "0"},
@@ -157,7 +157,8 @@ TEST(hits_equal_the_reference)
     gpu_close(&gpu);
 }
 
-// With shadow rays and bounces through the pile: the same bits as its lowest triangle alone.
+// With shadow rays and bounces through the triangles, the picture has the same bits as with the
+// lowest triangle alone.
 TEST(looks_like_its_lowest_triangle)
 {
     struct gpu gpu;
@@ -183,7 +184,7 @@ TEST(looks_like_its_lowest_triangle)
     gpu_close(&gpu);
 }
 
-// A pile that is just too large for one dispatch.
+// The number of triangles just exceeds the steps of one dispatch.
 TEST(validation_is_silent)
 {
     struct scene scene;

@@ -1,4 +1,4 @@
-// The emitters found in view, compared with how often samples hit them.
+// Compares the emitters found in view with how often samples hit them.
 #include "render/probe/in_view.h"
 #include "render_fixture.h"
 #include <math.h>
@@ -70,7 +70,8 @@ static void check_way(struct gpu *gpu, const struct way *way)
     scene_finish(&scene);
 }
 
-// Shapes of all kinds and a sun, by each camera and filter; what is hidden is not among them.
+// Tests shapes of all kinds and a sun with each camera and filter. Occluded emitters are not among
+// those found.
 TEST(parts_are_what_samples_meet)
 {
     struct gpu gpu;

@@ -1,4 +1,4 @@
-// Pictures through instances beside those of the flattened scene: what differs is rounding.
+// Compares pictures with instances to those of the flattened scene: they differ only by rounding.
 #include "base/log.h"
 #include "render_fixture.h"
 #include "shared/aov.h"
@@ -19,7 +19,7 @@ struct pair {
     struct scene scene;
     struct arena arena;
     struct film_image flat, two;
-    uint32_t placed; // instances in the second
+    uint32_t placed; // number of instances in the second scene
 };
 
 static bool render_pair(struct pair *p, const char *path, const struct scene_override *overrides,
@@ -74,8 +74,8 @@ static double distance(const float a[3], const float b[3])
 }
 
 // Checks that object, material and triangle are the same in all pixels except those whose ray
-// passes an edge, and that positions and normals agree within rounding. `scale`: of rounding
-// errors.
+// passes an edge, and that positions and normals agree within rounding. `scale` multiplies the
+// rounding errors.
 static void compare_first_hits(const struct pair *p, double scale)
 {
     const struct film_aovs *a = &p->flat.aovs, *b = &p->two.aovs;
@@ -101,9 +101,9 @@ static void compare_first_hits(const struct pair *p, double scale)
 
 // --- light ---------------------------------------------------------------------------------------
 
-// Paths of both have the same random numbers, so that pixels' differences are noise of paths that
-// rounding sends elsewhere: independent from pixel to pixel, of mean zero. |t| beyond 4 has a
-// probability of 6e-5. `most`: what the whole picture may be off by.
+// Paths of both renders have the same random numbers, so pixels differ only by paths that rounding
+// sends elsewhere: the differences are independent between pixels and have mean zero. |t| exceeds 4
+// with a probability of 6e-5. `most` is the greatest relative difference of the whole picture.
 static void compare_light(const struct pair *p, double most)
 {
     uint32_t pixels = p->flat.width * p->flat.height, same = 0;
@@ -155,7 +155,7 @@ TEST(a_path_traced_picture)
     check(overrides, INTEGRATOR_PATH, 64, 1);
 }
 
-// Everything 4e5 m away: moved back in double precision, for both.
+// Everything is 4e5 m away, and is moved back in double precision for both renders.
 TEST(a_picture_far_from_the_origin)
 {
     const struct scene_override overrides[] = {
@@ -166,7 +166,7 @@ TEST(a_picture_far_from_the_origin)
         {"target", "[400000, -299999.2, 12345.6]"},
         {NULL, NULL},
     };
-    check(overrides, INTEGRATOR_PATH, 16, 4e4); // positions come back as floats of the world
+    check(overrides, INTEGRATOR_PATH, 16, 4e4); // positions are stored as floats of the world
 }
 
 TEST(pictures_of_other_integrators)
@@ -177,8 +177,8 @@ TEST(pictures_of_other_integrators)
     check(overrides, INTEGRATOR_WHITTED, 4, 1);
 }
 
-// Opacity is decided by a number of each triangle, which differs between these renders: pictures
-// have the same mean, but not the same noise.
+// Each triangle's number decides about opacity, and differs between these renders: pictures have
+// the same mean but different noise.
 TEST(a_picture_with_alpha)
 {
     const struct scene_override overrides[] = {{"image", image()}, {NULL, NULL}};
@@ -189,7 +189,7 @@ TEST(a_picture_with_alpha)
     finish(&p);
 }
 
-// Ten thousand cubes, whose flattened triangles still fit.
+// There are ten thousand cubes, whose flattened triangles still fit into memory.
 TEST(ten_thousand_instances)
 {
     struct pair p = {0};
@@ -201,7 +201,7 @@ TEST(ten_thousand_instances)
     finish(&p);
 }
 
-// A million trees: 20 GiB of triangles that are not stored.
+// A million trees, for which 20 GiB of triangles are not stored.
 TEST(a_million_instances)
 {
     struct gpu gpu;

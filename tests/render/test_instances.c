@@ -1,4 +1,4 @@
-// Instances on the host: meshes that share what they are made of are where flattened ones are.
+// Tests instances on the host: shared meshes are at the same places as flattened ones.
 #include "bvh_trace.h"
 #include "flatten/geometry.h"
 #include "scene/core/affine.h"
@@ -20,7 +20,7 @@ struct fixture {
 
 static uint64_t state;
 
-// [0, 1): splitmix64 (Steele, Lea, Flood 2014).
+// Returns values in [0, 1) by SplitMix64 (Steele, Lea, Flood 2014).
 static double uniform(void)
 {
     uint64_t z = state += UINT64_C(0x9e3779b97f4a7c15);
@@ -34,7 +34,7 @@ static double between(double low, double high)
     return low + (high - low) * uniform();
 }
 
-// Triangles that share no vertex, each with all that corners may carry.
+// Adds triangles that share no vertex, each with every vertex attribute.
 static void add_mesh(struct scene *scene, uint32_t triangles, double size)
 {
     struct mesh *mesh = scene_add_mesh(scene, NULL);
@@ -94,7 +94,7 @@ static void make_transform(enum kind kind, const double center[3], double m[3][4
         for (int i = 0; i < 3; i++)
             for (int j = 0; j < 4; j++)
                 m[i][j] *= 1e-3;
-    if (kind == NESTED) { // an instance of an instance: two such maps, one after the other
+    if (kind == NESTED) { // an instance of an instance: two such maps in sequence
         double outer[3][4];
         make_transform(SQUASHED, (const double[]){0, 0.5, 0}, outer);
         affine_multiply(outer, m, m);
@@ -112,7 +112,7 @@ static void make_scene(struct scene *scene, const double center[3], uint64_t see
     *scene = (struct scene){.path = "test"};
     for (int i = 0; i < 2; i++)
         material = scene_add_material(scene, NULL);
-    material->anisotropic = 0.5f; // wants tangents
+    material->anisotropic = 0.5f; // needs tangents
     add_mesh(scene, 1, 1);
     add_mesh(scene, 40, 0.5);
     add_mesh(scene, 300, 0.2);
@@ -161,8 +161,8 @@ static void finish(struct fixture *f)
 
 // --- rays ----------------------------------------------------------------------------------------
 
-// Returns a ray from around the scene, one time in ten from far away, to a point in it. Coordinates
-// are those of the flat scene.
+// Returns a ray from around the scene, one in ten from far away, to a point in the scene.
+// Coordinates are those of the flat scene.
 static struct bvh_ray make_ray(const struct flat_scene *flat, const double center[3])
 {
     struct bvh_ray ray = {.t_max = INFINITY, .ignore = {UINT32_MAX, UINT32_MAX}};
@@ -175,7 +175,7 @@ static struct bvh_ray make_ray(const struct flat_scene *flat, const double cente
     return ray;
 }
 
-// The scene's instance and the triangle of its mesh that a hit is on.
+// Finds the scene's instance, and the triangle of its mesh, that was hit.
 static void source_of(const struct flat_scene *flat, const struct bvh_hit *hit, uint32_t out[2])
 {
     flat_triangle_source(flat, hit->primitive, &out[0], &out[1]);
@@ -185,8 +185,8 @@ static void source_of(const struct flat_scene *flat, const struct bvh_hit *hit, 
     }
 }
 
-// Both levels by three ways to trace, and beside the flattened scene, whose rounded vertices lie
-// elsewhere: rays along edges may disagree.
+// Compares both levels traced in three ways, and the flattened scene, whose rounded vertices are at
+// slightly different places, so that rays along edges may disagree.
 static void compare(const double center[3], struct bvh_method method, uint64_t seed)
 {
     struct fixture flat = {0}, two = {0};
@@ -202,7 +202,7 @@ static void compare(const double center[3], struct bvh_method method, uint64_t s
         struct bvh_ray ray = make_ray(&flat.flat, center);
         struct bvh_hit one, a, b;
         bvh_trace_closest(&flat.trace, &ray, &one);
-        // The two may have origins of their own.
+        // The two scenes may have different origins.
         for (int c = 0; c < 3; c++)
             ray.origin[c] += flat.flat.origin[c] - two.flat.origin[c];
         bvh_trace_brute_force(&two.trace, &ray, &a);
@@ -245,7 +245,8 @@ TEST(far_instances_are_where_flattened_ones_are)
     compare((const double[]){1e5, -2e5, 3e4}, (struct bvh_method){0}, 3);
 }
 
-// Rays start on a triangle of one instance: it alone is ignored, not the same one of others.
+// Rays start on a triangle of one instance. Only this triangle is ignored, not the same one of
+// other instances.
 TEST(ignored_triangles_are_of_one_instance)
 {
     struct fixture f = {0};
@@ -273,7 +274,7 @@ TEST(ignored_triangles_are_of_one_instance)
     ray.ignore_instance[1] = 2;
     bvh_trace_closest(&f.trace, &ray, &hit);
     CHECK(hit.primitive == UINT32_MAX && hit.instance == UINT32_MAX);
-    // Two instances are in the same place: the first one wins.
+    // Two instances are at the same place, so the first one is hit.
     f.scene.instances[1].transform[2][3] = 0;
     REQUIRE(prepare(&f, INSTANCING_ON, (struct bvh_method){0}, &err), "%s", err.msg);
     ray.ignore[0] = ray.ignore[1] = UINT32_MAX;
@@ -293,8 +294,8 @@ static double angle_error(const float a[3], const double b[3])
     return vec3_length(d);
 }
 
-// Normals by the inverse transpose, tangents by the matrix, and the sign of bitangents turned by
-// reflections.
+// Normals are transformed by the inverse transpose, tangents by the matrix, and the sign of
+// bitangents is inverted by reflections.
 static void check_corner(const struct fixture *flat, const struct fixture *two, uint32_t instance,
                          uint32_t id, uint32_t own, int corner, int own_corner)
 {
@@ -368,7 +369,7 @@ TEST(leaves_of_instances_are_validated)
     arena_finish(&arena);
 }
 
-// Statistics of both levels, by hand: one triangle in two instances.
+// The statistics of both levels, computed by hand for one triangle in two instances.
 TEST(statistics_count_both_levels)
 {
     struct fixture f = {0};
@@ -381,7 +382,7 @@ TEST(statistics_count_both_levels)
     CHECK(f.bvh.roots[0] == 0 && f.bvh.roots[1] > 0 && f.bvh.roots[2] == f.bvh.roots[1] + 1);
     f.scene.instance_count = 1;
     REQUIRE(prepare(&f, INSTANCING_ON, (struct bvh_method){0}, &err), "%s", err.msg);
-    // The world's root and its leaf, the mesh's root and its triangle.
+    // The root of the world and its leaf, and the root of the mesh and its triangle.
     CHECK(stats->depth == 2 && stats->stack_entries == 1, "%u", stats->stack_entries);
     CHECK(fabs(stats->sah_cost - 4) < 0.1, "%g", stats->sah_cost);
     finish(&f);

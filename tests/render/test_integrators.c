@@ -1,5 +1,5 @@
-// Settings that must not change a bit of the pictures of other integrators; where shadows end; and
-// Whitted's model compared with path tracing where both are the same.
+// Tests other integrators: settings that must not change a bit of their pictures, where shadows
+// end, and Whitted's model against path tracing where both are the same.
 #include "render_fixture.h"
 #include <math.h>
 
@@ -89,9 +89,9 @@ TEST(ao_keeps_bits)
                (const struct scene_override[]){SMALL, {"settings.integrator", "ao"}, {NULL, NULL}});
 }
 
-// A disc of radius 0.5 half-way between a lamp at height 2 and a floor: its shadow has radius 1.
-// The camera looks from straight above, beside the disc's edge the pixels are left out whose side
-// single precision decides.
+// A disc of radius 0.5 is half-way between a lamp at height 2 and a floor, so its shadow has radius
+// 1. The camera looks straight down from beside the disc. Pixels near the shadow's edge, whose side
+// single precision decides, are left out.
 TEST(shadows_are_hard)
 {
     struct arena arena = {0};
@@ -128,8 +128,8 @@ TEST(shadows_are_hard)
     arena_finish(&arena);
 }
 
-// With delta lights, Lambert and Phong and one scattering event the picture is that of path
-// tracing.
+// With delta lights, Lambertian and Phong surfaces and one scattering event, the picture equals
+// that of path tracing.
 TEST(whitted_is_direct_light)
 {
     struct arena arena = {0};

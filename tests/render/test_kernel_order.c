@@ -1,7 +1,7 @@
 // Kernels that are recorded without a barrier between them may run in any order, or at the same
-// time. Here they run in the opposite order: what is recorded between two barriers is held back on
-// its way to the driver, and reversed. The picture must keep its bits. And no barrier is there for
-// nothing: without it, the opposite order shows.
+// time. Here they run in reverse order: commands between two barriers are withheld from the driver
+// and then passed on in reverse. The picture must keep its bits. Also, every barrier must be
+// necessary: without it, the reverse order changes the picture.
 #include "base/hash.h"
 #include "render/wave.h"
 #include "render_fixture.h"
@@ -11,7 +11,7 @@
 
 #define HELD_MOST 4096u
 
-// A dispatch with all that it needs to be bound.
+// A dispatch with everything that must be bound for it.
 struct held {
     VkPipeline pipeline;
     VkPipelineLayout set_layout, push_layout;
@@ -19,16 +19,16 @@ struct held {
     uint8_t push[GPU_PUSH_BYTES];
     uint32_t push_bytes;
     uint32_t groups[3];
-    VkBuffer arguments; // arguments of an indirect one, or VK_NULL_HANDLE
+    VkBuffer arguments; // buffer of an indirect dispatch, or VK_NULL_HANDLE
     VkDeviceSize offset;
 };
 
 static struct driver {
     bool reverses;
-    uint32_t omitted;  // this barrier is left out, counted from 1; 0: none
-    uint32_t barriers; // so far
-    uint32_t together; // dispatches that had others beside them
-    struct held now;   // what is bound
+    uint32_t omitted;  // number of the barrier to omit, counted from 1; 0: none
+    uint32_t barriers; // number of barriers so far
+    uint32_t together; // number of dispatches that had others beside them
+    struct held now;   // what is bound at present
     struct held held[HELD_MOST];
     uint32_t held_count;
 } driver;
@@ -152,7 +152,8 @@ static VKAPI_ATTR VkResult VKAPI_CALL my_vkEndCommandBuffer(VkCommandBuffer comm
     return real_vkEndCommandBuffer(commands);
 }
 
-// Opening the first device sets volk's pointers: afterwards these stand between.
+// Opening the first device sets volk's pointers. Afterwards, the functions of this test are put in
+// their place.
 static void interpose(void)
 {
 #define INTERPOSE(name)                                                                            \
@@ -174,20 +175,21 @@ static void interpose(void)
 
 #define SIZE 16u
 #define BOUNCES 3u
-#define SAMPLES 4u // one wave
-#define ROOM 16u   // samples that a wave has room for: misled kernels write no further
+#define SAMPLES 4u // all in one wave
+// Samples for which a wave has memory, so that kernels with wrong input write within it.
+#define ROOM 16u
 
 struct order_case {
     const char *name, *path;
     struct gpu_limit_overrides limits;
     uint32_t light_choice, integrator, split_lobes, aovs;
     uint32_t part_items; // 0: as planned
-    // Barriers of a wave, at most, whose lack does not show; 0: not looked for. The last two, of
-    // `accumulate` and of the submission, have nothing behind them. Where hits are sorted, each
-    // bounce has one between what counts them and what shades them: without it, shading is
-    // dispatched for as many as there were rays, which is the same picture. And of the shadow rays
-    // to several lights, two may add up to the same in both orders: the sky's and its sun's of the
-    // first vertex, before which there is nothing, always do.
+    // The greatest number of a wave's barriers whose omission has no effect; 0: not tested. Nothing
+    // follows the last two barriers, of `accumulate` and of the submission. If hits are sorted,
+    // each bounce has one between the kernels that count and that shade them: without it, shading
+    // is dispatched for as many hits as there were rays, with the same picture. Shadow rays to
+    // several lights may add up to the same in both orders: for two of them, such as the sky and
+    // its sun at the first vertex, this is always so.
     uint32_t unseen_barriers;
 };
 
@@ -234,7 +236,7 @@ static void end(struct gpu *gpu, struct scene *scene, struct renderer *r)
     gpu_close(gpu);
 }
 
-// The film's bits, all layers. The barriers of its waves are counted anew.
+// Renders, and returns the hash of all layers of the film. Counts the barriers of its waves again.
 static uint64_t picture(struct renderer *r)
 {
     struct err err = {0};
@@ -282,7 +284,7 @@ TEST(the_opposite_order_shows_only_without_a_barrier)
         driver.together = 0;
         CHECK(picture(&r) == forwards, "%s", c->name);
         CHECK(driver.together > 0, "%s: each dispatch was alone", c->name);
-        // The known barriers are those of this way to trace rays.
+        // The known barriers are those of this way of tracing rays.
         if (c->unseen_barriers && gpu.info.is_cpu &&
             gpu.params.limits.sort_rays == c->limits.sort_rays)
             check_barriers(c, &r, forwards, barriers);

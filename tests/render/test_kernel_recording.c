@@ -1,5 +1,5 @@
-// Kernels alone, on what they get in a render: as many items as there, the same results, and a
-// renderer that goes on as if nothing had been.
+// Tests kernels alone on the input that they get in a render: they process the same number of items
+// with the same results, and the renderer can continue afterwards.
 #include "render/probe/kernel_recording.h"
 #include "render_fixture.h"
 
@@ -12,7 +12,7 @@ struct setup {
     struct renderer r;
 };
 
-// A picture of one wave.
+// Makes a renderer for a picture of one wave.
 static bool create(struct setup *s, const char *path, struct err *err)
 {
     if (!load_scene(path, NULL, &s->scene, err))
@@ -40,7 +40,7 @@ static bool render(struct renderer *r, struct arena *arena, struct film_image *f
            renderer_read(r, arena, film, err);
 }
 
-// Records the kernel after `depth` bounces and runs it; returns its items.
+// Records the kernel after `depth` bounces and runs it. Returns the number of items.
 static uint64_t try_kernel(struct setup *s, enum kernel_id kernel, uint32_t depth)
 {
     struct err err = {0};
@@ -59,7 +59,7 @@ static uint64_t try_kernel(struct setup *s, enum kernel_id kernel, uint32_t dept
     return items;
 }
 
-// As above; returns its slots, of which each may have several shadow rays.
+// The same, but returns the number of slots, each of which may have several shadow rays.
 static uint64_t try_slots(struct setup *s, enum kernel_id kernel, uint32_t depth)
 {
     uint64_t items = try_kernel(s, kernel, depth);
@@ -69,21 +69,21 @@ static uint64_t try_slots(struct setup *s, enum kernel_id kernel, uint32_t depth
     return items / rays;
 }
 
-// At all depths.
+// Tests all depths.
 static uint64_t try_depths(struct setup *s, enum kernel_id kernel)
 {
     bool once = kernel == KERNEL_generate_rays || kernel == KERNEL_accumulate ||
                 kernel == KERNEL_resolve || kernel == KERNEL_prepare_dispatch;
     uint64_t items = try_slots(s, kernel, 0);
-    // Whitted's integrator goes on while some ray of the tree is left.
+    // Whitted's integrator continues as long as a ray of the tree is left.
     bool tree = s->r.specialization.pending_rays > 0;
     for (uint32_t depth = 1; depth <= (tree ? 40 : BOUNCES) && !once; depth++)
         items += try_slots(s, kernel, depth);
     return items;
 }
 
-// Every kernel of the scene, at every depth: the rays are those of a render, and the picture after
-// all of it has the bits that it had before.
+// Tests every kernel of the scene at every depth: the rays are those of a render, and afterwards
+// the picture has the same bits as before.
 static void check_scene(const char *path, bool validation)
 {
     struct err err = {0};
@@ -151,7 +151,7 @@ static bool record_closest(struct setup *s, uint32_t depth, struct kernel_record
     return kernel_recording_create(&s->r, &params, out, err);
 }
 
-// That a kernel gets something else than in the render does not go unnoticed.
+// If a kernel gets other input than in the render, this is detected.
 TEST(other_results_are_found)
 {
     struct err err = {0};
@@ -173,7 +173,7 @@ TEST(other_results_are_found)
     finish(&s);
 }
 
-// Kernels that cannot be timed are refused, and the renderer goes on.
+// Kernels that cannot be timed are refused, and the renderer can continue.
 TEST(refusals)
 {
     struct err err = {0};
@@ -190,7 +190,7 @@ TEST(refusals)
     CHECK(recorded.items == 0, "%llu items", (unsigned long long)recorded.items);
     CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
 
-    // This is a device whose memory the render has used up.
+    // On such a device the render may have used up the memory.
     bool is_cpu = s.gpu.info.is_cpu;
     s.gpu.info.is_cpu = false;
     s.gpu.params.limits.memory_budget = s.gpu.allocated_bytes + 1000;
@@ -224,7 +224,7 @@ TEST(without_timestamps)
     finish(&s);
 }
 
-// A shadow ray for each light: as many launches, and as many items a slot.
+// There is a shadow ray for each light: as many launches, and as many items per slot.
 TEST(all_lights)
 {
     struct err err = {0};
@@ -243,7 +243,7 @@ TEST(all_lights)
     finish(&s);
 }
 
-// Counting changes no bit, and a render's counts are those of its depths.
+// Counting does not change any bit, and the counts of a render are the sums over its depths.
 TEST(steps)
 {
     struct err err = {0};

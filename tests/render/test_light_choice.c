@@ -1,5 +1,5 @@
-// Whichever emitters a vertex is connected to, the picture is the same: in the mean, for each way
-// to choose; and bit for bit, whatever the wave's size and whatever else is compiled in.
+// Whichever emitters a vertex is connected to, the picture is the same: in the mean for each
+// strategy of light sampling, and bit for bit for all wave sizes and compiled features.
 #include "base/clock.h"
 #include "check/estimators.h"
 #include "check/replicates.h"
@@ -35,7 +35,7 @@ static void render_choice(struct gpu *gpu, const struct plan *plan, uint32_t fir
     scene_finish(&scene);
 }
 
-// Pairs of plans[0] and each of the others.
+// Compares plans[0] with each of the others.
 static void check_plans(const struct plan *plans, size_t count, double half_width)
 {
     struct gpu gpu;
@@ -88,7 +88,7 @@ static bool render_with(struct gpu *gpu, const struct scene *scene, uint32_t wav
     return ok;
 }
 
-// Under the validation layers.
+// Runs under the validation layers.
 TEST(same_bits)
 {
     struct gpu gpu;

@@ -1,6 +1,6 @@
-// Light paths (--integrator bidir): the same picture as camera paths alone, as a whole and in
-// 4 x 4 tiles, by 64 replicates each; by light paths alone where these find everything; and the
-// same bits however the work is divided.
+// Light paths (--integrator bidir) give the same picture as camera paths alone, as a whole and in 4
+// x 4 tiles, by 64 replicates each. So do light paths alone if they find all light. The bits are
+// the same however the work is divided.
 #include "check/replicates.h"
 #include "metrics/metrics.h"
 #include "render_fixture.h"
@@ -15,13 +15,13 @@
 
 struct picture {
     const char *name, *scene;
-    struct scene_override overrides[12]; // up to the first without a key
+    struct scene_override overrides[12]; // up to the first one without a key
     void (*prepare)(struct scene *scene);
     uint64_t samples;
-    double half_width; // at most, of the mean of the whole picture
+    double half_width; // greatest half-width for the mean of the whole picture
 };
 
-// Compiled with LIGHT_PATHS_ALONE: camera paths bring only what light paths cannot.
+// Compiled with LIGHT_PATHS_ALONE: camera paths contribute only what light paths cannot.
 static const struct kernel_set light_paths_alone = {
     .codes = {
         [KERNEL_shade_surface] = {"shade_surface", alone_shade_surface_spirv,
@@ -50,8 +50,8 @@ static void render_picture(struct gpu *gpu, const struct picture *p, uint32_t in
     scene_finish(&scene);
 }
 
-// The greatest |t| that one of all comparisons exceeds by chance with probability 1e-3. Welch's
-// degrees of freedom are at least those of one.
+// Returns the |t| that any of all comparisons exceeds by chance with probability 1e-3. Welch's
+// degrees of freedom are at least those of one picture.
 static double t_limit(uint32_t pictures)
 {
     return stats_t_quantile(1.0 - 0.5e-3 / (pictures * TILES), REPLICATES - 1);
@@ -100,7 +100,7 @@ static void check_pictures(const struct picture *pictures, uint32_t count, bool 
     gpu_close(&gpu);
 }
 
-// Before a light horizon and a lighter patch.
+// Adds an environment with a bright horizon and a brighter patch.
 static void add_surroundings(struct scene *scene)
 {
     static float texels[8][3] = {{0.3f, 0.4f, 0.8f}, {0.3f, 0.4f, 0.8f}, {4.0f, 3.0f, 2.0f},
@@ -206,8 +206,8 @@ TEST(cameras)
     check_pictures(pictures, sizeof pictures / sizeof *pictures, true);
 }
 
-// Rough glass and metal under a lamp that camera paths find, too; media in each other; normals that
-// differ much from the surface's own; a sun; lamps of each shape; cut-outs, textures and
+// Rough glass and metal below a lamp that camera paths find, too; nested media; shading normals
+// that differ strongly from the geometric ones; a sun; lamps of each shape; cut-outs, textures and
 // dispersion.
 TEST(focus)
 {
@@ -229,10 +229,11 @@ struct refusal {
     struct scene_override overrides[3];
     uint32_t aovs;
     bool tiles;
-    const char *words; // NULL: it is not refused
+    const char *words; // NULL: the scene is not refused
 };
 
-// What light paths cannot do is said, and what is next to it is not refused.
+// Scenes that light paths do not support are refused with a message; similar ones that they support
+// are not.
 TEST(refusals)
 {
     static const struct refusal refusals[] = {

@@ -1,6 +1,7 @@
-// Every way to find light, to go on and to end paths estimates the same picture: a scene of all
-// kinds of surfaces and lights, as a whole and in 2 x 2 tiles, by pairs of methods with 64
-// replicates each; and closed forms, also of what is lost where a setting loses light.
+// Every method of finding light and of continuing or ending paths estimates the same picture: a
+// scene with all kinds of surfaces and lights, as a whole and in 2 x 2 tiles, by pairs of methods
+// with 64 replicates each. Also tests closed forms, including the loss caused by settings that lose
+// light.
 #include "base/clock.h"
 #include "metrics/metrics.h"
 #include "render_fixture.h"
@@ -14,7 +15,7 @@
 struct method {
     bool nee;
     uint32_t nee_depth, mis, directions, roulette;
-    float mis_exponent; // 0: the usual one
+    float mis_exponent; // 0: the default
     float min_density;
     uint32_t split_lobes;
     uint32_t environment_sampling;
@@ -31,7 +32,7 @@ static void print_method(const struct method *m)
         printf(" %s", environment_sampling_names[m->environment_sampling]);
 }
 
-// Before a light horizon and a lighter patch.
+// Adds an environment with a bright horizon and a brighter patch.
 static void add_surroundings(struct scene *scene)
 {
     static float texels[8][3] = {{0.3f, 0.4f, 0.8f}, {0.3f, 0.4f, 0.8f}, {4.0f, 3.0f, 2.0f},
@@ -69,15 +70,15 @@ static void render_method(struct gpu *gpu, const struct method *m, uint32_t inde
     scene_finish(&scene);
 }
 
-// The greatest |t| that one of all comparisons exceeds by chance with probability 1e-3. Welch's
-// degrees of freedom are at least those of one.
+// Returns the |t| that any of all comparisons exceeds by chance with probability 1e-3. Welch's
+// degrees of freedom are at least those of one method.
 static double t_limit(uint32_t methods)
 {
     double comparisons = 0.5 * methods * (methods - 1) * (WHOLE + 1);
     return stats_t_quantile(1.0 - 0.5e-3 / comparisons, REPLICATES - 1);
 }
 
-// The greatest |t| between two methods.
+// Returns the greatest |t| between two methods.
 static double compare_methods(const struct replicates *a, const struct replicates *b)
 {
     double worst = 0.0;
@@ -93,8 +94,8 @@ static double compare_methods(const struct replicates *a, const struct replicate
     return worst;
 }
 
-// Also that the whole picture's 95 % intervals are narrower than `half_width` of it: a test that
-// knows nothing finds nothing.
+// Also checks that the 95 % intervals of the whole picture are narrower than `half_width` of it,
+// because a test with wide intervals would find nothing.
 static void check_methods(const struct method *methods, uint32_t count, uint64_t samples,
                           double half_width)
 {
@@ -104,7 +105,7 @@ static void check_methods(const struct method *methods, uint32_t count, uint64_t
     REQUIRE(count <= MOST_METHODS, "%u methods", count);
     OPEN_GPU(&gpu, 0);
     for (uint32_t i = 0; i < count; i++) {
-        // Methods that find lights by chance need more samples for as good an answer.
+        // Methods that find lights by chance need more samples for the same accuracy.
         render_method(&gpu, &methods[i], i, methods[i].nee ? samples : 4 * samples, &results[i]);
         struct estimate whole = replicates_estimate(&results[i], WHOLE);
         CHECK(whole.half_width <= half_width * whole.mean, "method %u: half-width %.3g", i,
@@ -123,8 +124,8 @@ static void check_methods(const struct method *methods, uint32_t count, uint64_t
 
 #define ALL UINT32_MAX
 
-// Each choice of each setting once at least, but for the roulette of frames: with as few samples as
-// these its depths are what is seen.
+// Each choice of each setting occurs at least once, except Russian roulette by frames: with so few
+// samples, its depths dominate.
 TEST(agree)
 {
     static const struct method methods[] = {
@@ -140,7 +141,7 @@ TEST(agree)
     check_methods(methods, sizeof methods / sizeof *methods, 8, 0.02);
 }
 
-// All that there are.
+// Tests all combinations.
 TEST(agree_long)
 {
     static struct method methods[MOST_METHODS];
@@ -164,7 +165,7 @@ TEST(agree_long)
 
 static const double albedo[3] = {0.8, 0.5, 0.2}, emission[3] = {1, 2, 4};
 
-// Le times the first `bounces` + 1 terms of a geometric series: a closed sphere that glows.
+// Returns Le times the first `bounces` + 1 terms of a geometric series: a closed sphere that emits.
 static double furnace(double rho, double le, double bounces)
 {
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
@@ -172,8 +173,8 @@ static double furnace(double rho, double le, double bounces)
 
 #define MIN_DENSITY 0.125
 
-// The part of a cosine lobe that is left above a least density D: all but the cosines below pi D,
-// whose part of the flux is (pi D)^2.
+// Returns the fraction of a cosine lobe above a least density D: all except the cosines below pi D,
+// whose fraction of the flux is (pi D)^2.
 static double likely_part(void)
 {
     return 1.0 - pow(M_PI * MIN_DENSITY, 2.0);
@@ -192,14 +193,14 @@ static double furnace_with_shadow_rays(double rho, double le, double bounces)
     return le + rho * le * (1.0 - pow(onwards, bounces)) / (1.0 - onwards);
 }
 
-// A point light of intensity Le in the centre of a sphere of radius 2.
+// Returns the radiance due to a point light of intensity Le in the centre of a sphere of radius 2.
 static double lamp_in_sphere(double rho, double le, double bounces)
 {
     return rho / M_PI * le / 4.0 * (1.0 - pow(rho, bounces)) / (1.0 - rho);
 }
 
-// A square of side 2 at 1 above the point that is seen (Howell, "A Catalog of Radiation Heat
-// Transfer Configuration Factors", C-11, four times).
+// Returns the radiance due to a square of side 2 at height 1 above the visible point (Howell, "A
+// Catalog of Radiation Heat Transfer Configuration Factors", C-11, four times).
 static double square_above(double rho, double le, double unused)
 {
     (void)unused;
@@ -209,7 +210,7 @@ static double square_above(double rho, double le, double unused)
 struct form {
     const char *name, *scene;
     double (*radiance)(double rho, double le, double bounces);
-    double bounces; // that bring light
+    double bounces; // bounces that contribute light
     struct method method;
     uint32_t roulette_most;
     uint64_t samples;
@@ -249,7 +250,7 @@ static void check_form(struct gpu *gpu, const struct form *form, uint32_t index)
         double expected = form->radiance(albedo[c], emission[c], form->bounces);
         double bias = e.mean - expected, t = bias / e.standard_error;
         printf("  %+.1e (t %+.1f) +-%.1e", bias / expected, t, e.half_width / expected);
-        // Without variance there is rounding.
+        // Without variance, only rounding errors remain.
         CHECK(fabs(t) <= REPLICATES_T_MAX || fabs(bias) <= 1e-5 * expected,
               "%s, channel %u: %.9g, not %.9g: t = %.2f", form->name, c, e.mean, expected, t);
         CHECK(e.half_width <= 0.02 * expected, "%s, channel %u: half-width %.3g", form->name, c,
@@ -264,7 +265,7 @@ static void check_form(struct gpu *gpu, const struct form *form, uint32_t index)
 #define LAMP "src/check/scenes/sphere_lamp.json"
 #define SQUARE "src/check/scenes/floor_light.json"
 
-// The lamp in the sphere is found by shadow rays alone: `nee_depth` of its bounces are left.
+// Only shadow rays find the lamp in the sphere, so `nee_depth` of its bounces remain.
 TEST(closed_forms)
 {
     static const struct form forms[] = {
@@ -440,8 +441,8 @@ static double render_clamped(struct gpu *gpu, float limit, bool compile_all,
     return mean;
 }
 
-// Renders the same paths with and without a limit: what is missing in the picture is what is
-// reported.
+// Renders the same paths with and without a limit: the light missing in the picture must be that
+// which is reported.
 TEST(clamp_reports_what_it_takes)
 {
     struct gpu gpu;
@@ -454,7 +455,7 @@ TEST(clamp_reports_what_it_takes)
            lost, (unsigned long long)stats.clamped);
     CHECK(stats.paths == 32u * 32u * 16u, "%llu paths", (unsigned long long)stats.paths);
     CHECK(whole - clamped > 0.01 * whole, "%.6g and %.6g", whole, clamped);
-    // Whole units of 2^-10 of the limit, rounded, are counted.
+    // The reported sum counts whole units of 2^-10 of the limit, rounded.
     CHECK(fabs(whole - clamped - lost) <= 1e-3 * lost, "%.6g lost, %.6g reported", whole - clamped,
           lost);
     CHECK(free.clamped == 0 && free.clamped_light == 0.0, "clamped without a limit");

@@ -1,5 +1,5 @@
-// Contributions that are not finite are left out, counted by the place they came from, and can be
-// followed. Loaders let no such scene pass, so each test spoils one in memory.
+// Contributions that are not finite are left out, counted by their place in the code, and can be
+// followed. Loaders reject such scenes, so each test modifies one in memory.
 #include "check/estimators.h"
 #include "render/probe/replay.h"
 #include "render_fixture.h"
@@ -9,8 +9,8 @@
 #define SAMPLES 4u
 #define SIDE 32u // side of the pictures
 
-// A light close above a floor, as a file would give it: a disc, whose points are chosen by area, so
-// that densities by solid angle may be small.
+// Loads a light close above a floor, as a file would describe it: a disc, whose points are chosen
+// by area, so that densities per solid angle may be small.
 static bool load_floor(enum light_estimator estimator, struct scene *scene, struct err *err)
 {
     const struct scene_override light[] = {
@@ -30,7 +30,7 @@ static struct material *material_named(struct scene *scene, const char *name)
     abort();
 }
 
-// The film knows what was left out, and nothing else of it is harmed.
+// Checks that the film counts the omitted contributions, and that all other values are correct.
 static void check_film(const struct film_image *film, uint64_t dropped)
 {
     CHECK(film->dropped == dropped, "%" PRIu64 " dropped, expected %" PRIu64, film->dropped,
@@ -42,7 +42,8 @@ static void check_film(const struct film_image *film, uint64_t dropped)
                   "pixel %zu is not finite", i);
 }
 
-// A recorded contribution leads to a path that loses a contribution again, at the same bounce.
+// Following a recorded contribution gives a path that loses a contribution again, at the same
+// bounce.
 static void check_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample)
 {
     struct arena arena = {0};
@@ -54,7 +55,7 @@ static void check_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sa
     arena_finish(&arena);
 }
 
-// Renders a spoilt scene, which must lose contributions at `site` and nowhere else.
+// Renders a modified scene, which must lose contributions at `site` and nowhere else.
 static void check_site(struct gpu *gpu, const struct scene *scene, int site)
 {
     const struct renderer_params params = {.gpu = gpu, .scene = scene};
@@ -88,7 +89,7 @@ TEST(emission)
     gpu_close(&gpu);
 }
 
-// Finite until it is divided by the density of the light's sample.
+// The contribution is finite until it is divided by the density of the light sample.
 TEST(light_connection)
 {
     struct scene scene;

@@ -1,13 +1,13 @@
-// Compares what each way to place samples in a pixel makes of an edge with closed forms: of the
-// mean, its variance, and what the half-buffers say of that.
+// Compares the results of each kind of pixel sampling at an edge with closed forms: the mean, its
+// variance, and the variance estimated from half-buffers.
 #include "render_fixture.h"
 #include <stdio.h>
 
-// As many pixels as the light is wide: with 1024, what check_expectation() asks of contiguous
-// halves does not hold for one seed of 16.
+// The number of pixels is the width of the light. With 1024, the limits of check_expectation() for
+// contiguous halves are exceeded for one seed of 16.
 enum { PIXELS = 1984, STRATA = 4 };
 
-// The lower 30 % of each pixel shine.
+// The lower 30 % of each pixel emit.
 #define SHARE 0.3
 
 static void render_edge(struct gpu *gpu, const struct settings *wanted, uint64_t samples,
@@ -29,7 +29,7 @@ static void render_edge(struct gpu *gpu, const struct settings *wanted, uint64_t
     scene_finish(&scene);
 }
 
-// The mean of a value over pixels, which are independent, and its standard error.
+// The mean of a value over independent pixels, and its standard error.
 struct average {
     double mean, error;
 };
@@ -47,13 +47,13 @@ static struct average average(const double *values)
 struct expectation {
     uint32_t pixel_sampling, halves;
     uint64_t samples;
-    double mean, variance; // mean and variance of a pixel
+    double mean, variance; // of a pixel
 };
 
 static const double light[3] = {1, 2, 4};
 
-// |t| <= 4: eleven of these are beyond it with a probability of 0.2 %. The variance of a variance
-// of 1984 pixels is one of 3.2 % for normal deviates.
+// The limit is |t| <= 4, which any of eleven values exceeds with a probability of 0.2 %. The
+// relative standard deviation of a variance of 1984 pixels is 3.2 % for normal variables.
 static void check_expectation(struct gpu *gpu, const struct expectation *e)
 {
     static double means[PIXELS], squares[PIXELS], excess[PIXELS];
@@ -80,7 +80,8 @@ static void check_expectation(struct gpu *gpu, const struct expectation *e)
           e->mean);
     CHECK(fabs(variance.mean - e->variance) <= 0.2 * e->variance, "%s: variance %.5f, not %.5f",
           name, variance.mean, e->variance);
-    // Contiguous halves share a round: what the one has, the other lacks, and they differ by more.
+    // Contiguous halves share a round: strata that one half has, the other lacks, so they differ by
+    // more.
     bool is_bound = e->halves == HALVES_CONTIGUOUS && e->pixel_sampling != PIXEL_SAMPLING_RANDOM;
     CHECK(is_bound ? more.mean > 4 * more.error : fabs(more.mean) <= 4 * more.error,
           "%s: the halves say %.5f, the variance is %.5f", name, variance.mean + more.mean,
@@ -88,8 +89,8 @@ static void check_expectation(struct gpu *gpu, const struct expectation *e)
     arena_finish(&arena);
 }
 
-// The variance of m of 16 strata's mean: a sample's own within its stratum, and which strata these
-// are (Cochran 1977, "Sampling Techniques", equation 2.8).
+// Returns the variance of the mean of m of 16 strata: that of a sample within its stratum, and that
+// of the choice of strata (Cochran 1977, "Sampling Techniques", equation 2.8).
 static double variance_of_some(double between, double within, double m)
 {
     return (between * (16 - m) / 15 + within) / m;
@@ -97,7 +98,7 @@ static double variance_of_some(double between, double within, double m)
 
 TEST(edge)
 {
-    // The last of four rows of strata shines, and a fifth of the third one.
+    // The last of four rows of strata emits, and a fifth of the third one.
     const double third = SHARE * STRATA - 1;
     const double between = (1 + third * third) / 4 - SHARE * SHARE; // variance of the rows' means
     const double within = third * (1 - third) / 4;
@@ -107,7 +108,7 @@ TEST(edge)
         {PIXEL_SAMPLING_RANDOM, HALVES_INDEPENDENT, 6, SHARE, random / 6},
         {PIXEL_SAMPLING_RANDOM, HALVES_INDEPENDENT, 32, SHARE, random / 32},
         {PIXEL_SAMPLING_RANDOM, HALVES_CONTIGUOUS, 16, SHARE, random / 16},
-        // Each half has three strata, and all 16; one sequence has all 16, and 6.
+        // Each half has three strata and all 16; one sequence has all 16 and 6.
         {PIXEL_SAMPLING_STRATIFIED, HALVES_INDEPENDENT, 6, SHARE,
          variance_of_some(between, within, 3) / 2},
         {PIXEL_SAMPLING_STRATIFIED, HALVES_INDEPENDENT, 32, SHARE, within / 32},
@@ -124,8 +125,8 @@ TEST(edge)
     gpu_close(&gpu);
 }
 
-// Deterministic places: full rounds of a grid are the same in all pixels and halves, and a centre
-// is what a pixel without jitter has, bit for bit.
+// Deterministic places: full rounds of a grid are the same in all pixels and halves, and `centre`
+// equals pixels without jitter, bit for bit.
 TEST(fixed_places)
 {
     struct gpu gpu;

@@ -1,5 +1,5 @@
-// Lights with photometric profiles above a floor, pixel by pixel against the profile as the loader
-// gives it, in double precision.
+// Compares lights with photometric profiles above a floor, pixel by pixel, with the loaded profile
+// in double precision.
 #define _GNU_SOURCE // nftw
 #include "../base/temporary_folder.h"
 #include "base/maths.h"
@@ -8,13 +8,14 @@
 #include <math.h>
 
 #define RHO 0.5
-// The rounding of the device's atan, times how steeply the profiles rise, and that of the rest.
+// The error of the device's atan times the greatest slope of the profiles, plus other rounding
+// errors.
 #define ROUNDING_MAX 2e-5
 
 struct trial {
-    const char *name, *profile; // the file's numbers, from the lamps' number on
-    const char *light;          // what the light has besides
-    double direction[3], rotation, position[3], peak; // as in `light`; peak 0: the file's
+    const char *name, *profile; // text of the file from the number of lamps on
+    const char *light;          // other members of the light
+    double direction[3], rotation, position[3], peak; // as in `light`; peak 0: that of the file
 };
 
 #define SIZES " 2 0.1 0.1 0 1 1 50\n"
@@ -57,7 +58,7 @@ static const struct trial trials[] = {
      0},
 };
 
-// Relative intensity into a unit direction, by the words of scene-format.md.
+// Returns the relative intensity in a unit direction, as defined in scene-format.md.
 static double relative(const struct trial *t, const struct light_profile *p, const double to[3])
 {
     double down[3], up[3], x[3] = {1, 0, 0}, y[3];

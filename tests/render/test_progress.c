@@ -1,4 +1,5 @@
-// The phases that a renderer reports to a listener: each by its own name, one after the other.
+// Tests the phases that a renderer reports to a listener: each has its own name, one after the
+// other.
 #include "render_fixture.h"
 
 struct heard {

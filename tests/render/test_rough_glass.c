@@ -1,5 +1,5 @@
-// White rough glass under an even sky is as bright as the sky: balls and boxes, dense, anisotropic
-// and under films.
+// White rough glass under a constant sky is as bright as the sky: balls and boxes, dense,
+// anisotropic and with films.
 #include "render_fixture.h"
 
 struct body {

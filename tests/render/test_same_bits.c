@@ -1,6 +1,6 @@
-// These must not change one bit of a picture: the size of the waves, how samples are split over
-// calls, features that the scene lacks, ways to read and to reserve, and lower limits of the
-// device.
+// The following must not change any bit of a picture: the size of waves, the division of samples
+// among calls, features that the scene lacks, ways of reading and reserving memory, and lower
+// limits of the device.
 #include "check/bits.h"
 #include "check/scaled_scene.h"
 #include "render/probe/replay.h"
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-// Pixels that are not black: equal pictures of nothing would prove nothing.
+// Counts pixels that are not black: if all were black, equal pictures would prove nothing.
 static size_t lit_pixels(const struct film_image *film)
 {
     size_t lit = 0;
@@ -74,7 +74,7 @@ static void check_file(const char *path, const char *max_bounces, struct scene_o
     gpu_close(&gpu);
 }
 
-// Camera paths, which split or not.
+// Tests camera paths, with or without splitting.
 static void check_paths(const char *path, const char *split_lobes, bool all)
 {
     check_file(path, "6", (struct scene_override){"settings.split_lobes", split_lobes}, all);
@@ -85,7 +85,7 @@ TEST(cornell)
     check_paths("scenes/cornell.json", "0", true);
 }
 
-// all_classes.json has every class of surfaces, media and lights of every kind.
+// all_classes.json has every class of surfaces, media, and lights of every kind.
 static const char *const further_scenes[] = {
     "scenes/glow_worms.json",
     "scenes/furnace.json",
@@ -99,7 +99,7 @@ static void check_further_scenes(bool all)
         check_paths(further_scenes[i], "0", all);
 }
 
-// Light paths add to pixels of any wave, of any buffer of the film.
+// Light paths add to pixels of any wave and of any buffer of the film.
 static void check_light_paths(const char *path)
 {
     check_file(path, "4", (struct scene_override){"settings.integrator", "\"bidir\""}, false);
@@ -116,8 +116,8 @@ TEST(light_paths_long)
     check_light_paths("scenes/all_classes.json");
 }
 
-// The weights of Schlick's curve are shared by lobes: one that the scene lacks must not change how
-// those of the coat are rounded.
+// Lobes share the weights of Schlick's curve. A lobe that the scene lacks must not change how those
+// of the coat are rounded.
 TEST(clearcoat)
 {
     static const struct bits_variant plain = {"plain", {0}},
@@ -138,7 +138,7 @@ TEST(clearcoat)
     gpu_close(&gpu);
 }
 
-// Up to eight slots a sample; where all features are compiled in, in the long form.
+// There are up to eight slots per sample; the long form compiles all features.
 TEST(split_lobes)
 {
     static const struct bits_variant plain = {"plain", {0}}, others[] = {
@@ -170,7 +170,7 @@ TEST(split_lobes)
     gpu_close(&gpu);
 }
 
-// A path is told by its vertices one after the other: one that splits has none of these.
+// A replay describes a path by its vertices in sequence, which a path that splits does not have.
 TEST(split_paths_are_not_replayed)
 {
     const struct scene_override split[] = {
@@ -208,7 +208,7 @@ TEST(further_scenes_long)
     check_further_scenes(true);
 }
 
-// Shading normals under an image of a sky, every texel different.
+// Tests shading normals under an environment image whose texels are all different.
 static void check_normals_and_environment_image(bool all)
 {
     enum { WIDTH = 16, HEIGHT = 8 };
@@ -240,8 +240,8 @@ TEST(normals_and_environment_image_long)
     check_normals_and_environment_image(true);
 }
 
-// A device may take this many threads, or not; and may be one that dispatches few workgroups at a
-// time, so that work has to be split.
+// Tests this number of threads, which a device may not support. Also simulates a device that can
+// dispatch only few workgroups at a time, so that work must be divided.
 static void check_workgroup(struct gpu *gpu, const struct scene *scene, uint32_t workgroup,
                             struct arena *arena, const struct film_image *expected)
 {
@@ -296,8 +296,8 @@ TEST(workgroups_of_all_classes)
     check_workgroups("scenes/all_classes.json", (const uint32_t[]){8}, 1);
 }
 
-// Other sizes in the middle of a picture, the last with traversals that have to be suspended; a
-// wave that cannot be is lowered without an error.
+// Changes the size of waves in the middle of a picture, the last time with suspended traversals. A
+// size that is not possible is lowered without an error.
 TEST(resized)
 {
     static const struct {
@@ -340,7 +340,7 @@ TEST(resized)
     arena_finish(&arena);
 }
 
-// Large enough for a wave of 2^20 paths to be filled.
+// The picture is large enough to fill a wave of 2^20 paths.
 TEST(waves_of_a_large_picture)
 {
     static const uint32_t waves[] = {1u << 10, 1u << 14, 1u << 20};
@@ -357,7 +357,7 @@ TEST(waves_of_a_large_picture)
         struct render_stats stats;
         REQUIRE_OK(render_film(&params, 17, &arena, &films[i], &stats, &err));
         uint64_t full = (UINT64_C(1) << 20) / waves[i], last = full / 16 ? full / 16 : 1;
-        // Limits may lower a wave.
+        // Limits may reduce the size of a wave.
         uint64_t bytes = waves[i] * sizeof(struct gpu_path);
         bool fits = bytes <= gpu.max_storage_range && bytes <= gpu.max_texel_elements * 16;
         CHECK(!fits || stats.waves == full + last, "%u paths: %u waves", waves[i],
@@ -377,7 +377,7 @@ static uint64_t all_hits(const struct render_stats *stats)
     return sum;
 }
 
-// Surfaces sorted by class or shaded by one kernel: the same bits, and as many hits in all.
+// Surfaces sorted by class, or shaded by one kernel, give the same bits and the same total of hits.
 TEST(classes)
 {
     const struct scene_override small[] = {{"film.width", "48"}, {"film.height", "32"}, {0}};
@@ -416,8 +416,8 @@ TEST(classes)
     gpu_close(&gpu);
 }
 
-// Radiance does not depend on the unit of length, and roundings do not either where they are
-// relative: 2^20 is about the 1e6 of docs/verification.md, C1.
+// Radiance does not depend on the unit of length, nor do rounding errors that are relative. 2^20 is
+// about the 1e6 of docs/verification.md, C1.
 static void check_scales(const char *path)
 {
     static const int exponents[] = {0, -20, 20};

@@ -1,12 +1,12 @@
-// Pictures by all samplers have the same mean, and pixel filters see of an edge what their integral
-// says.
+// Pictures by all samplers have the same mean, and pixel filters weight an edge according to their
+// integral.
 #include "metrics/metrics.h"
 #include "render_fixture.h"
 #include "check/replicates.h"
 
 // --- the same picture ----------------------------------------------------------------------------
 
-// All but the grid, whose places are fixed: a quadrature that is not unbiased.
+// All samplers except the grid, whose places are fixed: it is a quadrature with a bias.
 static const uint32_t samplers[] = {SAMPLER_SOBOL, SAMPLER_PCG, SAMPLER_LCG, SAMPLER_STRATIFIED,
                                     SAMPLER_BLUE_NOISE};
 enum { SAMPLERS = sizeof samplers / sizeof *samplers };
@@ -28,8 +28,8 @@ static void render_replicates(struct gpu *gpu, const char *path, uint32_t sample
     scene_finish(&scene);
 }
 
-// Welch's t of the means of every pair and channel. Channels of one scene go together: 10 pairs at
-// |t| <= 4.2 are a family error of 1e-3.
+// Computes Welch's t of the means of every pair and channel. Channels of one scene depend on each
+// other: for 10 pairs, |t| <= 4.2 has a probability of error of 1e-3.
 static void check_means(const char *path, uint32_t samples)
 {
     static struct replicates replicates[SAMPLERS];
@@ -54,7 +54,7 @@ static void check_means(const char *path, uint32_t samples)
     gpu_close(&gpu);
 }
 
-// A number of samples whose halves are neither a power of two nor a square.
+// The number of samples gives halves that are neither a power of two nor a square.
 TEST(same_means)
 {
     check_means("scenes/cornell.json", 6);
@@ -69,8 +69,8 @@ TEST(same_means_long)
 
 // --- an edge -------------------------------------------------------------------------------------
 
-// Returns the weight of a filter of this radius below a horizontal line at this distance under the
-// pixel's centre: the density over y, integrated over 2^16 strips. All four filters are symmetric.
+// Returns the weight of a filter with this radius below a horizontal line at this distance under
+// the pixel's centre: its density integrated over y in 2^16 strips. All four filters are symmetric.
 static double weight_below(uint32_t filter, double radius, double line)
 {
     enum { STRIPS = 1 << 16 };
@@ -79,7 +79,7 @@ static double weight_below(uint32_t filter, double radius, double line)
         double y = (2 * i + 1.0) / STRIPS - 1, w = 1;
         if (filter == FILTER_TENT)
             w = 1 - fabs(y);
-        if (filter == FILTER_GAUSSIAN) // of the disc: the chord at y
+        if (filter == FILTER_GAUSSIAN) // within the disc: the chord at y
             w = exp(-4.5 * y * y) * erf(sqrt(4.5 * (1 - y * y)));
         if (filter == FILTER_BLACKMAN_HARRIS)
             w = 0.35875 + 0.48829 * cos(M_PI * y) + 0.14128 * cos(2 * M_PI * y) +
@@ -105,11 +105,10 @@ static void check_edge(struct gpu *gpu, uint32_t filter, float radius)
     double used = (double)settings_filter_radius(&scene.settings);
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     REQUIRE_OK(render_film(&params, SAMPLES, &arena, &film, NULL, &err));
-    // The edge is 70 % of the way down, and what is above has no light; neither has what is a metre
-    // further down.
+    // The edge is 70 % of the way down. There is no light above it, nor more than a metre below it.
     double expected = weight_below(filter, used, 0.2), mean = (double)film.mean[0][0];
     printf("%-16s radius %.4g: %.5f, expected %.5f\n", filter_names[filter], used, mean, expected);
-    // Sobol's points on a straight edge: below 2 / sqrt(n)^1.5.
+    // The error of Sobol's points at a straight edge is below 2 / sqrt(n)^1.5.
     CHECK(fabs(mean - expected) <= 1.5e-3, "%s, radius %g: %g, expected %g", filter_names[filter],
           used, mean, expected);
     arena_finish(&arena);
@@ -136,7 +135,7 @@ static void render_halves(struct gpu *gpu, uint32_t halves, uint32_t planned, ui
     struct scene scene;
     struct err err = {0};
     REQUIRE_OK(load_scene("scenes/cornell.json", size, &scene, &err));
-    scene.settings.sampler = SAMPLER_PCG; // whose samples do not depend on the halves
+    scene.settings.sampler = SAMPLER_PCG; // its samples do not depend on the halves
     scene.settings.halves = halves;
     scene.settings.spp = planned;
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
@@ -154,7 +153,7 @@ static double largest_difference(float (*a)[3], float (*b)[3])
     return largest;
 }
 
-// With 7 samples the first 4 are half A; a render that ends after 3 of them has no half B yet.
+// With 7 samples the first 4 are half A. A render that ends after 3 of them has no half B yet.
 TEST(contiguous)
 {
     struct gpu gpu;

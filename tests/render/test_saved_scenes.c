@@ -1,11 +1,12 @@
-// A scene that was edited and written down has the very picture of the one in memory.
+// A scene that was edited and saved gives the same picture as the scene in memory.
 #define _GNU_SOURCE // nftw
 #include "../base/temporary_folder.h"
 #include "render_fixture.h"
 #include "scene/json/scene_write.h"
 #include "scene_edit_fixture.h"
 
-// Small, and of one method; what decides about surfaces, lights and cameras stays as edited.
+// Makes the settings small, with one method; everything about surfaces, lights and cameras remains
+// as edited.
 static void shorten(struct settings *settings)
 {
     *settings = settings_default();
@@ -45,7 +46,7 @@ static bool check_scene(struct gpu *gpu, const char *path, uint64_t seed, const 
     struct arena arena = {0};
     if (!scene_load(&load, &scene, err) || !scene_snapshot(&arena, &scene, &before, err))
         return false;
-    struct camera camera = scene.cameras[0]; // the edited one may see nothing
+    struct camera camera = scene.cameras[0]; // the edited camera may see nothing
     edit_at_random(&scene, &random);
     scene.cameras[0] = camera;
     scene.cameras[0].position[0] += 1.0 / 3;

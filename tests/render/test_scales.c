@@ -1,5 +1,5 @@
-// Scenes from 1e-12 m to 1e12 m: the same bits in units that differ by a power of two, small lamps
-// that are solid, and what single precision cannot do. Closed forms: src/check/forms_scales.c.
+// Tests scenes from 1e-12 m to 1e12 m: the same bits in units that differ by a power of two, small
+// solid lamps, and the limits of single precision. src/check/forms_scales.c has the closed forms.
 #include "base/log.h"
 #include "check/closed_form.h"
 #include "check/scaled_scene.h"
@@ -12,8 +12,8 @@
 
 #define MOST_UNITS 5
 
-// A scene in several units of length, 2^exponent metres each, to the first 0; the film has the same
-// bits in all of them, and depths and positions come in metres.
+// A scene in several units of length, each 2^exponent metres; the list ends with 0. The film has
+// the same bits in all units; depths and positions are in metres.
 struct units {
     const char *path;
     int exponents[MOST_UNITS];
@@ -27,7 +27,7 @@ static bool same_bits(const struct film_image *a, const struct film_image *b)
            memcmp(a->half_b, b->half_b, bytes) == 0;
 }
 
-// Equal pictures of nothing would prove nothing.
+// If all pixels were black, equal pictures would prove nothing.
 static bool is_lit(const struct film_image *film)
 {
     for (size_t i = 0; i < (size_t)film->width * film->height; i++)
@@ -120,9 +120,9 @@ TEST(units_long)
 
 // --- solid lamps ---------------------------------------------------------------------------------
 
-// A box of side a whose radiance is le / a^2, seen from the floor's middle at (2, 1, 0) or
-// (-49, 30, 49): its near faces hide the far ones. What deviates of its
-// light is at most `tolerance`, a part of it: four standard deviations.
+// A box of side a with radiance le / a^2, seen from the middle of the floor, at (2, 1, 0) or (-49,
+// 30, 49): its near faces occlude the far ones. The relative error of its light is at most
+// `tolerance`, four standard deviations.
 struct solid_lamp {
     const char *name;
     struct scene_override overrides[4];
@@ -134,7 +134,7 @@ struct solid_lamp {
     {                                                                                              \
         "lamp", JSON({"type" : "box", "material" : "lamp", __VA_ARGS__})                           \
     }
-// Overrides take a floor of 10 m and a lamp beside it.
+// Overrides select a floor of 10 m and a lamp beside it.
 #define WALL(corner, u, v)                                                                         \
     "{\"type\": \"quad\", \"material\": \"lamp\", \"corner\": " corner ", \"u\": " u ", \"v\": " v \
     "}"
@@ -182,12 +182,13 @@ static const struct solid_lamp solid_lamps[] = {
      {ON_FLOOR(WALLS("1e-8", "2.00000001", "1.00000001") LIDS("1e-8", "1.00000001")), NO_LAMP,
       {"emission", "[1e16, 2e16, 4e16]"}},
      {2, 1, 0}, 0.01},
-    // Its corners are exact in single precision, which what hides what is not.
+    // Its corners are exact in single precision, but those of the occluding objects are not.
     {"box of 2^-21 m",
      {BOX("min": [2, 1, 0], "max": [2.000000476837158203125, 1.000000476837158203125, 4.76837158203125e-7]),
       {"emission", "[4398046511104, 8796093022208, 17592186044416]"}},
      {2, 1, 0}, 0.01},
-    // Through the ends of a square tube its walls are seen, as nothing is in sight through both.
+    // The walls of a square tube are visible through its ends, because nothing is visible through
+    // both.
     {"an open tube of 1e-6 m",
      {ON_FLOOR(WALLS("1e-6", "2.000001", "1.000001")), NO_LAMP,
       {"emission", "[1e12, 2e12, 4e12]"}},
@@ -195,7 +196,7 @@ static const struct solid_lamp solid_lamps[] = {
 };
 // clang-format on
 
-// Red, of (albedo / pi) cos (projected area / a^2) / d^2.
+// Returns the red light, (albedo / pi) cos (projected area / a^2) / d^2.
 static double light_of_box(const double place[3])
 {
     double square = 0, projected = 0;
@@ -250,7 +251,7 @@ static void keep_warning(void *context, enum log_level level, const char *messag
         snprintf(warning, sizeof warning, "%s", message);
 }
 
-// Scenes beyond single precision are reported with their numbers, by an error or else by a warning.
+// Scenes beyond single precision are reported with their numbers, by an error or a warning.
 struct beyond {
     struct scene_override override;
     const char *error, *warning;

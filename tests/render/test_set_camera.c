@@ -1,5 +1,5 @@
-// The requests of a viewer to a renderer: another camera and another size without building (the
-// picture has the same bits as a new renderer's), kernels compiled meanwhile, and small steps.
+// Tests the requests of a viewer to a renderer: another camera and another size without creating it
+// again (with the same bits as a new renderer), kernels compiled in the meantime, and small steps.
 #include "render/probe/replay.h"
 #include "render_fixture.h"
 #include "shared/methods.h"
@@ -7,14 +7,14 @@
 
 #define ROOM_WIDTH 48u // width of the largest picture
 #define ROOM_HEIGHT 32u
-#define SAMPLES 3u // not a power of two: passes of several sizes
+#define SAMPLES 3u // not a power of two, so that passes have several sizes
 
 struct look_case {
     const char *name, *path;
     struct gpu_limit_overrides limits;
     uint32_t sampler, halves, integrator, camera_kind, aovs;
     bool lens, compile_all, validation;
-    double inside[3]; // point inside something transparent; y 0: nowhere
+    double inside[3]; // a point inside a transmissive object; y = 0: there is none
 };
 
 #define ALL_AOVS (AOV_END - 1u)
@@ -47,7 +47,7 @@ static const struct look_case setups[] = {
     {"whitted", "scenes/all_classes.json", {0}, .integrator = INTEGRATOR_WHITTED},
 };
 
-// A camera and a size, one after the other.
+// A camera and a size, which are set in sequence.
 struct look {
     struct camera camera;
     uint32_t width, height;
@@ -69,7 +69,8 @@ static void turn(struct camera *camera, double x, double y)
         camera->direction[c] /= sqrt(square);
 }
 
-// The scene's camera, others, and the scene's again; one of them where the case says.
+// The scene's camera, others, and the scene's again; one of them is at the place that the case
+// gives.
 static void choose_looks(const struct look_case *c, const struct scene *scene,
                          struct look looks[LOOKS])
 {
@@ -98,7 +99,7 @@ static bool render_and_read(struct renderer *r, struct arena *arena, struct film
     return renderer_render(r, &call, err) && renderer_read(r, arena, film, err);
 }
 
-// By a renderer of its own.
+// Renders with a renderer of its own.
 static bool render_anew(const struct renderer_params *params, const struct look *look,
                         struct arena *arena, struct film_image *film, struct err *err)
 {
@@ -156,7 +157,7 @@ static bool stop_at_once(void *context)
     return *stops;
 }
 
-// Leaves a pass under way, with some pixels more samples than others.
+// Interrupts a pass, so that some pixels have more samples than others.
 static bool begin_something(struct renderer *r, bool *stops, struct err *err)
 {
     bool stopped = false;
@@ -321,7 +322,7 @@ TEST(what_does_not_fit_changes_nothing)
 
 // --- kernels from elsewhere ----------------------------------------------------------------------
 
-// Copies of the embedded code, as of a compiler that has just written them.
+// Copies the embedded code, as if a compiler had just produced it.
 static bool copy_kernels(const struct gpu *gpu, struct arena *arena, struct kernel_set *out)
 {
     *out = (struct kernel_set){0};
@@ -341,7 +342,7 @@ static bool copy_kernels(const struct gpu *gpu, struct arena *arena, struct kern
 #define ONE 0x3f800000u
 #define HALF 0x3f000000u
 
-// Camera rays of half the weight.
+// Changes a constant so that camera rays have half their weight.
 static bool halve_a_constant(struct kernel_code *code, struct arena *arena)
 {
     size_t words = code->bytes / sizeof(uint32_t);
@@ -390,7 +391,7 @@ static void compare_kernels(struct gpu *gpu, const char *path)
     other = set;
     for (int id = 0; id < KERNEL_COUNT; id++)
         if (id != KERNEL_generate_rays)
-            other.codes[id].spirv = NULL; // the embedded one
+            other.codes[id].spirv = NULL; // the embedded code
     REQUIRE(halve_a_constant(&other.codes[KERNEL_generate_rays], &arena), "no constant to change");
     params.kernels = &other;
     REQUIRE_OK(render_film(&params, SAMPLES, &arena, &changed, NULL, &err));
@@ -399,7 +400,7 @@ static void compare_kernels(struct gpu *gpu, const char *path)
         gpu_kernels_forget(gpu, set.codes[id].spirv);
         gpu_kernels_forget(gpu, other.codes[id].spirv);
     }
-    arena_finish(&arena); // and with it the code
+    arena_finish(&arena); // frees the code, too
     scene_finish(&scene);
 }
 
@@ -415,7 +416,7 @@ TEST(kernels_from_elsewhere)
 
 // --- in small steps ------------------------------------------------------------------------------
 
-// Pixels from the top have one sample, the same as in the end, and the others none.
+// Pixels from the top on have one sample, with its final value, and the others have none.
 static void check_unfinished(const struct film_image *film, const struct film_image *whole,
                              uint64_t done)
 {
@@ -429,7 +430,7 @@ static void check_unfinished(const struct film_image *film, const struct film_im
     CHECK(wrong == 0, "%zu pixels are wrong after %llu", wrong, (unsigned long long)done);
 }
 
-// As a viewer goes on: a sample a call, stopped after each wave and read in between.
+// Renders like a viewer: one sample per call, stopped after each wave and read in between.
 TEST(stops_after_every_wave)
 {
     const struct look_case c = {.path = "scenes/cornell.json"};
@@ -473,8 +474,8 @@ TEST(stops_after_every_wave)
     gpu_close(&gpu);
 }
 
-// As when somebody clicks into a picture that is under way: in the middle of a pass, and between
-// two, at another size than the renderer's first one.
+// A path is followed in an unfinished picture, as if somebody had clicked in it: in the middle of a
+// pass and between two, and at another size than the renderer's first one.
 TEST(following_a_path_changes_nothing)
 {
     const struct look_case c = {.path = "scenes/all_classes.json"};

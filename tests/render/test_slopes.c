@@ -1,6 +1,7 @@
-// How the error falls with the number of samples, by sampler. It is the variance between replicates
-// of other seeds, relative to the square of their mean as in relMSE, a mean over pixels and
-// channels: no reference is needed, and what all replicates have in common, a bias, does not count.
+// Measures how the error decreases with the number of samples, for each sampler. The error is the
+// variance between replicates with different seeds, relative to the square of their mean as in
+// relMSE, averaged over pixels and channels. It needs no reference, and a bias common to all
+// replicates does not count.
 #include "metrics/metrics.h"
 #include "render_fixture.h"
 
@@ -9,7 +10,7 @@
 #define SEEDS 16u
 #define COUNTS_MAX 9u
 
-// The pictures of every seed, by doubling sample counts from 2^4 on.
+// The pictures of every seed, at doubling numbers of samples from 2^4 on.
 struct pictures {
     uint32_t counts;
     float value[COUNTS_MAX][SEEDS][VALUES];
@@ -40,7 +41,7 @@ static void keep(struct renderer *r, float *values)
     arena_finish(&arena);
 }
 
-// Every replicate goes on from each count to the next.
+// Every replicate continues from each number of samples to the next.
 static void render_counts(struct gpu *gpu, const char *path, uint32_t sampler, struct pictures *out)
 {
     struct scene scene;
@@ -63,7 +64,7 @@ static void render_counts(struct gpu *gpu, const char *path, uint32_t sampler, s
     scene_finish(&scene);
 }
 
-// The variance between seeds, `left_out` not among them: a mean over the picture.
+// Returns the variance between seeds without seed `left_out`, averaged over the picture.
 static double variance(float (*value)[VALUES], uint32_t left_out)
 {
     double sum = 0;
@@ -91,7 +92,7 @@ static double slope_without(struct pictures *pictures, uint32_t left_out)
 }
 
 struct slope {
-    double value, half_width; // half width of its 95 % interval: jackknife over seeds
+    double value, half_width; // half-width of its 95 % interval, by the jackknife over seeds
 };
 
 static struct slope find_slope(struct pictures *pictures)
@@ -105,8 +106,8 @@ static struct slope find_slope(struct pictures *pictures)
                           error * stats_t_quantile(0.975, SEEDS - 1)};
 }
 
-// Independent samples: -1 is in the interval widened by 0.05. Sobol: -0.95 at most, likewise by
-// what is not noise.
+// For independent samples, -1 must be in the interval widened by 0.05. For Sobol the slope must be
+// at most -0.95, with the same allowance.
 static void check_slopes(uint32_t path_count, uint32_t counts)
 {
     static struct pictures pictures;
@@ -128,7 +129,7 @@ static void check_slopes(uint32_t path_count, uint32_t counts)
               paths[s], pcg.value);
         CHECK(sobol.value <= -0.95 + sobol.half_width, "%s: Sobol falls with %g", paths[s],
               sobol.value);
-        // Otherwise the above says nothing.
+        // With wider intervals these checks would mean nothing.
         CHECK(pcg.half_width <= 0.1 && sobol.half_width <= 0.1, "%s: intervals of %g and %g",
               paths[s], pcg.half_width, sobol.half_width);
     }
@@ -193,7 +194,7 @@ static const struct {
     {"blue-noise", SAMPLER_BLUE_NOISE, HALVES_INDEPENDENT},
 };
 
-// Relative to independent samples; one of the numbers of samples is neither even nor a square.
+// Compares with independent samples. One of the numbers of samples is neither even nor a square.
 static void compare_samplers(const uint32_t *counts, uint32_t count)
 {
     struct gpu gpu;
@@ -209,7 +210,8 @@ static void compare_samplers(const uint32_t *counts, uint32_t count)
             method.halves = methods[m].halves;
             double ratio = variance_of(&gpu, path, method) / base;
             printf("; %s %.2f", methods[m].name, ratio);
-            // With few samples some pixels have most of the variance, known to 20 % only.
+            // With few samples some pixels have most of the variance, which is then known only to
+            // 20 %.
             CHECK(ratio <= 1.5, "%s, %u samples, %s: %g", path, method.samples, methods[m].name,
                   ratio);
         }
@@ -227,8 +229,8 @@ TEST(samplers_long)
 
 // --- to the eye ----------------------------------------------------------------------------------
 
-// As the eye does from afar: the means over a pixel and its neighbours, weighted (1, 2, 1) / 4
-// across and down, of the pixels that have all.
+// Blurs like the eye from afar: computes means over a pixel and its neighbours, weighted (1, 2, 1)
+// / 4 horizontally and vertically, for pixels that have all neighbours.
 static void blur(float (*value)[VALUES])
 {
     static float sharp[VALUES];
@@ -270,7 +272,7 @@ TEST(blurred_long)
         printf("%s, %u samples: sobol %.2f; blue-noise %.2f\n", paths[i / 3], method.samples,
                ratio[0], ratio[1]);
         fflush(stdout);
-        // With skewed noise the variance of 16 seeds has an error of about 20 %.
+        // With skewed noise, the variance of 16 seeds has an error of about 20 %.
         CHECK(ratio[1] <= 1.3 * ratio[0], "%s, %u samples: %g, sobol %g", paths[i / 3],
               method.samples, ratio[1], ratio[0]);
     }

@@ -1,9 +1,9 @@
-// Pictures of few pixels: they fill waves with samples, and keep their bits.
+// Pictures with few pixels fill waves with several samples per pixel, and keep their bits.
 #include "base/hash.h"
 #include "render_fixture.h"
 #include "shared/aov.h"
 
-#define SAMPLES 4999u // no sum of few powers of two
+#define SAMPLES 4999u // not a sum of few powers of two
 
 struct small_case {
     uint32_t width, height, aovs;
@@ -30,7 +30,7 @@ static uint64_t film_hash(const struct film_image *film)
     return hash;
 }
 
-// By waves of 16 paths a pass is at most 16 samples of one pixel, as large pictures have it.
+// With waves of 16 paths a pass has at most 16 samples of one pixel, as for large pictures.
 static void check_small(struct gpu *gpu, const struct small_case *c)
 {
     static const uint32_t waves[] = {16, 1u << 10, 1u << 16, 1u << 20};
@@ -53,8 +53,8 @@ static void check_small(struct gpu *gpu, const struct small_case *c)
         first = i == 0 ? hash : first;
         CHECK(hash == first, "%u x %u, waves of %u: other bits", c->width, c->height, waves[i]);
         CHECK(film.least_samples == SAMPLES && film.most_samples == SAMPLES);
-        // Full ones of 2^MAX_SAMPLE_SHIFT samples at most, and one for each power of two at the
-        // end.
+        // Full passes have at most 2^MAX_SAMPLE_SHIFT samples. At the end there is one for each
+        // power of two.
         full = full > SAMPLES >> MAX_SAMPLE_SHIFT ? full : SAMPLES >> MAX_SAMPLE_SHIFT;
         CHECK(stats.waves <= 2 * full + MAX_SAMPLE_SHIFT + 1 || pixels * 16 > waves[i],
               "%u x %u, waves of %u: %llu waves", c->width, c->height, waves[i],

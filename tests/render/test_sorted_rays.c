@@ -1,5 +1,5 @@
-// Rays sorted by octant and cell: each ray is traced once, where its key says. That no bit of a
-// picture changes is in `render same bits`.
+// Tests rays sorted by octant and cell: each ray is traced once, at the place of its key. `render
+// same bits` tests that no bit of a picture changes.
 #include "render/counters.h"
 #include "render/wave.h"
 #include "render_fixture.h"
@@ -14,10 +14,10 @@ struct setup {
     struct scene scene;
     struct renderer r;
     struct arena arena;
-    // While a queue is sorted.
+    // Used while a queue is sorted.
     uint32_t *slots; // slots of its rays, before
     uint32_t ray_count, sorted_queue;
-    // So far.
+    // Counts so far.
     uint32_t sorted_queues, near_borders, compared;
     uint64_t sorted_rays;
     bool keys_used[SORT_KEYS];
@@ -73,8 +73,8 @@ static bool same_rays(const struct setup *s, const uint32_t *sorted)
     return same;
 }
 
-// The key in double precision, bit by bit: octant, then the bits of the cell, x last. False where
-// rounding may have put the ray into the next cell.
+// Computes the key in double precision, bit by bit: the octant, then the bits of the cell, x last.
+// Returns false if rounding may have put the ray into the neighbouring cell.
 static bool find_key(const struct setup *s, const struct gpu_path *path, uint32_t *key)
 {
     const struct flat_scene *flat = &s->r.flat;
@@ -86,8 +86,8 @@ static bool find_key(const struct setup *s, const struct gpu_path *path, uint32_
         double extent = (double)flat->bounds_max[c] - low;
         double place = extent > 0.0 ? ((double)path->origin[c] - low) / extent * cells : 0.0;
         double cell = floor(fmin(fmax(place, 0.0), cells - 1.0));
-        // 2^-20 of the scene is above what single precision rounds by, three times over. Beyond the
-        // outer borders are cells of the same number.
+        // 2^-20 of the scene is three times the rounding error of single precision. Places beyond
+        // the outer borders belong to the outermost cells.
         double border = round(place);
         is_sure &= border < 1.0 || border >= cells || fabs(place - border) > cells * 0x1p-20;
         for (int bit = 0; bit < SORT_CELL_BITS; bit++)
@@ -176,7 +176,7 @@ static void check_scene(const char *path, uint32_t least_keys)
     setup_finish(&s);
 }
 
-// A room; a room of instances; objects on a plane without end; a scene below the open sky.
+// A room; a room of instances; objects on an infinite plane; a scene under the open sky.
 TEST(each_ray_is_where_its_key_says)
 {
     check_scene("scenes/cornell.json", 100);

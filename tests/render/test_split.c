@@ -1,5 +1,5 @@
-// Scene buffers beyond the range of a storage buffer: split over several bindings the picture keeps
-// its bits, and where that cannot be it is refused in words.
+// Tests scene buffers that exceed the range of a storage buffer: divided among several bindings,
+// they give the same bits. If that is impossible, they are refused with a message.
 #include "render_fixture.h"
 
 #define SAMPLES 3
@@ -7,7 +7,7 @@
 #define SKY_WIDTH 96u
 #define SKY_HEIGHT 48u
 
-// A mesh with normals under an image of a sky: nodes, triangles, attributes and environment are
+// A mesh with normals under an environment image: nodes, triangles, attributes and environment are
 // all longer than 32 KiB.
 static bool load_long_scene(struct scene *scene, struct err *err)
 {
@@ -39,7 +39,7 @@ static bool same_bits(const struct film_image *a, const struct film_image *b)
 struct outcome {
     bool rendered;
     struct film_image film;
-    uint32_t parts, messages; // PARTS, and of the validation layers
+    uint32_t parts, messages; // the parts, as bits PARTS; messages of the validation layers
     uint32_t features;
     struct err err;
 };
@@ -73,7 +73,7 @@ static uint32_t count_split(uint32_t parts)
     return split;
 }
 
-// Opens a device of the machine or leaves the test, and renders the scene there.
+// Opens a device of the machine, or ends the test, and renders the scene there.
 #define EXPECT(scene, arena, expected)                                                             \
     do {                                                                                           \
         struct gpu first_gpu;                                                                      \
@@ -89,7 +89,7 @@ TEST(split_buffers_give_the_same_bits)
     static const struct {
         const char *name;
         struct gpu_limit_overrides limits;
-        uint32_t split; // buffers
+        uint32_t split; // number of buffers that were divided
         bool validation;
     } cases[] = {
         {"128 KiB", {.no_texel = true, .storage_range = 1u << 17}, 1},
@@ -126,7 +126,7 @@ TEST(split_buffers_give_the_same_bits)
     arena_finish(&arena);
 }
 
-// A device with the fewest bindings that Vulkan asks for here has none for parts.
+// A device with the fewest bindings that Vulkan guarantees has none for parts.
 TEST(without_bindings_it_is_refused)
 {
     const struct gpu_params params = {
@@ -155,8 +155,7 @@ static uint64_t random_between(uint64_t *state, uint32_t least_bits, uint32_t mo
     return (UINT64_C(1) << bits) + ((number >> 8) & ((UINT64_C(1) << bits) - 1));
 }
 
-// Whatever the limits are: the same bits, or an error that says which limit it was and what was
-// expected.
+// For any limits, the result has the same bits, or an error names the limit and what was expected.
 static void check_random_limits(int count)
 {
     struct scene scene;

@@ -1,6 +1,6 @@
-// The host's work for a wave in calls of Vulkan, which are counted on their way to the driver: the
-// number of submissions and barriers, and that nothing more is allocated or created. The rays of
-// probes are submitted in portions on a slow device.
+// Tests the host's work for a wave in Vulkan calls, which are counted on their way to the driver:
+// the number of submissions and barriers, and that nothing is allocated or created. On a slow
+// device, the rays of probes are submitted in portions.
 #include "render/probe/ray_probe.h"
 #include "render_fixture.h"
 #include <math.h>
@@ -8,11 +8,11 @@
 // --- counting ------------------------------------------------------------------------------------
 
 static struct calls {
-    uint32_t objects; // that were created, memory included
+    uint32_t objects; // number of objects created, including memory
     uint32_t submissions, barriers, dispatches, copies;
 } calls;
 
-// name, type of what is created
+// Name of the function, and type of the object that it creates.
 #define CREATORS(X)                                                                                \
     X(vkCreateBuffer, VkBufferCreateInfo, VkBuffer)                                                \
     X(vkCreateCommandPool, VkCommandPoolCreateInfo, VkCommandPool)                                 \
@@ -104,7 +104,8 @@ static VKAPI_ATTR void VKAPI_CALL count_vkCmdCopyBuffer(VkCommandBuffer commands
     real_vkCmdCopyBuffer(commands, from, to, count, regions);
 }
 
-// Opening the first device sets volk's pointers: afterwards these stand between.
+// Opening the first device sets volk's pointers. Afterwards, the functions of this test are put in
+// their place.
 static void count_calls(void)
 {
 #define INTERPOSE(name)                                                                            \
@@ -125,7 +126,7 @@ static void count_calls(void)
 
 // --- waves ---------------------------------------------------------------------------------------
 
-#define SAMPLES 16u // after the first, which compiles and makes what is kept
+#define SAMPLES 16u // few enough for a single submission
 #define BOUNCES 4u  // few enough for one submission
 
 // The expected calls for a wave. With pacing, submissions are cut by time.

@@ -1,7 +1,6 @@
-// A plane under environments and suns, whose irradiance is known by direct quadrature of the image
-// in double precision; closed forms (docs/verification.md, B24 and B25) are in
-// src/check/forms_environments.c. By multiple importance sampling, and by each estimator that finds
-// the light.
+// Tests a plane under environments and suns, whose irradiance is computed by quadrature of the
+// image in double precision; src/check/forms_environments.c has closed forms (docs/verification.md,
+// B24 and B25). Uses multiple importance sampling, and each estimator that finds the light.
 #include "base/clock.h"
 #include "check/estimators.h"
 #include "check/replicates.h"
@@ -13,7 +12,8 @@
 
 static const double albedo[3] = {0.8, 0.5, 0.2};
 
-// Half-width of the 95 % confidence interval and bias, relative to the value: as of closed forms.
+// Limits of the half-width of the 95 % confidence interval and of the bias, relative to the value,
+// as for closed forms.
 #define HALF_WIDTH_MAX 1e-3
 #define BIAS_MAX 3e-3
 #define ROUNDING_MAX 2e-5
@@ -21,21 +21,21 @@ static const double albedo[3] = {0.8, 0.5, 0.2};
 
 struct form {
     const char *name;
-    // Sets the environment of a scene whose plane has this normal, and gives the irradiance.
+    // Sets the environment of a scene whose plane has this normal, and computes the irradiance.
     bool (*surround)(struct scene *scene, const struct form *form, double irradiance[3],
                      struct err *err);
     double parameter;
     double normal[3];
-    double rotation;   // rotation of the environment, radians
-    unsigned alone;    // which estimators besides MIS find the light in reasonable time
+    double rotation;   // rotation of the environment, in radians
+    unsigned alone;    // estimators besides MIS that find the light in reasonable time
     uint32_t filter;   // ENVIRONMENT_FILTER_*
-    bool by_luminance; // ESTIMATOR_MIS is held against it in the short test, too
+    bool by_luminance; // the short test also runs ESTIMATOR_MIS
 };
 enum { NEE_ALONE = 1, BSDF_ALONE = 2, EACH_ALONE = 3 };
 
 // --- quadrature ----------------------------------------------------------------------------------
 
-// Integrates max(0, n . d) over a texel, by the midpoints of PARTS x PARTS patches of equal solid
+// Integrates max(0, n . d) over a texel, by the centres of PARTS x PARTS patches of equal solid
 // angle.
 #define PARTS 4
 
@@ -46,7 +46,7 @@ static double cosine_integral(const struct environment *e, uint32_t column, uint
     for (int i = 0; i < PARTS * PARTS; i++) {
         double y = top + (bottom - top) * (i / PARTS + 0.5) / PARTS, radius = sqrt(1 - y * y);
         double angle = 2 * M_PI * ((column + (i % PARTS + 0.5) / PARTS) / e->width - 0.5);
-        angle -= e->rotation; // from +X towards +Z, against which the environment turns
+        angle -= e->rotation; // from +X towards +Z, opposite to the rotation of the environment
         double cosine = n[0] * radius * cos(angle) + n[1] * y + n[2] * radius * sin(angle);
         sum += fmax(cosine, 0);
     }
@@ -66,8 +66,8 @@ static void integrate_texels(const struct environment *e, const double n[3], dou
         }
 }
 
-// Integrates max(0, n . d) times each corner's weight over a cell between centres of texels, by the
-// midpoints of patches of equal angles.
+// Integrates max(0, n . d) times each corner's weight over a cell between the centres of texels, by
+// the centres of patches of equal angles.
 static void corner_integrals(const struct environment *e, uint32_t column, uint32_t row,
                              const double n[3], double weights[4])
 {
@@ -119,8 +119,8 @@ static bool set_image(struct scene *scene, uint32_t width, uint32_t height, stru
     return e->texels || err_memory(err, "texels", (uint64_t)width * height * sizeof *e->texels);
 }
 
-// docs/verification.md, C33: one texel of radiance 1e6, about a degree of longitude wide,
-// among others of `parameter`. C34: far beyond half precision.
+// docs/verification.md, C33: one texel of radiance 1e6, with a width of about a degree of
+// longitude, among others of radiance `parameter`. C34: far beyond half precision.
 #define SUN_WIDTH 1024
 #define SUN_HEIGHT 512
 #define SUN_ROW 140
@@ -141,8 +141,8 @@ static bool surround_with_sun(struct scene *scene, const struct form *form, doub
     return true;
 }
 
-// Few texels, of which every third is black, so that cells reach across poles and edges. The
-// quadrature wants more points than those of fine images: it is of each texel in 64 x 64.
+// An image with few texels, every third of which is black, so that cells extend across poles and
+// edges. The quadrature needs more points than for fine images: 64 x 64 per texel.
 static bool surround_with_chart(struct scene *scene, const struct form *form, double irradiance[3],
                                 struct err *err)
 {
@@ -196,7 +196,7 @@ static bool surround_with_data(struct scene *scene, const struct form *form, dou
                  files[(int)form->parameter]);
     FILE *file = fopen(path, "rb");
     if (!file) {
-        irradiance[0] = -1; // not there: nothing to check
+        irradiance[0] = -1; // the light is below the horizon, so nothing is tested
         return true;
     }
     fclose(file);
@@ -222,8 +222,8 @@ static bool surround_with_sky(struct scene *scene, const struct form *form, doub
     return true;
 }
 
-// The irradiance of a sun on a plane is that which it states times the cosine, however wide it is,
-// where all of it is above the horizon.
+// The irradiance of a sun on a plane is the stated one times the cosine, for any width, if all of
+// the sun is above the horizon.
 static bool surround_with_light(struct scene *scene, const struct form *form, double irradiance[3],
                                 struct err *err)
 {
@@ -241,8 +241,8 @@ static bool surround_with_light(struct scene *scene, const struct form *form, do
     return true;
 }
 
-// An even image, seen through a veil around the eye that lets 0.7 through, or in a ball of glass
-// instead of the plane, which shows what is behind it.
+// A constant image is seen through a veil around the camera, which transmits 0.7, or in a ball of
+// glass in place of the plane, through which the environment is visible.
 static bool surround_with_shape(struct scene *scene, const struct form *form, double irradiance[3],
                                 struct err *err)
 {
@@ -260,7 +260,7 @@ static bool surround_with_shape(struct scene *scene, const struct form *form, do
     const char *name = is_glass ? "glass" : "veil";
     while (strcmp(scene->materials[shape->material].name, name) != 0)
         shape->material++;
-    // Glass stands in the plane's place: what is seen is the radiance itself.
+    // Glass is in the place of the plane, so the visible radiance is the environment's.
     for (int c = 0; c < 3; c++)
         irradiance[c] = M_PI * (1 << c) * (is_glass ? 1 / albedo[c] : 0.7);
     return true;
@@ -396,8 +396,8 @@ TEST(by_every_estimator)
 
 // --- what the camera sees ------------------------------------------------------------------------
 
-// Looking up, each pixel: a sun's radiance is its irradiance over pi sin^2 of its radius, on top of
-// what is behind it.
+// The camera looks upwards. In each pixel, the radiance of a sun is its irradiance over pi sin^2 of
+// its radius, added to the environment behind it.
 TEST(seen_by_the_camera)
 {
     static const struct form form = {"", surround_with_light, 2, UP, 0, 0};
@@ -428,7 +428,8 @@ TEST(seen_by_the_camera)
     gpu_close(&gpu);
 }
 
-// No light by the texels, by the factor, or none above the plane (docs/verification.md, C35).
+// There is no light because of the texels, of the factor, or because only texels below the plane
+// emit (docs/verification.md, C35).
 static bool surround_with_black(struct scene *scene, const struct form *form, double irradiance[3],
                                 struct err *err)
 {
@@ -472,7 +473,7 @@ TEST(black_surroundings)
     gpu_close(&gpu);
 }
 
-// Waves of another size, and all features compiled in, give the same bits.
+// Other wave sizes, and all features compiled in, give the same bits.
 TEST(same_bits)
 {
     static const struct form form = {"", surround_with_sky, 40, TILTED, 1, 0};

@@ -1,18 +1,19 @@
-// Two waves in flight: the last bounces of one beside the first ones of the next. That both are at
-// once, and that no bit of a picture changes, is shown on any device by asking for it.
+// Tests two waves in flight: the last bounces of one run together with the first ones of the next.
+// By explicit request, any device shows that both run at once, and that no bit of a picture
+// changes.
 #include "base/log.h"
 #include "check/bits.h"
 #include "render/probe/replay.h"
 #include "render_fixture.h"
 
-#define WAVE 352u // neither a power of two nor a divisor of the picture's pixels
+#define WAVE 352u // neither a power of two nor a divisor of the number of pixels
 #define SAMPLES 5u
 
 struct setup {
     struct gpu gpu;
     struct scene scene;
     struct arena arena;
-    struct film_image expected; // by one wave at a time
+    struct film_image expected; // rendered with one wave at a time
 };
 
 struct method {
@@ -39,7 +40,7 @@ static bool setup_create(struct setup *s, const struct method *method, struct er
     return true;
 }
 
-// The usual scene with waves that are small, for two of them.
+// Makes a renderer for the usual scene with two small waves.
 static bool create_usual(struct setup *s, struct renderer *r, struct err *err)
 {
     const struct renderer_params params = {.gpu = &s->gpu, .scene = &s->scene, .wave = WAVE};
@@ -62,8 +63,8 @@ static void check_film(struct setup *s, struct renderer *r, const char *what)
     CHECK(bits_are_same(&film, &s->expected), "%s: different", what);
 }
 
-// Scenes that end within the bounces of one submission, and that take several; with one queue of
-// hits and with many; with several shadow rays a vertex, which are traced one after the other.
+// Scenes that end within the bounces of one submission, and that need several; with one queue of
+// hits and with many; with several shadow rays per vertex, which are traced one after the other.
 TEST(same_bits)
 {
     static const struct method rows[] = {
@@ -81,7 +82,7 @@ TEST(same_bits)
         const struct renderer_params params = {.gpu = &s.gpu, .scene = &s.scene, .wave = WAVE};
         REQUIRE_OK(renderer_create(&params, &r, &err));
         REQUIRE_OK(renderer_render(&r, &(struct render_call){.samples = SAMPLES}, &err));
-        // Without bounces two waves begin and end together.
+        // Without bounces, two waves begin and end together.
         CHECK(r.stats.waves_ahead * 2 >= r.stats.waves, "%s: %llu of %llu waves were begun ahead",
               rows[i].path, (unsigned long long)r.stats.waves_ahead,
               (unsigned long long)r.stats.waves);
@@ -97,7 +98,7 @@ struct disturbance {
     bool replays, stopped;
 };
 
-// Uses the memory of the wave that is in flight, or stops while one is.
+// Uses the memory of the wave in flight, or stops while there is one.
 static bool disturb(void *context, struct err *err)
 {
     struct disturbance *d = context;
@@ -146,8 +147,8 @@ TEST(stops_with_both_in_the_film)
     check_disturbed(false);
 }
 
-// A wave that is void leaves the film alone, and so does the one that was begun ahead: both are
-// traced again, one at a time, because their rays may be suspended.
+// A wave that is discarded does not change the film, nor does the one that was begun ahead. Both
+// are traced again, one at a time, because their rays may be suspended.
 TEST(void_waves)
 {
     struct setup s = {0};
@@ -167,7 +168,7 @@ TEST(void_waves)
     setup_finish(&s);
 }
 
-// Checks how many waves in flight a renderer plans; nothing of that reaches the device.
+// Checks how many waves in flight a renderer plans, without using the device.
 static void check_choice(struct setup *s, const char *what, uint32_t wave, bool tiles,
                          uint32_t expected)
 {
@@ -222,8 +223,8 @@ static void keep_warning(void *context, enum log_level level, const char *messag
     snprintf(warned, sizeof warned, "%s", message);
 }
 
-// Where only an allocation tells that memory is too little for two, one wave of the wanted size is
-// had before both are halved.
+// If only an allocation shows that memory is too small for two waves, one wave of the requested
+// size is tried before both are halved.
 TEST(one_where_allocations_fail)
 {
     struct setup s = {0};

@@ -1,4 +1,4 @@
-// The size of waves is chosen by measured speed, here of a simulated device.
+// Tests the size of waves, which is chosen by measured speed, here of a simulated device.
 #include "render/wave_size.h"
 
 #include "metrics/random.h"
@@ -7,7 +7,8 @@
 
 #define USUAL (1u << 16)
 
-// ns a ray: in waves of `best` samples 100, by `slope` more for each factor of four to either side.
+// Nanoseconds per ray: 100 in waves of `best` samples, and `slope` more for each factor of four in
+// either direction.
 struct device {
     double best, slope, noise;
     uint64_t random;
@@ -20,7 +21,7 @@ static double ns_a_ray(struct device *d, uint32_t samples)
     return 100.0 * pow(d->slope, steps) * noise;
 }
 
-// Renders so many samples. Returns the part of them that had waves of `size`.
+// Renders this many samples. Returns the fraction of them in waves of `size`.
 static double run(struct device *d, struct wave_size *w, double samples, uint32_t size)
 {
     double done = 0.0, in_size = 0.0;
@@ -53,7 +54,7 @@ TEST(a_device_that_changes_is_followed)
     struct wave_size w;
     wave_size_begin(&w, true, WAVE_SIZE_MOST);
     run(&device, &w, 0x1p26, WAVE_SIZE_MOST);
-    device.best = WAVE_SIZE_LEAST; // another program takes its processors
+    device.best = WAVE_SIZE_LEAST; // another program uses its processors
     run(&device, &w, 0x1p26, WAVE_SIZE_LEAST);
     double part = run(&device, &w, 0x1p24, WAVE_SIZE_LEAST);
     CHECK(part > 0.9, "%.3f of the samples in the smallest waves", part);
