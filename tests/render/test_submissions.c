@@ -126,10 +126,10 @@ static void count_calls(void)
 
 // --- waves ---------------------------------------------------------------------------------------
 
-#define SAMPLES 16u // few enough for a single submission
-#define BOUNCES 4u  // few enough for one submission
+#define SAMPLES 16u // after the first samples, for which kernels are compiled
+#define BOUNCES 4u  // few enough for a single submission
 
-// The expected calls for a wave. With pacing, submissions are cut by time.
+// The expected calls for a wave. With pacing, submissions are divided by time.
 struct expected {
     const char *path;
     struct gpu_limit_overrides limits;
@@ -187,7 +187,7 @@ TEST(a_wave_creates_nothing)
     static const struct expected rows[] = {
         {"scenes/cornell.json", {0}, 1, 18, 21, 0},
         {"scenes/classical.json", {0}, 1, 23, 36, 0},
-        // As on a device whose memory the host does not see.
+        // As on a device whose memory the host cannot access.
         {"scenes/cornell.json", {.no_mapped_device = true}, 1, 18, 21, 1},
         {"scenes/classical.json", {.no_mapped_device = true}, 1, 23, 36, 1},
     };
@@ -196,8 +196,8 @@ TEST(a_wave_creates_nothing)
         check_waves(&rows[i]);
 }
 
-// A device whose workgroups take 2 ms, and that is lost after 250 ms: all rays at once would take
-// more.
+// The device's workgroups take 2 ms, and it is lost after 250 ms, which all rays at once would
+// exceed.
 TEST(probes_are_paced)
 {
     enum { RAYS = 16000 };
