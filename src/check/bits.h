@@ -23,8 +23,8 @@ struct bits_variant {
 extern const struct bits_variant bits_variants[];
 extern const size_t bits_variant_count;
 
-// Renders the scene as the variant says. With limits it does not use `gpu` itself, but opens the
-// same device again.
+// Renders the scene as the variant specifies. With limits, it opens the same device again instead
+// of using `gpu`.
 bool bits_render(struct gpu *gpu, const struct scene *scene, const struct bits_variant *variant,
                  struct arena *arena, struct film_image *film, struct err *err);
 bool bits_are_same(const struct film_image *a, const struct film_image *b);

@@ -153,7 +153,7 @@ static bool step(struct lampyris_render *render, const struct lampyris_goal *goa
         return false;
     }
     return !render->job.stopped ||
-           err_set(err, ERR_STOPPED, "rendering was stopped; the next step goes on");
+           err_set(err, ERR_STOPPED, "rendering was stopped; the next step continues it");
 }
 
 enum lampyris_status lampyris_render_step(struct lampyris_render *render,

@@ -409,7 +409,7 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     if (lights->unmet > total.error)
         out->reason = "no sample has hit a small emitter that is in view";
     else if (unseen.error > unseen_negligible * out->local_relmse)
-        out->reason = "no path has found the brightest light that is found by chance alone";
+        out->reason = "no path has hit the brightest light, which paths find only by chance";
     else if (!(out->ci_high <= factor_max * out->ci_low && total.most <= open_max * total.least))
         out->reason = "few pixels have most of the error";
     out->known = !out->reason;

@@ -181,7 +181,7 @@ class Outlook(Checks):
     def test_why_it_is_a_bound(self):
         """No finding mentions caustics that no sample has found, but the outlook allows for them."""
         self.assertRegex(self.lines(0.01), 'takes at most [0-9]{6} spp, .*; at most, since no path '
-                         'has found the brightest light that is found by chance alone\n$')
+                         'has hit the brightest light, which paths find only by chance\n$')
         self.assertRegex(self.lines(0.1), 'takes about [0-9]{4} spp, .* on the device\n$')
 
 

@@ -378,19 +378,20 @@ static void put_explanation(struct page *page)
         "<h2>How to read this</h2>\n<p>The error is the local relMSE, mean (x &minus; "
         "r)&sup2; / (L&sup2; + 0.01), where L is the mean of the reference r around a pixel by a "
         "Gaussian of 1.5 pixels. Errors are geometric means over replicates, other metrics "
-        "means, with 95 % intervals of Student's t. Seconds are of rendering alone; start is "
-        "loading, building and compiling, and counts in the times to an error. &#8776; marks those "
-        "that are extrapolated as if the error fell with 1/t; their intervals allow for the slope "
+        "means, with 95 % intervals by Student's t. Seconds are rendering time; the start "
+        "(loading, "
+        "building and compiling) is included only in the times to reach an error. &#8776; marks "
+        "times that are extrapolated as if the error decreased with 1/t; their intervals allow for "
+        "the measured slope. Efficiency is 1 / (local relMSE &times; seconds), or "
+        "1 / (MSE &times; seconds). Pairs are compared seed by seed. Bias is the part of relMSE "
         "that "
-        "was found. Efficiency is 1 / (local relMSE &times; seconds), and "
-        "1 / (MSE &times; seconds). Pairs are compared seed by seed. Bias is what of relMSE more "
-        "samples would not remove: there is some where the interval is above 0.</p>\n",
+        "more samples do not remove: the method is biased if its interval is above 0.</p>\n",
         page->html.out);
 }
 
 static void put_commands(struct page *page)
 {
-    fputs("<h3>The first replicate's pictures again</h3>\n<pre>", page->html.out);
+    fputs("<h3>Commands that render the first replicate's pictures</h3>\n<pre>", page->html.out);
     for (uint32_t i = 0; i < page->c->curve_count; i++) {
         html_text(&page->html, page->c->curves[i].command);
         fprintf(page->html.out, "  # %016" PRIx64 "\n", page->c->curves[i].image_hash);
