@@ -99,7 +99,7 @@ class LostDevice(unittest.TestCase):
         report, messages = self.rescued('--size', '128x128', '--wave', '512', '--spp', '17',
                                         '--lose-device', '400')
         self.assertEqual((report['spp'], report['spp_most']), (1, 17))
-        self.assertIn('no --spp makes it again', messages)
+        self.assertIn('no --spp renders it again', messages)
         with open(self.path('lost.exr'), 'rb') as file:
             self.assertNotIn(b'lampyris:repeat', file.read(20000))
 
