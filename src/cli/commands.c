@@ -24,7 +24,8 @@ const struct command commands[COMMAND_TOTAL] = {
             .examples = "lampyris render scenes/cornell.json -o cornell.exr -o cornell.png\n"
                         "lampyris render scenes/models/vase.glb --spp 256 --size 1280x720\n"
                         "lampyris render scenes/models/vase.glb --env scenes/models/gallery.hdr\n"
-                        "lampyris render scenes/cornell.json --error 1e-3 --checkpoint c.ck",
+                        "lampyris render scenes/cornell.json --error 1e-3 --checkpoint c.ck\n"
+                        "lampyris render scenes/models/vase.glb --turntable 48 -o turn.mp4",
             .min_arguments = 1,
             .max_arguments = 1,
         },

@@ -40,7 +40,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .common = FOR_RENDER | FOR_MERGE | FOR_SUBMIT,
         .brief = "Write FILE, .exr, .png, .jpg, .hdr or .pfm; several may be given.",
         .help = "Write the picture to FILE. Its extension chooses the format: .exr, .hdr and .pfm "
-                "are linear, .png and .jpg are tone-mapped. May be given several times.",
+                "are linear, .png and .jpg are tone-mapped. May be given several times. Pictures of "
+                "--turntable and --at START:END:FPS are numbered from 1, where the name has #### or "
+                "%04d, else before the extension; .mp4 and .webm are their video, by ffmpeg.",
     },
     [OPTION_SIZE] = {
         .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
@@ -145,12 +147,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
         FIELD(scene.animation),
     },
     [OPTION_AT] = {
-        .name = "at", .argument = "SECONDS", .type = VALUE_REAL, .min = 0, .max = OPTION_TIME_MAX,
+        .name = "at", .argument = "SECONDS|START:END:FPS", .type = VALUE_AT, .min = 0, .max = OPTION_TIME_MAX,
         .group = "Scene", .commands = FOR_SCENE,
         .fallback = "no animation",
         .help = "Show the animation of a glTF file at this time. Before its first keyframe and "
-                "after its last one, nothing moves.",
-        FIELD(scene.at_seconds),
+                "after its last one, nothing moves. With START:END:FPS, render writes numbered "
+                "pictures of the animation: the first at START, FPS per second, without END.",
     },
     [OPTION_VARIANT] = {
         .name = "variant", .argument = "NAME", .type = VALUE_TEXT, .group = "Scene",
@@ -235,30 +237,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         FIELD(scene.allow_outside_paths),
     },
 
-    [OPTION_FRAMES] = {
-        .name = "frames", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = UINT32_MAX,
-        .group = "Frames", .commands = FOR_RENDER, .fallback = "one picture of --spp samples",
-        .help = "Render exactly N frames of --spp-per-frame samples each. N frames of K samples "
-                "equal --spp N*K bit for bit.",
-        FIELD(render.frames),
-    },
-    [OPTION_SPP_PER_FRAME] = {
-        .name = "spp-per-frame", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = SETTINGS_SPP_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "1",
-        .help = "Samples per pixel of one frame.", FIELD(render.spp_per_frame),
-    },
-    [OPTION_EVERY] = {
-        .name = "every", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = UINT32_MAX,
-        .group = "Frames", .commands = FOR_RENDER, .fallback = "only after the last frame",
-        .help = "Write a numbered picture after every N frames.", FIELD(render.every),
-    },
-    [OPTION_ACCUMULATE] = {
-        .name = "accumulate", .argument = "on|off", .type = VALUE_SWITCH, .group = "Frames",
-        .commands = FOR_RENDER, .fallback = "on",
-        .help = "On: each frame adds its samples to those of the frames before. Off: each frame is "
-                "a separate picture with other samples.",
-        FIELD(render.accumulate),
-    },
+#include "cli/option_rows_frames.h"
+
     [OPTION_CHECKPOINT] = {
         .name = "checkpoint", .argument = "FILE", .type = VALUE_TEXT, .group = "Frames",
         .commands = FOR_RENDER | FOR_MERGE, .fallback = "none is written",
@@ -281,7 +261,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Continue from the file of --checkpoint, or begin if it does not exist. The "
                 "picture is bit for bit that of an uninterrupted run, whatever --wave is. The "
                 "scene, the device and the settings must be those of the checkpoint; --spp, "
-                "--time, --error, --frames and the outputs may differ.",
+                "--time, --error, --frames and the outputs may differ. With --turntable and --at "
+                "START:END:FPS: skip the pictures that are finished, according to the metadata of "
+                "their files (EXR, PNG); files of another sequence are an error.",
         FIELD(render.resume),
     },
 
@@ -763,6 +745,8 @@ static bool is_of_all_shards(const struct option_def *def)
     case OPTION_TIME:
     case OPTION_ERROR:
     case OPTION_ADAPTIVE:
+    case OPTION_TURNTABLE:
+    case OPTION_FPS:
     case OPTION_FRAMES:
     case OPTION_SPP_PER_FRAME:
     case OPTION_EVERY:

@@ -247,9 +247,45 @@ static bool store_environment(const char *text, struct options *options, struct 
     return true;
 }
 
+// Parses START:END:FPS after the START, whose colon `text` begins with.
+static bool parse_range(const struct option_def *def, const char *text, const char *whole,
+                        struct sequence_options *out, struct err *err)
+{
+    const char *rest;
+    if (!parse_real(text + 1, &out->end, &rest) || *rest != ':' ||
+        !parse_real(rest + 1, &out->frames_per_s, &rest) || *rest)
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form START:END:FPS, as in 0:2:24",
+                       whole);
+    if (!check_range(def->min, def->max, out->end, whole, err))
+        return false;
+    if (!(out->end > out->start))
+        return err_set(err, ERR_USAGE, "\"%s\" ends before it begins; expected START < END", whole);
+    if (!(out->frames_per_s >= SEQUENCE_FPS_MIN && out->frames_per_s <= SEQUENCE_FPS_MAX))
+        return err_set(err, ERR_USAGE, "\"%s\": FPS is outside [%g, %g]", whole, SEQUENCE_FPS_MIN,
+                       SEQUENCE_FPS_MAX);
+    return (out->end - out->start) * out->frames_per_s <= SEQUENCE_FRAMES_MAX ||
+           err_set(err, ERR_USAGE, "\"%s\" is more than %u pictures", whole, SEQUENCE_FRAMES_MAX);
+}
+
+// The first pose of a range is the scene's.
+static bool store_at(const struct option_def *def, const char *text, struct options *options,
+                     struct err *err)
+{
+    struct sequence_options *sequence = &options->render.sequence;
+    const char *rest;
+    double start;
+    if (!parse_real(text, &start, &rest) || (*rest && *rest != ':'))
+        return err_set(err, ERR_USAGE, "\"%s\" is not a finite number, nor START:END:FPS", text);
+    if (!check_range(def->min, def->max, start, text, err))
+        return false;
+    options->scene.at_seconds = sequence->start = start;
+    sequence->is_animation = *rest == ':';
+    return !sequence->is_animation || parse_range(def, rest, text, sequence, err);
+}
+
 static bool store_output(const char *text, struct options *options, struct err *err)
 {
-    if (!image_check_format(text, err))
+    if (!output_is_video(text) && !image_check_format(text, err))
         return false;
     for (uint32_t i = 0; i < options->render.output_count; i++)
         if (strcmp(options->render.outputs[i], text) == 0)
@@ -434,6 +470,8 @@ bool option_store(const struct option_def *def, const char *text, struct options
         return store_real_pair(def, text, options, err);
     case VALUE_ENVIRONMENT:
         return store_environment(text, options, err);
+    case VALUE_AT:
+        return store_at(def, text, options, err);
     case VALUE_OUTPUT:
         return store_output(text, options, err);
     case VALUE_DEFINE:

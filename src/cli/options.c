@@ -1,5 +1,6 @@
 #include "cli/options.h"
 
+#include "base/file.h"
 #include "base/suggest.h"
 #include "cli/commands.h"
 #include "cli/shard.h"
@@ -180,7 +181,7 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_ERROR, OPTION_FRAMES, false},
         {OPTION_ADAPTIVE, OPTION_FRAMES, false},
         {OPTION_CHECKPOINT_EVERY, OPTION_CHECKPOINT, true},
-        {OPTION_RESUME, OPTION_CHECKPOINT, true},
+        {OPTION_FPS, OPTION_TURNTABLE, true},
         {OPTION_SHARD, OPTION_PIXEL, false},
         {OPTION_SHARD, OPTION_TRACE, false},
         {OPTION_STATUS, OPTION_OUTPUT, false},
@@ -208,6 +209,56 @@ static bool check_combinations(const struct options *options, struct err *err)
                        rules[i].together ? "--%s needs --%s" : "--%s and --%s exclude each other",
                        name, other);
     }
+    return true;
+}
+
+bool options_have_sequence(const struct options *options)
+{
+    const struct sequence_options *sequence = &options->render.sequence;
+    return sequence->views > 0 || sequence->is_animation;
+}
+
+bool output_is_video(const char *path)
+{
+    return path_has_extension(path, "mp4") || path_has_extension(path, "webm");
+}
+
+// What is about one picture does not go with several.
+static bool check_sequence(const struct options *options, struct err *err)
+{
+    static const enum option_id of_one_picture[] = {
+        OPTION_FRAMES, OPTION_CHECKPOINT, OPTION_SHARD,   OPTION_REFERENCE,
+        OPTION_TRACE,  OPTION_TEV,        OPTION_EXPLAIN, OPTION_PIXEL};
+    const struct sequence_options *sequence = &options->render.sequence;
+    const char *name = sequence->views > 0 ? "--turntable" : "--at START:END:FPS";
+    if (sequence->is_animation && options->command != &commands[COMMAND_RENDER])
+        return err_set(err, ERR_USAGE,
+                       "--at START:END:FPS: only render makes several pictures; expected --at "
+                       "SECONDS");
+    if (sequence->is_animation && sequence->views > 0)
+        return err_set(err, ERR_USAGE,
+                       "--turntable and --at START:END:FPS exclude each other; expected --at "
+                       "SECONDS, the pose that is turned");
+    for (size_t i = 0; i < sizeof of_one_picture / sizeof of_one_picture[0]; i++)
+        if (options_given(options, of_one_picture[i]))
+            return err_set(err, ERR_USAGE, "%s and --%s exclude each other", name,
+                           option_table[of_one_picture[i]].name);
+    return true;
+}
+
+// Checks options that have one meaning for a sequence and another one, or none, without it.
+static bool check_without_sequence(const struct options *options, struct err *err)
+{
+    if (options_given(options, OPTION_RESUME) && !options_given(options, OPTION_CHECKPOINT))
+        return err_set(err, ERR_USAGE,
+                       "--resume needs --checkpoint, or the pictures of --turntable or --at "
+                       "START:END:FPS");
+    for (uint32_t i = 0; i < options->render.output_count; i++)
+        if (output_is_video(options->render.outputs[i]))
+            return err_set(err, ERR_USAGE,
+                           "--output: \"%s\" is a video; expected --turntable or --at "
+                           "START:END:FPS, whose pictures it shows",
+                           options->render.outputs[i]);
     return true;
 }
 
@@ -254,7 +305,9 @@ static bool check(const struct options *options, struct err *err)
     if (options->argument_count < command->min_arguments)
         return err_set(err, ERR_USAGE, "too few arguments: expected %s %s", command->name,
                        command->arguments);
-    if (!check_combinations(options, err))
+    if (!check_combinations(options, err) ||
+        !(options_have_sequence(options) ? check_sequence(options, err)
+                                         : check_without_sequence(options, err)))
         return false;
     if (command == &commands[COMMAND_COMPARE] && options->scene.settings.exposure_is_auto)
         return err_set(err, ERR_USAGE,
@@ -405,6 +458,7 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
                                       .environment_strength = NAN,
                                       .anisotropy = true},
                             .render.spp_per_frame = 1,
+                            .render.sequence.frames_per_s = 24.0,
                             .render.checkpoint_seconds = 60.0,
                             .render.reopens = 2,
                             .converge.replicates = 16,

@@ -22,7 +22,10 @@ struct progress;
 
 #define OPTIONS_ARGUMENTS_MAX 16     // except for merge
 #define OPTIONS_PARTS_MAX UINT32_MAX // the greatest number of parts for merge
-#define OPTION_TIME_MAX 1e9          // greatest value of --time, seconds
+#define SEQUENCE_FRAMES_MAX 1000000u
+#define SEQUENCE_FPS_MIN 0.001
+#define SEQUENCE_FPS_MAX 1000.0
+#define OPTION_TIME_MAX 1e9 // greatest value of --time, seconds
 
 // The options, in the order of option_table and of the help.
 enum option_id {
@@ -53,6 +56,8 @@ enum option_id {
     OPTION_DEFINE,
     OPTION_STRICT,
     OPTION_ALLOW_OUTSIDE_PATHS,
+    OPTION_TURNTABLE,
+    OPTION_FPS,
     OPTION_FRAMES,
     OPTION_SPP_PER_FRAME,
     OPTION_EVERY,
@@ -149,6 +154,7 @@ enum option_type {
     VALUE_PAIR,        // X,Y; two uint32_t
     VALUE_REAL_PAIR,   // X,Y, or X:Y in lists; two double
     VALUE_ENVIRONMENT, // FILE or R,G,B
+    VALUE_AT,          // SECONDS or START:END:FPS; scene.at_seconds, and render.sequence
     // Options that may be repeated. Each has a list of its own:
     VALUE_OUTPUT,
     VALUE_DEFINE, // KEY=VALUE
@@ -206,6 +212,14 @@ struct device_options {
     enum instancing instances;
 };
 
+// A render of several numbered pictures. At most one of the first two is set.
+struct sequence_options {
+    uint32_t views;      // of --turntable; 0: not given
+    bool is_animation;   // --at has a range
+    double start, end;   // seconds of an animation; the end is not included
+    double frames_per_s; // of the animation, or of a turntable's video
+};
+
 struct render_options {
     const char **outputs;
     uint32_t output_count;
@@ -215,6 +229,7 @@ struct render_options {
     double error;        // upper bound of the local relMSE at which to stop; 0: no limit
     bool adaptive;       // each tile has a number of samples of its own
 
+    struct sequence_options sequence;
     uint32_t frames, spp_per_frame; // 0 frames: one image of settings.spp samples
     uint32_t every;                 // number of frames after which an image is written; 0: only at
                                     // the end
@@ -362,6 +377,12 @@ bool option_store(const struct option_def *def, const char *text, struct options
                   struct err *err);
 // Records that the option was given.
 void option_mark(const struct option_def *def, struct options *options);
+
+// Returns whether several numbered pictures are rendered: --turntable, or --at with a range.
+bool options_have_sequence(const struct options *options);
+
+// Returns whether an output is the video of a sequence, by its extension.
+bool output_is_video(const char *path);
 
 // Quotes a word for a shell. Returns the end of the output. `out` must have room for 4 bytes per
 // byte of the word, plus 3.

@@ -342,8 +342,8 @@ bool image_read(const struct image_read_params *params, struct arena *arena, str
     return ok;
 }
 
-static bool decode_attributes(const struct image_source *source, struct arena *arena,
-                              struct image_attribute **out, uint32_t *count, struct err *err)
+static bool decode_attributes_of(const struct image_source *source, struct arena *arena,
+                                 struct image_attribute **out, uint32_t *count, struct err *err)
 {
     switch (format_of_bytes(source->data, source->size)) {
     case FORMAT_EXR:
@@ -355,6 +355,18 @@ static bool decode_attributes(const struct image_source *source, struct arena *a
     }
 }
 
+bool image_decode_attributes(const void *data, size_t size, const char *path, struct arena *arena,
+                             struct image_attribute **out, uint32_t *count, struct err *err)
+{
+    struct image_source source = {.path = path, .data = data, .size = size};
+    uint64_t failures = memory_failures();
+    *out = NULL;
+    *count = 0;
+    bool ok = decode_attributes_of(&source, arena, out, count, err);
+    ok = had_memory(failures, ok, "a decoder", err);
+    return ok || err_prepend(err, "%s", path);
+}
+
 bool image_read_attributes(const char *path, struct arena *arena, struct image_attribute **out,
                            uint32_t *count, struct err *err)
 {
@@ -362,13 +374,8 @@ bool image_read_attributes(const char *path, struct arena *arena, struct image_a
     struct file_bytes file;
     *out = NULL;
     *count = 0;
-    bool ok = file_read(&scratch, path, FILE_BYTES_MAX, &file, err);
-    if (ok) {
-        struct image_source source = {.path = path, .data = file.data, .size = file.size};
-        uint64_t failures = memory_failures();
-        ok = decode_attributes(&source, arena, out, count, err);
-        ok = had_memory(failures, ok, "a decoder", err) || err_prepend(err, "%s", path);
-    }
+    bool ok = file_read(&scratch, path, FILE_BYTES_MAX, &file, err) &&
+              image_decode_attributes(file.data, file.size, path, arena, out, count, err);
     arena_finish(&scratch);
     return ok;
 }

@@ -120,6 +120,9 @@ bool image_has_encoding(const void *data, size_t size);
 // of a PNG. *out is allocated in the arena.
 bool image_read_attributes(const char *path, struct arena *arena, struct image_attribute **out,
                            uint32_t *count, struct err *err);
+// Reads them from the bytes of a file, whose name is for messages.
+bool image_decode_attributes(const void *data, size_t size, const char *path, struct arena *arena,
+                             struct image_attribute **out, uint32_t *count, struct err *err);
 
 #define HALF_MAX 65504.0f // (2 - 2^-10) 2^15, the greatest finite half
 

@@ -13,6 +13,24 @@ bool job_set_camera(struct job *job, const struct camera *camera, uint32_t width
     return renderer_set_camera(&job->renderer, camera, width, height, fits, err);
 }
 
+bool job_begin_view(struct job *job, const struct camera *camera, bool *fits, struct err *err)
+{
+    const struct gpu_frame *frame = &job->renderer.frame;
+    if (!renderer_set_camera(&job->renderer, camera, frame->width, frame->height, fits, err))
+        return false;
+    if (!*fits)
+        return true;
+    job->renderer.stats = (struct render_stats){0};
+    job->seconds = (struct job_seconds){0};
+    job->begun_seconds = job->looks_error = 0.0;
+    job->ended_by = ENDED_BY_SAMPLES;
+    job->is_rendering = job->stopped = false;
+    job->identity = NULL;
+    job->next_look = 0;
+    job->look_count = job->frame_count = job->trace.count = 0;
+    return true;
+}
+
 bool job_set_wave(struct job *job, uint32_t paths, struct err *err)
 {
     return renderer_resize(&job->renderer, paths, job->renderer.specialization.workgroup, err);
@@ -47,9 +65,8 @@ void job_resume_trace(struct job *job, const struct trace_row *rows, uint32_t co
 void job_add_time(struct job *job, enum job_work work, uint64_t start_ns)
 {
     double *const seconds[] = {
-        [JOB_LOADING] = &job->seconds.load,
-        [JOB_JUDGING] = &job->seconds.judge,
-        [JOB_WRITING] = &job->seconds.write,
+        [JOB_LOADING] = &job->seconds.load,  [JOB_BUILDING] = &job->seconds.bvh,
+        [JOB_JUDGING] = &job->seconds.judge, [JOB_WRITING] = &job->seconds.write,
         [JOB_TOTAL] = &job->seconds.total,
     };
     *seconds[work] += clock_seconds_since(start_ns);

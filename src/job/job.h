@@ -326,6 +326,9 @@ double job_elapsed(const struct job *job); // rendering time since the beginning
 // See renderer_set_camera(). The film is restarted.
 bool job_set_camera(struct job *job, const struct camera *camera, uint32_t width, uint32_t height,
                     bool *fits, struct err *err);
+// Begins the next picture of a sequence: like job_set_camera() with the same size. The records of the
+// former picture are discarded, and the next job_run() is that of a new job.
+bool job_begin_view(struct job *job, const struct camera *camera, bool *fits, struct err *err);
 // See renderer_clear(). The film is restarted with samples that it did not have before.
 bool job_clear(struct job *job, struct err *err);
 // See renderer_resize(). Sets the number of paths in flight.
@@ -334,7 +337,7 @@ void job_set_progress(struct job *job, const struct progress *progress);
 // NULL: removes the listener
 void job_set_listener(struct job *job, const struct job_listener *listener);
 // Adds the time since start_ns, a value of clock_ns(), to the job's seconds for this kind of work.
-enum job_work { JOB_LOADING, JOB_JUDGING, JOB_WRITING, JOB_TOTAL };
+enum job_work { JOB_LOADING, JOB_BUILDING, JOB_JUDGING, JOB_WRITING, JOB_TOTAL };
 void job_add_time(struct job *job, enum job_work work, uint64_t start_ns);
 // Copies the rows of an earlier run that this one continues.
 void job_resume_trace(struct job *job, const struct trace_row *rows, uint32_t count);

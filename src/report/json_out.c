@@ -43,14 +43,24 @@ char *json_to_text(json_t *object, size_t flags, struct err *err)
     return NULL;
 }
 
-bool json_put(json_t *object, struct err *err)
+static bool put(json_t *object, size_t layout, struct err *err)
 {
     // Nine digits distinguish all floats, and times are not more accurate.
-    char *text = json_to_text(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9), err);
+    char *text = json_to_text(object, layout | JSON_REAL_PRECISION(9), err);
     if (text)
         puts(text); // main() detects that stdout cannot be written
     json_release(text);
     return text != NULL;
+}
+
+bool json_put(json_t *object, struct err *err)
+{
+    return put(object, JSON_INDENT(2), err);
+}
+
+bool json_put_line(json_t *object, struct err *err)
+{
+    return put(object, JSON_COMPACT, err);
 }
 
 bool json_write(json_t *object, const char *path, struct err *err)

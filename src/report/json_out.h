@@ -22,6 +22,8 @@ char *json_to_text(json_t *object, size_t flags, struct err *err);
 // return when memory runs out, is an error; nothing is printed if memory ran out for any part of
 // the object.
 bool json_put(json_t *object, struct err *err);
+// Prints it likewise, on one line: a record of JSON lines.
+bool json_put_line(json_t *object, struct err *err);
 // Writes an object to a file atomically.
 bool json_write(json_t *object, const char *path, struct err *err);
 

@@ -329,11 +329,11 @@ TEST(the_table_is_complete)
         REQUIRE(def->name && def->help && def->group && def->commands, "row %d", i);
         CHECK((def->type == VALUE_SETTING) == (def->setting != NULL), "--%s", def->name);
         CHECK((def->type == VALUE_FLAG || def->setting) == !def->argument, "--%s", def->name);
-        bool has_list = def->type == VALUE_OUTPUT || def->type == VALUE_VARY ||
-                        def->type == VALUE_DEFINE || def->type == VALUE_LIMIT ||
-                        def->type == VALUE_ENVIRONMENT || def->type == VALUE_CURVE ||
-                        def->type == VALUE_TIMES || def->type == VALUE_DEPTHS ||
-                        def->type == VALUE_RAYS || def->type == VALUE_SETTING;
+        bool has_list =
+            def->type == VALUE_OUTPUT || def->type == VALUE_VARY || def->type == VALUE_DEFINE ||
+            def->type == VALUE_LIMIT || def->type == VALUE_ENVIRONMENT ||
+            def->type == VALUE_CURVE || def->type == VALUE_TIMES || def->type == VALUE_DEPTHS ||
+            def->type == VALUE_RAYS || def->type == VALUE_SETTING || def->type == VALUE_AT;
         CHECK(has_list == (def->size == 0), "--%s", def->name);
         for (int j = 0; j < i; j++)
             CHECK(strcmp(option_table[j].name, def->name) != 0 &&

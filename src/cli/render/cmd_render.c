@@ -91,17 +91,23 @@ static bool init_job(struct render_run *run, struct err *err)
     return job_init(&params, &run->job, err);
 }
 
+bool render_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
+                       struct err *err)
+{
+    if (!options_load_scene(&options->scene, options->progress, scene, camera, err))
+        return false;
+    return !scene->is_hidden ||
+           err_set(err, ERR_INPUT,
+                   "%s: everything in the scene is hidden, and it has no environment; expected "
+                   "something to see",
+                   scene->path);
+}
+
 static bool load(struct render_run *run, struct err *err)
 {
-    const struct options *options = run->options;
     uint64_t start = clock_ns();
-    if (!options_load_scene(&options->scene, options->progress, &run->scene, &run->camera, err))
+    if (!render_load_scene(run->options, &run->scene, &run->camera, err))
         return false;
-    if (run->scene.is_hidden)
-        return err_set(err, ERR_INPUT,
-                       "%s: everything in the scene is hidden, and it has no environment; expected "
-                       "something to see",
-                       run->scene.path);
     if (!render_check_space(run, err) || !init_job(run, err))
         return false;
     job_add_time(&run->job, JOB_LOADING, start);
@@ -247,6 +253,8 @@ static int render_once(const struct options *options, struct render_ranks *ranks
 
 int cmd_render(const struct options *options)
 {
+    if (options_have_sequence(options))
+        return render_sequence(options);
     // A part, and a path that is followed, are rendered by each process for itself.
     if (render_ranks_expected() > 1 && !options_given(options, OPTION_SHARD) &&
         !options->render.merged && !follows_path(options))

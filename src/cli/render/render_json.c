@@ -199,6 +199,13 @@ static json_t *crew_json(const struct render_run *run)
     return array;
 }
 
+json_t *render_frame_json(const struct render_frame *frame)
+{
+    return json_pack("{s:i, s:i, s:o, s:o}", "number", (int)frame->number, "count",
+                     (int)frame->count, "at_seconds", json_number(frame->at_seconds), "degrees",
+                     json_number(frame->degrees));
+}
+
 bool render_print_json(const struct render_run *run, struct err *err)
 {
     const struct render_stats *stats = &run->job.renderer.stats;
@@ -258,5 +265,8 @@ bool render_print_json(const struct render_run *run, struct err *err)
     json_object_set_new(object, "trace",
                         run->options->render.trace ? json_words(run->options->render.trace)
                                                    : json_null());
-    return json_put(object, err);
+    if (run->frame.number == 0)
+        return json_put(object, err);
+    json_object_set_new(object, "frame", render_frame_json(&run->frame));
+    return json_put_line(object, err);
 }

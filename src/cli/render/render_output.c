@@ -32,7 +32,7 @@ static bool is_watched(const struct options *options)
 }
 
 // The default is the scene's name with .exr, in the working directory; for people also a PNG.
-static bool default_outputs(struct render_run *run, struct err *err)
+bool render_default_outputs(struct render_run *run, struct err *err)
 {
     static const char *const formats[] = {"%s.exr", "%s.png"};
     uint32_t count = is_watched(run->options) ? 2 : 1;
@@ -77,7 +77,7 @@ bool render_check_outputs(struct render_run *run, struct err *err)
     run->outputs = run->options->render.outputs;
     run->output_count = run->options->render.output_count;
     bool is_shard = run->options->render.shard_text != NULL;
-    if (run->output_count == 0 && !is_shard && !default_outputs(run, err))
+    if (run->output_count == 0 && !is_shard && !render_default_outputs(run, err))
         return false;
     if (!check_layers(run, err) || !render_check_distinct(run, err))
         return false;
@@ -110,7 +110,7 @@ void render_release_outputs(struct render_run *run)
 
 // Returns the uncompressed size, because compression is not predictable, and noise compresses
 // little.
-static uint64_t picture_bytes(const struct render_run *run, const char *path)
+uint64_t render_picture_bytes(const struct render_run *run, const char *path)
 {
     const struct settings *settings = &run->scene.settings;
     const bool half = run->options->render.half_float;
@@ -129,7 +129,7 @@ bool render_check_space(const struct render_run *run, struct err *err)
     bool is_certain = options->render.every && options->render.time_seconds == 0.0;
     uint64_t pictures = is_certain ? options->render.frames / options->render.every + 1u : 1u;
     for (uint32_t i = 0; i < run->output_count; i++) {
-        uint64_t bytes = picture_bytes(run, run->outputs[i]);
+        uint64_t bytes = render_picture_bytes(run, run->outputs[i]);
         if (!file_check_space(run->outputs[i], pictures * bytes, err))
             return false;
     }
@@ -185,7 +185,7 @@ static bool save(const struct render_run *run, const char *path, uint64_t limit,
     if (is_limited)
         log_warn("files may have at most %s here (RLIMIT_FSIZE, ulimit -f); the picture has %s "
                  "before compression",
-                 memory_print(limit).text, memory_print(picture_bytes(run, path)).text);
+                 memory_print(limit).text, memory_print(render_picture_bytes(run, path)).text);
     return false;
 }
 
@@ -230,6 +230,9 @@ static const char *repeating_command(const struct render_run *run, uint32_t fram
 // If pixels differ in their numbers of samples, no command makes the same image.
 static bool is_repeatable(const struct render_run *run)
 {
+    // The command of a sequence has one number of samples for all of its pictures.
+    if (run->frame.number > 0 && run->job.ended_by != ENDED_BY_SAMPLES)
+        return false;
     bool is_even = run->job.rescue.copied.is_even && !run->options->render.frames;
     const struct job_merged *merged = run->options->render.merged;
     return !run->job.stopped && !(merged && merged->is_partial) &&
@@ -255,9 +258,11 @@ static bool describe(const struct render_run *run, uint32_t frame, struct arena 
         .image_hash = job->image_hash,
         .exposure = run->exposure,
         .camera = run->camera,
-        .frame = frame,
+        .frame = run->frame.number > 0 ? run->frame.number : frame,
     };
-    return metadata_make(&params, arena, out, err);
+    return metadata_make(&params, arena, out, err) &&
+           (run->frame.number == 0 ||
+            metadata_set(out, SEQUENCE_ATTRIBUTE, run->frame.identity, err));
 }
 
 // --- all pictures --------------------------------------------------------------------------------
@@ -268,8 +273,9 @@ static bool write_outputs(struct render_run *run, uint32_t frame, struct arena *
     struct metadata metadata;
     const struct image image = {run->job.film.width, run->job.film.height, run->job.film.mean};
     const struct settings *settings = &run->scene.settings;
-    run->exposure =
-        settings->exposure_is_auto ? image_measure_exposure(&image) : settings->exposure;
+    if (!run->exposure_is_kept)
+        run->exposure =
+            settings->exposure_is_auto ? image_measure_exposure(&image) : settings->exposure;
     run->is_written |= frame == 0;
     if (!describe(run, frame, arena, &metadata, err))
         return false;

@@ -13,6 +13,9 @@ void report_print_steps(const struct render_run *run);
 
 extern const char *const report_class_names[CLASS_COUNT];
 
+// --- render_json.c ---
+json_t *render_frame_json(const struct render_frame *frame);
+
 // --- render_explain.c ---
 // Prints "left out 41 of 63 features, 7 of 14 kernels, 5.5 MiB; --explain lists them".
 void explain_print_line(const struct renderer *r);

@@ -19,6 +19,16 @@ struct render_tev {
     uint64_t next_sample;       // number of samples after which the next image is sent
 };
 
+// The metadata by which --resume knows a finished picture of a sequence.
+#define SEQUENCE_ATTRIBUTE "lampyris:sequence"
+
+// What a picture says of its place in a sequence.
+struct render_frame {
+    uint32_t number, count;     // number: from 1; 0: there is no sequence
+    double at_seconds, degrees; // NAN: not an animation, or not a turntable
+    const char *identity;       // all that decides the picture, as lines of "name=value"
+};
+
 struct render_run {
     const struct options *options;
     struct arena arena; // names
@@ -39,12 +49,17 @@ struct render_run {
     bool stop_is_told;          // the delay was reported
     struct reference reference; // without pixels if there is none
     struct render_tev tev;
-    bool is_written; // the final images were written, or failed to be
-    float exposure;  // stops of the last PNG images
+    bool is_written;           // the final images were written, or failed to be
+    float exposure;            // stops of the last PNG images
+    bool exposure_is_kept;     // a sequence has the exposure of its first picture
+    struct render_frame frame; // of a sequence
 };
 
 // --- cmd_render.c ---
 struct job_goal render_goal(const struct options *options);
+// Loads the scene of the options; ERR_INPUT if nothing in it is visible.
+bool render_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
+                       struct err *err);
 
 // --- render_ranks.c ---
 // Opens a device of this machine for this rank, and tells the others.
@@ -74,6 +89,10 @@ bool render_check_inputs(struct render_run *run, struct err *err);
 // Chooses the names and checks before rendering whether the formats are known, the folders are
 // writable, and no other run writes the same files. They stay locked until render_release_outputs.
 bool render_check_outputs(struct render_run *run, struct err *err);
+// Names the outputs of a run without -o.
+bool render_default_outputs(struct render_run *run, struct err *err);
+// Returns the most bytes that a picture has in a file of that name, before compression.
+uint64_t render_picture_bytes(const struct render_run *run, const char *path);
 // When the size of the images is known: checks that they fit into the free space.
 bool render_check_space(const struct render_run *run, struct err *err);
 // Writes all images; frame > 0: numbered, "NAME.0012.exr". If one cannot be written, the others
@@ -81,6 +100,10 @@ bool render_check_space(const struct render_run *run, struct err *err);
 // temporary files.
 bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *err);
 void render_release_outputs(struct render_run *run);
+
+// --- render_sequence.c ---
+// Renders the pictures of --turntable or --at START:END:FPS; returns the exit code.
+int render_sequence(const struct options *options);
 
 // --- render_report.c ---
 void render_print_summary(struct render_run *run);
