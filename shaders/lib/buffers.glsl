@@ -130,10 +130,20 @@ uint slot_stream(uint slot)
     return (slot & (slots_a_sample() - 1u)) * 0x9e3779b9u;
 }
 
-// Return the pixel of the image and the sample number of a slot.
+// Returns the number in the picture of a pixel of the film, which may be a window of the picture. Random
+// numbers depend on it, so that a window has the bits of the whole picture.
+uint picture_pixel(uint pixel)
+{
+    if (WINDOW == 0u)
+        return pixel;
+    uint row = pixel / frame.width;
+    return frame.window_first + row * frame.picture_width + (pixel - row * frame.width);
+}
+
+// Return the pixel of the film and the sample number of a slot.
 uint slot_pixel(uint slot)
 {
-    return item_pixel(sample_of_slot(slot) >> push.sample_shift);
+    return picture_pixel(item_pixel(sample_of_slot(slot) >> push.sample_shift));
 }
 
 uint slot_sample(uint slot)

@@ -111,7 +111,7 @@ float filter_density(vec2 offset)
 // scaled; 0: there is no such pixel.
 float choose_pixel(vec2 at, float u, out uint pixel)
 {
-    vec2 size = vec2(frame.width, frame.height);
+    vec2 size = vec2(frame.picture_width, frame.picture_height);
     vec2 place = 0.5 * (at + 1.0) * size - 0.5; // pixels' centres are integers
     float radius = frame.filter_radius;
     vec2 low = max(ceil(place - radius), vec2(0.0));
@@ -135,7 +135,7 @@ float choose_pixel(vec2 at, float u, out uint pixel)
         // Because of rounding, the last pixel with a positive density may not be reached by the
         // sum.
         if (density > 0.0 && !found)
-            pixel = uint(chosen.y) * frame.width + uint(chosen.x);
+            pixel = uint(chosen.y) * frame.picture_width + uint(chosen.x);
         found = found || left < density;
         left -= density;
     }

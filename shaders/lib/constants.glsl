@@ -41,6 +41,7 @@ layout(constant_id = CONSTANT_RADIANCE_SCALING) const uint RADIANCE_SCALING = 1u
 layout(constant_id = CONSTANT_ACCUMULATION) const uint ACCUMULATION = ACCUMULATION_BINNED;
 layout(constant_id = CONSTANT_ROUNDING) const uint ROUNDING_MODE = ROUNDING_NEAREST;
 layout(constant_id = CONSTANT_STACK_SHARED) const uint STACK_SHARED = 0u;
+layout(constant_id = CONSTANT_WINDOW) const uint WINDOW = 0u;
 
 // A constant expression: the code of a feature that is off is removed.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)

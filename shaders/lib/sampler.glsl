@@ -153,8 +153,8 @@ vec4 blue_noise(uint pixel, sequence_place place, uint dimension)
         index = place.index > 0u ? place.index - (1u << bits) : 0u;
     }
     uint tile_bits = min(TILE_BITS, (32u - bits) / 2u);
-    uint x = pixel % frame.width, y = pixel / frame.width;
-    uint tile = (y >> tile_bits) * ((frame.width >> tile_bits) + 1u) + (x >> tile_bits);
+    uint x = pixel % frame.picture_width, y = pixel / frame.picture_width;
+    uint tile = (y >> tile_bits) * ((frame.picture_width >> tile_bits) + 1u) + (x >> tile_bits);
     uint mask = (1u << tile_bits) - 1u;
     uint curve = spread_bits(x & mask) | spread_bits(y & mask) << 1u;
     uint sequence = ~(place.sequence | block << 1u);
@@ -240,7 +240,7 @@ float sine_of(float radians)
 // (docs/sampling.md).
 vec4 random_sine(uint pixel, uint sample_index, uint dimension)
 {
-    vec4 place = vec4(pixel % frame.width, pixel / frame.width, sample_index, frame.seed);
+    vec4 place = vec4(pixel % frame.picture_width, pixel / frame.picture_width, sample_index, frame.seed);
     float phase = dot(place, vec4(12.9898, 78.233, 45.164, 94.673));
     vec4 phases = phase + 37.719 * (4.0 * float(dimension) + vec4(0.0, 1.0, 2.0, 3.0));
     vec4 sines = vec4(sine_of(phases.x), sine_of(phases.y), sine_of(phases.z), sine_of(phases.w));

@@ -74,7 +74,8 @@
 // With LIGHT_CHOICE_ALL: the number of vertices of a path, from its beginning, that send a shadow
 // ray to each lamp.
 #define CONSTANT_LIGHT_VERTICES 32
-#define CONSTANT_COUNT 33
+#define CONSTANT_WINDOW 33 // 1: the film is a window of the picture, see picture_pixel()
+#define CONSTANT_COUNT 34
 
 // Value of CONSTANT_LIGHT_VERTICES for all vertices.
 #define ALL_VERTICES 0xffffffffu

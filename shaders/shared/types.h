@@ -435,8 +435,8 @@ SHARED_STATIC_ASSERT_SIZE(gpu_push, 48);
 // positions, here and in all records, are in the flat scene's unit (flatten/flatten.h).
 struct gpu_frame {
     VEC3(camera_position); // centre of the image at distance camera_start
-    uint width;
-    VEC3(camera_forward); // unit
+    uint width;            // of the film, which is the picture or a window of it
+    VEC3(camera_forward);  // unit
     uint height;
     VEC3(camera_right); // from the centre to the right edge of the image: at distance 1;
                         // orthographic: a length; panoramic: unit
@@ -481,11 +481,11 @@ struct gpu_frame {
     float min_density;       // minimum density of a direction, 1/sr, with FEATURE_MIN_DENSITY
     uint split_lobes;        // number of vertices at which paths split, with FEATURE_SPLIT_LOBES
     float environment_floor; // subtracted from the luminances of its image for sampling
-    uint align_frame;
+    uint picture_width;
     VEC3(cells_begin); // grid for sorting rays: lowest corner of the scene,
-    uint align_cells;
+    uint picture_height;
     VEC3(cells_a_length); // and number of cells per unit of length
-    uint align_cells_1;
+    uint window_first;    // number in the picture of the first pixel of the film
     VEC3(scene_center); // INTEGRATOR_BIDIR: sphere at which infinitely far light is aimed
     float scene_radius;
 };

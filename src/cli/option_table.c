@@ -53,6 +53,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "viewer's window has 1280x720 pixels by default.",
         .offset = offsetof(struct options, scene.settings.width), .size = 2 * sizeof(uint32_t),
     },
+    [OPTION_CROP] = {
+        .name = "crop", .argument = "X0,Y0,X1,Y1", .type = VALUE_WINDOW, .min = 0, .max = SETTINGS_SIZE_MAX,
+        .group = "Picture", .commands = FOR_RENDER, .fallback = "the whole picture",
+        .help = "Render the pixels from column X0 and row Y0 up to, but without, X1 and Y1 only, "
+                "with the bits that they have in the whole picture of --size. EXR files say where "
+                "they are in it (data window and display window); the error is that of the window.",
+        FIELD(render.crop),
+    },
     [OPTION_HALF] = {
         .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER | FOR_MERGE,
         .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(render.half_float),
@@ -742,6 +750,7 @@ const char *option_argument(const struct option_def *def, char out[OPTION_ARGUME
 static bool is_of_all_shards(const struct option_def *def)
 {
     switch ((enum option_id)(def - option_table)) {
+    case OPTION_CROP:
     case OPTION_TIME:
     case OPTION_ERROR:
     case OPTION_ADAPTIVE:

@@ -183,6 +183,26 @@ static bool store_two(const struct option_def *def, char separator, const char *
     return true;
 }
 
+static bool store_window(const struct option_def *def, const char *text, struct options *options,
+                         struct err *err)
+{
+    uint32_t all[4];
+    const char *rest = text;
+    for (int i = 0; i < 4; i++) {
+        uint64_t value;
+        if (!parse_count(rest, &value, &rest) || *rest != (i < 3 ? ',' : '\0'))
+            return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+        if (!check_range(def->min, def->max, (double)value, text, err))
+            return false;
+        all[i] = (uint32_t)value;
+        rest += i < 3;
+    }
+    if (all[0] >= all[2] || all[1] >= all[3])
+        return err_set(err, ERR_USAGE, "\"%s\" has no pixel; expected X0 < X1 and Y0 < Y1", text);
+    store(options, def, all);
+    return true;
+}
+
 // In lists, whose words are separated by commas, a colon separates the two numbers.
 static bool store_real_pair(const struct option_def *def, const char *text, struct options *options,
                             struct err *err)
@@ -470,6 +490,8 @@ bool option_store(const struct option_def *def, const char *text, struct options
         return store_real_pair(def, text, options, err);
     case VALUE_ENVIRONMENT:
         return store_environment(text, options, err);
+    case VALUE_WINDOW:
+        return store_window(def, text, options, err);
     case VALUE_AT:
         return store_at(def, text, options, err);
     case VALUE_OUTPUT:

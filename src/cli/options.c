@@ -223,6 +223,27 @@ bool output_is_video(const char *path)
     return path_has_extension(path, "mp4") || path_has_extension(path, "webm");
 }
 
+// The window is a part of a picture that is rendered alike for all pixels, and by itself.
+static bool check_crop(const struct options *options, struct err *err)
+{
+    const struct {
+        bool is_given;
+        const char *option, *why;
+    } others[] = {
+        {options->render.adaptive, "--adaptive on",
+         "the numbers of samples would not be those of the whole picture"},
+        {options_given(options, OPTION_SHARD), "--shard", "parts are of the whole picture"},
+        {options_given(options, OPTION_REFERENCE), "--reference", "it is a whole picture"},
+        {options_given(options, OPTION_PIXEL), "--pixel", "the path of a pixel needs no window"},
+    };
+    for (size_t i = 0; options_given(options, OPTION_CROP) && i < sizeof others / sizeof others[0];
+         i++)
+        if (others[i].is_given)
+            return err_set(err, ERR_USAGE, "--crop and %s exclude each other: %s", others[i].option,
+                           others[i].why);
+    return true;
+}
+
 // What is about one picture does not go with several.
 static bool check_sequence(const struct options *options, struct err *err)
 {
@@ -305,7 +326,7 @@ static bool check(const struct options *options, struct err *err)
     if (options->argument_count < command->min_arguments)
         return err_set(err, ERR_USAGE, "too few arguments: expected %s %s", command->name,
                        command->arguments);
-    if (!check_combinations(options, err) ||
+    if (!check_combinations(options, err) || !check_crop(options, err) ||
         !(options_have_sequence(options) ? check_sequence(options, err)
                                          : check_without_sequence(options, err)))
         return false;
@@ -364,10 +385,11 @@ char *options_quote(const char *word, char *out)
 }
 
 // Options that belong to a single run: what ends it, and what it reports in addition to the image.
-// A command that follows one of its paths omits all except the first.
-static const enum option_id passing[] = {OPTION_ERROR,  OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
-                                         OPTION_RESUME, OPTION_TRACE,      OPTION_REFERENCE,
-                                         OPTION_TEV,    OPTION_EXPLAIN,    OPTION_ERROR_BY};
+// A command that follows one of its paths omits all except the first; one that repeats the image
+// omits all except the last.
+static const enum option_id passing[] = {
+    OPTION_ERROR,     OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY, OPTION_RESUME,   OPTION_TRACE,
+    OPTION_REFERENCE, OPTION_TEV,        OPTION_EXPLAIN,          OPTION_ERROR_BY, OPTION_CROP};
 enum { PASSING_COUNT = sizeof passing / sizeof passing[0] };
 // Options that belong to one shard of a picture.
 static const enum option_id of_shards[] = {
@@ -434,7 +456,7 @@ static bool keep_command_line(struct options *options, int argc, char **argv, st
         size += 4 * strlen(argv[i]) + 4;
     options->command_line = make_line(arena, size, argc, argv, (struct option_list){0});
     render->repeatable_line =
-        make_line(arena, size, argc, argv, (struct option_list){passing, PASSING_COUNT});
+        make_line(arena, size, argc, argv, (struct option_list){passing, PASSING_COUNT - 1});
     render->following_line =
         make_line(arena, size, argc, argv, (struct option_list){passing + 1, PASSING_COUNT - 1});
     render->shared_line =

@@ -31,6 +31,7 @@ struct progress;
 enum option_id {
     OPTION_OUTPUT,
     OPTION_SIZE,
+    OPTION_CROP,
     OPTION_HALF,
     OPTION_PNG16,
     OPTION_AOV,
@@ -154,6 +155,7 @@ enum option_type {
     VALUE_PAIR,        // X,Y; two uint32_t
     VALUE_REAL_PAIR,   // X,Y, or X:Y in lists; two double
     VALUE_ENVIRONMENT, // FILE or R,G,B
+    VALUE_WINDOW,      // X0,Y0,X1,Y1, of which X1 > X0 and Y1 > Y0; four uint32_t
     VALUE_AT,          // SECONDS or START:END:FPS; scene.at_seconds, and render.sequence
     // Options that may be repeated. Each has a list of its own:
     VALUE_OUTPUT,
@@ -223,7 +225,8 @@ struct sequence_options {
 struct render_options {
     const char **outputs;
     uint32_t output_count;
-    uint32_t aovs; // AOV_*
+    uint32_t aovs;    // AOV_*
+    uint32_t crop[4]; // X0, Y0, X1, Y1 of the window of the picture; all 0: the whole
     bool half_float, png16;
     double time_seconds; // seconds; 0: no limit
     double error;        // upper bound of the local relMSE at which to stop; 0: no limit

@@ -35,6 +35,12 @@ struct image_layer {
     enum image_layer_type type;
 };
 
+// The picture that an image is a window of, and the window's place in it.
+struct image_display {
+    uint32_t width, height; // width 0: the image is the whole picture
+    uint32_t x, y;          // of the image's upper left pixel
+};
+
 struct image_write_params {
     const char *path; // its extension says the format: exr, png, jpg, jpeg, hdr or pfm, in any case
     const struct image *image;        // EXR: pixels may be NULL; the file then has only layers
@@ -42,6 +48,7 @@ struct image_write_params {
     uint32_t layer_count;
     const struct image_attribute *attributes;
     uint32_t attribute_count;
+    struct image_display display; // EXR: becomes the display window, the image the data window
     bool half_float;      // EXR: 16-bit channels; finite values past 65504 saturate, with a warning
     bool uncompressed;    // EXR: not compressed, so that no compressor can fail
     bool unfiltered;      // PNG: rows are not predicted from neighbours, because prediction makes

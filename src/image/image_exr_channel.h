@@ -29,6 +29,27 @@ static inline exr_compression_t exr_compression_of(const struct image_write_para
     return params->uncompressed ? EXR_COMPRESSION_NONE : EXR_COMPRESSION_ZIP;
 }
 
+// The windows of "OpenEXR Technical Introduction": the image is the data window; both ends count.
+struct exr_windows {
+    exr_attr_box2i_t display, data;
+};
+
+static inline struct exr_windows exr_windows_of(const struct image_write_params *params)
+{
+    const struct image_display *display = &params->display;
+    const struct image *image = params->image;
+    const bool is_window = display->width > 0;
+    const int32_t x = (int32_t)display->x, y = (int32_t)display->y;
+    struct exr_windows windows = {0};
+    windows.display.max.x = (int32_t)(is_window ? display->width : image->width) - 1;
+    windows.display.max.y = (int32_t)(is_window ? display->height : image->height) - 1;
+    windows.data.min.x = x;
+    windows.data.min.y = y;
+    windows.data.max.x = x + (int32_t)image->width - 1;
+    windows.data.max.y = y + (int32_t)image->height - 1;
+    return windows;
+}
+
 // Returns a pixel's bits as stored in the file; a half is in the lower 16 bits.
 static inline uint32_t exr_channel_bits(const struct exr_channel *channel, size_t pixel)
 {

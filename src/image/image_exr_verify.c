@@ -18,10 +18,10 @@ static bool check(const struct exr_verifier *verifier, exr_result_t result, stru
     return result == EXR_ERR_SUCCESS || exr_fail(&verifier->stream, result, ERR_OUTPUT, err);
 }
 
-static bool same_window(const exr_attr_box2i_t *window, const struct image *image)
+static bool same_window(const exr_attr_box2i_t *a, const exr_attr_box2i_t *b)
 {
-    return window->min.x == 0 && window->min.y == 0 && window->max.x == (int64_t)image->width - 1 &&
-           window->max.y == (int64_t)image->height - 1;
+    return a->min.x == b->min.x && a->min.y == b->min.y && a->max.x == b->max.x &&
+           a->max.y == b->max.y;
 }
 
 static bool check_header(const struct exr_verifier *verifier, struct err *err)
@@ -32,6 +32,7 @@ static bool check_header(const struct exr_verifier *verifier, struct err *err)
     exr_compression_t compression;
     exr_lineorder_t order;
     exr_attr_box2i_t data, display;
+    const struct exr_windows windows = exr_windows_of(verifier->params);
     exr_attr_v2f_t center;
     float aspect, width;
     if (!check(verifier, exr_get_count(context, &parts), err) ||
@@ -46,8 +47,8 @@ static bool check_header(const struct exr_verifier *verifier, struct err *err)
         return false;
     bool ok = parts == 1 && storage == EXR_STORAGE_SCANLINE &&
               compression == exr_compression_of(verifier->params) &&
-              order == EXR_LINEORDER_INCREASING_Y && same_window(&data, verifier->params->image) &&
-              same_window(&display, verifier->params->image) && aspect == 1 && center.x == 0 &&
+              order == EXR_LINEORDER_INCREASING_Y && same_window(&data, &windows.data) &&
+              same_window(&display, &windows.display) && aspect == 1 && center.x == 0 &&
               center.y == 0 && width == 1;
     return ok || err_set(err, ERR_OUTPUT, "EXR: the decoded header differs from the one encoded");
 }
@@ -114,7 +115,7 @@ static bool compare_channel(const struct exr_verifier *verifier, const struct ex
     const uint32_t width = verifier->params->image->width;
     const uint8_t *bytes = decoder->unpacked_buffer;
     for (int32_t line = 0; line < decoder->chunk.height; line++) {
-        uint32_t y = (uint32_t)(decoder->chunk.start_y + line), found;
+        uint32_t y = (uint32_t)(decoder->chunk.start_y + line) - verifier->params->display.y, found;
         size_t first = (size_t)y * width;
         uint32_t x = first_difference(channel, bytes + (size_t)line * line_bytes + offset, first,
                                       width, &found);
@@ -155,7 +156,9 @@ static bool compare_pixels(struct exr_verifier *verifier, struct err *err)
 {
     exr_chunk_info_t chunk;
     for (uint32_t y = 0; y < verifier->params->image->height; y += (uint32_t)chunk.height) {
-        if (!check(verifier, exr_read_scanline_chunk_info(verifier->context, 0, (int)y, &chunk),
+        if (!check(verifier,
+                   exr_read_scanline_chunk_info(verifier->context, 0,
+                                                (int)(y + verifier->params->display.y), &chunk),
                    err) ||
             !check(verifier,
                    exr_decode_bytes(verifier->context, &chunk, &verifier->decoder,

@@ -74,7 +74,8 @@ static bool needs_long_names(const struct image_write_params *params)
 
 static bool write_header(struct exr_writer *writer, struct err *err)
 {
-    const struct image *image = writer->params->image;
+    const struct exr_windows windows = exr_windows_of(writer->params);
+    const exr_attr_v2f_t center = {{{0, 0}}};
     exr_context_initializer_t initializer = exr_stream_initializer(&writer->stream);
     int part;
     return check(writer,
@@ -86,9 +87,9 @@ static bool write_header(struct exr_writer *writer, struct err *err)
                  err) &&
            check(writer, exr_add_part(writer->context, NULL, EXR_STORAGE_SCANLINE, &part), err) &&
            check(writer,
-                 exr_initialize_required_attr_simple(writer->context, part, (int32_t)image->width,
-                                                     (int32_t)image->height,
-                                                     exr_compression_of(writer->params)),
+                 exr_initialize_required_attr(
+                     writer->context, part, &windows.display, &windows.data, 1.0f, &center, 1.0f,
+                     EXR_LINEORDER_INCREASING_Y, exr_compression_of(writer->params)),
                  err) &&
            add_channels(writer, err) && add_attributes(writer, err) &&
            check(writer, exr_write_header(writer->context), err);
@@ -159,7 +160,8 @@ static exr_result_t choose_routines(struct exr_writer *writer)
 static bool write_block(struct exr_writer *writer, uint32_t y, struct err *err)
 {
     exr_chunk_info_t chunk;
-    if (!check(writer, exr_write_scanline_chunk_info(writer->context, 0, (int)y, &chunk), err))
+    const int line = (int)(y + writer->params->display.y);
+    if (!check(writer, exr_write_scanline_chunk_info(writer->context, 0, line, &chunk), err))
         return false;
     exr_encode_pipeline_t *encoder = &writer->encoder;
     bool first = !writer->encoder_ready;

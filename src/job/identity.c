@@ -108,6 +108,10 @@ static const char *make_identity(struct job *job)
     add(&text, "kernels=%016" PRIx64, kernels_hash());
     add_device(&text, job);
     add(&text, "scene of hash=%016" PRIx64, job->scene->hash);
+    const struct render_window *window = &job->params.renderer.window;
+    if (window->width > 0)
+        add(&text, "--crop=%u,%u,%u,%u", window->x, window->y, window->x + window->width,
+            window->y + window->height);
     add_camera(&text, job);
     add_environment(&text, &job->scene->environment);
     add_settings(&text, &job->scene->settings);

@@ -123,7 +123,12 @@ bool job_read_film(struct job *job, struct err *err)
 bool job_find_sources(const struct job *job, struct error_sources *out, struct err *err)
 {
     const struct film_error_params params = film_error_of(&job->renderer, job->film.least_samples);
-    return error_sources_find(&job->film, job->renderer.aovs, &params, out, err);
+    bool ok = error_sources_find(&job->film, job->renderer.aovs, &params, out, err);
+    for (uint32_t i = 0; ok && i < out->brightest_count; i++) {
+        out->brightest[i].x += job->renderer.window.x;
+        out->brightest[i].y += job->renderer.window.y;
+    }
+    return ok;
 }
 
 bool job_judge_film(struct job *job, struct err *err)

@@ -93,6 +93,10 @@ static void add_settings(struct attributes *a, const struct metadata_params *par
     if (sample_planning(params->settings, NULL) != PLANNING_NONE)
         add(a, "lampyris:samples_planned", "%u", r->frame.samples);
     add(a, "lampyris:camera", "%u", params->camera);
+    const struct render_window *window = &asked->renderer.window;
+    if (window->width > 0)
+        add(a, "lampyris:crop", "%u,%u,%u,%u", window->x, window->y, window->x + window->width,
+            window->y + window->height);
     add_if_given(a, "lampyris:gltf_scene", load->scene_name);
     add_if_given(a, "lampyris:animation", load->animation);
     add_if_given(a, "lampyris:variant", load->variant);

@@ -6,7 +6,7 @@
 #include "image/image.h"
 #include "scene/core/settings.h"
 
-#define METADATA_MAX (57 + SETTING_TOTAL)
+#define METADATA_MAX (58 + SETTING_TOTAL)
 
 struct metadata {
     struct image_attribute list[METADATA_MAX];

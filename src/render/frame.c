@@ -28,7 +28,7 @@ static void set_camera(struct gpu_frame *frame, const struct camera *camera,
                        const struct flat_scene *flat)
 {
     struct projection p;
-    projection_make(camera, flat, frame->width, frame->height, &p);
+    projection_make(camera, flat, frame->picture_width, frame->picture_height, &p);
     frame->camera_start = (float)p.start;
     set_lens(frame, camera, flat->scale, p.start);
     for (int i = 0; i < 3; i++) {
@@ -117,8 +117,14 @@ static void set_ambient(struct gpu_frame *frame, const struct environment *envir
 
 void frame_look(struct renderer *r, uint32_t width, uint32_t height)
 {
+    const struct render_window *window = &r->window;
+    const struct settings *settings = &r->scene->settings;
+    bool has_window = window->width > 0;
     r->frame.width = width;
     r->frame.height = height;
+    r->frame.picture_width = has_window ? settings->width : width;
+    r->frame.picture_height = has_window ? settings->height : height;
+    r->frame.window_first = window->y * r->frame.picture_width + window->x;
     set_camera(&r->frame, &r->camera, &r->flat);
     in_view_finish(&r->in_view);
 }
@@ -169,7 +175,9 @@ void frame_fill(struct renderer *r)
         set_ambient_occlusion(r);
     if (settings->integrator == INTEGRATOR_WHITTED)
         set_ambient(&r->frame, &r->scene->environment);
-    frame_look(r, settings->width, settings->height);
+    bool has_window = r->window.width > 0;
+    frame_look(r, has_window ? r->window.width : settings->width,
+               has_window ? r->window.height : settings->height);
 }
 
 bool frame_create(struct renderer *r, struct err *err)

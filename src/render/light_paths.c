@@ -56,6 +56,8 @@ static bool check_settings(const struct light_paths_params *p, struct err *err)
          "a panoramic camera with a filter that is wider than a pixel",
          "light paths do not follow it across the picture's edges", "--filter box"},
         {p->tiles, "--adaptive", "a light path counts for all pixels alike", "--adaptive off"},
+        {p->has_window, "--crop", "a light path may reach any pixel of the whole picture",
+         "the whole picture"},
         {(p->aovs & (AOVS_OF_PARTS | AOVS_BY)) != 0,
          "the layers emission, direct and indirect, or --error-by",
          "what light paths bring is not divided", "a render without them"},

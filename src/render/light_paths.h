@@ -8,8 +8,9 @@ struct light_paths_params {
     const struct scene *scene;
     const struct flat_scene *flat;
     const struct camera *camera;
-    uint32_t aovs; // AOV_*
-    bool tiles;    // sample counts by tile
+    uint32_t aovs;   // AOV_*
+    bool tiles;      // sample counts by tile
+    bool has_window; // the film is a window of the picture
 };
 
 // Refuses settings and scenes for which light paths would not bring the light that camera paths

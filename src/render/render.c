@@ -261,7 +261,8 @@ static bool check_light_paths(const struct renderer_params *params, const struct
                                                           .flat = &r->flat,
                                                           .camera = &r->camera,
                                                           .aovs = params->aovs,
-                                                          .tiles = params->tiles},
+                                                          .tiles = params->tiles,
+                                                          .has_window = params->window.width > 0},
                              err);
 }
 
@@ -280,6 +281,7 @@ static void choose_features(const struct renderer_params *params, struct rendere
         .compile_all = params->compile_all,
         .merge_classes = params->merge_classes,
         .tiles = params->tiles,
+        .has_window = params->window.width > 0,
     });
 }
 
@@ -316,7 +318,9 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
         .gpu = params->gpu,
         .scene = params->scene,
         .camera = params->scene->cameras[params->camera],
-        .pixels = (uint64_t)settings->width * settings->height,
+        .window = params->window,
+        .pixels = params->window.width > 0 ? (uint64_t)params->window.width * params->window.height
+                                           : (uint64_t)settings->width * settings->height,
         .aovs = params->aovs,
         .tunes_wave = params->tunes_wave,
         .kernel_set = params->kernels,

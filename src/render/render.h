@@ -36,6 +36,11 @@
 // Each class of --error-by adds iterations, up to 17 a sample, so the limit is lower with classes.
 #define MAX_SAMPLE_SHIFT_OF_CLASSES 10u
 
+// A part of the picture, in pixels from its upper left corner; width 0: all of it.
+struct render_window {
+    uint32_t x, y, width, height;
+};
+
 struct renderer_params {
     struct gpu *gpu;           // must outlive the renderer
     const struct scene *scene; // must outlive the renderer; its settings are used
@@ -59,6 +64,9 @@ struct renderer_params {
     bool merge_classes;    // shades all surfaces with one kernel (--classes merged)
     bool tiles;            // sample counts by tile: see adaptive.h
     bool open_ended;       // the number of samples is not known in advance
+    // The film has these pixels only, with the bits that they have in the whole picture. It must be
+    // inside of the picture. Not with tiles, nor with light paths.
+    struct render_window window;
     const struct progress *progress;
 };
 
@@ -173,9 +181,10 @@ struct mark {
 struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
-    struct camera camera; // the camera in use; its name is the scene's
-    uint64_t pixels;      // capacity: frame.width * frame.height is at most this
-    uint32_t aovs;        // AOV_*, as requested
+    struct camera camera;        // the camera in use; its name is the scene's
+    struct render_window window; // window of the picture that the film has; {0}: all of it
+    uint64_t pixels;             // capacity: frame.width * frame.height is at most this
+    uint32_t aovs;               // AOV_*, as requested
     struct arena arena;
     struct flat_scene flat; // arrays are in the arena, or in the shared geometry
     struct bvh bvh;

@@ -462,6 +462,7 @@ struct specialization specialize(const struct specialize_params *p)
         .leaf_index_bits = bvh_leaf_index_bits(bvh->max_leaf),
         .normals = settings->normals,
         .radiance_scaling = settings->radiance_scaling,
+        .window = p->has_window,
     };
     uint32_t usual_workgroup = gpu->info.is_cpu ? 128 : 64;
     specialization_set_workgroup(&s, gpu, p->workgroup ? p->workgroup : usual_workgroup);

@@ -43,6 +43,7 @@ struct specialization {
     uint32_t stack_shared;   // entries of a thread's stack that are in shared memory; 0: none
     uint32_t light_vertices; // with LIGHT_CHOICE_ALL: the number of vertices of a path, from its
                              // beginning, that sample all lamps, or ALL_VERTICES
+    uint32_t window;         // 1: the film is a window of the picture
     // Not a constant: the value of `lobes` for each kernel that shades one class; 0 for classes
     // that do not occur in the scene.
     uint32_t class_lobes[CLASS_COUNT];
@@ -79,6 +80,7 @@ struct specialize_params {
     bool compile_all;
     bool merge_classes; // one queue and one kernel for surfaces of all classes
     bool tiles;         // sample counts by tile
+    bool has_window;    // the film is a window of the picture
 };
 struct specialization specialize(const struct specialize_params *params);
 // Sets the number of threads of a workgroup, and the members that depend on that number.

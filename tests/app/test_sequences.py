@@ -430,7 +430,7 @@ class Videos(Folder):
         error = program.run(LAMPYRIS, 'render', 'room.json', '--turntable', '2', '--size', '15x12', '-o',
                             't.mp4', cwd=self.folder, env={**os.environ, 'PATH': self.path('bin')})
         self.assertEqual(error.returncode, 2)
-        self.assertIn('expected --size 16x12, or .webm', error.stderr)
+        self.assertIn('expected 16x12 pixels, or .webm', error.stderr)
 
     @unittest.skipUnless(shutil.which('ffmpeg'), 'ffmpeg is not installed')
     def test_real_ones(self):

@@ -86,10 +86,11 @@
     M(metre)                                                                                       \
     M(environment_reach)                                                                           \
     M(ambient)                                                                                     \
-    M(pending_rays) M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start)              \
-        M(small_triangles) M(pixel_strata) M(mis_exponent) M(min_density) M(split_lobes)           \
-            M(environment_floor) M(align_frame) M(cells_begin) M(align_cells) M(cells_a_length)    \
-                M(align_cells_1) M(scene_center) M(scene_radius)
+    M(pending_rays)                                                                                \
+    M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start) M(small_triangles)           \
+        M(pixel_strata) M(mis_exponent) M(min_density) M(split_lobes) M(environment_floor)         \
+            M(picture_width) M(cells_begin) M(picture_height) M(cells_a_length) M(window_first)    \
+                M(scene_center) M(scene_radius)
 #define SORT(M) M(count) M(place)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \

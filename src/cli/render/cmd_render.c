@@ -72,6 +72,7 @@ static bool init_job(struct render_run *run, struct err *err)
         .reopens = options->render.reopens,
     };
     params.renderer.aovs = options->render.aovs | options->error_by;
+    params.renderer.window = run->window;
     if (!follows_path(options)) {
         params.checkpoint = (struct job_checkpoint_params){
             options->render.checkpoint, options->render.checkpoint_seconds, options->render.resume};
@@ -103,10 +104,25 @@ bool render_load_scene(const struct options *options, struct scene *scene, uint3
                    scene->path);
 }
 
+bool render_find_window(const struct options *options, const struct scene *scene,
+                        struct render_window *out, struct err *err)
+{
+    const uint32_t *crop = options->render.crop;
+    const struct settings *settings = &scene->settings;
+    *out = (struct render_window){crop[0], crop[1], crop[2] - crop[0], crop[3] - crop[1]};
+    return (crop[2] <= settings->width && crop[3] <= settings->height) ||
+           err_set(err, ERR_USAGE,
+                   "--crop %u,%u,%u,%u: is outside of the picture of %u x %u pixels; expected X1 "
+                   "up to %u and Y1 up to %u",
+                   crop[0], crop[1], crop[2], crop[3], settings->width, settings->height,
+                   settings->width, settings->height);
+}
+
 static bool load(struct render_run *run, struct err *err)
 {
     uint64_t start = clock_ns();
-    if (!render_load_scene(run->options, &run->scene, &run->camera, err))
+    if (!render_load_scene(run->options, &run->scene, &run->camera, err) ||
+        !render_find_window(run->options, &run->scene, &run->window, err))
         return false;
     if (!render_check_space(run, err) || !init_job(run, err))
         return false;

@@ -265,6 +265,11 @@ bool render_print_json(const struct render_run *run, struct err *err)
     json_object_set_new(object, "trace",
                         run->options->render.trace ? json_words(run->options->render.trace)
                                                    : json_null());
+    if (run->window.width > 0)
+        json_object_set_new(object, "crop",
+                            json_pack("[i, i, i, i]", (int)run->window.x, (int)run->window.y,
+                                      (int)(run->window.x + run->window.width),
+                                      (int)(run->window.y + run->window.height)));
     if (run->frame.number == 0)
         return json_put(object, err);
     json_object_set_new(object, "frame", render_frame_json(&run->frame));

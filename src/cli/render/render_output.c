@@ -116,7 +116,9 @@ uint64_t render_picture_bytes(const struct render_run *run, const char *path)
     const bool half = run->options->render.half_float;
     const struct image_write_params params = {
         .path = path, .half_float = half, .png_bits = run->options->render.png16 ? 16 : 8};
-    uint64_t pixels = (uint64_t)settings->width * settings->height;
+    const struct render_window *window = &run->window;
+    uint64_t pixels = window->width > 0 ? (uint64_t)window->width * window->height
+                                        : (uint64_t)settings->width * settings->height;
     bool has_layers = path_has_extension(path, "exr");
     return pixels * (image_pixel_bytes(&params) +
                      (has_layers ? layers_bytes(run->options->render.aovs, half) : 0));
@@ -143,6 +145,15 @@ struct storage {
     bool half_float, uncompressed;
 };
 
+static struct image_display picture_of(const struct render_run *run)
+{
+    const struct render_window *window = &run->window;
+    const struct settings *settings = &run->scene.settings;
+    if (window->width == 0)
+        return (struct image_display){0};
+    return (struct image_display){settings->width, settings->height, window->x, window->y};
+}
+
 static bool write_picture(const struct render_run *run, const char *path, struct storage storage,
                           const struct metadata *metadata, struct err *err)
 {
@@ -156,6 +167,7 @@ static bool write_picture(const struct render_run *run, const char *path, struct
         .layer_count = layers.count,
         .attributes = metadata->list,
         .attribute_count = metadata->count,
+        .display = picture_of(run),
         .half_float = storage.half_float,
         .uncompressed = storage.uncompressed,
         .png_bits = run->options->render.png16 ? 16 : 8,

@@ -130,7 +130,8 @@ static bool follow_orders(struct job *job, struct render_ranks *ranks, struct er
 static bool work(struct render_run *run, struct err *err)
 {
     const struct options *options = run->options;
-    if (!options_load_scene(&options->scene, NULL, &run->scene, &run->camera, err))
+    if (!options_load_scene(&options->scene, NULL, &run->scene, &run->camera, err) ||
+        !render_find_window(options, &run->scene, &run->window, err))
         return false;
     struct job_params params = {
         .renderer = options_renderer_params(&options->device, &run->gpu, &run->scene, run->camera),
@@ -138,6 +139,7 @@ static bool work(struct render_run *run, struct err *err)
         .goal = render_goal(options),
     };
     params.renderer.aovs = options->render.aovs | options->error_by;
+    params.renderer.window = run->window;
     return job_init(&params, &run->job, err) &&
            render_ranks_open_device(options, run->ranks, &run->scene, &run->gpu, err) &&
            job_open(&run->job, err) && job_create(&run->job, err) &&

@@ -35,9 +35,11 @@ const char *render_reproducing_command(struct render_run *run)
     const struct nonfinite_stats *stats = &run->job.renderer.stats.nonfinite;
     if (!stats->recorded)
         return NULL;
+    // Of the whole picture.
+    const uint32_t width = run->window.width > 0 ? run->scene.settings.width : run->job.film.width;
     return arena_printf(&run->arena, "%s --pixel %u,%u --sample %u",
-                        run->options->render.following_line, stats->pixel % run->job.film.width,
-                        stats->pixel / run->job.film.width, stats->sample);
+                        run->options->render.following_line, stats->pixel % width,
+                        stats->pixel / width, stats->sample);
 }
 
 // --- for people ----------------------------------------------------------------------------------
@@ -320,6 +322,9 @@ void render_print_summary(struct render_run *run)
     if (film->unsampled)
         printf("unsampled %" PRIu64 " of %" PRIu64 " pixels have no sample and are black\n",
                film->unsampled, (uint64_t)film->width * film->height);
+    if (run->window.width > 0)
+        printf("window    from %u,%u of %u x %u pixels\n", run->window.x, run->window.y,
+               run->scene.settings.width, run->scene.settings.height);
     printf("device    %s (%s)\n", run->gpu.info.name, run->gpu.info.kind);
     print_notes(&run->scene);
     const struct flat_scene *flat = &run->job.renderer.flat;

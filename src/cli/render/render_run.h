@@ -38,6 +38,7 @@ struct render_run {
     struct render_ranks *ranks;    // NULL: this process renders alone
     struct render_devices devices; // with several devices: all but the first
     uint32_t camera;
+    struct render_window window; // of the picture, with --crop
     const char **outputs;
     struct file_lock *locks; // one for each output, then for the checkpoint and the trace
     uint32_t output_count, lock_count;
@@ -60,6 +61,10 @@ struct job_goal render_goal(const struct options *options);
 // Loads the scene of the options; ERR_INPUT if nothing in it is visible.
 bool render_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
                        struct err *err);
+
+// Finds the window of --crop, {0} without it; ERR_USAGE if it is not inside of the picture.
+bool render_find_window(const struct options *options, const struct scene *scene,
+                        struct render_window *out, struct err *err);
 
 // --- render_ranks.c ---
 // Opens a device of this machine for this rank, and tells the others.

@@ -103,7 +103,8 @@ static bool load_first(struct sequence *s, struct err *err)
     struct render_run *run = &s->run;
     struct scene *scene = &run->scene;
     const uint64_t start = clock_ns();
-    if (!sequence_turn_to(s, 0, err) || !render_load_scene(&s->options, scene, &run->camera, err))
+    if (!sequence_turn_to(s, 0, err) || !render_load_scene(&s->options, scene, &run->camera, err) ||
+        !render_find_window(&s->options, scene, &run->window, err))
         return false;
     for (uint32_t i = 0; i < scene->note_count; i++)
         log_info("%s", scene->notes[i]);
@@ -156,6 +157,7 @@ static bool init_job(struct sequence *s, struct err *err)
         .reopens = s->options.render.reopens,
     };
     params.renderer.geometry = &s->geometry;
+    params.renderer.window = run->window;
     params.renderer.aovs = s->options.render.aovs | s->options.error_by;
     return job_init(&params, &run->job, err) && job_open(&run->job, err);
 }

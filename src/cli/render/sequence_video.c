@@ -55,15 +55,17 @@ bool sequence_video_init(struct sequence *s, struct err *err)
 bool sequence_video_check(const struct sequence *s, struct err *err)
 {
     const struct settings *settings = &s->run.scene.settings;
+    const struct render_window *window = &s->run.window;
+    const uint32_t width = window->width > 0 ? window->width : settings->width;
+    const uint32_t height = window->width > 0 ? window->height : settings->height;
     for (uint32_t i = 0; i < s->video.count; i++) {
         if (!file_inputs_check(s->video.paths[i], err))
             return false;
-        if (is_mp4(s->video.paths[i]) && (settings->width % 2 || settings->height % 2))
+        if (is_mp4(s->video.paths[i]) && (width % 2 || height % 2))
             return err_set(err, ERR_USAGE,
                            "--output: \"%s\": H.264 in MP4 has an even width and height; expected "
-                           "--size %ux%u, or .webm",
-                           s->video.paths[i], settings->width + settings->width % 2,
-                           settings->height + settings->height % 2);
+                           "%ux%u pixels, or .webm",
+                           s->video.paths[i], width + width % 2, height + height % 2);
     }
     return true;
 }

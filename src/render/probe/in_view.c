@@ -561,6 +561,23 @@ static bool probe_groups(struct renderer *r, struct search *search, struct err *
 
 // --- entry point ---------------------------------------------------------------------------------
 
+// Moves those pixels of the mask that the film has to its beginning.
+static void cut_mask(const struct renderer *r, uint8_t *mask)
+{
+    for (uint32_t y = 0; y < r->frame.height; y++)
+        memmove(&mask[(size_t)y * r->frame.width],
+                &mask[r->frame.window_first + (size_t)y * r->frame.picture_width], r->frame.width);
+}
+
+// Returns whether the film has the pixel of an emitter, which becomes that of the film.
+static bool is_in_film(const struct renderer *r, struct small_light *light)
+{
+    // Pixels left of the window or above it wrap around.
+    light->x -= r->window.x;
+    light->y -= r->window.y;
+    return light->x < r->frame.width && light->y < r->frame.height;
+}
+
 static bool keep(struct renderer *r, struct search *search)
 {
     struct in_view *in_view = &r->in_view;
@@ -569,22 +586,24 @@ static bool keep(struct renderer *r, struct search *search)
         return false;
     *in_view = (struct in_view){.is_known = true, .lights = lights, .mask = search->mask};
     search->mask = NULL;
+    cut_mask(r, in_view->mask);
     for (size_t i = 0; i < search->group_count; i++)
-        if (search->groups[i].light.part > 0)
+        if (search->groups[i].light.part > 0 && is_in_film(r, &search->groups[i].light))
             lights[in_view->count++] = search->groups[i].light;
     return true;
 }
 
 static bool find(struct renderer *r, struct err *err)
 {
+    const uint32_t width = r->frame.picture_width, height = r->frame.picture_height;
     struct search search = {
         .renderer = r,
         .spread = fmax((double)r->frame.filter_radius - 0.5, 0),
-        .mask = calloc(r->frame.width, r->frame.height),
-        .light = calloc((size_t)r->frame.width * r->frame.height, sizeof(float)),
+        .mask = calloc(width, height),
+        .light = calloc((size_t)width * height, sizeof(float)),
     };
     bool ok = search.mask && search.light;
-    projection_make(&r->camera, &r->flat, r->frame.width, r->frame.height, &search.projection);
+    projection_make(&r->camera, &r->flat, width, height, &search.projection);
     if (ok && r->specialization.integrator != INTEGRATOR_AO) {
         visit_emitters(&search, count_emitter);
         visit_emitters(&search, add_emitter);
@@ -593,7 +612,7 @@ static bool find(struct renderer *r, struct err *err)
     if (ok)
         choose_groups(&search);
     else
-        err_memory(err, "emitters in view", (uint64_t)r->frame.width * r->frame.height);
+        err_memory(err, "emitters in view", (uint64_t)width * height);
     ok = ok && probe_groups(r, &search, err) &&
          (keep(r, &search) || err_memory(err, "emitters in view", search.group_count));
     free(search.groups);
