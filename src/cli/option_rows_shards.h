@@ -11,6 +11,15 @@
                 "directory. No picture is written unless -o is given. See docs/scaling.md.",
         FIELD(render.shard_text),
     },
+    [OPTION_SHARD_BY] = {
+        .name = "shard-by", .argument = "samples|tiles", .type = VALUE_CHOICE, .group = "Shards",
+        .commands = FOR_RENDER | FOR_SUBMIT, .fallback = "samples",
+        .help = "samples: a shard has some samples of every pixel, so that it shows the whole picture. "
+                "tiles: it has all samples of some rows of the picture, in multiples of 16; FIRST:END "
+                "are these rows then. Parts by tiles take less room, take as long as what is to be "
+                "seen in them, and may be --adaptive. The picture is the same.",
+        FIELD(render.shard_by),
+    },
     [OPTION_PARTIAL] = {
         .name = "partial", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
         .common = FOR_MERGE, .brief = "Write a picture although samples are missing.",

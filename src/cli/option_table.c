@@ -753,7 +753,6 @@ static bool is_of_all_shards(const struct option_def *def)
     case OPTION_CROP:
     case OPTION_TIME:
     case OPTION_ERROR:
-    case OPTION_ADAPTIVE:
     case OPTION_TURNTABLE:
     case OPTION_FPS:
     case OPTION_FRAMES:

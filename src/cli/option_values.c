@@ -15,7 +15,8 @@ _Static_assert(sizeof(enum log_level) == sizeof(unsigned) &&
                    sizeof(enum bvh_split) == sizeof(unsigned) &&
                    sizeof(enum bvh_format) == sizeof(unsigned) &&
                    sizeof(enum bvh_optimize) == sizeof(unsigned) &&
-                   sizeof(enum instancing) == sizeof(unsigned),
+                   sizeof(enum instancing) == sizeof(unsigned) &&
+                   sizeof(enum shard_by) == sizeof(unsigned),
                "choices are stored as unsigned");
 
 static bool check_range(double min, double max, double value, const char *text, struct err *err)

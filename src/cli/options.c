@@ -169,6 +169,9 @@ static bool parse_all(struct parser *parser, struct err *err)
 // Checks options that need, or exclude, another option.
 static bool check_combinations(const struct options *options, struct err *err)
 {
+    if (options_given(options, OPTION_SHARD_BY) && !options_given(options, OPTION_SHARD) &&
+        options->command == &commands[COMMAND_RENDER])
+        return err_set(err, ERR_USAGE, "--shard-by needs --shard");
     static const struct {
         enum option_id id, other;
         bool together;
@@ -393,10 +396,10 @@ static const enum option_id passing[] = {
 enum { PASSING_COUNT = sizeof passing / sizeof passing[0] };
 // Options that belong to one shard of a picture.
 static const enum option_id of_shards[] = {
-    OPTION_OUTPUT,  OPTION_SHARD, OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
-    OPTION_RESUME,  OPTION_TRACE, OPTION_REFERENCE,  OPTION_TEV,
-    OPTION_EXPLAIN, OPTION_JSON,  OPTION_QUIET,      OPTION_LOG_LEVEL,
-    OPTION_PARTS,   OPTION_SLURM, OPTION_DRY_RUN};
+    OPTION_OUTPUT, OPTION_SHARD, OPTION_SHARD_BY,  OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
+    OPTION_RESUME, OPTION_TRACE, OPTION_REFERENCE, OPTION_TEV,        OPTION_EXPLAIN,
+    OPTION_JSON,   OPTION_QUIET, OPTION_LOG_LEVEL, OPTION_PARTS,      OPTION_SLURM,
+    OPTION_DRY_RUN};
 
 // A list of options.
 struct option_list {

@@ -67,6 +67,7 @@ enum option_id {
     OPTION_CHECKPOINT_EVERY,
     OPTION_RESUME,
     OPTION_SHARD,
+    OPTION_SHARD_BY,
     OPTION_PARTIAL,
     OPTION_MIXED,
     OPTION_STATUS,
@@ -222,6 +223,9 @@ struct sequence_options {
     double frames_per_s; // of the animation, or of a turntable's video
 };
 
+// What --shard divides, in the order of the values of --shard-by.
+enum shard_by { SHARD_BY_SAMPLES, SHARD_BY_TILES };
+
 struct render_options {
     const char **outputs;
     uint32_t output_count;
@@ -241,6 +245,7 @@ struct render_options {
     double checkpoint_seconds; // interval between two checkpoints
     bool resume;
     const char *shard_text; // text given to --shard; NULL: none
+    enum shard_by shard_by;
     struct job_shard shard;
     struct job_merged *merged; // set by merge: the film of the picture to write; otherwise NULL
     uint32_t reopens;          // number of times that a lost device is reopened

@@ -149,10 +149,10 @@ bool shard_parse(const char *text, struct job_shard *out, struct err *err)
     *out = (struct job_shard){0};
     if (strncmp(text, "auto", 4) == 0 && (text[4] == '\0' || text[4] == '/'))
         return parse_auto(text + 4, out, err);
-    const char *rest = samples_parse_range(text, &out->samples);
+    const char *rest = samples_parse_range(text, &out->range);
     if (rest && *rest == '\0')
         return true;
-    out->samples = (struct sample_range){0};
+    out->range = (struct sample_range){0};
     int length = 0;
     bool is_plain = text[strspn(text, "0123456789/")] == '\0' && strlen(text) <= 19;
     if (is_plain && sscanf(text, "%u/%u%n", &out->index, &out->count, &length) == 2 &&
@@ -160,7 +160,8 @@ bool shard_parse(const char *text, struct job_shard *out, struct err *err)
         return true;
     return err_set(err, ERR_USAGE,
                    "\"%s\" is no shard; expected I/N with I from 1 to N, FIRST:END with the first "
-                   "sample and the one after the last, auto or auto/N",
+                   "sample (or row, with --shard-by tiles) and the one after the last, auto or "
+                   "auto/N",
                    text);
 }
 
@@ -175,8 +176,8 @@ static struct numbers numbers_of(const struct job_shard *shard)
 {
     struct numbers numbers;
     if (shard->count == 0) {
-        snprintf(numbers.i, sizeof numbers.i, "%" PRIu64, shard->samples.first);
-        snprintf(numbers.n, sizeof numbers.n, "%" PRIu64, shard->samples.end);
+        snprintf(numbers.i, sizeof numbers.i, "%" PRIu64, shard->range.first);
+        snprintf(numbers.n, sizeof numbers.n, "%" PRIu64, shard->range.end);
         return numbers;
     }
     int digits = snprintf(numbers.n, sizeof numbers.n, "%u", shard->count);
@@ -222,6 +223,7 @@ bool shard_settle(struct options *options, struct err *err)
         return true;
     if (!shard_parse(render->shard_text, &render->shard, err))
         return err_prepend(err, "--shard");
+    render->shard.by_tiles = render->shard_by == SHARD_BY_TILES;
     const struct numbers numbers = numbers_of(&render->shard);
     const bool is_named = options_given(options, OPTION_CHECKPOINT);
     if (is_named && render->shard.count > 1 && !strstr(render->checkpoint, "%i") &&

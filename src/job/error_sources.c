@@ -37,6 +37,8 @@ uint32_t error_kind_aov(enum error_kind kind)
 static const char *why_unknown(const struct film_image *film,
                                const struct film_error_params *params)
 {
+    if (params->lacks_light)
+        return "light paths of the other parts bring light to these rows, too";
     if (film->least_samples < 2)
         return "fewer than two samples per pixel";
     if (params->is_contiguous && film->least_samples != params->planned)
@@ -146,7 +148,8 @@ bool error_sources_find(const struct film_image *film, uint32_t aovs,
                         const struct film_error_params *params, struct error_sources *out,
                         struct err *err)
 {
-    uint64_t pixels = (uint64_t)film->width * film->height;
+    const struct film_image rows = film_rows_alone(film);
+    uint64_t pixels = (uint64_t)rows.width * rows.height;
     *out = (struct error_sources){
         .kinds = aovs & AOVS_BY,
         .has_intervals = !params->shares_depths,
@@ -157,18 +160,20 @@ bool error_sources_find(const struct film_image *film, uint32_t aovs,
     if (out->reason)
         return true;
     const struct half_error_params halves = {
-        .half_a = (const float(*)[3])film->half_a,
-        .half_b = (const float(*)[3])film->half_b,
-        .width = film->width,
-        .height = film->height,
-        .samples = film->least_samples,
+        .half_a = (const float(*)[3])rows.half_a,
+        .half_b = (const float(*)[3])rows.half_b,
+        .width = rows.width,
+        .height = rows.height,
+        .samples = rows.least_samples,
     };
     double(*weights)[3] = malloc(pixels * sizeof *weights);
     bool ok = weights && metrics_half_error_weights(&halves, weights);
     if (ok) {
-        find_brightest(film, (const double(*)[3])weights, out);
-        find_shares(film, aovs, &halves, (const double(*)[3])weights, out);
+        find_brightest(&rows, (const double(*)[3])weights, out);
+        find_shares(&rows, aovs, &halves, (const double(*)[3])weights, out);
     }
+    for (uint32_t i = 0; i < out->brightest_count; i++)
+        out->brightest[i].y += rows.rows.first;
     free(weights);
     return ok || err_memory(err, "where the error comes from", pixels * sizeof *weights);
 }

@@ -5,6 +5,12 @@
 #include "render/sampling_plan.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+
+static bool rows_are_all(const struct renderer *r)
+{
+    return r->rows.first == 0 && r->rows.end == r->frame.height;
+}
 
 struct film_error_params film_error_of(const struct renderer *renderer, uint64_t samples)
 {
@@ -14,6 +20,7 @@ struct film_error_params film_error_of(const struct renderer *renderer, uint64_t
         .shares_depths = s->roulette == ROULETTE_FRAME && (s->features & FEATURE_ROULETTE) != 0,
         .is_contiguous = halves_are_contiguous(renderer),
         .planned = renderer->frame.samples,
+        .lacks_light = s->integrator == INTEGRATOR_BIDIR && !rows_are_all(renderer),
     };
 }
 
@@ -22,6 +29,46 @@ bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct aren
 {
     *out = film_error_of(renderer, samples);
     return renderer_find_unseen(renderer, arena, &out->unseen, err);
+}
+
+struct film_image film_rows_alone(const struct film_image *film)
+{
+    const uint64_t first = (uint64_t)film->rows.first * film->width;
+    struct film_image rows = *film;
+    rows.height = film->rows.end - film->rows.first;
+    rows.mean += first;
+    rows.half_a += first;
+    rows.half_b += first;
+    rows.samples += first;
+    if (rows.aovs.class_count) {
+        rows.aovs.class_a += first * rows.aovs.class_count;
+        rows.aovs.class_b += first * rows.aovs.class_count;
+        rows.aovs.brightest += first;
+    }
+    return rows;
+}
+
+// Returns the unseen light of these rows. *moved: the list of small lights, to be freed.
+static bool unseen_of_rows(const struct film_image *film, const struct unseen_light *unseen,
+                           struct small_light **moved, struct unseen_light *out)
+{
+    *out = *unseen;
+    *moved = NULL;
+    if (out->emitter_in_view)
+        out->emitter_in_view += (size_t)film->rows.first * film->width;
+    if (film->rows.first == 0 && film->rows.end == film->height)
+        return true;
+    *moved = malloc((unseen->small_count + 1) * sizeof **moved);
+    out->small = *moved;
+    out->small_count = 0;
+    for (size_t i = 0; *moved && i < unseen->small_count; i++) {
+        struct small_light light = unseen->small[i];
+        if (light.y < film->rows.first || light.y >= film->rows.end)
+            continue;
+        light.y -= film->rows.first;
+        (*moved)[out->small_count++] = light;
+    }
+    return *moved != NULL;
 }
 
 bool film_error_is_blind(const struct film_image *film)
@@ -74,22 +121,30 @@ static void take_back(const struct film_error_params *params, struct half_error 
 bool film_error(const struct film_image *film, const struct film_error_params *params,
                 struct half_error *out, struct err *err)
 {
-    const struct half_error_params halves = {
-        .half_a = (const float(*)[3])film->half_a,
-        .half_b = (const float(*)[3])film->half_b,
-        .width = film->width,
-        .height = film->height,
+    const struct film_image rows = film_rows_alone(film);
+    struct half_error_params halves = {
+        .half_a = (const float(*)[3])rows.half_a,
+        .half_b = (const float(*)[3])rows.half_b,
+        .width = rows.width,
+        .height = rows.height,
         .samples = params->samples,
-        .counts = film->least_samples < film->most_samples ? film->samples : NULL,
+        .counts = film->least_samples < film->most_samples ? rows.samples : NULL,
         .confidence = params->confidence,
-        .unseen = params->unseen,
     };
+    struct small_light *moved;
+    if (params->lacks_light) {
+        *out = film_error_none("light paths of the other parts bring light to these rows, too");
+        return true;
+    }
     if (params->is_contiguous && film->least_samples != params->planned) {
         *out = film_error_none(
             "with contiguous halves the error is only known after all planned samples");
         return true;
     }
-    if (!metrics_half_error(&halves, out))
+    bool ok = unseen_of_rows(film, &params->unseen, &moved, &halves.unseen) &&
+              metrics_half_error(&halves, out);
+    free(moved);
+    if (!ok)
         return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
     take_back(params, out);
     return true;

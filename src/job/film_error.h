@@ -14,6 +14,7 @@ struct film_error_params {
     // samples.
     bool is_contiguous;
     uint64_t planned;
+    bool lacks_light; // light paths from rows that were not rendered bring some
     struct unseen_light unseen;
 };
 
@@ -23,12 +24,16 @@ struct film_error_params film_error_of(const struct renderer *renderer, uint64_t
 bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct arena *arena,
                         struct film_error_params *out, struct err *err);
 
-// Estimates the error as metrics_half_error() does, and removes unreliable results. If there is no
-// interval, local_relmse and mse are NAN; contiguous halves never have an interval, but only a
-// bound. If pixels share the depths of their paths, there is neither an interval nor a bound;
-// local_relmse and mse are then kept, and must be reported as estimates without an interval.
+// Estimates the error of the film's rows as metrics_half_error() does, and removes unreliable
+// results. If there is no interval, local_relmse and mse are NAN; contiguous halves never have an
+// interval, but only a bound. If pixels share the depths of their paths, there is neither an
+// interval nor a bound; local_relmse and mse are then kept, and must be reported as estimates
+// without an interval.
 bool film_error(const struct film_image *film, const struct film_error_params *params,
                 struct half_error *out, struct err *err);
+
+// Returns the rendered rows of a film as a film of their own, with half-buffers and classes.
+struct film_image film_rows_alone(const struct film_image *film);
 
 // Returns whether the local relMSE is not meaningful for a film: most of its light is in pixels so
 // dark that the constant in the local relMSE reduces their relative error to less than a thirtieth.

@@ -36,7 +36,7 @@ static void add(struct text *text, const char *format, ...)
 // make_identity() adds. Different values must have different texts.
 static void add_settings(struct text *text, const struct settings *settings)
 {
-    add(text, "--size=%ux%u", settings->width, settings->height);
+    add(text, JOB_SIZE_LINE "%ux%u", settings->width, settings->height);
     for (int i = SETTINGS_FILM_LAST + 1; i < SETTING_TOTAL; i++) {
         const struct setting *setting = &settings_table[i];
         char value[FIELD_TEXT_MAX], name[48];
@@ -100,6 +100,24 @@ static void add_aovs(struct text *text, uint32_t aovs)
     add(text, "--error-by=%s", names);
 }
 
+// Parts by tiles have all samples of the render, which therefore must be equally many in all parts.
+static void add_shard(struct text *text, const struct job *job)
+{
+    const bool by_tiles = job->params.shard.by_tiles;
+    struct sample_range range = {job->samples_first, job->samples_most};
+    if (by_tiles)
+        range = job->rows;
+    if (by_tiles)
+        add(text, JOB_SHARD_BY_LINE JOB_BY_TILES " of %" PRIu64 " samples a pixel",
+            job->scene->settings.spp);
+    else if (job_is_shard(job) || job->params.merged)
+        add(text, JOB_SHARD_BY_LINE "samples");
+    if (job_is_shard(job))
+        add(text, JOB_SHARD_LINE "%" PRIu64 ":%" PRIu64, range.first, range.end);
+    else
+        add(text, JOB_SHARD_LINE "none");
+}
+
 static const char *make_identity(struct job *job)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -124,18 +142,13 @@ static const char *make_identity(struct job *job)
     add_aovs(&text, job->params.renderer.aovs);
     add(&text, "--adaptive=%s", goal->adaptive ? "on" : "off");
     if (goal->adaptive)
-        add(&text, "samples a round=%u", job->round_samples);
+        add(&text, JOB_ROUND_LINE "%u", job->round_samples);
     add(&text, "--frames=%s", goal->frames ? "some" : "none");
     if (goal->frames) {
         add(&text, "--spp-per-frame=%u", goal->samples_per_frame);
         add(&text, "--accumulate=%s", goal->accumulate ? "on" : "off");
     }
-    const struct sample_ranges samples = {
-        &(struct sample_range){job->samples_first, job->samples_most}, job_is_shard(job) ? 1 : 0};
-    const char *shard = samples_text(&samples, &job->arena);
-    if (!shard)
-        return NULL;
-    add(&text, JOB_SHARD_LINE "%s", shard);
+    add_shard(&text, job);
     return text.so_far;
 }
 

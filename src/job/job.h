@@ -56,13 +56,15 @@ struct job_checkpoint_params {
                       // exist
 };
 
-// A shard: one of several processes that share a render renders some of the samples of every pixel.
-// Its checkpoint is a part, which merge.h adds to others. Its goal can only be a number of samples.
+// A shard: one of several processes that share a render renders some of the samples of every pixel, or
+// all samples of some rows of tiles. Its checkpoint is a part, which merge.h adds to others. Its
+// goal can only be a number of samples.
 struct job_shard {
-    // Selects part `index`, from 1, of `count` equal parts of the samples. count = 0: `samples`
+    // Selects part `index`, from 1, of `count` equal parts of the samples or rows. count = 0: `range`
     // instead.
     uint32_t index, count;
-    struct sample_range samples; // end = 0: the job is not a shard and renders all samples
+    struct sample_range range; // end = 0: the job is not a shard and renders all samples
+    bool by_tiles;             // the range is one of rows; also for a merged film
 };
 
 // The film of a render that was merged from its parts.
@@ -71,6 +73,8 @@ struct job_merged {
     struct arena arena;    // owns the records
     const char *identity;  // identity of the parts, without their samples
     bool is_partial;       // samples are missing, so no --spp gives the same picture
+    // With --adaptive: samples of each tile in a round; the film's `done` has those of all rounds.
+    uint32_t *counts;
 };
 
 // Functions that job_run() calls between waves. Each may be NULL. If one returns false, the render
@@ -220,13 +224,14 @@ struct job {
     bool stopped;      // stopped before the goal was reached; some pixels may have fewer samples
                        // than others
     enum job_end ended_by;
-    double begun_seconds;   // rendering time at job_begin()
-    uint64_t samples_most;  // limit of samples per pixel (with `adaptive`, of their mean); for a
-                            // shard, the end of its range
-    uint64_t samples_first; // the first sample; not 0 only for a shard
-    uint32_t round_samples; // with `adaptive`: mean number of samples per pixel in a round of the
-                            // plan
-    struct tile_plan plan;  // the number of samples of each tile; empty until the pilot has ended
+    double begun_seconds;     // rendering time at job_begin()
+    uint64_t samples_most;    // limit of samples per pixel (with `adaptive`, of their mean); for a
+                              // shard of samples, the end of its range
+    uint64_t samples_first;   // the first sample; not 0 only for a shard of samples
+    struct sample_range rows; // rows of a shard by tiles; end = 0: all
+    uint32_t round_samples;   // with `adaptive`: mean number of samples per pixel in a round of the
+                              // plan
+    struct tile_plan plan;    // the number of samples of each tile; empty until the pilot has ended
 
     // Used if the job has a crew, or is a worker of one.
     struct crew_deal deal;

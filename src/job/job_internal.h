@@ -13,8 +13,14 @@ enum job_note {
 };
 _Static_assert(JOB_NOTE_AOVS + 1 == CHECKPOINT_NOTE_WORDS, "a word for each");
 
-// The last line of an identity: the samples of a shard, or "none" for a whole render.
+// The last line of an identity: the samples or rows of a shard, or "none" for a whole render.
 #define JOB_SHARD_LINE "--shard="
+// The line of parts that says which: "samples", or JOB_BY_TILES with the number of samples.
+#define JOB_SHARD_BY_LINE "--shard-by="
+#define JOB_BY_TILES "tiles"
+// The lines of what merge needs to know of a render.
+#define JOB_SIZE_LINE "--size="
+#define JOB_ROUND_LINE "samples a round="
 
 // --- identity.c ---
 // Returns a copy of an identity without the lines that begin with one of `names`. Returns NULL when
@@ -68,18 +74,20 @@ bool job_checkpoint_restore(struct job *job, struct err *err);
 bool job_checkpoint_when_due(struct job *job, struct err *err);
 
 // --- shard.c ---
-// Determines the samples of a shard; does nothing for other jobs. Fails with ERR_USAGE if the
-// render cannot be divided into shards.
+// Determines the samples or rows of a shard; does nothing for other jobs. Fails with ERR_USAGE if
+// the render cannot be divided into shards.
 bool job_settle_shard(struct job *job, struct err *err);
 bool job_is_shard(const struct job *job);
+// Returns the number of steps of the whole render: samples per pixel, or rounds of the tiles' plan.
+uint64_t job_steps(const struct job *job);
 // Checks that the merged film, if there is one, belongs to this render. Needs the device.
 bool job_check_merged(struct job *job, struct err *err);
 // Sets the renderer to the shard's first sample, or copies the merged film to the renderer.
 bool job_begin_shard(struct job *job, struct err *err);
 
-// Checks that several renderers may share the samples of this render. `whose` is the beginning of
-// the error message.
-bool job_check_divisible(const struct job *job, const char *whose, struct err *err);
+// Checks that several renderers may share the samples of this render, or with by_tiles its rows.
+// `whose` is the beginning of the error message.
+bool job_check_divisible(const struct job *job, const char *whose, bool by_tiles, struct err *err);
 
 // --- crew_film.c ---
 // Adds the counts and times of one film to those of another.

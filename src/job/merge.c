@@ -7,6 +7,7 @@
 #include "shared/aov.h"
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 // --- a part --------------------------------------------------------------------------------------
@@ -34,22 +35,37 @@ static bool is_within(const struct sample_range *range, const struct sample_rang
     return false;
 }
 
+static bool check_is_part(const struct checkpoint *c, struct err *err)
+{
+    const char *text = find_value(c->identity, JOB_SHARD_LINE);
+    return (text && strncmp(text, "none\n", 5) != 0) ||
+           err_set(err, ERR_INPUT,
+                   "%s: is the checkpoint of a whole render; expected a part of one, which "
+                   "render --shard writes",
+                   c->path);
+}
+
+static bool is_finished(const struct film_copy *film, uint64_t steps)
+{
+    return film->next_sample == steps && film->pass.position == 0;
+}
+
 // Finds the samples that a part holds: all that were planned for it, unless the shard was stopped
-// before it finished.
-static bool find_samples(const struct checkpoint *c, struct arena *arena, struct merge_part *part,
-                         struct err *err)
+// before it finished. Rows have all of their samples, or none that could be added.
+static bool find_samples(const struct checkpoint *c, const struct merge *merge, struct arena *arena,
+                         struct merge_part *part, struct err *err)
 {
     const char *text = find_value(c->identity, JOB_SHARD_LINE);
     const struct film_copy film = checkpoint_film(c);
-    if (!text || strncmp(text, "none\n", 5) == 0)
-        return err_set(err, ERR_INPUT,
-                       "%s: is the checkpoint of a whole render; expected a part of one, which "
-                       "render --shard writes",
-                       c->path);
     if (!samples_parse(text, (size_t)value_length(text), arena, &part->wanted))
         return err_set(err, ERR_INPUT, "%s: has no samples that can be read: \"%.*s\"", c->path,
                        value_length(text), text);
     part->samples = part->wanted;
+    if (merge->by_tiles) {
+        part->samples.count = is_finished(&film, merge->rounds) ? part->wanted.count : 0;
+        return part->wanted.list[part->wanted.count - 1].end <= merge->height ||
+               err_set(err, ERR_INPUT, "%s: holds rows that the picture does not have", c->path);
+    }
     if (part->wanted.count > 1)
         return true;
     struct sample_range *has = ARENA_NEW(arena, struct sample_range, 1);
@@ -64,13 +80,21 @@ static bool find_samples(const struct checkpoint *c, struct arena *arena, struct
 }
 
 // A part whose pixels have different numbers of samples can only go on.
-static bool check_even(const struct checkpoint *c, const struct merge_part *part, struct err *err)
+static bool check_even(const struct merge *merge, const struct checkpoint *c,
+                       const struct merge_part *part, struct err *err)
 {
     const struct film_copy film = checkpoint_film(c);
-    const bool is_finished = film.next_sample == part->wanted.list[part->wanted.count - 1].end;
-    if (film.pass.position == 0 && (film.next_sample % 2 == 0 || is_finished))
-        return true;
+    const uint64_t end = part->wanted.list[part->wanted.count - 1].end;
     const struct sample_range *range = &part->wanted.list[0];
+    if (merge->by_tiles)
+        return part->samples.count > 0 ||
+               err_set(err, ERR_INPUT,
+                       "%s: is not finished, and its rows lack samples; expected it after: "
+                       "%s --shard-by tiles --shard %" PRIu64 ":%" PRIu64
+                       " --checkpoint %s --resume",
+                       c->path, c->command, range->first, range->end, c->path);
+    if (film.pass.position == 0 && (film.next_sample % 2 == 0 || film.next_sample == end))
+        return true;
     return err_set(
         err, ERR_INPUT,
         "%s: is not finished, and some pixels have more samples than others, or one half "
@@ -79,14 +103,47 @@ static bool check_even(const struct checkpoint *c, const struct merge_part *part
         c->path, c->command, range->first, range->end, c->path);
 }
 
-static bool check_film(const struct checkpoint *c, struct err *err)
+static bool check_film(const struct checkpoint *c, const struct merge *merge, struct err *err)
 {
     uint64_t aovs = c->note[JOB_NOTE_AOVS];
     uint64_t record = 16 * AOV_FILM_WORDS((uint32_t)aovs);
-    return (aovs <= UINT32_MAX && c->tile_count == 0 && c->film_bytes % record == 0 &&
-            c->block_bytes % record == 0) ||
+    return (aovs <= UINT32_MAX && (merge->by_tiles || c->tile_count == 0) &&
+            c->film_bytes % record == 0 && c->block_bytes % record == 0) ||
            err_set(err, ERR_INPUT, "%s: has a film that is no sum of samples of all pixels",
                    c->path);
+}
+
+// Finds where in the whole film that of a part belongs: that of rows is theirs alone, from the
+// first to the last.
+static bool find_film(struct merge *merge, const struct checkpoint *c, struct merge_part *part,
+                      struct err *err)
+{
+    const uint64_t row = 16 * AOV_FILM_WORDS(merge->aovs) * merge->width;
+    const struct sample_range hull = {part->wanted.list[0].first,
+                                      part->wanted.list[part->wanted.count - 1].end};
+    const bool is_whole = c->film_bytes == merge->film_bytes;
+    if (!is_whole && merge->by_tiles && c->film_bytes == (hull.end - hull.first) * row) {
+        part->film_at = hull.first * row;
+        return true;
+    }
+    merge->has_whole_films |= is_whole && hull.end - hull.first < merge->height;
+    return is_whole ||
+           err_set(err, ERR_INPUT,
+                   "%s: its film takes %s, and %s was expected; expected parts of the "
+                   "same --size and --aov",
+                   c->path, memory_print(c->film_bytes).text, memory_print(merge->film_bytes).text);
+}
+
+// All parts of an adaptive render have made the same plan of their pilots.
+static bool check_plan(const struct merge *merge, const struct checkpoint *c, struct err *err)
+{
+    return (c->tile_count == merge->tile_count &&
+            (c->tile_count == 0 ||
+             memcmp(c->counts, merge->counts, c->tile_count * sizeof *c->counts) == 0)) ||
+           err_set(err, ERR_INPUT,
+                   "%s: its pilot gave the tiles other numbers of samples than that of %s, which "
+                   "devices of one kind with one driver do not; expected parts of one device",
+                   c->path, merge->parts[0].path);
 }
 
 // --- parts that belong together ------------------------------------------------------------------
@@ -136,10 +193,39 @@ static bool check_overlaps(struct merge *merge, const struct merge_part *part, u
             other = &merge->parts[i];
             break;
         }
+    const char *what = merge->by_tiles ? "row" : "sample";
     return err_set(err, ERR_INPUT,
-                   "%s: has samples %" PRIu64 ":%" PRIu64
-                   ", which %s has, too; expected every sample once",
-                   part->path, range.first, range.end, other->path);
+                   "%s: has %ss %" PRIu64 ":%" PRIu64 ", which %s has, too; expected every %s once",
+                   part->path, what, range.first, range.end, other->path, what);
+}
+
+// Finds what all parts have in common in the first one.
+static bool begin_merge(struct merge *merge, const struct checkpoint *c, const char *identity,
+                        struct err *err)
+{
+    const char *size = find_value(identity, JOB_SIZE_LINE);
+    const char *by = find_value(identity, JOB_SHARD_BY_LINE);
+    const char *round = find_value(identity, JOB_ROUND_LINE);
+    uint32_t round_samples = 1;
+    if (!size || sscanf(size, "%ux%u", &merge->width, &merge->height) != 2 ||
+        (round && (sscanf(round, "%u", &round_samples) != 1 || round_samples == 0)))
+        return err_set(err, ERR_INPUT,
+                       "%s: does not say of which picture it is a part; expected a "
+                       "part of this build",
+                       c->path);
+    merge->merged.identity = identity;
+    merge->by_tiles = by && strncmp(by, JOB_BY_TILES, strlen(JOB_BY_TILES)) == 0;
+    merge->aovs = (uint32_t)c->note[JOB_NOTE_AOVS];
+    merge->film_bytes = 16 * AOV_FILM_WORDS(merge->aovs) * (uint64_t)merge->width * merge->height;
+    merge->rounds = c->note[JOB_NOTE_SAMPLES] / round_samples;
+    merge->tile_count = c->tile_count;
+    if (c->tile_count == 0)
+        return true;
+    merge->counts = ARENA_NEW(&merge->arena, uint32_t, c->tile_count);
+    if (!merge->counts)
+        return err_memory(err, "tiles", c->tile_count * sizeof *c->counts);
+    memcpy(merge->counts, c->counts, c->tile_count * sizeof *c->counts);
+    return true;
 }
 
 static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t index,
@@ -160,32 +246,33 @@ static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t i
         common_identity(c->identity, mixed, index == 0 ? &merge->arena : scratch);
     if (!identity || !part->command)
         return err_memory(err, "a part", strlen(c->identity));
-    if (!find_samples(c, &merge->arena, part, err) || !check_film(c, err))
+    if (!check_is_part(c, err))
         return false;
-    if (index == 0) {
-        merge->merged.identity = identity;
-        merge->film_bytes = c->film_bytes;
-        merge->aovs = (uint32_t)c->note[JOB_NOTE_AOVS];
-    }
+    if (index > 0 &&
+        !checkpoint_compare(c->path, identity, merge->parts[0].path, merge->merged.identity, err))
+        return false;
+    if ((index == 0 && !begin_merge(merge, c, identity, err)) ||
+        !find_samples(c, merge, &merge->arena, part, err) || !check_film(c, merge, err))
+        return false;
     struct sample_ranges joined;
-    if (!checkpoint_compare(c->path, identity, merge->parts[0].path, merge->merged.identity, err) ||
-        (!params->only_look_at && !check_even(c, part, err)) ||
+    if ((!params->only_look_at && !check_even(merge, c, part, err)) || !check_plan(merge, c, err) ||
         !check_overlaps(merge, part, index, err) ||
         !find_device(merge, c, mixed, &part->device, device_capacity, err) ||
         !samples_join(&merge->samples, &part->samples, &merge->arena, &joined, err))
         return false;
-    if (c->film_bytes != merge->film_bytes || c->note[JOB_NOTE_AOVS] != merge->aovs)
+    if (c->note[JOB_NOTE_AOVS] != merge->aovs)
         return err_set(err, ERR_INPUT,
-                       "%s: its film takes %s, that of %s takes %s, or their layers differ; "
-                       "expected parts of the same --size and --aov",
-                       c->path, memory_print(c->film_bytes).text, merge->parts[0].path,
-                       memory_print(merge->film_bytes).text);
+                       "%s: its layers are not those of %s; expected parts of the same --aov",
+                       c->path, merge->parts[0].path);
+    if (!find_film(merge, c, part, err))
+        return false;
     merge->devices[part->device].part_count++;
     merge->samples = joined;
     if (part->planned > merge->planned) {
         merge->planned = part->planned;
         merge->command = part->command;
     }
+    merge->all = merge->by_tiles ? merge->height : merge->planned;
     return true;
 }
 
@@ -235,7 +322,8 @@ static bool add_film(const struct merge *merge, const struct merge_part *part, c
     while (ok && (bytes = checkpoint_next_bytes(&c)) > 0) {
         ok = checkpoint_next_block(&c, block, err);
         if (ok)
-            film_records_add(merge->aovs, block, to->records + at, bytes / record, precedes);
+            film_records_add(merge->aovs, block, to->records + part->film_at + at, bytes / record,
+                             precedes);
         at += bytes;
     }
     if (precedes)
@@ -340,7 +428,8 @@ static bool add_devices(struct merge *merge, const struct progress *progress, ch
         bool is_whole = create_film(merge, &arena, &film, &failure) &&
                         add_films_of(merge, i, progress, block, &film, &done, &failure);
         if (is_whole) {
-            measure_device(merge, &film, &merge->devices[i]);
+            if (!merge->by_tiles)
+                measure_device(merge, &film, &merge->devices[i]);
             film_records_add(merge->aovs, film.records, sum->records, merge->film_bytes / record,
                              film.emptied_at < sum->emptied_at);
             sum->emptied_at = film.emptied_at < sum->emptied_at ? film.emptied_at : sum->emptied_at;
@@ -358,6 +447,16 @@ static bool add_devices(struct merge *merge, const struct progress *progress, ch
     return ok;
 }
 
+// Returns the numbers of samples that the tiles have in the whole render; NULL without tiles, or
+// when out of memory.
+static uint32_t *find_done(const struct merge *merge, struct arena *arena)
+{
+    uint32_t *done = merge->counts ? ARENA_NEW(arena, uint32_t, merge->tile_count) : NULL;
+    for (uint32_t i = 0; done && i < merge->tile_count; i++)
+        done[i] = (uint32_t)(merge->counts[i] * merge->rounds);
+    return done;
+}
+
 bool merge_add_films(struct merge *merge, const struct progress *progress, struct err *err)
 {
     // Blocks of files have at most this many bytes, or the file is refused when it is opened.
@@ -369,17 +468,42 @@ bool merge_add_films(struct merge *merge, const struct progress *progress, struc
               ? add_devices(merge, progress, block, err)
               : add_films_of(merge, UINT32_MAX, progress, block, &merge->merged.film, &done, err));
     memory_free(block);
+    if (ok && merge->counts) {
+        merge->merged.counts = merge->counts;
+        merge->merged.film.done = find_done(merge, &merge->arena);
+        ok = merge->merged.film.done ||
+             err_memory(err, "tiles", merge->tile_count * sizeof(uint32_t));
+    }
     return ok;
 }
 
 // --- the sum -------------------------------------------------------------------------------------
 
+// The film of some rows is written alone, as that of a part is.
+static uint64_t cut_film(const struct merge *merge, struct film_copy *film)
+{
+    const struct sample_range hull = {merge->samples.list[0].first,
+                                      merge->samples.list[merge->samples.count - 1].end};
+    const uint64_t row = 16 * AOV_FILM_WORDS(merge->aovs) * merge->width;
+    if (!merge->by_tiles) {
+        film->emptied_at = hull.first;
+        film->next_sample = hull.end;
+        return merge->film_bytes;
+    }
+    film->next_sample = film->round_target = merge->rounds;
+    if (merge->has_whole_films)
+        return merge->film_bytes;
+    film->records += hull.first * row;
+    return (hull.end - hull.first) * row;
+}
+
 bool merge_write(const struct merge *merge, const char *path, struct err *err)
 {
     struct arena arena = {0};
     struct film_copy film = merge->merged.film;
-    film.emptied_at = merge->samples.list[0].first;
-    film.next_sample = merge->samples.list[merge->samples.count - 1].end;
+    const uint64_t bytes = cut_film(merge, &film);
+    struct tiles tiles = {.count = merge->tile_count, .counts = merge->counts};
+    tiles.done = find_done(merge, &arena);
     const char *samples = samples_text(&merge->samples, &arena);
     const char *identity =
         samples ? arena_printf(&arena, "%s" JOB_SHARD_LINE "%s\n", merge->merged.identity, samples)
@@ -387,9 +511,10 @@ bool merge_write(const struct merge *merge, const char *path, struct err *err)
     const struct checkpoint_text text = {identity, merge->command};
     const uint64_t note[CHECKPOINT_NOTE_WORDS] = {
         [JOB_NOTE_SAMPLES] = merge->planned, [JOB_NOTE_AOVS] = merge->aovs};
-    bool ok = identity ? checkpoint_write_copy(&film, merge->film_bytes, merge->aovs, path, &text,
-                                               note, err)
-                       : err_memory(err, "a part", 64);
+    const bool has_memory = identity && (tiles.done || !merge->counts);
+    bool ok = has_memory
+                  ? checkpoint_write_copy(&film, bytes, merge->aovs, &tiles, path, &text, note, err)
+                  : err_memory(err, "a part", 64);
     arena_finish(&arena);
     return ok;
 }

@@ -1,4 +1,5 @@
 // Merges the parts of a render: checkpoints of shards (struct job_shard), and sums of some of them.
+// Parts have samples of all pixels, or all samples of some rows; the two are not merged.
 // The film's sums do not depend on the order and the grouping in which they are added, so the
 // merged film is that of one process, bit for bit. Needs neither the scene nor a device.
 //
@@ -19,14 +20,16 @@ struct merge_params {
 
 struct merge_part {
     const char *path, *command;
-    struct sample_ranges samples; // samples that it has
-    struct sample_ranges wanted;  // samples that it has when it is finished
+    struct sample_ranges samples; // samples, or rows, that it has
+    struct sample_ranges wanted;  // those that it has when it is finished
     uint64_t planned;             // samples per pixel of the whole render
+    uint64_t film_at;             // byte of the whole film where that of its file begins
     uint32_t device;              // index into merge.devices
     uint64_t head_hash;           // a file with another one is another file
 };
 
-// The picture's mean luminance by one device, with its standard error; of no use without mixed.
+// The picture's mean luminance by one device, with its standard error; of no use without mixed, and
+// of parts by tiles, in which devices have different pixels.
 struct merge_device {
     const char *name; // with the driver
     uint32_t part_count;
@@ -40,10 +43,17 @@ struct merge {
     struct merge_device *devices;
     uint32_t device_count;
     const char *command;          // the command of the part with the largest render
-    struct sample_ranges samples; // the samples of all parts together
+    bool by_tiles;                // parts have rows of the picture
+    struct sample_ranges samples; // the samples, or rows, of all parts together
     uint64_t planned;             // samples per pixel of the largest render
+    uint64_t all;                 // how many samples, or rows, there are
+    uint32_t width, height;
+    uint32_t *counts; // samples of each of `tile_count` tiles in a round; NULL: tiles have none
+    uint32_t tile_count;
+    uint64_t rounds; // of the whole render: samples per pixel where there are no tiles
     uint64_t film_bytes;
-    uint32_t aovs; // AOV_*: the device's
+    bool has_whole_films; // also where a part by tiles has some rows: light paths go everywhere
+    uint32_t aovs;        // AOV_*: the device's
     struct job_merged merged;
 };
 

@@ -80,15 +80,20 @@ static bool make_plan(struct job *job, struct err *err)
 bool job_run_pilot(struct job *job, struct err *err)
 {
     struct renderer *r = &job->renderer;
+    // A shard by tiles takes the samples of the whole picture, too: only so is its plan that of
+    // all.
+    const struct film_rows rows = r->rows, all = {0, r->frame.height};
     uint32_t seed = r->frame.seed;
     const struct render_call call = {.samples = 1, .progress_to = 1e-9, .stopped = &job->stopped};
     struct arena scratch = {0};
+    renderer_set_rows(r, &all);
     bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, pilot_seed(seed), err) &&
               renderer_render(r, &call, err);
     // Without a plan, the pilot's samples are the only image.
     if (ok && !job->stopped)
         ok = job_fetch_film(job, err) && make_plan(job, err) && renderer_restart(r, seed, err) &&
              renderer_set_plan(r, &job->plan, err);
+    renderer_set_rows(r, &rows);
     if (!ok)
         job->plan = (struct tile_plan){0}; // a pilot on a reopened device must make the plan again
     arena_finish(&scratch);

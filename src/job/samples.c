@@ -14,6 +14,16 @@ struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t sam
     return range;
 }
 
+struct sample_range rows_of_part(uint32_t index, uint32_t count, uint32_t rows, uint32_t side)
+{
+    const uint64_t tiles = rows / side + (rows % side != 0);
+    struct sample_range range = {side * (tiles * (index - 1) / count),
+                                 side * (tiles * index / count)};
+    if (index == count)
+        range.end = rows;
+    return range;
+}
+
 // Reads a decimal number; a sign or blanks before it are errors. Returns the rest of the text, or
 // NULL.
 static const char *parse_number(const char *text, uint64_t *out)

@@ -1,4 +1,5 @@
-// Sets of sample indices. A sample index stands for one sample of every pixel of the image.
+// Sets of sample indices, or of rows of the image. A sample index stands for one sample of every pixel
+// of the image; a row stands for all samples of its pixels.
 #ifndef LAMPYRIS_JOB_SAMPLES_H
 #define LAMPYRIS_JOB_SAMPLES_H
 
@@ -7,9 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// The samples from `first` up to, but not including, `end`. Both are even: sample s is number s >>
-// 1 of half-buffer s & 1, so only then do the halves of a part contain the same samples as in the
-// whole render.
+// The samples or rows from `first` up to, but not including, `end`. Of samples, both are even: sample s
+// is number s >> 1 of half-buffer s & 1, so only then do the halves of a part contain the same
+// samples as in the whole render. Of rows, both are multiples of the side of a tile, or the end is
+// that of the image, because tiles may have different numbers of samples.
 struct sample_range {
     uint64_t first, end;
 };
@@ -24,6 +26,10 @@ struct sample_ranges {
 // two samples, or by three if the number is odd, because the last part gets the odd sample. There
 // must be at least one pair of samples per part, unless count is 1.
 struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t samples);
+
+// Returns part `index`, from 1, of `count` parts of `rows` rows, in whole tiles of `side` rows. There
+// must be at least one row of tiles for each part.
+struct sample_range rows_of_part(uint32_t index, uint32_t count, uint32_t rows, uint32_t side);
 
 // Parses "FIRST:END". Returns the rest of the text, or NULL if the text does not begin like that.
 const char *samples_parse_range(const char *text, struct sample_range *out);
@@ -41,7 +47,7 @@ bool samples_overlap(const struct sample_ranges *a, const struct sample_ranges *
 // Makes the union of two sets that have no sample in common.
 bool samples_join(const struct sample_ranges *a, const struct sample_ranges *b, struct arena *arena,
                   struct sample_ranges *out, struct err *err);
-// Makes the set of all samples below `end` that are not in `ranges`.
+// Makes the set of all samples or rows below `end` that are not in `ranges`.
 bool samples_missing(const struct sample_ranges *ranges, uint64_t end, struct arena *arena,
                      struct sample_ranges *out, struct err *err);
 

@@ -1,34 +1,35 @@
-// A render of some of the samples, for several processes to share one, and the film that was merged
-// of all of them.
+// A render of some of the samples, or rows, for several processes to share one, and the film that
+// was merged of all of them.
 #include "job/job_internal.h"
 
 #include "base/log.h"
+#include "render/adaptive.h"
 #include "render/sampling_plan.h"
 #include <inttypes.h>
 #include <string.h>
 
 bool job_is_shard(const struct job *job)
 {
-    return job->params.shard.count > 0 || job->params.shard.samples.end > 0;
+    return job->params.shard.count > 0 || job->params.shard.range.end > 0;
 }
 
 // Only sums that have no order can be those of several.
-bool job_check_divisible(const struct job *job, const char *whose, struct err *err)
+bool job_check_divisible(const struct job *job, const char *whose, bool by_tiles, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
     const struct settings *settings = &job->scene->settings;
     const char *what = NULL, *why = NULL;
-    if (goal->adaptive) {
+    if (goal->adaptive && !by_tiles) {
         what = "--adaptive on";
         why = "its tiles have different numbers of samples, and parts have the same samples of "
-              "all pixels: expected --adaptive off";
+              "all pixels: expected --adaptive off, or parts by --shard-by tiles";
     } else if (goal->frames) {
         what = "--frames";
         why = "samples of parts are those of one picture: expected --spp";
     } else if (settings->accumulation != ACCUMULATION_BINNED) {
         what = "--accumulation sum or running";
         why = "these sums depend on the order of samples: expected --accumulation binned";
-    } else if (settings->halves == HALVES_CONTIGUOUS) {
+    } else if (settings->halves == HALVES_CONTIGUOUS && !by_tiles) {
         what = "--halves contiguous";
         why = "every part needs as many samples of one half as of the other: expected --halves "
               "independent";
@@ -49,7 +50,35 @@ static bool check_goal(const struct job *job, struct err *err)
         return err_set(err, ERR_USAGE,
                        "--shard cannot be combined with --time: which samples it has must not "
                        "depend on the clock: expected --spp alone");
-    return job_check_divisible(job, "--shard", err);
+    if (job->params.reference && job->params.shard.by_tiles)
+        return err_set(err, ERR_USAGE,
+                       "--shard-by tiles cannot be combined with --reference, which compares whole "
+                       "pictures: expected it with compare, after merge");
+    return job_check_divisible(job, "--shard", job->params.shard.by_tiles, err);
+}
+
+static bool settle_rows(struct job *job, struct err *err)
+{
+    const struct job_shard *shard = &job->params.shard;
+    const uint32_t rows = job->scene->settings.height, tiles = tiles_along(rows);
+    if (shard->count > tiles)
+        return err_set(err, ERR_USAGE,
+                       "--shard %u/%u --shard-by tiles: a shard has at least one of the rows of "
+                       "tiles, which are %u pixels high, and the picture has %u of them; expected "
+                       "at most %u shards, or --shard-by samples",
+                       shard->index, shard->count, TILE_SIDE, tiles, tiles);
+    struct sample_range range = shard->range;
+    if (shard->count > 0)
+        range = rows_of_part(shard->index, shard->count, rows, TILE_SIDE);
+    const bool is_whole = range.first % TILE_SIDE == 0 &&
+                          (range.end % TILE_SIDE == 0 || range.end == rows) && range.end <= rows;
+    if (!is_whole)
+        return err_set(err, ERR_USAGE,
+                       "--shard %" PRIu64 ":%" PRIu64 " --shard-by tiles: expected rows of pixels, "
+                       "in multiples of %u up to the %u of the picture",
+                       range.first, range.end, TILE_SIDE, rows);
+    job->rows = range;
+    return true;
 }
 
 bool job_settle_shard(struct job *job, struct err *err)
@@ -60,13 +89,15 @@ bool job_settle_shard(struct job *job, struct err *err)
         return true;
     if (!check_goal(job, err))
         return false;
+    if (shard->by_tiles)
+        return settle_rows(job, err);
     if (shard->count > 1 && shard->count > samples / 2)
         return err_set(
             err, ERR_USAGE,
             "--shard %u/%u: a shard has at least two samples a pixel, and the render has "
             "%" PRIu64 "; expected at most %" PRIu64 " shards, or a larger --spp",
             shard->index, shard->count, samples, samples < 2 ? UINT64_C(1) : samples / 2);
-    struct sample_range range = shard->samples;
+    struct sample_range range = shard->range;
     if (shard->count > 0)
         range = samples_of_part(shard->index, shard->count, samples);
     bool is_even = range.first % 2 == 0 && (range.end % 2 == 0 || range.end == samples);
@@ -107,20 +138,43 @@ bool job_check_merged(struct job *job, struct err *err)
     return ok;
 }
 
+uint64_t job_steps(const struct job *job)
+{
+    return job->samples_most / job_step_samples(job);
+}
+
+// The plan of the tiles is that of the parts, which no pilot needs to find again.
+static bool put_merged(struct job *job, struct job_merged *merged, struct err *err)
+{
+    struct renderer *r = &job->renderer;
+    merged->film.seed = r->frame.seed;
+    merged->film.emptied_at = 0;
+    merged->film.next_sample = merged->film.round_target = job_steps(job); // nothing is left
+    merged->film.pass = (struct pass){0};
+    if (merged->counts) {
+        const struct tile_plan plan = tile_plan_of(r->frame.width, r->frame.height, merged->counts);
+        if (!renderer_set_plan(r, &plan, err))
+            return false;
+        job->plan = tile_plan_of(r->frame.width, r->frame.height, r->tiles.counts);
+    }
+    return film_copy_put(&merged->film, r, err);
+}
+
 bool job_begin_shard(struct job *job, struct err *err)
 {
     struct renderer *r = &job->renderer;
     struct job_merged *merged = job->params.merged;
-    if (job_is_shard(job))
+    if (job->rows.end > 0)
+        renderer_set_rows(r,
+                          &(struct film_rows){(uint32_t)job->rows.first, (uint32_t)job->rows.end});
+    else if (job_is_shard(job))
         r->next_sample = r->emptied_at = job->samples_first;
     if (!merged)
         return true;
-    merged->film.seed = r->frame.seed;
-    merged->film.emptied_at = 0;
-    merged->film.next_sample = job->samples_most; // nothing is to be rendered
-    bool ok = film_copy_put(&merged->film, r, err);
+    bool ok = put_merged(job, merged, err);
     arena_finish(&merged->arena);
     merged->film.records = NULL;
+    merged->film.done = merged->counts = NULL;
     r->stats.render_seconds = merged->film.stats.render_seconds;
     return ok;
 }

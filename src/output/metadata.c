@@ -142,6 +142,8 @@ static void add_result(struct attributes *a, const struct metadata_params *param
         add(a, "lampyris:spp_least", "%" PRIu64, film->least_samples);
         add(a, "lampyris:spp_most", "%" PRIu64, film->most_samples);
     }
+    if (film->rows.end - film->rows.first < film->height)
+        add(a, "lampyris:rows", "%u:%u", film->rows.first, film->rows.end);
     add(a, "lampyris:pixels_without_samples", "%" PRIu64, film->unsampled);
     add(a, "lampyris:ended_by", "%s", params->ended_by);
     add_error(a, params->error);

@@ -167,15 +167,9 @@ bool renderer_set_plan(struct renderer *r, const struct tile_plan *plan, struct 
     }
     tiles->across = plan->tiles_x;
     tiles->count = count;
-    tiles->total = plan->total;
     memcpy(tiles->counts, plan->counts, count * sizeof *tiles->counts);
     memset(tiles->done, 0, count * sizeof *tiles->done);
     return true;
-}
-
-uint64_t tile_samples(const struct renderer *r, uint64_t rounds)
-{
-    return r->tiles.total * rounds;
 }
 
 struct tile_box {
@@ -194,6 +188,26 @@ static struct tile_box tile_box(const struct renderer *r, uint32_t tile)
     };
 }
 
+// Tiles of the rows that are rendered, which lie in a row.
+struct tile_range {
+    uint32_t first, end;
+};
+
+static struct tile_range tiles_rendered(const struct renderer *r)
+{
+    return (struct tile_range){r->rows.first / TILE_SIDE * r->tiles.across,
+                               tiles_along(r->rows.end) * r->tiles.across};
+}
+
+uint64_t tile_samples(const struct renderer *r, uint64_t rounds)
+{
+    const struct tile_range range = tiles_rendered(r);
+    uint64_t sum = 0;
+    for (uint32_t tile = range.first; tile < range.end; tile++)
+        sum += (uint64_t)r->tiles.counts[tile] * tile_pixels(r->frame.width, r->frame.height, tile);
+    return sum * rounds;
+}
+
 static uint64_t samples_left(const struct renderer *r, uint32_t tile)
 {
     return r->tiles.counts[tile] * r->round_target - r->tiles.done[tile];
@@ -203,7 +217,7 @@ static uint64_t samples_left(const struct renderer *r, uint32_t tile)
 // once the first pass is over.
 bool tiles_all_begun(const struct renderer *r)
 {
-    return r->tiles.count > 0 && r->tiles.done[0] > 0;
+    return r->tiles.count > 0 && r->tiles.done[tiles_rendered(r).first] > 0;
 }
 
 static bool takes_part(const struct renderer *r, uint32_t tile, uint32_t shift)
@@ -223,8 +237,9 @@ static bool choose_shift(const struct renderer *r, uint32_t *shift)
         *shift = 0;
         return true;
     }
+    const struct tile_range range = tiles_rendered(r);
     uint64_t all = 0;
-    for (uint32_t tile = 0; tile < r->tiles.count; tile++)
+    for (uint32_t tile = range.first; tile < range.end; tile++)
         all |= samples_left(r, tile);
     if (all == 0)
         return false;
@@ -236,10 +251,11 @@ static bool choose_shift(const struct renderer *r, uint32_t *shift)
 
 bool tile_pass_begin(struct renderer *r)
 {
+    const struct tile_range range = tiles_rendered(r);
     struct pass pass = {0};
     if (!choose_shift(r, &pass.shift))
         return false;
-    for (uint32_t tile = 0; tile < r->tiles.count; tile++) {
+    for (uint32_t tile = range.first; tile < range.end; tile++) {
         struct tile_box box = tile_box(r, tile);
         if (takes_part(r, tile, pass.shift))
             pass.length += (uint64_t)box.width * box.height;
@@ -250,9 +266,10 @@ bool tile_pass_begin(struct renderer *r)
 
 void tile_pass_end(struct renderer *r)
 {
+    const struct tile_range range = tiles_rendered(r);
     // The first tile comes last, because its count tells takes_part() whether this was the first
     // pass.
-    for (uint32_t tile = r->tiles.count; tile-- > 0;)
+    for (uint32_t tile = range.end; tile-- > range.first;)
         if (takes_part(r, tile, r->pass.shift))
             r->tiles.done[tile] += 1u << r->pass.shift;
     uint32_t shift;
@@ -263,8 +280,9 @@ void tile_pass_end(struct renderer *r)
 // Finds the next pixel of the pass: its tile, and its index in the tile, row by row.
 static void find_place(const struct renderer *r, uint32_t *tile, uint32_t *inside)
 {
+    const struct tile_range range = tiles_rendered(r);
     uint64_t left = r->pass.position;
-    for (*tile = 0; *tile < r->tiles.count; ++*tile) {
+    for (*tile = range.first; *tile < range.end; ++*tile) {
         struct tile_box box = tile_box(r, *tile);
         uint32_t pixels = box.width * box.height;
         if (!takes_part(r, *tile, r->pass.shift))
@@ -304,8 +322,9 @@ bool tile_wave_fill(struct renderer *r, struct wave *wave, struct err *err)
     if (!allocate_lists(r, err))
         return false;
     struct tiles *tiles = &r->tiles;
+    const uint32_t end = tiles_rendered(r).end;
     uint32_t tile, inside, count = 0, fits = pace_samples(&r->pace, &r->plan) >> r->pass.shift;
-    for (find_place(r, &tile, &inside); count < fits && tile < tiles->count; tile++, inside = 0) {
+    for (find_place(r, &tile, &inside); count < fits && tile < end; tile++, inside = 0) {
         if (!takes_part(r, tile, r->pass.shift))
             continue;
         struct tile_box box = tile_box(r, tile);

@@ -117,11 +117,11 @@ static bool put(struct output *out, const void *data, uint64_t bytes, struct err
 }
 
 // The source of the film's records: `records` in the host's memory, or, if that is NULL, the
-// device.
+// device, from byte `first` on.
 struct source {
     struct renderer *renderer;
     const char *records;
-    uint64_t bytes, block_bytes;
+    uint64_t first, bytes, block_bytes;
 };
 
 static bool put_film(struct output *out, const struct source *source, struct err *err)
@@ -133,7 +133,8 @@ static bool put_film(struct output *out, const struct source *source, struct err
         uint64_t left = source->bytes - at;
         uint64_t bytes = left < source->block_bytes ? left : source->block_bytes;
         const char *content = source->records ? source->records + at : block;
-        ok = source->records || film_copy_get_bytes(source->renderer, at, block, bytes, err);
+        ok = source->records ||
+             film_copy_get_bytes(source->renderer, source->first + at, block, bytes, err);
         uint64_t hash = ok ? hash_block(head_hash, number++, content, bytes) : 0;
         ok = ok && file_writer_write(&out->writer, content, bytes, err) &&
              file_writer_write(&out->writer, &hash, sizeof hash, err);
@@ -195,18 +196,20 @@ static bool write_file(const char *path, const struct checkpoint_text *text,
     return false;
 }
 
-static struct source make_source(struct renderer *renderer, const char *records, uint64_t bytes,
-                                 uint32_t aovs)
+// Blocks have whole records.
+static uint64_t block_bytes(uint32_t aovs)
 {
-    uint64_t record = 16 * AOV_FILM_WORDS(aovs);
-    return (struct source){renderer, records, bytes,
-                           CHECKPOINT_BLOCK_BYTES - CHECKPOINT_BLOCK_BYTES % record};
+    return CHECKPOINT_BLOCK_BYTES - CHECKPOINT_BLOCK_BYTES % (16 * AOV_FILM_WORDS(aovs));
 }
 
 bool checkpoint_write(struct renderer *r, const char *path, const struct checkpoint_text *text,
                       const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err)
 {
-    const struct source source = make_source(r, NULL, film_copy_bytes(r), r->specialization.aovs);
+    const struct film_range range = film_copy_range(r);
+    const struct source source = {.renderer = r,
+                                  .first = range.first,
+                                  .bytes = range.bytes,
+                                  .block_bytes = block_bytes(r->specialization.aovs)};
     uint64_t state[CHECKPOINT_STATE_WORDS] = {0};
     struct film_copy film = film_copy_state(r);
     visit_state(&(struct cursor){.words = state}, &film);
@@ -215,15 +218,17 @@ bool checkpoint_write(struct renderer *r, const char *path, const struct checkpo
 }
 
 bool checkpoint_write_copy(const struct film_copy *film, uint64_t bytes, uint32_t aovs,
-                           const char *path, const struct checkpoint_text *text,
+                           const struct tiles *tiles, const char *path,
+                           const struct checkpoint_text *text,
                            const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err)
 {
-    const struct source source = make_source(NULL, film->records, bytes, aovs);
+    const struct source source = {
+        .records = film->records, .bytes = bytes, .block_bytes = block_bytes(aovs)};
     uint64_t state[CHECKPOINT_STATE_WORDS] = {0};
     struct film_copy copy = *film;
     visit_state(&(struct cursor){.words = state}, &copy);
     memcpy(&state[NOTE_AT], note, CHECKPOINT_NOTE_WORDS * sizeof *note);
-    return write_file(path, text, state, &(struct tiles){0}, &source, err);
+    return write_file(path, text, state, tiles ? tiles : &(struct tiles){0}, &source, err);
 }
 
 // --- reading -------------------------------------------------------------------------------------
@@ -431,10 +436,12 @@ bool checkpoint_check(const struct checkpoint *c, const char *identity, struct e
 
 static bool upload_film(struct checkpoint *c, struct renderer *r, struct err *err)
 {
+    const uint64_t first = film_copy_range(r).first;
     char *block = malloc(c->block_bytes);
     bool ok = block || err_memory(err, "a checkpoint", c->block_bytes);
     for (uint64_t at = 0, bytes; ok && (bytes = checkpoint_next_bytes(c)) > 0; at += bytes)
-        ok = checkpoint_next_block(c, block, err) && film_copy_put_bytes(r, at, block, bytes, err);
+        ok = checkpoint_next_block(c, block, err) &&
+             film_copy_put_bytes(r, first + at, block, bytes, err);
     free(block);
     return ok;
 }
@@ -458,12 +465,12 @@ static bool check_state(const struct checkpoint *c, const struct renderer *r, st
 
 bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *err)
 {
-    if (c->film_bytes != film_copy_bytes(r))
+    const uint64_t bytes = film_copy_range(r).bytes;
+    if (c->film_bytes != bytes)
         return err_set(err, ERR_INPUT,
                        "%s: was made with a film of %s, but this run has %s; expected the same "
                        "--size and --aov",
-                       c->path, memory_print(c->film_bytes).text,
-                       memory_print(film_copy_bytes(r)).text);
+                       c->path, memory_print(c->film_bytes).text, memory_print(bytes).text);
     bool has_tiles = r->specialization.features & FEATURE_TILES;
     uint32_t across = tiles_along(r->frame.width), down = tiles_along(r->frame.height);
     if (c->tile_count != (has_tiles ? across * down : 0))

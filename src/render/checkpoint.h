@@ -30,10 +30,12 @@ struct checkpoint_text {
 bool checkpoint_write(struct renderer *renderer, const char *path,
                       const struct checkpoint_text *text,
                       const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err);
-// Does the same for a film in the host's memory that has no tiles. bytes: the size of its records;
-// aovs: the renderer's specialization.aovs.
+// Writes a checkpoint of a film in the host's memory. bytes: the size of its records; aovs: the
+// renderer's specialization.aovs; tiles: NULL without a plan, otherwise film->done has the numbers
+// of samples of the tiles.
 bool checkpoint_write_copy(const struct film_copy *film, uint64_t bytes, uint32_t aovs,
-                           const char *path, const struct checkpoint_text *text,
+                           const struct tiles *tiles, const char *path,
+                           const struct checkpoint_text *text,
                            const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err);
 
 // A checkpoint that has been read up to its film.

@@ -141,8 +141,11 @@ static void add_pixel(const struct renderer *r, struct film_image *image, uint64
     memcpy(image->half_a[at], p->mean_a, sizeof p->mean_a);
     memcpy(image->half_b[at], p->mean_b, sizeof p->mean_b);
     image->samples[at] = p->samples;
-    image->unsampled += p->samples == 0;
     image->dropped += p->dropped;
+    if (at < (uint64_t)image->rows.first * image->width ||
+        at >= (uint64_t)image->rows.end * image->width)
+        return;
+    image->unsampled += p->samples == 0;
     if (p->samples < image->least_samples)
         image->least_samples = p->samples;
     if (p->samples > image->most_samples)
@@ -173,6 +176,7 @@ bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *o
         .half_a = arena_alloc(arena, pixels, sizeof *out->half_a),
         .half_b = arena_alloc(arena, pixels, sizeof *out->half_b),
         .samples = ARENA_NEW(arena, uint32_t, pixels),
+        .rows = r->rows,
         .least_samples = UINT64_MAX,
     };
     if (!out->mean || !out->half_a || !out->half_b || !out->samples)

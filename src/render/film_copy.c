@@ -2,6 +2,7 @@
 
 #include "render/adaptive.h"
 #include "render/frame.h"
+#include "shared/aov.h"
 #include <string.h>
 
 uint64_t film_copy_bytes(const struct renderer *r)
@@ -10,6 +11,16 @@ uint64_t film_copy_bytes(const struct renderer *r)
     for (uint32_t i = 0; i < r->plan.film_chunks; i++)
         bytes += r->film[i].bytes;
     return bytes;
+}
+
+struct film_range film_copy_range(const struct renderer *r)
+{
+    const uint64_t row = 16 * AOV_FILM_WORDS(r->specialization.aovs) * r->frame.width;
+    const bool is_all = r->specialization.integrator == INTEGRATOR_BIDIR ||
+                        (r->rows.first == 0 && r->rows.end == r->frame.height);
+    if (is_all)
+        return (struct film_range){0, film_copy_bytes(r)};
+    return (struct film_range){r->rows.first * row, (r->rows.end - r->rows.first) * row};
 }
 
 struct film_copy film_copy_state(const struct renderer *r)

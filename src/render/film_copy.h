@@ -16,6 +16,12 @@ struct film_copy {
 
 // Returns the bytes that the records take.
 uint64_t film_copy_bytes(const struct renderer *renderer);
+// A range of the records, from byte `first` on.
+struct film_range {
+    uint64_t first, bytes;
+};
+// Returns the range that can have samples: the rows that are rendered, or with light paths all.
+struct film_range film_copy_range(const struct renderer *renderer);
 // Returns the members of the renderer that belong to the film, without records and tiles.
 struct film_copy film_copy_state(const struct renderer *renderer);
 // Copy `bytes` bytes of the records, from offset `at`, from the device or to it.

@@ -125,6 +125,7 @@ void frame_look(struct renderer *r, uint32_t width, uint32_t height)
     r->frame.picture_width = has_window ? settings->width : width;
     r->frame.picture_height = has_window ? settings->height : height;
     r->frame.window_first = window->y * r->frame.picture_width + window->x;
+    r->rows = (struct film_rows){0, height};
     set_camera(&r->frame, &r->camera, &r->flat);
     in_view_finish(&r->in_view);
 }

@@ -450,10 +450,11 @@ static bool fill_wave(struct renderer *r, uint64_t pixel, struct wave *wave, str
     *wave = (struct wave){.sample_shift = r->pass.shift, .first_sample = r->next_sample};
     if (has_tiles(r))
         return tile_wave_fill(r, wave, err);
-    uint64_t pixels = r->pass.length;
+    const uint64_t first = (uint64_t)r->rows.first * r->frame.width, end = first + r->pass.length;
+    pixel += first;
     wave->film_chunk = (uint32_t)(pixel / r->plan.film_chunk_pixels);
     uint64_t chunk_end = (wave->film_chunk + 1) * r->plan.film_chunk_pixels;
-    uint64_t count = (chunk_end < pixels ? chunk_end : pixels) - pixel;
+    uint64_t count = (chunk_end < end ? chunk_end : end) - pixel;
     uint64_t fits = pass_samples(r) >> r->pass.shift;
     wave->first_pixel = pixel;
     wave->pixel_count = (uint32_t)(count < fits ? count : fits);
@@ -556,16 +557,24 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
     return true;
 }
 
-static uint64_t picture_pixels(const struct renderer *r)
+static uint64_t pixels_of_rows(const struct renderer *r)
 {
-    return (uint64_t)r->frame.width * r->frame.height;
+    return (uint64_t)r->frame.width * (r->rows.end - r->rows.first);
+}
+
+void renderer_set_rows(struct renderer *r, const struct film_rows *rows)
+{
+    if (rows->first == r->rows.first && rows->end == r->rows.end)
+        return;
+    r->rows = *rows;
+    r->pass = (struct pass){0};
 }
 
 // Returns the exponent of the largest power-of-two number of samples with which all pixels fit into
 // one wave; 0 also if not even one sample fits.
 static uint32_t fitting_shift(const struct renderer *r)
 {
-    uint64_t samples = pace_samples(&r->pace, &r->plan) / picture_pixels(r);
+    uint64_t samples = pace_samples(&r->pace, &r->plan) / pixels_of_rows(r);
     uint32_t shift = samples ? 63u - (uint32_t)__builtin_clzll(samples) : 0;
     uint32_t most = r->aovs & AOVS_BY ? MAX_SAMPLE_SHIFT_OF_CLASSES : MAX_SAMPLE_SHIFT;
     return shift < most ? shift : most;
@@ -622,7 +631,7 @@ static bool begin_pass(struct renderer *r, uint64_t end)
         return false;
     r->pass = (struct pass){
         .shift = choose_shift(r, end - r->next_sample),
-        .length = picture_pixels(r),
+        .length = pixels_of_rows(r),
     };
     return true;
 }
@@ -635,7 +644,7 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         c.stopped = &stopped;
     if (!(c.progress_to > c.progress_from))
         c.progress_to = c.progress_from + 1.0;
-    double pixels = (double)r->frame.width * r->frame.height;
+    double pixels = (double)pixels_of_rows(r);
     struct work work = {
         .call = &c,
         .total = has_tiles(r) ? (double)tile_samples(r, c.samples) : pixels * (double)c.samples,

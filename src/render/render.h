@@ -128,11 +128,15 @@ struct pass {
     uint64_t position, length; // pixels finished, and pixels in all; length 0: no pass is under way
 };
 
+// Rows of the film, from `first` up to, but not including, `end`.
+struct film_rows {
+    uint32_t first, end;
+};
+
 // State of an image whose tiles have sample counts of their own.
 struct tiles {
     uint32_t across, count;
     uint32_t *counts, *done; // samples of each tile in a round, and in all finished passes
-    uint64_t total;          // samples of all pixels in a round
     uint32_t *pixels, *first_samples, list_length; // the lists of the wave in flight
 };
 
@@ -205,6 +209,7 @@ struct renderer {
     struct gpu_commands commands;
     struct gpu_push push;
     struct gpu_frame frame; // contents of the uniform block: see frame.h
+    struct film_rows rows;  // rows that are rendered: all, until renderer_set_rows()
     struct gpu_buffer frame_buffer;
     struct gpu_counters *counters;   // the values last read back
     struct gpu_buffer counters_copy; // see counters.h
@@ -292,6 +297,12 @@ bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err)
 bool renderer_set_camera(struct renderer *renderer, const struct camera *camera, uint32_t width,
                          uint32_t height, bool *fits, struct err *err);
 
+// Restricts rendering to the pixels of these rows: a pass is then one over these rows. Each pixel gets
+// the samples that a render of the whole picture gives it. With light paths, which contribute to all
+// pixels, all pixels get the light of the light paths of these rows. With tiles, the rows must begin
+// and end at tiles. If the rows change, a pass that was stopped is ended.
+void renderer_set_rows(struct renderer *renderer, const struct film_rows *rows);
+
 // Means of the half-buffers, and sample counts. Pixels are in rows from the top.
 struct film_image {
     uint32_t width, height;
@@ -299,8 +310,9 @@ struct film_image {
     float (*half_a)[3]; // over the even samples
     float (*half_b)[3]; // over the odd ones; (0,0,0) with one sample
     uint32_t *samples;
-    uint64_t least_samples, most_samples; // least and most samples of a pixel
-    uint64_t unsampled;                   // number of pixels without a sample
+    struct film_rows rows;                // that were rendered; those outside are black
+    uint64_t least_samples, most_samples; // least and most samples of a pixel of these rows
+    uint64_t unsampled;                   // number of their pixels without a sample
     uint64_t dropped;                     // number of samples that lost a non-finite contribution
     struct film_aovs aovs;
 };

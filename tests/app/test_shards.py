@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 from program import need_device
@@ -154,6 +155,145 @@ class Bits(Shards):
             self.render('--spp', '40', '--shard', f'{i}/3', '--wave', wave)
         parts = [f'cornell.{i}-of-3.part' for i in (2, 3, 1)]
         self.assertEqual(self.picture(['merge', *parts], 'merged.exr'), whole)
+
+
+    def test_light_paths(self):
+        """Bidirectional light: light paths of each part bring light to all pixels."""
+        for scene, size in (('cornell', '20x18'), ('veach_mis', '24x20')):
+            with self.subTest(scene):
+                self.setUp()
+                self.check_same_bits(7, 2, '--spp', '57', '--integrator', 'bidir', '--aov', 'depth,normal,ids',
+                                     scene=scene, size=size)
+
+
+class Tiles(Shards):
+    """Parts of the picture: all samples of some rows."""
+
+    def check_tiles(self, count, trials, *arguments, size='20x120', same_rays=True, **options):
+        whole = self.picture(self.command(*arguments, size=size, **options), 'whole.exr')
+        parts = self.render_shards(count, '--shard-by', 'tiles', *arguments, size=size, **options)
+        generator = random.Random(count)
+        for trial in range(trials):
+            merged = self.merge_at_random(parts, generator)
+            if not same_rays:
+                self.assertGreater(merged[2]['closest'], whole[2]['closest'])
+                merged = (*merged[:2], whole[2], merged[3])
+            self.assertEqual(merged, whole, trial)
+        return parts
+
+    def start_and_wait_for(self, name, *command, before=False):
+        """Starts a render, and waits until a file was written anew."""
+        process = subprocess.Popen([LAMPYRIS, *command], cwd=self.folder.name)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        while process.poll() is None and not (os.path.exists(self.path(name)) and
+                                              os.stat(self.path(name)).st_ino != before):
+            time.sleep(0.01)
+        return process
+
+    def test_in_any_order_and_grouping(self):
+        parts = self.check_tiles(7, 4, '--spp', '9', '--aov', 'all', '--error-by', 'part,bounce,emitter')
+        self.assertLess(os.path.getsize(self.path(parts[0])), os.path.getsize(self.path(parts[-1])))
+
+    def test_adaptive(self):
+        """Each part takes the pilot's samples of the whole picture, so that all have one plan."""
+        for arguments in (['--spp', '48', '--aov', 'all'], ['--spp', '20', '--sampler', 'pcg']):
+            with self.subTest(arguments):
+                self.setUp()
+                self.check_tiles(5, 3, '--adaptive', 'on', *arguments, same_rays=False)
+
+    def test_light_paths(self):
+        """They bring light to all pixels: a part has a whole film."""
+        parts = self.check_tiles(4, 3, '--spp', '10', '--integrator', 'bidir', '--aov', 'depth')
+        self.assertEqual(len({os.path.getsize(self.path(part)) // 1000 for part in parts}), 1)
+
+    def test_methods(self):
+        for arguments, scene in ((['--spp', '18', '--halves', 'contiguous'], 'cornell'),
+                                 (['--spp', '16', '--sampler', 'blue-noise', '--split-lobes', '2'], 'veach_mis'),
+                                 (['--spp', '12', '--filter', 'gaussian', '--wave', '256'], 'glass')):
+            with self.subTest(arguments):
+                self.setUp()
+                self.check_tiles(3, 1, *arguments, scene=scene)
+
+    def test_several_devices(self):
+        self.check_tiles(3, 1, '--spp', '24', '--device', '0,0')
+
+    def test_what_is_missing(self):
+        command = self.command('--spp', '8', size='20x72')
+        whole = self.picture(command, 'whole.exr')
+        self.succeed(*command, '--shard', '16:32', '--shard-by', 'tiles', '--checkpoint', 'a', '-q')
+        stderr = self.refuse('56 of 72 rows are missing (0:16,32:72)', 'merge', 'a', '-o', 'z.exr')
+        commands = re.findall(r'^lampyris (render .*)$', stderr, re.MULTILINE)
+        self.assertEqual(len(commands), 4)
+        status = json.loads(self.run_one('merge', '--status', 'a', '--json').stdout)
+        self.assertEqual((status['by'], status['all'], status['missing']), ('tiles', 72, '0:16,32:72'))
+        for one in commands:
+            self.succeed(*shlex.split(one), '-q')
+        made = [name for name in os.listdir(self.folder.name) if name.startswith('cornell.')]
+        self.assertEqual(self.picture(['merge', 'a', *made], 'merged.exr'), whole)
+        result = self.succeed('merge', 'a', made[0], '--partial', '-o', 'p.exr', '--json', '-q')
+        self.assertGreater(json.loads(result.stdout)['pixels_without_samples'], 0)
+
+    def test_what_is_refused(self):
+        parts = self.render_shards(3, '--shard-by', 'tiles', '--spp', '8', size='20x72')
+        by_samples = self.command('--spp', '8', '--shard', '0:4', '--checkpoint', 's', '-q', size='20x72')
+        self.succeed(*by_samples)
+        self.refuse('s: was made with --shard-by=samples, but 1.part has tiles', 'merge', parts[0], 's', '-o', 'z.exr')
+        self.refuse('2.part: has rows 16:48, which 2.part has, too; expected every row once', 'merge', *parts,
+                    parts[1], '-o', 'z.exr')
+        self.render('--spp', '16', '--shard', '2/3', '--shard-by', 'tiles', '--checkpoint', 'more', size='20x72')
+        self.refuse('more: was made with --shard-by=tiles of 16 samples a pixel', 'merge', parts[0], 'more')
+        for arguments, message in (
+                (['--shard', '1/6'], 'expected at most 5 shards'), (['--shard', '0:8'], 'in multiples of 16 up to'),
+                (['--shard', '64:80'], 'in multiples of 16 up to the 72'), ([], '--shard-by needs --shard'),
+                (['--shard', '1/2', '--accumulation', 'sum'], 'depend on the order of samples'),
+                (['--shard', '1/2', '--error', '0.1'], 'the error is that of all shards'),
+                (['--shard', '1/2', '--reference', self.path('s')], 'reference')):
+            result = self.run_one(*self.command('--spp', '8', '--shard-by', 'tiles', *arguments, size='20x72'))
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn(message, result.stderr)
+
+    def test_an_unfinished_part(self):
+        """Its rows have fewer samples than those of others: it only goes on."""
+        command = self.command('--spp', '200k', '--shard', '1/2', '--shard-by', 'tiles', '--checkpoint', 'a', '-q',
+                               size='20x40')
+        process = self.start_and_wait_for('a', *command, '--checkpoint-every', '0')
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(), 143)
+        self.refuse('--shard-by tiles --shard 0:16 --checkpoint a --resume', 'merge', 'a', '-o', 'z.exr')
+
+    def test_a_part_goes_on(self):
+        """Stopped again and again, it becomes the part of one run; with tiles of their own samples, too."""
+        for arguments in (['--spp', '3000'], ['--spp', '2400', '--adaptive', 'on']):
+            command = self.command(*arguments, '--shard', '16:48', '--shard-by', 'tiles', '-q', size='20x72')
+            self.succeed(*command, '--checkpoint', 'whole')
+            for _ in range(4):
+                before = os.path.exists(self.path('pieces')) and os.stat(self.path('pieces')).st_ino
+                process = self.start_and_wait_for('pieces', *command, '--checkpoint', 'pieces', '--resume',
+                                                  '--checkpoint-every', '0', '--log-level', 'error', before=before)
+                process.kill()
+                process.wait()
+            self.succeed(*command, '--checkpoint', 'pieces', '--resume')
+            for name in ('whole', 'pieces'):
+                self.succeed('merge', name, '--partial', '-o', name + '.exr', '-q')
+            self.assertEqual(self.layers('whole.exr'), self.layers('pieces.exr'))
+            os.unlink(self.path('whole'))
+            os.unlink(self.path('pieces'))
+
+    def test_the_error_is_that_of_the_rows(self):
+        """It is the error of the same rows as a picture of their own, and says so; light paths of other parts
+        leave it unknown."""
+        command = self.command('--spp', '64', '--shard', '16:48', '--shard-by', 'tiles', '-o', 'a.exr', size='20x72')
+        report = json.loads(self.succeed(*command, '--json', '-q').stdout)
+        whole = json.loads(self.succeed(*self.command('--spp', '64', '-o', 'w.exr', size='20x72'), '--json', '-q').stdout)
+        self.assertEqual((report['rows'], whole['rows']), ([16, 48], [0, 72]))
+        self.assertEqual((report['spp'], report['pixels_without_samples']), (64, 0))
+        self.assertTrue(report['error']['local_relmse'] > 0.0)
+        self.assertNotEqual(report['error']['local_relmse'], whole['error']['local_relmse'])
+        os.unlink(self.path('cornell.16-48.part'))
+        self.assertIn('16 to 48 of 72 are this part\'s: the error is theirs alone', self.succeed(*command).stdout)
+        os.unlink(self.path('cornell.16-48.part'))
+        result = self.succeed(*command, '--integrator', 'bidir')
+        self.assertIn('light paths of the other parts bring light to these rows', result.stdout)
 
 
 class Missing(Shards):

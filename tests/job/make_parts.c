@@ -42,8 +42,8 @@ static bool write_part(const struct checkpoint *c, struct film_copy *film, uint6
     film->emptied_at = 2 * index;
     film->next_sample = 2 * index + 2;
     bool ok = common && text.identity && path &&
-              checkpoint_write_copy(film, c->film_bytes, (uint32_t)c->note[JOB_NOTE_AOVS], path,
-                                    &text, note, err);
+              checkpoint_write_copy(film, c->film_bytes, (uint32_t)c->note[JOB_NOTE_AOVS], NULL,
+                                    path, &text, note, err);
     arena_finish(&arena);
     return ok;
 }

@@ -25,6 +25,28 @@ TEST(parts_have_every_sample_once)
         }
 }
 
+TEST(parts_have_every_row_once)
+{
+    static const uint32_t heights[] = {1, 15, 16, 17, 720, 1080, 65535};
+    for (size_t h = 0; h < sizeof heights / sizeof heights[0]; h++) {
+        const uint32_t tiles = (heights[h] + 15) / 16;
+        for (uint32_t count = 1; count <= tiles; count += count < 20 ? 1 : 97) {
+            uint64_t at = 0;
+            for (uint32_t i = 1; i <= count; i++) {
+                const struct sample_range range = rows_of_part(i, count, heights[h], 16);
+                const uint64_t length = range.end - range.first, fair = tiles / count * 16;
+                CHECK(range.first == at && range.first % 16 == 0 && range.end > range.first,
+                      "part %u of %u of %u rows", i, count, heights[h]);
+                CHECK(length <= fair + 16 && (i == count || length >= fair),
+                      "part %u of %u of %u rows has %llu", i, count, heights[h],
+                      (unsigned long long)length);
+                at = range.end;
+            }
+            CHECK(at == heights[h], "%u parts of %u rows", count, heights[h]);
+        }
+    }
+}
+
 static struct sample_ranges ranges_of(const char *text, struct arena *arena)
 {
     struct sample_ranges ranges = {0};
@@ -97,5 +119,5 @@ TEST(ranges_overlap_join_and_lack)
     arena_finish(&arena);
 }
 
-TEST_MAIN(TEST_CASE(parts_have_every_sample_once), TEST_CASE(texts_are_read_back),
-          TEST_CASE(ranges_overlap_join_and_lack))
+TEST_MAIN(TEST_CASE(parts_have_every_sample_once), TEST_CASE(parts_have_every_row_once),
+          TEST_CASE(texts_are_read_back), TEST_CASE(ranges_overlap_join_and_lack))

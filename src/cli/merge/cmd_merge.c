@@ -6,6 +6,7 @@
 #include "base/file_system.h"
 #include "base/log.h"
 #include "job/merge.h"
+#include "render/adaptive.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
 #include <inttypes.h>
@@ -17,6 +18,13 @@
 
 // --- what is missing -----------------------------------------------------------------------------
 
+// What parts have ranges of.
+static const char *unit(const struct merge *merge)
+{
+    return merge->by_tiles ? "rows" : "samples a pixel";
+}
+
+// Of samples, or rows.
 static uint64_t count_samples(const struct sample_ranges *ranges)
 {
     uint64_t count = 0;
@@ -25,17 +33,18 @@ static uint64_t count_samples(const struct sample_ranges *ranges)
     return count;
 }
 
-// The most samples that a part has: what is missing is split into pieces of that length, which can
-// be rendered at the same time.
+// The most samples, or rows, that a part has: what is missing is split into pieces of that length,
+// which can be rendered at the same time.
 static uint64_t longest_part(const struct merge *merge)
 {
-    uint64_t longest = 2;
+    uint64_t longest = merge->by_tiles ? TILE_SIDE : 2;
     for (uint32_t i = 0; i < merge->count; i++)
         for (uint32_t k = 0; k < merge->parts[i].wanted.count; k++) {
             const struct sample_range *range = &merge->parts[i].wanted.list[k];
             longest = range->end - range->first > longest ? range->end - range->first : longest;
         }
-    return longest + longest % 2;
+    const uint64_t step = merge->by_tiles ? TILE_SIDE : 2;
+    return (longest + step - 1) / step * step;
 }
 
 static void print_commands(FILE *out, const struct merge *merge,
@@ -48,7 +57,8 @@ static void print_commands(FILE *out, const struct merge *merge,
             // A single sample at the end would be no shard of its own.
             end = at + piece + 1 < missing->list[i].end ? at + piece : missing->list[i].end;
             if (printed++ < COMMANDS_MAX)
-                fprintf(out, "%s --shard %" PRIu64 ":%" PRIu64 "\n", merge->command, at, end);
+                fprintf(out, "%s%s --shard %" PRIu64 ":%" PRIu64 "\n", merge->command,
+                        merge->by_tiles ? " --shard-by tiles" : "", at, end);
         }
     if (printed > COMMANDS_MAX)
         fprintf(out, "and %u more of this kind\n", printed - COMMANDS_MAX);
@@ -59,7 +69,7 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
                           struct err *err)
 {
     struct sample_ranges missing;
-    if (!samples_missing(&merge->samples, merge->planned, &merge->arena, &missing, err))
+    if (!samples_missing(&merge->samples, merge->all, &merge->arena, &missing, err))
         return false;
     if (missing.count == 0 || !writes_picture)
         return true;
@@ -69,18 +79,17 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
     const uint64_t count = count_samples(&missing);
     merge->merged.is_partial = true;
     if (options->merge.partial) {
-        log_warn("%" PRIu64 " of %" PRIu64 " samples a pixel are missing (%s): the picture is that "
-                 "of the others",
-                 count, merge->planned, text);
+        log_warn("%" PRIu64 " of %" PRIu64
+                 " %s are missing (%s): the picture is that of the others",
+                 count, merge->all, unit(merge), text);
         return true;
     }
     progress_end(options->progress);
     print_commands(stderr, merge, &missing); // standard output is for results
     return err_set(err, ERR_INPUT,
-                   "%" PRIu64 " of %" PRIu64
-                   " samples a pixel are missing (%s): the commands above "
+                   "%" PRIu64 " of %" PRIu64 " %s are missing (%s): the commands above "
                    "render them; expected their parts, too, or --partial",
-                   count, merge->planned, text);
+                   count, merge->all, unit(merge), text);
 }
 
 // --- devices -------------------------------------------------------------------------------------
@@ -93,6 +102,11 @@ static void compare_devices(const struct merge *merge)
         "the parts come from %u devices: the picture is not bit for bit the one that any of them "
         "would make alone",
         merge->device_count);
+    if (merge->by_tiles) {
+        log_info("parts by tiles have different pixels of the picture, whose means say nothing of "
+                 "the devices: these were not compared");
+        return;
+    }
     for (uint32_t i = 1; i < merge->device_count; i++) {
         const struct merge_device *other = &merge->devices[i];
         double difference = other->mean - one->mean;
@@ -199,6 +213,7 @@ static int write_picture(struct merge *merge, const struct options *options, str
     if (make_arguments(merge, options, &arena, &arguments, err) &&
         make_options(merge, options, &arguments, &of_render, err)) {
         of_render.render.merged = &merge->merged;
+        of_render.render.shard.by_tiles = merge->by_tiles;
         code = cmd_render(&of_render);
     }
     options_finish(&of_render);
@@ -208,7 +223,7 @@ static int write_picture(struct merge *merge, const struct options *options, str
 
 // --- the status ----------------------------------------------------------------------------------
 
-// The samples that no part has, and those that no part is to have.
+// The samples, or rows, that no part has, and those that no part is to have.
 struct lacking {
     struct sample_ranges samples, unclaimed;
 };
@@ -221,8 +236,8 @@ static bool find_lacking(struct merge *merge, struct lacking *out, struct err *e
             return false;
         wanted = joined;
     }
-    return samples_missing(&merge->samples, merge->planned, &merge->arena, &out->samples, err) &&
-           samples_missing(&wanted, merge->planned, &merge->arena, &out->unclaimed, err);
+    return samples_missing(&merge->samples, merge->all, &merge->arena, &out->samples, err) &&
+           samples_missing(&wanted, merge->all, &merge->arena, &out->unclaimed, err);
 }
 
 static void print_status(struct merge *merge, const struct lacking *lacking)
@@ -233,16 +248,17 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
         const char *samples = samples_text(&part->wanted, &merge->arena);
         printf("part      ");
         print_words(part->path);
-        printf(": samples %s, %s, %.0f %%\n", samples ? samples : "",
-               has == wanted ? "finished" : "unfinished", 100.0 * (double)has / (double)wanted);
+        printf(": %s %s, %s, %.0f %%\n", merge->by_tiles ? "rows" : "samples",
+               samples ? samples : "", has == wanted ? "finished" : "unfinished",
+               100.0 * (double)has / (double)wanted);
     }
     const uint64_t missing = count_samples(&lacking->samples);
     const char *text = samples_text(&lacking->samples, &merge->arena);
     if (missing == 0) {
-        printf("complete  all %" PRIu64 " samples a pixel\n", merge->planned);
+        printf("complete  all %" PRIu64 " %s\n", merge->all, unit(merge));
         return;
     }
-    printf("missing   %" PRIu64 " of %" PRIu64 " samples a pixel (%s)\n", missing, merge->planned,
+    printf("missing   %" PRIu64 " of %" PRIu64 " %s (%s)\n", missing, merge->all, unit(merge),
            text ? text : "");
     if (lacking->unclaimed.count > 0)
         printf("no part is to have some of them; these commands render those:\n");
@@ -265,9 +281,11 @@ static int print_status_json(struct merge *merge, const struct lacking *lacking)
     json_t *parts = json_array();
     for (uint32_t i = 0; i < merge->count; i++)
         json_array_append_new(parts, part_json(merge, &merge->parts[i]));
-    return command_print(json_pack("{s:o, s:I, s:s, s:s}", "parts", parts, "planned",
-                                   (json_int_t)merge->planned, "missing", missing ? missing : "",
-                                   "unclaimed", unclaimed ? unclaimed : ""));
+    return command_print(json_pack("{s:o, s:s, s:I, s:I, s:s, s:s}", "parts", parts, "by",
+                                   merge->by_tiles ? "tiles" : "samples", "planned",
+                                   (json_int_t)merge->planned, "all", (json_int_t)merge->all,
+                                   "missing", missing ? missing : "", "unclaimed",
+                                   unclaimed ? unclaimed : ""));
 }
 
 static int show_status(const struct options *options)
@@ -329,8 +347,9 @@ static void print_kept(struct merge *merge, const struct options *options)
     const char *samples = samples_text(&merge->samples, &merge->arena);
     fputs("kept      ", stdout);
     print_words(options->render.checkpoint);
-    printf(", samples %s of %" PRIu64 " a pixel, from %u parts\n", samples ? samples : "",
-           merge->planned, merge->count);
+    printf(merge->by_tiles ? ", rows %s of %" PRIu64 ", from %u parts\n"
+                           : ", samples %s of %" PRIu64 " a pixel, from %u parts\n",
+           samples ? samples : "", merge->all, merge->count);
 }
 
 int cmd_merge(const struct options *options)

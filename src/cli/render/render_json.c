@@ -241,6 +241,7 @@ bool render_print_json(const struct render_run *run, struct err *err)
         strings_json(run->scene.notes, run->scene.note_count), "stopped_early", run->job.stopped,
         "version", LAMPYRIS_VERSION);
     add_ending(object, run);
+    json_object_set_new(object, "rows", json_pack("[i, i]", film->rows.first, film->rows.end));
     json_object_set_new(object, "workgroup",
                         json_integer(run->job.renderer.specialization.workgroup));
     const struct wave_size *sizes = &run->job.renderer.wave_size;

@@ -223,7 +223,8 @@ static void print_crew(const struct render_run *run)
 {
     const struct crew *crew = run->job.params.crew;
     const struct job_seconds *s = &run->job.seconds;
-    const double pixels = (double)run->job.film.width * run->job.film.height;
+    const struct film_rows rows = run->job.film.rows;
+    const double pixels = (double)run->job.film.width * (rows.end - rows.first);
     for (uint32_t i = 0; crew && i <= crew->count; i++) {
         const struct crew_member *m = &crew->members[i];
         printf("%s%s%-3u", crew->word, strlen(crew->word) < 6 ? "   " : " ", i);
@@ -319,6 +320,11 @@ void render_print_summary(struct render_run *run)
            : run->job.ended_by == ENDED_BY_DEVICE ? ", ended by a failure of the device"
            : run->job.ended_by == ENDED_BY_MEMORY ? ", ended by lack of memory"
                                                   : "");
+    if (film->rows.end - film->rows.first < film->height)
+        printf(
+            "rows      %u to %u of %u are this part's: the error is theirs alone, and the picture "
+            "is black elsewhere\n",
+            film->rows.first, film->rows.end, film->height);
     if (film->unsampled)
         printf("unsampled %" PRIu64 " of %" PRIu64 " pixels have no sample and are black\n",
                film->unsampled, (uint64_t)film->width * film->height);

@@ -30,7 +30,7 @@
     "# to go on from it.\n"                                                                        \
     "trap 'is_over=1; kill -USR1 \"$shard\"' USR1\n"                                               \
     "trap : TERM\n"                                                                                \
-    "%s%s --shard \"$SLURM_ARRAY_TASK_ID/%u\" --resume --quiet &\n"                                \
+    "%s%s%s --shard \"$SLURM_ARRAY_TASK_ID/%u\" --resume --quiet &\n"                              \
     "shard=$!\n"                                                                                   \
     "code=0\n"                                                                                     \
     "while kill -0 \"$shard\" 2>/dev/null; do\n"                                                   \
@@ -129,6 +129,7 @@ bool batch_files_write(const struct options *options, struct batch_files *out, s
     const char *stem = stem_of(arena, options), *name = plain_name(arena, stem);
     const char *quoted = quote(arena, stem), *program = own_program(arena);
     const char *render = render_words(arena, options), *outputs = output_words(arena, options);
+    const char *by = options->render.shard_by == SHARD_BY_TILES ? " --shard-by tiles" : "";
     const char *before = *slurm ? "#SBATCH " : "", *after = *slurm ? "\n" : "";
     if (!stem || !name || !quoted || !program || !render || !outputs)
         return err_memory(err, "batch files", 4096);
@@ -139,7 +140,7 @@ bool batch_files_write(const struct options *options, struct batch_files *out, s
     const char *log_of_merge = arena_printf(arena, "%s.merge.log", name);
     const char *shards = log_of_shards
                              ? arena_printf(arena, HEAD SHARDS, name, log_of_shards, count, before,
-                                            slurm, after, program, render, count)
+                                            slurm, after, program, render, by, count)
                              : NULL;
     const char *merge = log_of_merge && out->parts
                             ? arena_printf(arena, HEAD MERGE, name, log_of_merge, before, slurm,

@@ -33,8 +33,11 @@ static bool check_render(const struct options *options, struct err *err)
     const struct job_params params = {
         .renderer = options_renderer_params(&options->device, &gpu, &scene, camera),
         .scene = &scene,
-        .goal.samples = options_given(options, OPTION_SPP) ? options->scene.settings.spp : 0,
-        .shard = {.index = 1, .count = options->submit.parts},
+        .goal = {.samples = options_given(options, OPTION_SPP) ? options->scene.settings.spp : 0,
+                 .adaptive = options->render.adaptive},
+        .shard = {.index = 1,
+                  .count = options->submit.parts,
+                  .by_tiles = options->render.shard_by == SHARD_BY_TILES},
     };
     bool ok = job_init(&params, &job, err);
     job_finish(&job);
