@@ -42,7 +42,8 @@ int render_ranks_become(const struct options *options)
     process_become(program, options->argv);
     err_set(&err, ERR_SYSTEM,
             "this is one of %u processes, which share a picture by " PROGRAM ", and %s cannot be "
-            "run: %s; it is built where an MPI is installed (Debian: libopenmpi-dev); expected it, "
+            "run: %s; it is built where an MPI is installed (Debian: libopenmpi-dev or "
+            "libmpich-dev); expected it, "
             "or --shard auto",
             render_ranks_expected(), program, strerror(errno));
     return command_fail(&err);
