@@ -259,7 +259,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_CHECKPOINT_EVERY] = {
         .name = "checkpoint-every", .argument = "SECONDS", .type = VALUE_REAL, .min = 0,
-        .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "60",
+        .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "as often as takes 2 % of the time, and once in 60 s at least",
         .help = "Time between two checkpoints; 0: one after every wave.",
         FIELD(render.checkpoint_seconds),
     },

@@ -72,11 +72,11 @@ static uint64_t block_samples(const struct job *job, const struct crew_member *m
     double fits = member->busy_seconds > 0.0
                       ? BLOCK_SECONDS * (double)member->samples / member->busy_seconds
                       : INFINITY;
-    // Towards the end of the time, too.
-    if (deal->seconds > 0.0) {
-        const double time_left = fmax(deal->seconds - clock_seconds_since(deal->start_ns), 0.0);
-        fits *= fmin(time_left / (CREW_BLOCKS * BLOCK_SECONDS), 1.0);
-    }
+    // Towards the end of the time, and before a checkpoint, too.
+    double time_left = job_checkpoint_wait(job);
+    if (deal->seconds > 0.0)
+        time_left = fmin(time_left, fmax(deal->seconds - clock_seconds_since(deal->start_ns), 0.0));
+    fits *= fmin(time_left / (CREW_BLOCKS * BLOCK_SECONDS), 1.0);
     if ((double)samples > fits)
         samples = (uint64_t)fits;
     samples = (samples > least ? samples : least) & ~UINT64_C(1);
@@ -97,10 +97,8 @@ static struct sample_range take_block(struct job *job, struct crew_member *membe
 
 static bool is_late(const struct job *job)
 {
-    const struct job_checkpoint_params *checkpoint = &job->params.checkpoint;
     const double limit = job->deal.seconds, elapsed = clock_seconds_since(job->deal.start_ns);
-    return (limit > 0.0 && elapsed >= limit) ||
-           (checkpoint->path && clock_seconds_since(job->checkpoint_ns) >= checkpoint->seconds);
+    return (limit > 0.0 && elapsed >= limit) || job_checkpoint_wait(job) <= 0.0;
 }
 
 // Nothing more is dealt once the job is to stop, the time is over or a checkpoint is due. The
@@ -286,7 +284,9 @@ static bool advance_once(struct job *job, const struct job_step *step, struct er
         return advance_alone(job, step, err);
     const uint64_t start = clock_ns();
     const double before = r->stats.render_seconds;
-    bool ok = deal_all(job, step, err) && gather(job, err);
+    bool ok = deal_all(job, step, err);
+    job->checkpoint_from = clock_ns(); // adding the films is a part of what one costs
+    ok = ok && gather(job, err);
     r->stats.render_seconds = before + clock_seconds_since(start);
     return ok;
 }

@@ -51,9 +51,10 @@ struct job_goal {
 
 struct job_checkpoint_params {
     const char *path; // NULL: no checkpoint is written
-    double seconds;   // interval between two checkpoints
+    double seconds;   // greatest interval between two checkpoints
     bool resume;      // resume from the file at `path` if it exists; if false, the file must not
                       // exist
+    bool is_paced;    // shorter intervals, if the checkpoints then take a small part of the time
 };
 
 // A shard: one of several processes that share a render renders some of the samples of every pixel, or
@@ -260,6 +261,8 @@ struct job {
     struct checkpoint resumed; // the checkpoint that is resumed; closed once its state is restored
     uint64_t checkpoint_ns;    // when the last checkpoint was written or, before the first one,
                                // when rendering began
+    uint64_t checkpoint_from;  // when the films of a crew began to be added for it; 0: no crew
+    double checkpoint_cost;    // seconds that the last checkpoint took; 0: there is none yet
     bool has_checkpoint;       // there is a file from which this render can continue
     uint64_t next_look;        // samples per pixel at the next interim test
     double looks_error;        // the goal.error for which next_look was planned

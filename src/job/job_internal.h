@@ -72,6 +72,8 @@ bool job_look_for_trace(struct job *job, struct err *err);
 bool job_checkpoint_open(struct job *job, struct err *err);
 bool job_checkpoint_restore(struct job *job, struct err *err);
 bool job_checkpoint_when_due(struct job *job, struct err *err);
+// Returns in how many seconds one is due; 0: now; INFINITY: never.
+double job_checkpoint_wait(const struct job *job);
 
 // --- shard.c ---
 // Determines the samples or rows of a shard; does nothing for other jobs. Fails with ERR_USAGE if

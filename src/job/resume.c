@@ -6,6 +6,7 @@
 #include "base/file_system.h"
 #include "base/log.h"
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 // --- going on -----------------------------------------------------------------------------------
@@ -91,14 +92,33 @@ static bool write_checkpoint(struct job *job, const char *path, struct err *err)
     return ok;
 }
 
+// What is lost when the process is killed is what was rendered since the last checkpoint: with
+// is_paced, at most this many times the time that a checkpoint takes, so that checkpoints take at
+// most 2 % of the time.
+#define CHECKPOINT_PACE 50.0
+
+double job_checkpoint_wait(const struct job *job)
+{
+    const struct job_checkpoint_params *params = &job->params.checkpoint;
+    if (!params->path)
+        return INFINITY;
+    double every = params->seconds;
+    if (params->is_paced)
+        every = fmin(every, CHECKPOINT_PACE * job->checkpoint_cost);
+    return fmax(every - clock_seconds_since(job->checkpoint_ns), 0.0);
+}
+
 bool job_checkpoint_save(struct job *job, struct err *err)
 {
     const char *path = job->params.checkpoint.path;
+    const uint64_t from = job->checkpoint_from ? job->checkpoint_from : clock_ns();
+    job->checkpoint_from = 0;
     // Before the pilot has made a plan, there is nothing to resume.
     if (!path || job_is_pilot(job))
         return true;
     bool ok = write_checkpoint(job, path, err);
     job->has_checkpoint |= ok;
+    job->checkpoint_cost = clock_seconds_since(from);
     job->checkpoint_ns = clock_ns();
     return ok;
 }
@@ -119,8 +139,7 @@ bool job_checkpoint_write(struct job *job, const char *path, struct err *err)
 // image may be written elsewhere.
 bool job_checkpoint_when_due(struct job *job, struct err *err)
 {
-    const struct job_checkpoint_params *params = &job->params.checkpoint;
-    if (!params->path || clock_seconds_since(job->checkpoint_ns) < params->seconds)
+    if (job_checkpoint_wait(job) > 0.0)
         return true;
     struct err failure = {0};
     if (job_checkpoint_save(job, &failure))

@@ -4,7 +4,9 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/progress.h"
+#include "base/signals.h"
 #include <mpi.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -174,13 +176,31 @@ static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_fil
 
 // --- workers -------------------------------------------------------------------------------------
 
+// Rank 0 says how to go on where another rank was lost, and rank 1 where rank 0 was: mpirun sends
+// SIGTERM before it kills the others. It sends that to all, whoever was lost.
+static void mention_lost_leader(struct ranks_context *c)
+{
+    if (c->is_told || c->ranks->rank != 1 || signals_received() != SIGTERM)
+        return;
+    c->is_told = true;
+    if (c->options->render.checkpoint)
+        log_message(LOG_ERROR,
+                    "stopping: if rank 0 was lost, this goes on from the last checkpoint, with "
+                    "mpirun or without: %s%s",
+                    c->options->command_line, c->options->render.resume ? "" : " --resume");
+}
+
 static bool next(void *context, struct rank_order *out, struct err *err)
 {
     (void)err;
     struct ranks_context *c = context;
     MPI_Request request;
+    int is_done = 0;
     MPI_Irecv(out, sizeof *out, MPI_BYTE, 0, TAG_ORDER, c->comm, &request);
-    sleep_until_done(request);
+    while (MPI_Request_get_status(request, &is_done, MPI_STATUS_IGNORE), !is_done) {
+        mention_lost_leader(c);
+        clock_sleep(PAUSE_SECONDS);
+    }
     MPI_Wait(&request, MPI_STATUS_IGNORE);
     return true;
 }

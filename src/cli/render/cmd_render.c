@@ -75,7 +75,11 @@ static bool init_job(struct render_run *run, struct err *err)
     params.renderer.window = run->window;
     if (!follows_path(options)) {
         params.checkpoint = (struct job_checkpoint_params){
-            options->render.checkpoint, options->render.checkpoint_seconds, options->render.resume};
+            .path = options->render.checkpoint,
+            .seconds = options->render.checkpoint_seconds,
+            .is_paced = !options_given(options, OPTION_CHECKPOINT_EVERY),
+            .resume = options->render.resume,
+        };
         params.keeps_trace = options->render.trace != NULL;
         params.shard = options->render.shard;
         params.merged = options->render.merged;
