@@ -55,7 +55,7 @@ uvec4 film_slices(float value, uint top)
     return (top & 1u) == 0u ? uvec4(upper, lower) : uvec4(lower, upper);
 }
 
-// Adds to both bins, with carries. The order of several additions does not matter.
+// Adds `slices` to the two bins of a sum, with carries. Additions may come in any order.
 uvec4 film_add_bins(uvec4 bins, uvec4 slices)
 {
     uvec2 low = bins.xz + slices.xz;

@@ -15,8 +15,8 @@
 #define IS_KIND(kind, which)                                                                       \
     (HAS_GEOMETRY(SHAPE_KIND_BIT(which)) && (kind) == (which))
 
-// Whether a leaf word, or the marker on the stack at the end of an instance, leads to another
-// space.
+// Whether a word on the stack changes the space of the ray: a leaf that is an instance, or the
+// marker after which the traversal of an instance returns to world space.
 #define IS_INSTANCE_LEAF(word)                                                                     \
     (HAS_GEOMETRY(GEOMETRY_INSTANCES) && ((word)&BVH_LEAF_INSTANCE) == BVH_LEAF_INSTANCE)
 

@@ -51,8 +51,8 @@ struct check_scene_params {
     struct renderer_params renderer; // with its `scene`
     struct scene *scene; // the scene of `renderer`; its settings are the same afterwards
     double error;        // the local relMSE to which `outlook` refers
-    // Changes `scene` as the findings with a `change` say. Such a change removes an error, or an
-    // object without effect, and changes nothing else in the image.
+    // Applies to `scene` the changes of all findings that have a `change`. A change removes an
+    // error, or an object without effect. It does not affect the image otherwise.
     bool fixes;
 };
 

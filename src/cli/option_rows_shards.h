@@ -1,35 +1,35 @@
-// Rows of option_table: which part of a picture a process has, and what becomes of the parts.
+// Rows of option_table: options that divide a picture into shards, and that merge their parts.
 // clang-format off
     [OPTION_SHARD] = {
         .name = "shard", .argument = "I/N|FIRST:END|auto", .type = VALUE_TEXT, .group = "Shards",
         .commands = FOR_RENDER, .fallback = "all samples",
-        .help = "Render part I, from 1, of N parts of the --spp samples of every pixel, or those "
-                "from number FIRST up to, but without, END, and keep them in the file of --checkpoint "
-                "for merge. auto takes I and N from Slurm, mpirun or Kubernetes; auto/N says N, which "
-                "Kubernetes does not. FILE of --checkpoint may have %i and %n, which stand for I and N "
-                "(or FIRST and END); where it is not given, the part is SCENE.I-of-N.part in the working "
-                "directory. No picture is written unless -o is given. See docs/scaling.md.",
+        .help = "Render only shard I, from 1, of N: its share of the --spp samples of every pixel, or "
+                "the samples FIRST to END - 1. The file of --checkpoint is the part that merge adds to "
+                "others. auto takes I and N from Slurm, mpirun or Kubernetes; auto/N gives N for "
+                "Kubernetes, which does not report it. In the name of the file, %i and %n stand for I "
+                "and N (or FIRST and END). Without --checkpoint, the part is SCENE.I-of-N.part in the "
+                "working directory. No picture is written unless -o is given. See docs/scaling.md.",
         FIELD(render.shard_text),
     },
     [OPTION_SHARD_BY] = {
         .name = "shard-by", .argument = "samples|tiles", .type = VALUE_CHOICE, .group = "Shards",
         .commands = FOR_RENDER | FOR_SUBMIT, .fallback = "samples",
-        .help = "samples: a shard has some samples of every pixel, so that it shows the whole picture. "
-                "tiles: it has all samples of some rows of the picture, in multiples of 16; FIRST:END "
-                "are these rows then. Parts by tiles take less room, take as long as what is to be "
-                "seen in them, and may be --adaptive. The picture is the same.",
+        .help = "samples: a shard renders some samples of every pixel, so it shows the whole picture. "
+                "tiles: it renders all samples of some rows of pixels, and FIRST and END of --shard "
+                "are rows, multiples of 16. Parts by tiles are smaller and may be --adaptive, but "
+                "shards with simple content end earlier than others. The merged picture is the same.",
         FIELD(render.shard_by),
     },
     [OPTION_PARTIAL] = {
         .name = "partial", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
         .common = FOR_MERGE, .brief = "Write a picture although samples are missing.",
-        .help = "Write the picture of the samples that there are, although some are missing. Without "
-                "it that is refused, with the commands that render them.",
+        .help = "Write the picture of the existing samples if some are missing. Without this option, "
+                "merge fails and prints the commands that render the missing samples.",
         FIELD(merge.partial),
     },
     [OPTION_MIXED] = {
         .name = "mixed", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
-        .common = FOR_MERGE, .brief = "Parts may be of several devices and drivers.",
+        .common = FOR_MERGE, .brief = "Accept parts of several devices and drivers.",
         .help = "Accept parts that several devices and drivers rendered. The picture's bits are "
                 "then not those of any one device. merge reports whether the devices' pictures "
                 "differ by more than their noise.",
@@ -37,9 +37,9 @@
     },
     [OPTION_STATUS] = {
         .name = "status", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
-        .common = FOR_MERGE, .brief = "Say which samples the parts have, and merge nothing.",
-        .help = "Say which samples each part has, and which are missing, with the commands that render "
-                "them, and merge nothing. Exits with 1 where samples are missing.",
+        .common = FOR_MERGE, .brief = "List the samples of the parts, and merge nothing.",
+        .help = "Print which samples each part has, which samples are missing, and the commands that "
+                "render these. Merge nothing. Exit with 1 if samples are missing.",
         FIELD(merge.status),
     },
     [OPTION_PARTS] = {
@@ -53,8 +53,8 @@
         .name = "slurm", .argument = "OPTIONS", .type = VALUE_TEXT, .group = "Shards",
         .commands = FOR_SUBMIT, .common = FOR_SUBMIT, .fallback = "none",
         .brief = "Options of sbatch, in one word.",
-        .help = "Options of sbatch, in one word: partition, account, time limit, devices. They stand in "
-                "both batch files, after those of submit.",
+        .help = "Options of sbatch, in one word: partition, account, time limit, devices. They are "
+                "written into both batch files, after the options that submit sets.",
         FIELD(submit.slurm),
     },
     [OPTION_DRY_RUN] = {

@@ -41,8 +41,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .brief = "Write FILE, .exr, .png, .jpg, .hdr or .pfm; several may be given.",
         .help = "Write the picture to FILE. Its extension chooses the format: .exr, .hdr and .pfm "
                 "are linear, .png and .jpg are tone-mapped. May be given several times. Pictures of "
-                "--turntable and --at START:END:FPS are numbered from 1, where the name has #### or "
-                "%04d, else before the extension; .mp4 and .webm are their video, by ffmpeg.",
+                "--turntable and --at START:END:FPS are numbered from 1, in place of #### or %04d "
+                "in FILE, or before its extension; .mp4 and .webm are videos made by ffmpeg.",
     },
     [OPTION_SIZE] = {
         .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
@@ -56,9 +56,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_CROP] = {
         .name = "crop", .argument = "X0,Y0,X1,Y1", .type = VALUE_WINDOW, .min = 0, .max = SETTINGS_SIZE_MAX,
         .group = "Picture", .commands = FOR_RENDER, .fallback = "the whole picture",
-        .help = "Render the pixels from column X0 and row Y0 up to, but without, X1 and Y1 only, "
-                "with the bits that they have in the whole picture of --size. EXR files say where "
-                "they are in it (data window and display window); the error is that of the window.",
+        .help = "Render only the window of columns X0 to X1 - 1 and rows Y0 to Y1 - 1. Its pixels "
+                "have the same bits as in the whole picture of --size. EXR files store the "
+                "position of the window (data window and display window). The error is that of "
+                "the window.",
         FIELD(render.crop),
     },
     [OPTION_HALF] = {
@@ -199,11 +200,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "studio", .argument = "off|auto|on", .type = VALUE_CHOICE, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "auto",
         .common = FOR_VIEW, .brief = "Light the scene with a studio.",
-        .help = "Light the scene with a built-in studio of soft key, fill and rim lights: if a "
-                "model has no light or too little (auto), always, in place of its environment "
-                "(on), or never; a scene without light then gets a constant environment of "
-                "radiance 1 (off). With auto, scene files that have a camera are not lit by the "
-                "studio.",
+        .help = "Light the scene with a built-in studio of soft key, fill and rim lights. auto: "
+                "if a model has no light or too little, but not if a scene file has a camera. on: "
+                "always, in place of the scene's environment. off: never; a scene without light "
+                "gets a constant environment of radiance 1.",
         FIELD(scene.studio),
     },
     [OPTION_GROUND] = {

@@ -51,14 +51,14 @@ static bool is_finished(const struct film_copy *film, uint64_t steps)
 }
 
 // Finds the samples that a part holds: all that were planned for it, unless the shard was stopped
-// before it finished. Rows have all of their samples, or none that could be added.
+// before it finished. An unfinished part by tiles counts as empty.
 static bool find_samples(const struct checkpoint *c, const struct merge *merge, struct arena *arena,
                          struct merge_part *part, struct err *err)
 {
     const char *text = find_value(c->identity, JOB_SHARD_LINE);
     const struct film_copy film = checkpoint_film(c);
     if (!samples_parse(text, (size_t)value_length(text), arena, &part->wanted))
-        return err_set(err, ERR_INPUT, "%s: has no samples that can be read: \"%.*s\"", c->path,
+        return err_set(err, ERR_INPUT, "%s: its list of samples is not readable: \"%.*s\"", c->path,
                        value_length(text), text);
     part->samples = part->wanted;
     if (merge->by_tiles) {
@@ -75,11 +75,10 @@ static bool find_samples(const struct checkpoint *c, const struct merge *merge, 
     part->samples = (struct sample_ranges){has, has->first < has->end};
     return has->first <= has->end && is_within(has, &part->wanted)
                ? true
-               : err_set(err, ERR_INPUT, "%s: holds samples that are not those of its shard",
-                         c->path);
+               : err_set(err, ERR_INPUT, "%s: holds samples of another shard", c->path);
 }
 
-// A part whose pixels have different numbers of samples can only go on.
+// Refuses a part whose pixels have different numbers of samples: only its shard can complete it.
 static bool check_even(const struct merge *merge, const struct checkpoint *c,
                        const struct merge_part *part, struct err *err)
 {
@@ -109,12 +108,11 @@ static bool check_film(const struct checkpoint *c, const struct merge *merge, st
     uint64_t record = 16 * AOV_FILM_WORDS((uint32_t)aovs);
     return (aovs <= UINT32_MAX && (merge->by_tiles || c->tile_count == 0) &&
             c->film_bytes % record == 0 && c->block_bytes % record == 0) ||
-           err_set(err, ERR_INPUT, "%s: has a film that is no sum of samples of all pixels",
-                   c->path);
+           err_set(err, ERR_INPUT, "%s: its film is not a sum of samples of all pixels", c->path);
 }
 
-// Finds where in the whole film that of a part belongs: that of rows is theirs alone, from the
-// first to the last.
+// Finds the place of the part's film in the whole film. The film of a part by tiles contains only
+// the rows from its first to its last one, unless it has light paths.
 static bool find_film(struct merge *merge, const struct checkpoint *c, struct merge_part *part,
                       struct err *err)
 {
@@ -129,20 +127,20 @@ static bool find_film(struct merge *merge, const struct checkpoint *c, struct me
     merge->has_whole_films |= is_whole && hull.end - hull.first < merge->height;
     return is_whole ||
            err_set(err, ERR_INPUT,
-                   "%s: its film takes %s, and %s was expected; expected parts of the "
-                   "same --size and --aov",
+                   "%s: its film has %s instead of %s; expected parts of the same --size "
+                   "and --aov",
                    c->path, memory_print(c->film_bytes).text, memory_print(merge->film_bytes).text);
 }
 
-// All parts of an adaptive render have made the same plan of their pilots.
+// All parts of an adaptive render must have the same plan, which each computed by its own pilot.
 static bool check_plan(const struct merge *merge, const struct checkpoint *c, struct err *err)
 {
     return (c->tile_count == merge->tile_count &&
             (c->tile_count == 0 ||
              memcmp(c->counts, merge->counts, c->tile_count * sizeof *c->counts) == 0)) ||
            err_set(err, ERR_INPUT,
-                   "%s: its pilot gave the tiles other numbers of samples than that of %s, which "
-                   "devices of one kind with one driver do not; expected parts of one device",
+                   "%s: its pilot chose other numbers of samples for the tiles than the pilot of "
+                   "%s; expected parts of devices of one kind with one driver",
                    c->path, merge->parts[0].path);
 }
 
@@ -199,7 +197,7 @@ static bool check_overlaps(struct merge *merge, const struct merge_part *part, u
                    part->path, what, range.first, range.end, other->path, what);
 }
 
-// Finds what all parts have in common in the first one.
+// Reads from the first part what all parts must have in common.
 static bool begin_merge(struct merge *merge, const struct checkpoint *c, const char *identity,
                         struct err *err)
 {
@@ -210,7 +208,7 @@ static bool begin_merge(struct merge *merge, const struct checkpoint *c, const c
     if (!size || sscanf(size, "%ux%u", &merge->width, &merge->height) != 2 ||
         (round && (sscanf(round, "%u", &round_samples) != 1 || round_samples == 0)))
         return err_set(err, ERR_INPUT,
-                       "%s: does not say of which picture it is a part; expected a "
+                       "%s: does not name the picture of which it is a part; expected a "
                        "part of this build",
                        c->path);
     merge->merged.identity = identity;
@@ -300,7 +298,8 @@ bool merge_open(const struct merge_params *params, struct merge *out, struct err
 
 // --- films ---------------------------------------------------------------------------------------
 
-// The file is read once: each block is added when its hash has been checked.
+// Adds the film of a part. The file is read once: each block is added as soon as its hash has been
+// verified.
 static bool add_film(const struct merge *merge, const struct merge_part *part, char *block,
                      struct film_copy *to, struct err *err)
 {
@@ -396,8 +395,8 @@ static double half_luminance(const uint32_t *record, uint32_t half)
            0.0722 * half_mean(record, half, 2, samples);
 }
 
-// A quarter of the squared difference of independent halves is the variance of their mean, without
-// bias; pixels are independent of each other, so that variances add up.
+// A quarter of the squared difference of two independent halves estimates the variance of their
+// mean without bias. Pixels are independent of each other, so their variances add up.
 static void measure_device(const struct merge *merge, const struct film_copy *film,
                            struct merge_device *device)
 {
@@ -479,7 +478,7 @@ bool merge_add_films(struct merge *merge, const struct progress *progress, struc
 
 // --- the sum -------------------------------------------------------------------------------------
 
-// The film of some rows is written alone, as that of a part is.
+// Cuts the film to the rows that a sum of parts by tiles has. Returns its number of bytes.
 static uint64_t cut_film(const struct merge *merge, struct film_copy *film)
 {
     const struct sample_range hull = {merge->samples.list[0].first,

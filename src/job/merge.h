@@ -1,7 +1,7 @@
-// Merges the parts of a render: checkpoints of shards (struct job_shard), and sums of some of them.
-// Parts have samples of all pixels, or all samples of some rows; the two are not merged.
-// The film's sums do not depend on the order and the grouping in which they are added, so the
-// merged film is that of one process, bit for bit. Needs neither the scene nor a device.
+// Merges the parts of a render: checkpoints of shards (struct job_shard), and sums of parts. A part
+// has some samples of all pixels, or all samples of some rows; parts of both kinds cannot be
+// merged. The sums of the film do not depend on the order and grouping of additions, so the merged
+// film is that of one process, bit for bit. Needs neither the scene nor a device.
 //
 //   struct merge merge;
 //   merge_open(&params, &merge, &err) && merge_add_films(&merge, progress, &err) && ...
@@ -14,22 +14,22 @@
 struct merge_params {
     const char *const *paths;
     uint32_t count;
-    bool mixed;        // parts of several devices and drivers are taken, too
-    bool only_look_at; // parts that were stopped amid a pass are taken, too: no film can be added
+    bool mixed;        // accepts parts of several devices and drivers
+    bool only_look_at; // accepts parts that were stopped within a pass; films cannot be added then
 };
 
 struct merge_part {
     const char *path, *command;
-    struct sample_ranges samples; // samples, or rows, that it has
-    struct sample_ranges wanted;  // those that it has when it is finished
+    struct sample_ranges samples; // samples, or rows, that the part has
+    struct sample_ranges wanted;  // those that it will have when its shard has finished
     uint64_t planned;             // samples per pixel of the whole render
-    uint64_t film_at;             // byte of the whole film where that of its file begins
+    uint64_t film_at;             // offset of its film in the whole film, in bytes
     uint32_t device;              // index into merge.devices
-    uint64_t head_hash;           // a file with another one is another file
+    uint64_t head_hash;           // identifies the file: the hash of the data before its film
 };
 
-// The picture's mean luminance by one device, with its standard error; of no use without mixed, and
-// of parts by tiles, in which devices have different pixels.
+// The picture's mean luminance as rendered by one device, with its standard error. It is computed
+// only with `mixed`, and not comparable if parts are by tiles: devices then have different pixels.
 struct merge_device {
     const char *name; // with the driver
     uint32_t part_count;
@@ -42,29 +42,30 @@ struct merge {
     uint32_t count;
     struct merge_device *devices;
     uint32_t device_count;
-    const char *command;          // the command of the part with the largest render
-    bool by_tiles;                // parts have rows of the picture
+    const char *command;          // of the part with the largest number of planned samples
+    bool by_tiles;                // each part has all samples of some rows
     struct sample_ranges samples; // the samples, or rows, of all parts together
     uint64_t planned;             // samples per pixel of the largest render
-    uint64_t all;                 // how many samples, or rows, there are
+    uint64_t all;                 // number of samples, or rows, of the whole picture
     uint32_t width, height;
     uint32_t *counts; // samples of each of `tile_count` tiles in a round; NULL: tiles have none
     uint32_t tile_count;
-    uint64_t rounds; // of the whole render: samples per pixel where there are no tiles
+    uint64_t rounds; // of the whole render; without tiles, a round is one sample per pixel
     uint64_t film_bytes;
-    bool has_whole_films; // also where a part by tiles has some rows: light paths go everywhere
-    uint32_t aovs;        // AOV_*: the device's
+    bool has_whole_films; // parts by tiles have films of the whole picture: light paths reach all
+                          // rows
+    uint32_t aovs;        // AOV_* of the film
     struct job_merged merged;
 };
 
-// Reads what stands before the films, and decides whether the parts belong together. ERR_INPUT
-// names the first part that does not, or that is no part, is unfinished amid a pass or damaged.
-// *out is to be finished in any case.
+// Reads the data before the films, and checks that the parts belong together. Fails with ERR_INPUT,
+// which names the first file that does not belong to the others, is not a part, is unfinished
+// within a pass, or is damaged. The caller must call merge_finish() in any case.
 bool merge_open(const struct merge_params *params, struct merge *out, struct err *err);
-// Reads the films and adds them, with one film in memory, or two with several devices. A damaged
-// file is logged as an error, and the others are looked at before it fails with ERR_INPUT.
+// Reads the films and adds them. One film is in memory at a time, two with several devices. Damaged
+// files are logged as errors; after all files were read, it fails with ERR_INPUT.
 bool merge_add_films(struct merge *merge, const struct progress *progress, struct err *err);
-// Writes the sum as a part.
+// Writes the sum of the parts as a part.
 bool merge_write(const struct merge *merge, const char *path, struct err *err);
 void merge_finish(struct merge *merge); // accepts NULL and {0}
 

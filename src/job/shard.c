@@ -104,7 +104,7 @@ bool job_settle_shard(struct job *job, struct err *err)
     if (!is_even || range.end > samples)
         return err_set(err, ERR_USAGE,
                        "--shard %" PRIu64 ":%" PRIu64 ": expected even numbers up to the %" PRIu64
-                       " samples of --spp",
+                       " samples of --spp (the end may be an odd --spp)",
                        range.first, range.end, samples);
     job->samples_first = range.first;
     job->samples_most = range.end;

@@ -33,7 +33,7 @@ static bool check_settings(const struct light_paths_params *p, struct err *err)
     bool is_panorama = p->camera->kind == CAMERA_PANORAMIC;
     const struct limit limits[] = {
         {!s->nee || s->nee_depth < s->max_bounces, "vertices without shadow rays",
-         "its weights count on them", "--nee on and no --nee-depth"},
+         "its weights assume shadow rays at every vertex", "--nee on and no --nee-depth"},
         {s->mis == MIS_NONE, "--mis none", "its three ways to find light need weights",
          "--mis power or --mis balance"},
         {is_chosen, "this --light-choice", "light paths choose emitters by power",
@@ -41,9 +41,9 @@ static bool check_settings(const struct light_paths_params *p, struct err *err)
         {s->directions != DIRECTIONS_BSDF, "these --directions",
          "light paths scatter as the BSDF does", "--directions bsdf"},
         {s->clamp_limit > 0.0f, "--clamp",
-         "what a light path brings to a pixel is no sample of that pixel", "--clamp off"},
-        {s->min_density > 0.0f, "--min-density", "light paths would go on where others end",
-         "--min-density 0"},
+         "the light that a light path adds to a pixel is no sample of that pixel", "--clamp off"},
+        {s->min_density > 0.0f, "--min-density",
+         "light paths would continue where camera paths end", "--min-density 0"},
         {s->split_lobes > 0, "--split-lobes", "light paths do not split", "--split-lobes 0"},
         {s->accumulation != ACCUMULATION_BINNED, "this --accumulation",
          "light paths reach pixels in any order", "--accumulation binned"},
@@ -51,16 +51,19 @@ static bool check_settings(const struct light_paths_params *p, struct err *err)
          "samples at fixed points of pixels", "no light path meets a point",
          "--pixel-jitter on and another --pixel-sampling"},
         {settings_filter_radius(s) < 0.5f, "a filter narrower than a pixel",
-         "light paths would seldom meet what it covers", "--filter-radius 0.5 or more"},
+         "light paths would seldom meet the area that the filter covers",
+         "--filter-radius 0.5 or more"},
         {is_panorama && settings_filter_radius(s) > 0.5f,
          "a panoramic camera with a filter that is wider than a pixel",
-         "light paths do not follow it across the picture's edges", "--filter box"},
-        {p->tiles, "--adaptive", "a light path counts for all pixels alike", "--adaptive off"},
+         "light paths do not continue the filter across the picture's edges", "--filter box"},
+        {p->tiles, "--adaptive",
+         "all pixels share the light paths, so they need the same number of samples",
+         "--adaptive off"},
         {p->has_window, "--crop", "a light path may reach any pixel of the whole picture",
          "the whole picture"},
         {(p->aovs & (AOVS_OF_PARTS | AOVS_BY)) != 0,
          "the layers emission, direct and indirect, or --error-by",
-         "what light paths bring is not divided", "a render without them"},
+         "the light that light paths find is not split by source", "a render without these"},
     };
     return check_limits(limits, sizeof limits / sizeof *limits, err);
 }
@@ -98,8 +101,8 @@ static struct box box_of_triangle(const struct flat_triangle *triangle)
     return box;
 }
 
-// Returns whether an emitter that light paths begin on, and that is not infinitely far, meets a
-// box.
+// Returns whether a box meets an emitter on which light paths begin. Emitters at infinity do not
+// count.
 static bool has_emitter_in(const struct light_paths_params *p, const struct box *box)
 {
     const struct scene *scene = p->scene;
@@ -138,8 +141,8 @@ static bool is_medium(const struct light_paths_params *p, uint32_t material)
     return material_has_inside(&p->scene->materials[material]);
 }
 
-// Returns the box of what bounds media among a range of triangles. `material` replaces their own
-// unless it is SCENE_NONE.
+// Returns the box of those triangles of a range that bound media. `material` replaces the
+// triangles' own materials unless it is SCENE_NONE.
 static struct box box_of_media(const struct light_paths_params *p, uint32_t first, uint32_t count,
                                uint32_t material)
 {
@@ -153,7 +156,7 @@ static struct box box_of_media(const struct light_paths_params *p, uint32_t firs
     return box;
 }
 
-// Takes the box of a placed mesh to the world.
+// Returns the box in world space of a placed mesh.
 static struct box place_box(const struct box *box, const float to_world[3][4])
 {
     struct box placed = empty_box;

@@ -29,7 +29,7 @@ struct pace {
 
 // Sets the initial limits; call it again when the size of waves or the kernels change.
 void pace_begin(struct pace *pace, const struct gpu *gpu, const struct memory_plan *plan);
-// Does the same for kernels that do not belong to waves.
+// Sets the initial limits of a pace for kernels that do not belong to waves.
 void pace_begin_others(struct pace *pace, const struct gpu *gpu);
 // Returns the number of samples that the next wave may have.
 uint32_t pace_samples(const struct pace *pace, const struct memory_plan *plan);

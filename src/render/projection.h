@@ -36,8 +36,8 @@ void projection_ray(const struct projection *p, double x, double y, double origi
 
 // Projects a point in the flat scene's space; false if it is behind the camera.
 bool projection_find(const struct projection *p, const double point[3], struct projected *out);
-// Projects a point at infinity in a direction, a unit vector: lengths are then angles, and areas
-// are solid angles.
+// Projects a point at infinity in a direction, which is a unit vector. Lengths in *out are angles,
+// and areas are solid angles.
 bool projection_find_far(const struct projection *p, const double direction[3],
                          struct projected *out);
 

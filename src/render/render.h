@@ -101,7 +101,7 @@ struct render_stats {
     double bounce_ms[STATS_BOUNCES][KERNEL_COUNT];
     struct host_stats host;
     uint64_t closest_rays, shadow_rays;
-    uint64_t steps[STEPS_COUNT];        // steps of these rays through the BVH; see wave_count_steps
+    uint64_t steps[STEPS_COUNT];        // steps of all rays through the BVH; see wave_count_steps
     uint64_t surface_hits[CLASS_COUNT]; // by class; without FEATURE_CLASSES all count in the first
     uint64_t paths;                     // number of paths added to the film
     uint64_t sparse;                    // paths, or branches of split paths, ended by --min-density
@@ -297,10 +297,10 @@ bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err)
 bool renderer_set_camera(struct renderer *renderer, const struct camera *camera, uint32_t width,
                          uint32_t height, bool *fits, struct err *err);
 
-// Restricts rendering to the pixels of these rows: a pass is then one over these rows. Each pixel gets
-// the samples that a render of the whole picture gives it. With light paths, which contribute to all
-// pixels, all pixels get the light of the light paths of these rows. With tiles, the rows must begin
-// and end at tiles. If the rows change, a pass that was stopped is ended.
+// Restricts rendering to the pixels of these rows: a pass is then one over these rows. Each pixel
+// gets the samples that a render of the whole picture gives it. With light paths, which contribute
+// to all pixels, all pixels get the light of the light paths of these rows. With tiles, the rows
+// must begin and end at tiles. If the rows change, a pass that was stopped is ended.
 void renderer_set_rows(struct renderer *renderer, const struct film_rows *rows);
 
 // Means of the half-buffers, and sample counts. Pixels are in rows from the top.

@@ -400,8 +400,9 @@ static bool shade_surfaces(struct loop *l, struct err *err)
            consume(l, KERNEL_shade_whitted, QUEUE_SURFACE, err);
 }
 
-// Sets the number of items of a dispatch. prepare_dispatch assumes the same number for all queues,
-// so it may only change while none is prepared.
+// Chooses l->part_items, the maximum number of items of a dispatch. Dispatches that
+// prepare_dispatch has prepared assume the present number, so call this only after all of them were
+// recorded.
 static void choose_part(struct loop *l)
 {
     struct renderer *r = l->r;

@@ -59,7 +59,7 @@ class IdleLights(Checks):
         scene = room(CEILING_LAMP, lights=[self.point(1e6, range=0.01, name='dead')])
         place = 'light 0, "dead"'
         # First vertices connect to both lights by default, and later ones to one, chosen by the tree.
-        self.assertIn('which decides with the distance how shadow rays are distributed',
+        self.assertIn('power and distance decide which lights get shadow rays',
                       self.assert_idle(scene, place)['figure'])
         scene['settings'] = {'light_choice': 'power'}
         self.assertIn('% of all shadow rays, but', self.assert_idle(scene, place)['figure'])

@@ -180,7 +180,7 @@ class Mixed(Crews):
         command = self.command('--spp', '2000', '-q', '--json', '-o', 'a.exr', '--checkpoint')
         result = self.run_one(*command, 'ck', '--device', '0,1', **both)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn('not bit for bit the one that any of them would make alone', result.stderr)
+        self.assertIn('does not have the bits that one of them would make alone', result.stderr)
         members = json.loads(result.stdout)['members']
         self.assertEqual(len({member['driver'] for member in members}), 2)
         self.assertGreater(min(member['spp'] for member in members), 0)

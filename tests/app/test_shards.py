@@ -464,7 +464,7 @@ class Refused(Shards):
         self.write('box.json', scene + b'\n')
         self.refuse('the sum of the parts: was made with scene of hash=', 'merge', *parts, '-o', 'z.exr')
         os.unlink(self.path('box.json'))
-        self.refuse('box.json: is not here', 'merge', *parts, '-o', 'z.exr')
+        self.refuse('box.json: does not exist here', 'merge', *parts, '-o', 'z.exr')
         self.write('box.json', scene)
         self.succeed('merge', *parts, '-q')
         self.assertIn('box.exr', os.listdir(self.folder.name))

@@ -94,7 +94,7 @@ static bool is_small_lamp(const struct survey *survey, uint32_t object, const st
 struct coarse {
     uint32_t count, first;
     double extent, farthest; // extent and distance from the origin, in metres, of the first object
-    bool *marked;            // flags of all objects
+    bool *marked;            // for each object of the scene: whether it is coarse
 };
 
 static void look_at_object(const struct survey *survey, const struct bounds *meshes,

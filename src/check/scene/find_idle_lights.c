@@ -218,8 +218,8 @@ static bool add_finding(struct survey *survey, const struct rays *rays, double s
             .place = describe_sources(survey, rays),
             .figure = arena_printf(
                 arena,
-                rays->by_tree ? "%.4g %% of the lights' power, which decides with the distance how "
-                                "shadow rays are distributed, but less than %g %% of the light"
+                rays->by_tree ? "%.4g %% of the lights' power, but less than %g %% of the light; "
+                                "power and distance decide which lights get shadow rays"
                               : "%.4g %% of all shadow rays, but less than %g %% of the light",
                 percent, 100.0 * LIGHT_MIN),
             .consequence = arena_printf(arena,

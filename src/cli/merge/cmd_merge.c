@@ -1,4 +1,4 @@
-// lampyris merge: adds parts, and lets render write the picture, as if it had just rendered it.
+// lampyris merge: adds parts. The command render then writes the picture as if it had rendered it.
 #include "cli/commands.h"
 
 #include "base/file.h"
@@ -13,18 +13,18 @@
 #include <math.h>
 #include <string.h>
 
-// Commands for missing samples that are printed; more would hide what is said.
+// Maximum number of printed commands for missing samples; more would hide the other messages.
 #define COMMANDS_MAX 64u
 
 // --- what is missing -----------------------------------------------------------------------------
 
-// What parts have ranges of.
+// Returns the unit in which the ranges of parts are given.
 static const char *unit(const struct merge *merge)
 {
     return merge->by_tiles ? "rows" : "samples a pixel";
 }
 
-// Of samples, or rows.
+// Returns the number of samples, or rows, in all ranges.
 static uint64_t count_samples(const struct sample_ranges *ranges)
 {
     uint64_t count = 0;
@@ -33,8 +33,8 @@ static uint64_t count_samples(const struct sample_ranges *ranges)
     return count;
 }
 
-// The most samples, or rows, that a part has: what is missing is split into pieces of that length,
-// which can be rendered at the same time.
+// Returns the largest number of samples, or rows, of a part. Missing samples are split into pieces
+// of that length, which can be rendered at the same time.
 static uint64_t longest_part(const struct merge *merge)
 {
     uint64_t longest = merge->by_tiles ? TILE_SIDE : 2;
@@ -54,17 +54,18 @@ static void print_commands(FILE *out, const struct merge *merge,
     uint32_t printed = 0;
     for (uint32_t i = 0; i < missing->count; i++)
         for (uint64_t at = missing->list[i].first, end; at < missing->list[i].end; at = end) {
-            // A single sample at the end would be no shard of its own.
+            // A shard has at least two samples, so a single one at the end is added to the last
+            // piece.
             end = at + piece + 1 < missing->list[i].end ? at + piece : missing->list[i].end;
             if (printed++ < COMMANDS_MAX)
                 fprintf(out, "%s%s --shard %" PRIu64 ":%" PRIu64 "\n", merge->command,
                         merge->by_tiles ? " --shard-by tiles" : "", at, end);
         }
     if (printed > COMMANDS_MAX)
-        fprintf(out, "and %u more of this kind\n", printed - COMMANDS_MAX);
+        fprintf(out, "and %u more commands of this kind\n", printed - COMMANDS_MAX);
 }
 
-// Says what is missing. A picture of some of the samples is refused unless it is asked for.
+// Reports missing samples, and refuses to write a picture without them unless --partial is given.
 static bool check_missing(struct merge *merge, const struct options *options, bool writes_picture,
                           struct err *err)
 {
@@ -79,8 +80,7 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
     const uint64_t count = count_samples(&missing);
     merge->merged.is_partial = true;
     if (options->merge.partial) {
-        log_warn("%" PRIu64 " of %" PRIu64
-                 " %s are missing (%s): the picture is that of the others",
+        log_warn("%" PRIu64 " of %" PRIu64 " %s are missing (%s): the picture has only the others",
                  count, merge->all, unit(merge), text);
         return true;
     }
@@ -99,12 +99,13 @@ static void compare_devices(const struct merge *merge)
 {
     const struct merge_device *one = &merge->devices[0];
     log_warn(
-        "the parts come from %u devices: the picture is not bit for bit the one that any of them "
-        "would make alone",
+        "the parts come from %u devices: the picture does not have the bits that one of them would "
+        "make alone",
         merge->device_count);
     if (merge->by_tiles) {
-        log_info("parts by tiles have different pixels of the picture, whose means say nothing of "
-                 "the devices: these were not compared");
+        log_info(
+            "the devices' means are not compared, because parts by tiles have different pixels of "
+            "the picture");
         return;
     }
     for (uint32_t i = 1; i < merge->device_count; i++) {
@@ -125,7 +126,7 @@ static void compare_devices(const struct merge *merge)
 
 // --- the picture ---------------------------------------------------------------------------------
 
-// Takes a word of a command line that options_quote() made; NULL at the end.
+// Reads the next word of a command line that options_quote() wrote; NULL at the end.
 static char *next_word(const char **line, char *out)
 {
     const char *c = *line + strspn(*line, " ");
@@ -145,7 +146,7 @@ static char *next_word(const char **line, char *out)
     return out;
 }
 
-// The arguments of the render whose parts these are, with the outputs that merge was given.
+// Makes the arguments of the render that these parts belong to, with the outputs given to merge.
 struct arguments {
     char **list;
     int count;
@@ -182,15 +183,16 @@ static bool make_options(const struct merge *merge, const struct options *option
                          const struct arguments *arguments, struct options *out, struct err *err)
 {
     if (!options_parse(arguments->count, arguments->list, out, err))
-        return err_prepend(err, "%s: the command line that it keeps", merge->parts[0].path);
+        return err_prepend(err, "%s: the command line stored in it", merge->parts[0].path);
     if (out->command != &commands[COMMAND_RENDER])
-        return err_set(err, ERR_INPUT, "%s: keeps the command line of something else: %s",
+        return err_set(err, ERR_INPUT, "%s: stores the command line of another command: %s",
                        merge->parts[0].path, merge->command);
     if (!file_exists(out->scene.path))
-        return err_set(err, ERR_INPUT,
-                       "%s: is not here; expected merge to run in the working directory of the "
-                       "shards, which were rendered by: %s",
-                       out->scene.path, merge->command);
+        return err_set(
+            err, ERR_INPUT,
+            "%s: does not exist here; expected merge to run in the working directory of the "
+            "shards, which were rendered by: %s",
+            out->scene.path, merge->command);
     out->progress = options->progress;
     out->json = options->json;
     out->quiet = options->quiet;
@@ -203,7 +205,7 @@ static bool make_options(const struct merge *merge, const struct options *option
     return true;
 }
 
-// Renders nothing, because the film has all samples that there are.
+// Lets render write the picture. It renders nothing, because the merged film counts as complete.
 static int write_picture(struct merge *merge, const struct options *options, struct err *err)
 {
     struct arena arena = {0};
@@ -223,7 +225,8 @@ static int write_picture(struct merge *merge, const struct options *options, str
 
 // --- the status ----------------------------------------------------------------------------------
 
-// The samples, or rows, that no part has, and those that no part is to have.
+// The samples, or rows, that no part has so far, and those that no part will have when all shards
+// have finished.
 struct lacking {
     struct sample_ranges samples, unclaimed;
 };
@@ -261,7 +264,7 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
     printf("missing   %" PRIu64 " of %" PRIu64 " %s (%s)\n", missing, merge->all, unit(merge),
            text ? text : "");
     if (lacking->unclaimed.count > 0)
-        printf("no part is to have some of them; these commands render those:\n");
+        printf("no shard has been started for some of them; these commands render those:\n");
     print_commands(stdout, merge, &lacking->unclaimed);
 }
 

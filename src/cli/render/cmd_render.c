@@ -86,7 +86,7 @@ static bool init_job(struct render_run *run, struct err *err)
         params.command = options->render.shared_line;
     }
     if (run->ranks) {
-        params.reopens = 0; // a film that others have a part of does not begin anew
+        params.reopens = 0; // other ranks have parts of the film, so it cannot be rendered anew
         params.crew = &run->ranks->crew;
     } else if (has_several_devices(options)) {
         params.reopens = 0;
@@ -134,7 +134,8 @@ static bool load(struct render_run *run, struct err *err)
     return true;
 }
 
-// Opens the device, and of several the others, too, whose threads then prepare them.
+// Opens the device. If several devices are given, starts a thread for each other one, which opens
+// and prepares it.
 static bool open_devices(struct render_run *run, struct err *err)
 {
     const char *text = run->options->device.gpu.device;
@@ -154,8 +155,8 @@ static bool open_devices(struct render_run *run, struct err *err)
 static void warn_of_different_devices(const struct crew *crew)
 {
     if (crew && !crew_is_uniform(crew))
-        log_warn("the devices, or their drivers, are different: the picture is not bit for bit the "
-                 "one that any of them would make alone");
+        log_warn("the devices or their drivers differ: the picture does not have the bits that one "
+                 "of them would make alone");
 }
 
 static bool set_up(struct render_run *run, struct err *err)
@@ -178,7 +179,7 @@ static bool set_up(struct render_run *run, struct err *err)
         return false;
     const struct flat_scene *flat = &run->job.renderer.flat;
     if (flat->triangle_count == 0 && flat->shape_count == 0)
-        log_warn("%s has no surface: there is only the environment to see", run->scene.path);
+        log_warn("%s has no surface: only the environment is visible", run->scene.path);
     return true;
 }
 
@@ -250,7 +251,7 @@ static bool render(struct render_run *run, struct err *err)
     return ok;
 }
 
-// ranks: NULL where this process renders alone.
+// `ranks`: NULL if this process renders alone.
 static int render_once(const struct options *options, struct render_ranks *ranks)
 {
     struct render_run run = {.options = options, .start_ns = clock_ns(), .ranks = ranks};
@@ -275,7 +276,7 @@ int cmd_render(const struct options *options)
 {
     if (options_have_sequence(options))
         return render_sequence(options);
-    // A part, and a path that is followed, are rendered by each process for itself.
+    // With --shard and --pixel, each process of mpirun runs alone.
     if (render_ranks_expected() > 1 && !options_given(options, OPTION_SHARD) &&
         !options->render.merged && !follows_path(options))
         return render_ranks_become(options);

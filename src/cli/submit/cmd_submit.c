@@ -60,8 +60,8 @@ static bool read_job(FILE *out, char job[JOB_BYTES], struct err *err)
                    job);
 }
 
-// Submits a batch file, and reads the number of its job. What sbatch says else goes to standard
-// error.
+// Submits a batch file, and reads the number of its job from standard output. Messages of sbatch go
+// to standard error.
 static bool submit(const char *const *arguments, char job[JOB_BYTES], struct err *err)
 {
     FILE *out = file_stream_temporary();
@@ -71,20 +71,21 @@ static bool submit(const char *const *arguments, char job[JOB_BYTES], struct err
     while (arguments[last + 1])
         last++;
     if (!out)
-        return err_set(err, ERR_SYSTEM, "no temporary file can be made for the answer of sbatch");
+        return err_set(err, ERR_SYSTEM, "cannot create a temporary file for the output of sbatch");
     bool ok =
         process_start(&process, &(struct process_params){.arguments = arguments, .out = out}, err);
     if (ok) {
         process_wait(&process, &is_well);
         ok = is_well ? read_job(out, job, err)
-                     : err_set(err, ERR_SYSTEM, "sbatch refused %s for the reason above",
+                     : err_set(err, ERR_SYSTEM, "sbatch refused %s; its message above says why",
                                arguments[last]);
     }
     fclose(out);
     return ok;
 }
 
-// The merge begins when the last shard has ended in whatever way: it says what is missing.
+// The merge begins when the last shard has ended, even if shards failed: it then reports the
+// missing samples.
 static bool submit_both(struct submission *s, struct err *err)
 {
     char dependency[JOB_BYTES + 32];

@@ -422,10 +422,10 @@ static bool read_clip(const struct json_node *bounds, struct bounds *clip, struc
     return true;
 }
 
-#define CUT_SAMPLES 24 // samples along each edge of the box
+#define CUT_SAMPLES 24 // samples along each edge of the bounding box
 
-// Returns whether the field is negative somewhere on the faces of the box, so that the surface has
-// an opening there.
+// Returns whether the field is negative at a sampled point on the faces of its bounding box. The
+// box then cuts the solid, so that the surface has an opening there.
 static bool is_cut(const struct sdf *sdf)
 {
     for (int axis = 0; axis < 3; axis++)

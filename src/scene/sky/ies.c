@@ -87,7 +87,7 @@ static bool read_dimensions(struct ies_parser *p, struct err *err)
 {
     double multiplier, ballast, ballast_lamp;
     uint32_t type;
-    if (!skip_numbers(p, "the lamps' number or lumens", 2, err) ||
+    if (!skip_numbers(p, "the number of lamps, or their lumens", 2, err) ||
         !take_number(p, "the candela multiplier", 0, 1e30, &multiplier, err) ||
         !take_count(p, "the number of vertical angles", IES_ANGLES_MAX, &p->vertical_count, err) ||
         !take_count(p, "the number of horizontal angles", IES_ANGLES_MAX, &p->horizontal_count,
@@ -103,7 +103,7 @@ static bool read_dimensions(struct ies_parser *p, struct err *err)
     if ((uint64_t)p->vertical_count * p->horizontal_count > IES_VALUES_MAX)
         return text_fail(&start, err, "%u x %u angles are too many; expected at most %d values",
                          p->vertical_count, p->horizontal_count, IES_VALUES_MAX);
-    if (!skip_numbers(p, "the units or a size", 4, err) ||
+    if (!skip_numbers(p, "the units, or a dimension of the luminaire", 4, err) ||
         !take_number(p, "the ballast factor", 0, 1e6, &ballast, err) ||
         !take_number(p, "the ballast-lamp factor", 0, 1e6, &ballast_lamp, err) ||
         !skip_numbers(p, "the input watts", 1, err))

@@ -35,15 +35,15 @@ struct view {
     struct render_stats seen; // the renderer's statistics at the last frame
     // Number of samples in the denoised image; 0: it belongs to another film.
     uint64_t denoised_samples;
-    uint32_t denoised_by[2]; // settings with which it was denoised: iterations, temporal
-    double denoised_seconds; // time at which it was denoised, and how long that took
-    double denoising_seconds;
-    uint32_t usual_wave;    // number of paths in flight of a new renderer
-    bool is_looking;        // a job is estimating the error
-    double changed_seconds; // time of the last change that emptied the film
-    double turn_seconds;    // rendering time since the sides began to alternate
-    uint64_t first_sample;  // index of the film's first sample: not 0 with fresh frames
-    double looked_seconds;  // time of the last error estimate
+    uint32_t denoised_by[2];  // settings with which it was denoised: iterations, temporal
+    double denoised_seconds;  // time at which it was denoised
+    double denoising_seconds; // time that the denoising took
+    uint32_t usual_wave;      // number of paths in flight of a new renderer
+    bool is_looking;          // a job is estimating the error
+    double changed_seconds;   // time of the last change that emptied the film
+    double turn_seconds;      // rendering time since the sides began to alternate
+    uint64_t first_sample;    // index of the film's first sample: not 0 with fresh frames
+    double looked_seconds;    // time of the last error estimate
     // Error estimates at doubling numbers of samples, and some at numbers in between.
     struct job_look looks[VIEW_LOOKS_MAX];
     uint32_t look_count;
