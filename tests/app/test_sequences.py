@@ -220,9 +220,9 @@ class Names(Folder):
         self.assertIn('room.0001.exr', self.names('room'))
 
     def test_what_is_ambiguous_is_refused(self):
-        for output, why in (('a_##_#.png', 'two places'), ('a_#_%d.png', 'two places'),
-                            ('a_%4d.png', 'is no number'), ('50%.png', 'is no number'),
-                            ('a_%s.png', 'is no number')):
+        for output, why in (('a_##_#.png', 'two placeholders'), ('a_#_%d.png', 'two placeholders'),
+                            ('a_%4d.png', 'is not part of a placeholder'), ('50%.png', 'is not part of a placeholder'),
+                            ('a_%s.png', 'is not part of a placeholder')):
             error = self.run_here('room.json', '--turntable', '2', '-o', output, code=2).stderr
             self.assertIn(why, error, output)
             self.assertIn('name_%04d.png', error)
@@ -298,7 +298,7 @@ class Resuming(Folder):
         self.run_here('room.json', '-o', 'b_1.png')
         error = self.run_here('room.json', '--turntable', '2', '-o', 'b_#.png', '--resume',
                               code=2).stderr
-        self.assertIn('b_1.png: does not say of which sequence it is', error)
+        self.assertIn('b_1.png: does not name the sequence to which it belongs', error)
         error = self.run_here('room.json', '--turntable', '2', '-o', 'b_#.jpg', '--resume',
                               code=2).stderr
         self.assertIn('expected an output in EXR or PNG', error)
@@ -321,7 +321,7 @@ class Resuming(Folder):
         if process.returncode == 0:
             self.skipTest('it was finished before the signal')
         self.assertEqual(process.returncode, 130, error)
-        self.assertIn('the same command with --resume goes on', error)
+        self.assertIn('the same command with --resume continues', error)
         there = self.names('i_')
         self.assertIn('i_1.png', there)
         lines, end = self.lines(*turn, '-o', 'i_#.png', '--resume')

@@ -9,12 +9,12 @@
 static bool fail(const char *path, const char *why, struct err *err)
 {
     return err_set(err, ERR_USAGE,
-                   "--output: \"%s\" %s; expected the number's place once, as in name_####.png or "
+                   "--output: \"%s\" %s; expected one placeholder, as in name_####.png or "
                    "name_%%04d.png",
                    path, why);
 }
 
-// Parses "%d" or "%04d"; returns its length, or 0 if it is neither.
+// Parses "%d" or "%04d". Returns the length, or 0 if the text begins with neither.
 static int parse_percent(const char *text, int *digits)
 {
     int length = 1;
@@ -33,9 +33,9 @@ bool frame_name_parse(const char *path, struct frame_name *out, struct err *err)
     for (const char *at = name; *at;) {
         int length = (int)strspn(at, "#"), digits = length;
         if (*at == '%' && (length = parse_percent(at, &digits)) == 0)
-            return fail(path, "has a % that is no number's", err);
+            return fail(path, "has a % that is not part of a placeholder", err);
         if (length > 0 && out->taken > 0)
-            return fail(path, "has two places for the number", err);
+            return fail(path, "has two placeholders for the number", err);
         if (length > 0) {
             out->before = (int)(at - path);
             out->taken = length;

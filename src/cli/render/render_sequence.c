@@ -1,5 +1,5 @@
-// Renders the numbered pictures of an animation or a turntable. Kernels are compiled once, and of
-// the scene only what changes from one picture to the next is made anew.
+// Renders the numbered pictures of an animation or a turntable. Kernels are compiled once. Parts of
+// the scene that do not change are kept for the next picture.
 #include "cli/render/sequence.h"
 
 #include "base/clock.h"
@@ -16,8 +16,8 @@
 
 // --- progress ------------------------------------------------------------------------------------
 
-// The time of a picture is its rendering. The bar never goes back, so that the time left is that of
-// all pictures.
+// Shows the progress of all pictures. Within a picture only its rendering counts. The bar never
+// goes back, so that the remaining time is that of all pictures.
 static void report(void *context, const char *phase, double fraction)
 {
     struct sequence_progress *shown = context;
@@ -74,7 +74,7 @@ static struct geometry_params geometry_params(const struct sequence *s, const st
     };
 }
 
-// The hierarchy is kept where nothing has moved.
+// Keeps the BVH if nothing has moved.
 static bool refresh_geometry(struct sequence *s, const struct scene *scene, struct err *err)
 {
     const struct geometry_params params = geometry_params(s, scene);
@@ -86,7 +86,8 @@ static bool refresh_geometry(struct sequence *s, const struct scene *scene, stru
     return true;
 }
 
-// A camera that was framed, and a ground that was added, would follow the pose.
+// Moves the camera and the ground back to their places in the first picture, if the program chose
+// or added them: it placed them anew for the pose.
 static void keep_additions(const struct sequence *s, struct scene *scene)
 {
     if (scene->camera_is_framed)
@@ -125,7 +126,8 @@ static bool load_first(struct sequence *s, struct err *err)
     return ok;
 }
 
-// The former scene lives until the geometry has been compared with it.
+// Loads the scene at the time of the current picture. The former scene is kept until the geometry
+// has been compared with it.
 static bool load_pose(struct sequence *s, struct err *err)
 {
     struct render_run *run = &s->run;
@@ -188,7 +190,7 @@ static bool find_identity(struct sequence *s, struct err *err)
     return s->identity || err_memory(err, "the identity of a sequence", 4096);
 }
 
-// The picture bears the cost of the scene that was loaded for it.
+// The time for loading and building counts for the picture for which the scene was loaded.
 static bool create_job(struct sequence *s, struct err *err)
 {
     if (!init_job(s, err) || !job_create(&s->run.job, err))
@@ -199,7 +201,7 @@ static bool create_job(struct sequence *s, struct err *err)
     return true;
 }
 
-// Prepares the job for the picture in work.
+// Prepares the job for the current picture.
 static bool show(struct sequence *s, struct err *err)
 {
     struct render_run *run = &s->run;
@@ -231,7 +233,7 @@ static bool set_up(struct sequence *s, struct err *err)
         return err_set(err, ERR_USAGE,
                        "mpirun: the pictures of a sequence are rendered by one process; expected "
                        "no ranks");
-    // The files of the first picture are locked for all.
+    // Locks of the first picture's files protect all pictures of the sequence.
     if (!sequence_list_names(s, err) || !sequence_turn_to(s, 0, err) ||
         !render_check_outputs(run, err) || !load_first(s, err) || !sequence_video_check(s, err) ||
         !sequence_check_names(s, err))
@@ -287,7 +289,7 @@ static bool render(struct sequence *s, struct err *err)
         ok = sequence_video_make(s, err);
     progress_end(&s->progress);
     if (!is_whole)
-        log_warn("%u of %u pictures are finished; the same command with --resume goes on",
+        log_warn("%u of %u pictures are finished; the same command with --resume continues",
                  s->rendered + s->skipped, s->count);
     return ok && sequence_report_end(s, err);
 }
@@ -313,7 +315,7 @@ int render_sequence(const struct options *options)
     scene_finish(&s.run.scene);
     render_release_outputs(&s.run);
     if (ok && s.video.folder && s.rendered + s.skipped == s.count)
-        folder_remove(s.video.folder); // fails where there are files of others
+        folder_remove(s.video.folder); // fails if the folder has other files
     arena_finish(&s.frame_arena);
     arena_finish(&s.run.arena);
     return ok ? EXIT_CODE_OK : command_fail(&err);

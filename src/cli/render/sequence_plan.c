@@ -39,7 +39,8 @@ static void find_point(const struct scene *scene, struct turntable *t)
         t->point[i] = camera->position[i] + along * camera->direction[i];
 }
 
-// The threshold is that for the `up` of scene files.
+// Returns whether a direction is parallel to the axis. The threshold is that for `up` in scene
+// files.
 static bool looks_along(const double direction[3], const double axis[3])
 {
     double right[3];
@@ -60,7 +61,7 @@ void turntable_init(const struct scene *scene, const struct camera *camera, bool
         memcpy(out->camera.up, out->axis, sizeof out->axis);
 }
 
-// Rodrigues' formula, of a unit axis.
+// Rotates v about a unit axis (Rodrigues' formula).
 static void turn(const double axis[3], double angle, const double v[3], double out[3])
 {
     double across[3], along = vec3_dot(axis, v) * (1.0 - cos(angle));

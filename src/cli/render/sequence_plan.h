@@ -5,12 +5,11 @@
 #include "cli/options.h"
 #include "scene/core/scene.h"
 
-// Returns the number of pictures, at least 1. An animation's is (end - start) frames_per_s,
-// rounded.
+// Returns the number of pictures, at least 1; for an animation (end - start) frames_per_s, rounded.
 uint32_t sequence_count(const struct sequence_options *options);
-// Returns the time of an animation's picture, from 0, in seconds.
+// Returns the time, in seconds, of picture `index`, from 0, of an animation.
 double sequence_seconds(const struct sequence_options *options, uint32_t index);
-// Returns the angle of a turntable's view, from 0, in radians.
+// Returns the angle, in radians, of view `index`, from 0, of a turntable.
 double sequence_angle(const struct sequence_options *options, uint32_t index);
 
 // The axis about which a turntable turns the camera.
@@ -18,13 +17,15 @@ struct turntable {
     struct camera camera; // of the first view
     double point[3], axis[3];
 };
-// Finds the axis: vertical, through the point of the line of sight that is nearest to the middle of
-// the scene's bounding box, or through the camera where it looks away from that. Vertical is the
-// `up` of a scene file's camera; of models, and where has_up, the scene's up axis. The camera's
-// horizon becomes level, unless it looks along the axis.
+// Finds the vertical axis through the point of the line of sight that is nearest to the middle of
+// the scene's bounding box; if the camera looks away from that middle, through the camera. The
+// vertical direction is the `up` of the camera in a scene file. For models, for cameras that the
+// program chose, and with has_up (--up), it is the up axis of the scene. The horizon of the camera
+// becomes level, unless it looks along the axis.
 void turntable_init(const struct scene *scene, const struct camera *camera, bool has_up,
                     struct turntable *out);
-// Turns the camera, counter-clockwise seen from where the axis points.
+// Returns the camera of a view: turned about the axis by `angle` in radians, counter-clockwise seen
+// from above.
 void turntable_camera(const struct turntable *turntable, double angle, struct camera *out);
 
 #endif

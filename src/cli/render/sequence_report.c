@@ -1,5 +1,5 @@
-// Reports the pictures of a sequence, each when it is finished: lines of text, or of JSON, which
-// docs/render.schema.json describes.
+// Reports each picture of a sequence when it is finished, as a line of text or JSON.
+// docs/render.schema.json describes the JSON.
 #include "cli/render/sequence.h"
 
 #include "base/clock.h"

@@ -8,19 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A picture that has metadata which image_decode_attributes() reads.
+// Returns whether files of this format have metadata that image_decode_attributes() reads.
 static bool has_metadata(const char *path)
 {
     return path_has_extension(path, "exr") || path_has_extension(path, "png");
 }
 
-// What a file says of itself; NULL if it does not.
+// Metadata of a file; NULL if it has none of that name.
 struct said {
     const char *identity, *exposure;
 };
 
-// Returns whether the file is whole: all of it can be decoded. Files are replaced by whole ones
-// alone, but disks and copies may have damaged them since.
+// Reads a file, and returns whether all of it can be decoded. render replaces files atomically, but
+// a faulty disk or an incomplete copy may have damaged them later.
 static bool read_picture(const char *path, struct arena *arena, struct said *out, struct err *err)
 {
     struct file_bytes file;
@@ -42,7 +42,7 @@ static bool read_picture(const char *path, struct arena *arena, struct said *out
     return true;
 }
 
-// All pictures have the exposure of the first one.
+// Takes the exposure from the first finished picture, because all pictures have the same.
 static void keep_exposure(struct render_run *run, const char *text)
 {
     if (!text || run->exposure_is_kept)
@@ -67,8 +67,8 @@ static bool check_file(struct sequence *s, const char *path, struct arena *arena
     }
     if (!said.identity)
         return err_set(err, ERR_INPUT,
-                       "%s: does not say of which sequence it is; expected a picture of this one, "
-                       "or no --resume, by which all pictures are rendered again",
+                       "%s: does not name the sequence to which it belongs; expected a picture of "
+                       "this one, or no --resume, which renders all pictures again",
                        path);
     if (!checkpoint_compare(path, said.identity, "this run", s->run.frame.identity, err))
         return err_set(err, err->code, "%s; without --resume all pictures are rendered again",
@@ -84,7 +84,7 @@ static bool is_finished(struct sequence *s, bool *out, struct err *err)
     *out = true;
     for (uint32_t i = 0; i < s->name_count && *out; i++)
         *out = file_exists(s->run.outputs[i]);
-    // Files of other formats are judged by those beside them.
+    // Files of other formats have no metadata; the EXR or PNG file of the picture decides.
     for (uint32_t i = 0; ok && *out && i < s->name_count; i++) {
         if (has_metadata(s->run.outputs[i]))
             ok = check_file(s, s->run.outputs[i], &arena, out, err);

@@ -1,6 +1,6 @@
-// Makes videos of a sequence's pictures by ffmpeg, where it is installed. They are made from PNG
-// files: those of the outputs, which are kept, or of a folder of their own until they are done, so
-// that an interrupted run goes on.
+// Makes videos of a sequence with ffmpeg. They are made from PNG files, either outputs of the run
+// or files in a temporary folder. The folder stays until the videos are complete, so that an
+// interrupted run can be resumed.
 #include "cli/render/sequence.h"
 
 #include "base/clock.h"
@@ -43,8 +43,8 @@ bool sequence_video_init(struct sequence *s, struct err *err)
     if (!program_is_installed("ffmpeg"))
         return err_set(err, ERR_USAGE,
                        "--output: \"%s\" needs the program ffmpeg, which is not in PATH; expected "
-                       "it to be installed (Debian's package ffmpeg), or numbered pictures alone, "
-                       "as in -o name_####.png",
+                       "ffmpeg (Debian's package ffmpeg), or numbered pictures only, as in -o "
+                       "name_####.png",
                        video->paths[0]);
     for (uint32_t i = 0; i < video->count; i++)
         if (!file_check_writable(video->paths[i], err))
@@ -62,15 +62,16 @@ bool sequence_video_check(const struct sequence *s, struct err *err)
         if (!file_inputs_check(s->video.paths[i], err))
             return false;
         if (is_mp4(s->video.paths[i]) && (width % 2 || height % 2))
-            return err_set(err, ERR_USAGE,
-                           "--output: \"%s\": H.264 in MP4 has an even width and height; expected "
-                           "%ux%u pixels, or .webm",
-                           s->video.paths[i], width + width % 2, height + height % 2);
+            return err_set(
+                err, ERR_USAGE,
+                "--output: \"%s\": H.264 in MP4 needs an even width and height; expected "
+                "%ux%u pixels, or .webm",
+                s->video.paths[i], width + width % 2, height + height % 2);
     }
     return true;
 }
 
-// Does not let a path begin with a dash, or look like a protocol of ffmpeg.
+// Adds "./" to a relative path, so that ffmpeg takes it neither for an option nor for a protocol.
 static const char *plain_path(const char *path, struct arena *arena)
 {
     return path_is_absolute(path) ? path : arena_printf(arena, "./%s", path);
@@ -86,14 +87,15 @@ static bool read_words(FILE *file, char *out, size_t size)
     return length > 0;
 }
 
-// Waits for ffmpeg, and ends it when the run is to stop.
+// Runs ffmpeg and waits for its end. Kills it if the run is to stop.
 static bool run(const struct sequence *s, const char *const *arguments, struct err *err)
 {
     struct process process;
     bool is_well = false, is_stopped = false;
     FILE *words = file_stream_temporary();
     if (!words)
-        return err_set(err, ERR_SYSTEM, "a temporary file for ffmpeg cannot be made: %s",
+        return err_set(err, ERR_SYSTEM,
+                       "cannot create a temporary file for the output of ffmpeg: %s",
                        strerror(errno));
     const struct process_params params = {
         .arguments = arguments, .out = words, .has_errors_in_out = true};
@@ -105,17 +107,17 @@ static bool run(const struct sequence *s, const char *const *arguments, struct e
     char said[300];
     if (is_stopped) {
         process_kill(&process);
-        ok = err_set(err, ERR_STOPPED, "stopped while ffmpeg made the video; --resume goes on");
+        ok = err_set(err, ERR_STOPPED, "stopped while ffmpeg made the video; --resume continues");
     } else if (ok && !is_well) {
         ok = err_set(err, ERR_OUTPUT, "ffmpeg failed: %s; the pictures are kept",
-                     read_words(words, said, sizeof said) ? said : "it said nothing");
+                     read_words(words, said, sizeof said) ? said : "it printed nothing");
     }
     fclose(words);
     return ok;
 }
 
-// Rec. 709 with chroma for every second pixel is what all players show. The file is complete before
-// it gets its name.
+// Makes one video. All players show Rec. 709 with chroma for every second pixel (4:2:0). ffmpeg
+// writes a temporary file, which is renamed when it is complete.
 static bool make(const struct sequence *s, const char *path, struct arena *arena, struct err *err)
 {
     const struct frame_name *source = &s->names[s->video.source];
