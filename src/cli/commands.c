@@ -32,20 +32,17 @@ const struct command commands[COMMAND_TOTAL] = {
     [COMMAND_MERGE] =
         {
             .name = "merge",
-            .summary = "merge the parts of a picture into it",
+            .summary = "merge the parts of a picture",
             .arguments = "PART...",
             .description =
-                "Adds parts, which render writes with --shard, in any order and grouping, to the "
-                "picture that one process would have rendered, bit for bit, and writes it as "
-                "render "
-                "does. A part is refused where its scene, settings, seed, version, device or "
-                "driver "
-                "are not those of the first, where it has samples that another one has, or where "
-                "it "
-                "is damaged. Missing samples are listed with the commands that render them. "
-                "The scene is read where the parts were rendered: merge is to run in their working "
-                "directory. With --checkpoint the sum is kept as a part, which may be merged with "
-                "others; without -o that needs neither the scene nor a device.",
+                "Adds the parts that render --shard writes, in any order and grouping. The picture "
+                "is bit for bit that of one process, and is written as render does. A part is "
+                "refused if its scene, settings, seed, version, device or driver differ from those "
+                "of the first, if it has samples that another part has, or if it is damaged. "
+                "Missing samples are listed with the commands that render them. The scene is read "
+                "again, so run merge in the working directory of the shards. With --checkpoint, "
+                "the sum is written as a part, which can be merged with others; without -o this "
+                "needs neither the scene nor a device.",
             .examples = "lampyris render scenes/cornell.json --spp 1024 --shard 2/4\n"
                         "lampyris merge cornell.*.part -o cornell.exr\n"
                         "lampyris merge cornell.*.part --partial -o cornell.png\n"
@@ -63,10 +60,11 @@ const struct command commands[COMMAND_TOTAL] = {
                 "Writes two batch files, SCENE.shards.sh and SCENE.merge.sh, in the working "
                 "directory and submits them to Slurm by sbatch: an array of --parts shards, and a "
                 "merge that begins when all of them have ended. The options are those of render: "
-                "-o is the merge's, all others are the shards'. A shard that is preempted, whose "
-                "node is lost, or whose time is over goes on from its part when Slurm starts it "
-                "again. What a shard would refuse is refused before it is submitted. "
-                "lampyris merge --status says how far the parts are. See docs/scaling.md.",
+                "-o is used by the merge, all others by the shards. Slurm starts a shard again if "
+                "it is preempted, its node is lost, or its time limit ends; the shard then "
+                "continues from its part. Settings that shards refuse are refused before anything "
+                "is submitted. lampyris merge --status prints the progress of the parts. See "
+                "docs/scaling.md.",
             .examples = "lampyris submit scenes/cornell.json --spp 64k --parts 64 -o a.exr\n"
                         "lampyris submit scenes/cornell.json --parts 8 --slurm '--partition=gpu'\n"
                         "lampyris submit scenes/cornell.json --parts 8 --dry-run\n"

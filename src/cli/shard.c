@@ -9,9 +9,9 @@
 
 // --- what the environment says -------------------------------------------------------------------
 
-// A place among others that do the same.
+// The index of this process among those of the same render, and their number.
 struct place {
-    uint64_t index, count; // from 0; count 0: not said
+    uint64_t index, count; // index from 0; count 0: not known
 };
 
 static bool read_number(const char *variable, uint64_t *out, struct err *err)
@@ -27,8 +27,9 @@ static bool read_number(const char *variable, uint64_t *out, struct err *err)
                    text);
 }
 
-// Processes of one step, by who started it. mpirun within a job of Slurm starts its own daemons by
-// srun, whose SLURM_PROCID the processes inherit: so that is looked at last.
+// Variables with the rank of a process and the number of ranks, by the program that started them.
+// Within a job of Slurm, mpirun starts its daemons by srun. Processes inherit SLURM_PROCID from
+// these daemons, so it is read last.
 static const struct {
     const char *index, *count;
 } ranks[] = {
@@ -46,15 +47,16 @@ static bool read_rank(struct place *out, struct err *err)
         i++;
     if (i == count)
         return true;
-    // A batch script of one process has the former variable alone.
+    // In a batch script of one process, only SLURM_PROCID is set.
     bool is_alone =
         i + 1 == count && strcmp(getenv(ranks[i].index), "0") == 0 && !getenv(ranks[i].count);
     return is_alone || (read_number(ranks[i].index, &out->index, err) &&
                         read_number(ranks[i].count, &out->count, err));
 }
 
-// A Slurm array numbers its tasks from any number on, in steps. The numbers of one that is a list
-// with gaps, as of tasks that are submitted again, do not say which task is which.
+// Reads the place of a task in a Slurm array, which may begin at any number and have any step.
+// Arrays that are lists with gaps, for example of tasks that are submitted again, are refused: the
+// place of a task is not known then.
 static bool read_slurm_array(struct place *out, struct err *err)
 {
     uint64_t id, min, max, step = 1;
@@ -70,7 +72,7 @@ static bool read_slurm_array(struct place *out, struct err *err)
     return is_even || err_set(err, ERR_USAGE,
                               "the array of Slurm has %" PRIu64 " tasks from %" PRIu64
                               " to %" PRIu64 " in steps of %" PRIu64 ", of which this is %" PRIu64
-                              ": that does not say which part is whose; expected --array FROM-TO, "
+                              ": the part of this task is not known; expected --array FROM-TO, "
                               "or --shard I/N",
                               out->count, min, max, step, id);
 }
@@ -94,7 +96,7 @@ static bool is_started_by_many(void)
     return is;
 }
 
-// wanted: the number of shards that the option says; 0: none.
+// `wanted` is N of auto/N; 0: not given.
 static bool find_place(uint64_t wanted, struct place *out, struct err *err)
 {
     if (!is_started_by_many())
@@ -167,7 +169,8 @@ bool shard_parse(const char *text, struct job_shard *out, struct err *err)
 
 // --- names ---------------------------------------------------------------------------------------
 
-// I and N, or FIRST and END. I has as many digits as N, so that names are in the shards' order.
+// The texts of I and N, or of FIRST and END. I has as many digits as N, so that the alphabetical
+// order of names is that of the shards.
 struct numbers {
     char i[24], n[24];
 };
@@ -185,7 +188,7 @@ static struct numbers numbers_of(const struct job_shard *shard)
     return numbers;
 }
 
-// Replaces %i and %n. NULL when out of memory.
+// Replaces %i and %n in a name. Returns NULL when out of memory.
 static const char *fill_in(struct arena *arena, const char *name, const struct numbers *numbers)
 {
     size_t size = 1;

@@ -1,4 +1,4 @@
-// --shard of render: which part of the samples this process renders, and the file of its part.
+// --shard of render: determines the samples that this process renders, and the file of its part.
 #ifndef LAMPYRIS_CLI_SHARD_H
 #define LAMPYRIS_CLI_SHARD_H
 
@@ -7,14 +7,14 @@
 
 struct options;
 
-// Parses I/N, FIRST:END, auto or auto/N. Of auto, I and N come from the variables that Slurm, the
-// mpirun of Open MPI and MPICH, and Kubernetes set; N from the text where it has one. ERR_USAGE,
-// with what was expected, where the text is wrong or the variables do not say it.
+// Parses I/N, FIRST:END, auto or auto/N. For auto, I and N are taken from the environment variables
+// of Slurm, mpirun (Open MPI and MPICH) or Kubernetes; auto/N gives N. Fails with ERR_USAGE if the
+// text is invalid, or if the variables do not determine I and N.
 bool shard_parse(const char *text, struct job_shard *out, struct err *err);
 
-// Settles --shard, if it was given: finds the shard and names its part, FILE of --checkpoint with
-// %i and %n replaced by I and N (or FIRST and END), or else a name made of the scene's. In the
-// names of outputs %i and %n are replaced, too.
+// If --shard was given, sets options->render.shard and the name of the part. The name is FILE of
+// --checkpoint, or without it one made from the scene's name. In FILE and in the names of outputs,
+// %i and %n are replaced by I and N (or FIRST and END).
 bool shard_settle(struct options *options, struct err *err);
 
 #endif

@@ -1,4 +1,4 @@
-// Blocks of samples for several devices: who renders which, and how their films become one.
+// Several devices that render one picture: assigns blocks of samples to them, and adds their films.
 #include "job/crew.h"
 
 #include "base/clock.h"
@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-// The longest block, but for a single pass: so long a stop, a checkpoint or a test of the error
-// waits for the last one, and so many seconds at most are the devices out of step at the end.
+// Longest duration of a block, unless a single pass takes longer. A stop, a checkpoint or an error
+// estimate waits at most this long for the last block, and so do devices that finish early.
 #define BLOCK_SECONDS 1.0
 
 // --- workers -------------------------------------------------------------------------------------
@@ -59,9 +59,9 @@ bool job_check_crew(const struct job *job, struct err *err)
 }
 
 // Returns the samples of a member's next block. Blocks become shorter towards the end (guided
-// self-scheduling, Polychronopoulos and Kuck 1987): each is half of an equal share of what is left,
-// but no longer than BLOCK_SECONDS, and no shorter than what fills a wave, unless then others would
-// have nothing.
+// self-scheduling, Polychronopoulos and Kuck 1987): each is half of an equal share of the
+// remaining samples. It takes at most BLOCK_SECONDS. It has at least the samples of a full wave,
+// but no more than an equal share.
 static uint64_t block_samples(const struct job *job, const struct crew_member *member)
 {
     const struct crew_deal *deal = &job->deal;
@@ -72,7 +72,7 @@ static uint64_t block_samples(const struct job *job, const struct crew_member *m
     double fits = member->busy_seconds > 0.0
                       ? BLOCK_SECONDS * (double)member->samples / member->busy_seconds
                       : INFINITY;
-    // Towards the end of the time, and before a checkpoint, too.
+    // Blocks also become shorter before the time limit and before a checkpoint.
     double time_left = job_checkpoint_wait(job);
     if (deal->seconds > 0.0)
         time_left = fmin(time_left, fmax(deal->seconds - clock_seconds_since(deal->start_ns), 0.0));
@@ -81,7 +81,7 @@ static uint64_t block_samples(const struct job *job, const struct crew_member *m
         samples = (uint64_t)fits;
     samples = (samples > least ? samples : least) & ~UINT64_C(1);
     samples = samples < 2 ? 2 : samples;
-    // A single sample at the end would be no block of its own.
+    // Blocks have at least two samples, so a single one at the end is added to the last block.
     return samples + 1 >= left ? left : samples;
 }
 
@@ -101,8 +101,9 @@ static bool is_late(const struct job *job)
     return (limit > 0.0 && elapsed >= limit) || job_checkpoint_wait(job) <= 0.0;
 }
 
-// Nothing more is dealt once the job is to stop, the time is over or a checkpoint is due. The
-// first block of a deal is dealt in any case, and but for a stop, one for each member.
+// Returns whether another block may be assigned: not if the job is to stop, the time is over or a
+// checkpoint is due. But the first block is always assigned, and unless the job is to stop, as many
+// blocks as there are members.
 static bool may_deal(struct job *job)
 {
     struct crew_deal *deal = &job->deal;
@@ -112,7 +113,7 @@ static bool may_deal(struct job *job)
     return !deal->is_closed && deal->next < deal->end;
 }
 
-// Gives blocks to workers that have fewer than `most`.
+// Gives one block to each worker that has fewer than `most`.
 static bool give_blocks(struct job *job, uint32_t most, struct err *err)
 {
     struct crew *crew = job->params.crew;
@@ -136,7 +137,7 @@ static void note_block(struct job *job, struct crew_member *member, uint64_t sam
     job->deal.done += samples;
 }
 
-// Notes the blocks that workers have finished.
+// Records the blocks that workers have finished. With `waits`, waits until there is one.
 static bool collect(struct job *job, bool waits, struct err *err)
 {
     struct crew *crew = job->params.crew;
@@ -173,14 +174,14 @@ static bool has_blocks_out(const struct job *job)
     return blocks > 0;
 }
 
-// The part of the step's progress that is done.
+// Returns the progress of the step, from its finished blocks.
 static double progress_of(const struct job *job, const struct job_step *step)
 {
     const struct crew_deal *deal = &job->deal;
     return step->from + (step->to - step->from) * fmin((double)deal->done / deal->all, 1.0);
 }
 
-// The progress when this block is done, too, if the others do nothing meanwhile.
+// Returns the progress after this block, without blocks that others finish meanwhile.
 static double progress_after(const struct job *job, const struct job_step *step,
                              const struct sample_range *block)
 {
@@ -188,8 +189,8 @@ static double progress_after(const struct job *job, const struct job_step *step,
     return fmin(progress_of(job, step) + (step->to - step->from) * part, step->to);
 }
 
-// A stop waits until the block is finished: a film with half a pass of a block in it cannot go on
-// from its first samples that are missing.
+// Renders a block in the job's own film. A stop waits until it is finished, because a render cannot
+// be resumed from a film in which a pass of a block is incomplete.
 static bool render_own_block(struct job *job, const struct job_step *step, struct err *err)
 {
     struct crew_member *own = &job->params.crew->members[0];
@@ -211,7 +212,7 @@ static bool render_own_block(struct job *job, const struct job_step *step, struc
 static bool deal_all(struct job *job, const struct job_step *step, struct err *err)
 {
     while (true) {
-        // Before the own block, so that nobody waits for it.
+        // Workers get their blocks first, so that none waits while the own block is rendered.
         if (!collect(job, false, err) || !give_blocks(job, 1, err))
             return false;
         if (may_deal(job)) {
@@ -227,7 +228,7 @@ static bool deal_all(struct job *job, const struct job_step *step, struct err *e
     }
 }
 
-// Makes the film that of all samples so far.
+// Adds the films of all workers to the job's own, which then has all samples so far.
 static bool gather(struct job *job, struct err *err)
 {
     const struct crew *crew = job->params.crew;
@@ -251,8 +252,8 @@ static bool gather(struct job *job, struct err *err)
     return ok;
 }
 
-// Samples that cannot be dealt are rendered here: the rest of a pass, an odd one, and too few for
-// everybody.
+// Renders samples that are not divided among members: the rest of a pass, an odd sample, or fewer
+// than four samples.
 static bool advance_alone(struct job *job, const struct job_step *step, struct err *err)
 {
     struct renderer *r = &job->renderer;
@@ -270,7 +271,7 @@ static bool advance_alone(struct job *job, const struct job_step *step, struct e
     return ok;
 }
 
-// Until the step is done, or a checkpoint is due.
+// Renders until the step is complete or a checkpoint is due, and adds the films.
 static bool advance_once(struct job *job, const struct job_step *step, struct err *err)
 {
     struct renderer *r = &job->renderer;
@@ -285,7 +286,7 @@ static bool advance_once(struct job *job, const struct job_step *step, struct er
     const uint64_t start = clock_ns();
     const double before = r->stats.render_seconds;
     bool ok = deal_all(job, step, err);
-    job->checkpoint_from = clock_ns(); // adding the films is a part of what one costs
+    job->checkpoint_from = clock_ns(); // the cost of a checkpoint includes adding the films
     ok = ok && gather(job, err);
     r->stats.render_seconds = before + clock_seconds_since(start);
     return ok;

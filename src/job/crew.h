@@ -1,7 +1,8 @@
 // Several devices that render one picture: the job's own renderer, and workers, which are other
-// devices of this process or other processes. The job gives blocks of samples to whoever has none,
-// in ascending order, and adds the workers' films to its own where it needs the film. Sums have no
-// order, so the film is that of one renderer, bit for bit, on devices of one kind with one driver.
+// devices of this process or other processes. The job assigns blocks of samples in ascending order,
+// and adds the workers' films to its own when it needs the film. The sums do not depend on the
+// order of additions. So on devices of one kind with one driver, the film is that of one renderer,
+// bit for bit.
 #ifndef LAMPYRIS_JOB_CREW_H
 #define LAMPYRIS_JOB_CREW_H
 
@@ -10,14 +11,14 @@
 
 struct job;
 
-// Blocks that a worker may have at a time: the next one is there when it has finished one.
+// Maximum number of blocks of a worker. With two, it can begin the second one without waiting.
 #define CREW_BLOCKS 2u
 
 struct crew_member {
-    const char *device, *driver; // owned by who made the crew
-    uint64_t samples;            // per pixel, of finished blocks
-    double busy_seconds;         // rendering them
-    uint32_t blocks;             // that it has now
+    const char *device, *driver; // owned by the caller that made the crew
+    uint64_t samples;            // samples per pixel in finished blocks
+    double busy_seconds;         // rendering time of these blocks
+    uint32_t blocks;             // number of unfinished blocks
 };
 
 // A block that a worker has finished.
@@ -26,24 +27,23 @@ struct crew_done {
     double seconds;
 };
 
-// What a worker hands over: a film, with the statistics of its samples.
+// A worker's film, with the statistics of its samples.
 struct crew_film {
-    struct film_copy copy; // without records where there are no samples
+    struct film_copy copy; // has no records if there are no samples
     bool has_samples;
 };
 
-// Functions return false after a failure, which ends the job's rendering.
+// The functions return false with *err set on failure. The job's rendering then ends.
 struct crew {
     uint32_t count;              // workers
     struct crew_member *members; // count + 1 of them: the job's own renderer first
     const char *word;            // what a member is: "device", "rank"
-    // Gives a worker one more block; there are never more than CREW_BLOCKS. `samples` of the block
-    // are counted by the job.
+    // Gives a worker one more block. It never has more than CREW_BLOCKS.
     bool (*give)(void *context, uint32_t worker, const struct sample_range *block, struct err *err);
-    // Looks whether a worker has finished a block; `waits` until one has.
+    // Finds out whether a worker has finished a block; with `waits`, waits until one has.
     bool (*poll)(void *context, bool waits, struct crew_done *out, bool *is_there, struct err *err);
-    // No worker has a block. Adds the films of all to `to` by crew_add(), and empties them. bytes:
-    // size of the records; aovs: the renderers' specialization.aovs.
+    // Adds the films of all workers to `to` by crew_add(), and empties them. No worker may have a
+    // block. `bytes` is the size of the records, and `aovs` the renderers' specialization.aovs.
     bool (*gather)(void *context, uint32_t aovs, uint64_t bytes, struct crew_film *to,
                    struct err *err);
     void *context;
@@ -54,13 +54,14 @@ struct crew {
 // Renders a block into the job's film.
 bool crew_render(struct job *job, const struct sample_range *block, double *seconds,
                  struct err *err);
-// Copies the film, with `emptied_at` as its first sample, and the statistics since the last call;
-// empties it. The records live in the arena.
+// Copies the film and the statistics since the last call, and empties the film. `emptied_at` of the
+// copy is the film's first sample. The records are in the arena.
 bool crew_take(struct job *job, struct arena *arena, struct crew_film *out, struct err *err);
 
-// --- for those who make a crew -------------------------------------------------------------------
+// --- for the makers of a crew --------------------------------------------------------------------
 
-// Adds a film and its statistics, in any order and grouping.
+// Adds the film and the statistics of `part` to those of `to`. The order of additions does not
+// matter.
 void crew_add(uint32_t aovs, uint64_t bytes, const struct crew_film *part, struct crew_film *to);
 // Returns whether all members have the same device and driver.
 bool crew_is_uniform(const struct crew *crew);

@@ -1,4 +1,4 @@
-// What becomes of the films of several: sums of their records, and of what was counted.
+// Adds the films of several renderers: their records and their statistics.
 #include "job/crew.h"
 #include "job/job_internal.h"
 #include "shared/aov.h"

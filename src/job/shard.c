@@ -1,5 +1,5 @@
-// A render of some of the samples, or rows, for several processes to share one, and the film that
-// was merged of all of them.
+// Shards: a render of some of the samples, or of some rows, of a picture that several processes
+// share. Also the render that writes the picture of the film that merge made.
 #include "job/job_internal.h"
 
 #include "base/log.h"
@@ -13,7 +13,7 @@ bool job_is_shard(const struct job *job)
     return job->params.shard.count > 0 || job->params.shard.range.end > 0;
 }
 
-// Only sums that have no order can be those of several.
+// Refuses settings with which the film is not a sum that can be computed in any order.
 bool job_check_divisible(const struct job *job, const char *whose, bool by_tiles, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -37,7 +37,7 @@ bool job_check_divisible(const struct job *job, const char *whose, bool by_tiles
     return !what || err_set(err, ERR_USAGE, "%s cannot be combined with %s: %s", whose, what, why);
 }
 
-// A shard cannot know what the others see.
+// Refuses goals that depend on samples of other shards.
 static bool check_goal(const struct job *job, struct err *err)
 {
     const struct job_goal *goal = &job->params.goal;
@@ -119,7 +119,7 @@ bool job_check_merged(struct job *job, struct err *err)
         return true;
     struct arena arena = {0};
     const char *own = job_identity(job), *of_parts[2] = {0}, *of_job[2] = {0};
-    for (uint32_t i = 0; own && i < 2; i++) { // with the device, and without
+    for (uint32_t i = 0; own && i < 2; i++) { // 0: with the device and driver; 1: without them
         of_parts[i] = job_identity_without(merged->identity, names, i == 0 ? 1 : 3, &arena);
         of_job[i] = job_identity_without(own, names, i == 0 ? 1 : 3, &arena);
     }
@@ -143,13 +143,14 @@ uint64_t job_steps(const struct job *job)
     return job->samples_most / job_step_samples(job);
 }
 
-// The plan of the tiles is that of the parts, which no pilot needs to find again.
+// Puts the merged film into the renderer. The plan of the tiles is that of the parts, so no pilot
+// is needed.
 static bool put_merged(struct job *job, struct job_merged *merged, struct err *err)
 {
     struct renderer *r = &job->renderer;
     merged->film.seed = r->frame.seed;
     merged->film.emptied_at = 0;
-    merged->film.next_sample = merged->film.round_target = job_steps(job); // nothing is left
+    merged->film.next_sample = merged->film.round_target = job_steps(job); // no sample is missing
     merged->film.pass = (struct pass){0};
     if (merged->counts) {
         const struct tile_plan plan = tile_plan_of(r->frame.width, r->frame.height, merged->counts);

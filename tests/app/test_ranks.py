@@ -193,7 +193,8 @@ class Ends(Ranks):
         os.kill(ranks_of(process)[2], signal.SIGKILL)
         _, stderr = process.communicate(timeout=120)
         self.assertNotEqual(process.returncode, 0)
-        self.assertRegex(stderr, 'goes on from the last checkpoint, with mpirun or without: lampyris render .* --resume')
+        self.assertRegex(stderr, 'continues from the last checkpoint, with or without mpirun: '
+                                 'lampyris render .* --resume')
 
     def test_a_lost_rank_loses_little(self):
         """Checkpoints come by themselves, so often that a rank that is lost, be it the one that writes them, takes
@@ -217,8 +218,8 @@ class Ends(Ranks):
             # MPICH's mpirun kills all ranks at once, so that none can say anything.
             command = shlex.join(self.command(*arguments, '-q', '-o', 'killed.exr', '--checkpoint', 'ck', '--resume'))
             if OPEN_MPI:
-                told = re.search('goes on from the last checkpoint, with mpirun or without: lampyris (render .* --resume)',
-                                 stderr)
+                told = re.search('continues from the last checkpoint, with or without mpirun: '
+                                 'lampyris (render .* --resume)', stderr)
                 self.assertTrue(told, stderr)
                 command = told[1]
             picture = self.told(self.run_one(*shlex.split(command), '--json'), 'killed.exr')

@@ -516,7 +516,7 @@ class Auto(Shards):
     def test_what_does_not_say_it(self):
         slurm = {'SLURM_PROCID': '2', 'SLURM_NTASKS': '4'}
         for shard, variables, message in (
-                ('auto', self.array(5, 3, 1, 7), 'does not say which part is whose'),
+                ('auto', self.array(5, 3, 1, 7), 'the part of this task is not known'),
                 ('auto', {'SLURM_ARRAY_TASK_ID': '1'}, 'SLURM_ARRAY_TASK_COUNT is not set'),
                 ('auto', {'JOB_COMPLETION_INDEX': '1'}, 'expected --shard auto/N'),
                 ('auto/2', {'JOB_COMPLETION_INDEX': '2'}, 'process 2, from 0, of 2'),

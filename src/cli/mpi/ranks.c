@@ -11,28 +11,28 @@
 #include <string.h>
 
 enum { TAG_ORDER = 1, TAG_DONE };
-// Pauses between two looks for a message: MPI's own waiting keeps a core busy, which CPU drivers
-// need.
+// Time between two checks for a message. The waiting functions of MPI keep a core busy, which CPU
+// drivers need.
 #define PAUSE_SECONDS 2e-4
 
 struct ranks_context {
     struct render_ranks *ranks;
     const struct options *options;
     MPI_Comm comm;
-    struct rank_card *cards; // rank 0's, of all
-    bool is_told;            // that a stop waits
+    struct rank_card *cards; // on rank 0: the cards of all ranks
+    bool is_told;            // the message about a stop was printed
 };
 
 // --- films ---------------------------------------------------------------------------------------
 
-// Precedes a film's records in a message.
+// The head of a message with a film. The records follow it.
 struct film_head {
-    uint64_t first, bytes; // the first sample; size of the records
+    uint64_t first, bytes; // the first sample of the film; size of its records
     uint32_t aovs;
     uint32_t has_samples;
     struct render_stats stats;
 };
-// Records of films begin at multiples of this, and their sizes are multiples, too.
+// Records of films begin at a multiple of this many bytes, and their sizes are multiples of it.
 #define FILM_UNIT 16u
 #define HEAD_BYTES ((sizeof(struct film_head) + FILM_UNIT - 1) / FILM_UNIT * FILM_UNIT)
 
@@ -58,7 +58,7 @@ static void pack_head(char *message, uint32_t aovs, uint64_t bytes, const struct
     memcpy(message, &head, sizeof head);
 }
 
-// MPI's reduction: messages of one length, in any grouping.
+// The reduction operation for MPI: adds `count` messages. MPI may group them in any way.
 static void add_messages(void *in, void *inout, int *count, MPI_Datatype *type)
 {
     (void)type;
@@ -73,7 +73,7 @@ static void add_messages(void *in, void *inout, int *count, MPI_Datatype *type)
     }
 }
 
-// Sleeps until a request is done, so that MPI_Wait() returns at once.
+// Sleeps until a request is complete, so that MPI_Wait() returns at once.
 static void sleep_until_done(MPI_Request request)
 {
     int is_done = 0;
@@ -81,8 +81,8 @@ static void sleep_until_done(MPI_Request request)
         clock_sleep(PAUSE_SECONDS);
 }
 
-// Adds the films of all ranks to that of rank 0. One element is one message, which MPI does not
-// split.
+// Adds the films of all ranks to that of rank 0. A whole message is one element of the reduction,
+// because MPI does not split elements.
 static bool reduce(struct ranks_context *c, uint32_t aovs, uint64_t bytes,
                    const struct crew_film *film, struct crew_film *sum, struct err *err)
 {
@@ -132,15 +132,15 @@ static bool give(void *context, uint32_t worker, const struct sample_range *bloc
     return true;
 }
 
-// mpirun ends all ranks a second after one was lost: then this is the last that can be said.
+// Prints how to continue, in case a rank was lost: mpirun then ends all ranks after a second.
 static void mention_stop(struct ranks_context *c)
 {
     if (c->is_told || !progress_should_stop(c->options->progress))
         return;
     c->is_told = true;
     if (c->options->render.checkpoint)
-        log_warn("stopping: waiting for the blocks of other ranks; if one was lost, this goes on "
-                 "from the last checkpoint, with mpirun or without: %s%s",
+        log_warn("stopping: waiting for the blocks of other ranks; if one was lost, this continues "
+                 "from the last checkpoint, with or without mpirun: %s%s",
                  c->options->command_line, c->options->render.resume ? "" : " --resume");
     else
         log_warn("stopping: waiting for the blocks of other ranks; if one was lost, nothing is "
@@ -176,18 +176,19 @@ static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_fil
 
 // --- workers -------------------------------------------------------------------------------------
 
-// Rank 0 says how to go on where another rank was lost, and rank 1 where rank 0 was: mpirun sends
-// SIGTERM before it kills the others. It sends that to all, whoever was lost.
+// Rank 0 prints how to continue if another rank was lost, and rank 1 if rank 0 was lost. After any
+// loss, mpirun sends SIGTERM to all remaining ranks before it kills them.
 static void mention_lost_leader(struct ranks_context *c)
 {
     if (c->is_told || c->ranks->rank != 1 || signals_received() != SIGTERM)
         return;
     c->is_told = true;
     if (c->options->render.checkpoint)
-        log_message(LOG_ERROR,
-                    "stopping: if rank 0 was lost, this goes on from the last checkpoint, with "
-                    "mpirun or without: %s%s",
-                    c->options->command_line, c->options->render.resume ? "" : " --resume");
+        log_message(
+            LOG_ERROR,
+            "stopping: if rank 0 was lost, this continues from the last checkpoint, with or "
+            "without mpirun: %s%s",
+            c->options->command_line, c->options->render.resume ? "" : " --resume");
 }
 
 static bool next(void *context, struct rank_order *out, struct err *err)

@@ -4,9 +4,10 @@
 
 #include "cli/render/render_ranks.h"
 
-// Joins the processes that mpirun started. ERR_USAGE if they are those of another MPI.
+// Connects to the other processes that mpirun started. Fails with ERR_USAGE if mpirun is that of
+// another MPI.
 bool ranks_open(struct render_ranks *out, const struct options *options, struct err *err);
-// Leaves them; rank 0 lets the workers end.
+// Disconnects. Rank 0 also tells the workers to end.
 void ranks_close(struct render_ranks *ranks);
 // Ends the processes of all ranks.
 _Noreturn void ranks_abort(int code);

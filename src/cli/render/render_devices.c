@@ -4,7 +4,7 @@
 #include "gpu/gpu.h"
 #include <string.h>
 
-// What a worker is to do. The mutex of the devices guards all but `gpu`, `job` and what they own.
+// A device with its thread. The mutex of struct device_crew guards all members except gpu and job.
 struct device_worker {
     struct device_crew *all;
     struct gpu gpu;
@@ -13,19 +13,19 @@ struct device_worker {
     uint32_t index;
     struct sample_range blocks[CREW_BLOCKS];
     uint32_t block_count;
-    bool is_to_give, has_given; // its film
+    bool is_to_give, has_given; // the worker must copy its film; it has copied it
     bool is_to_end, has_failed;
     struct arena film_arena;
     struct crew_film film;
     struct err err;
 };
 
-// What the threads share.
+// Data that the threads share.
 struct device_crew {
     struct render_devices *devices;
     struct mutex mutex;
     struct condition of_workers, of_job;
-    struct crew_done *done; // blocks that were finished and not yet noted
+    struct crew_done *done; // finished blocks that the job has not yet polled
     uint32_t done_count;
 };
 
@@ -37,7 +37,7 @@ uint32_t render_devices_count(const char *text)
     if (!text || text[strspn(text, "0123456789,")] != '\0')
         return 1;
     for (const char *c = text; *c; c++) {
-        // An index stands on both sides of each comma.
+        // A comma must be between two indices.
         if (*c == ',' && (c == text || c[-1] == ',' || c[1] == '\0'))
             return 1;
         count += *c == ',';
@@ -118,9 +118,9 @@ static void run_worker(void *context)
         fail(worker, &err);
 }
 
-// --- what the job asks of them -------------------------------------------------------------------
+// --- functions of struct crew --------------------------------------------------------------------
 
-// With the mutex locked.
+// Returns whether a worker works without failure. The mutex must be locked.
 static bool check(const struct device_worker *worker, struct err *err)
 {
     if (!worker->has_failed)
@@ -168,7 +168,7 @@ static bool poll(void *context, bool waits, struct crew_done *out, bool *is_ther
     return ok;
 }
 
-// One after the other, so that two films are in memory.
+// Takes the films one after the other, so that at most two are in memory.
 static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_film *to,
                    struct err *err)
 {
@@ -191,7 +191,7 @@ static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_fil
     return ok;
 }
 
-// --- life ----------------------------------------------------------------------------------------
+// --- create and finish ---------------------------------------------------------------------------
 
 bool render_devices_create(const char *text, struct job_params *params, struct render_devices *out,
                            struct err *err)
@@ -257,7 +257,7 @@ static bool start_worker(struct render_devices *devices, const struct gpu_params
     member->driver = worker->gpu.info.driver;
     int failure = thread_start(&worker->thread, run_worker, worker);
     if (failure)
-        return err_set(err, ERR_SYSTEM, "no thread can be started: %s", strerror(failure));
+        return err_set(err, ERR_SYSTEM, "cannot start a thread: %s", strerror(failure));
     devices->started++;
     return true;
 }

@@ -12,26 +12,26 @@ struct device_worker;
 struct render_devices {
     struct crew crew; // workers: all but the first device
     struct device_worker *workers;
-    uint32_t started; // threads
+    uint32_t started; // number of threads that were started
     struct geometry geometry;
     struct arena arena;
 };
 
-// Returns how many devices a list of indices has; 1 for anything else.
+// Returns the number of devices in a list such as "0,1"; 1 for any other text.
 uint32_t render_devices_count(const char *text);
-// Returns the i-th of them, from 0; NULL when out of memory.
+// Returns the text of device i, from 0, of the list; NULL when out of memory.
 const char *render_devices_name(const char *text, uint32_t i, struct arena *arena);
 
-// Makes room for the workers, and prepares the geometry for all. `params` are those of the job,
-// with its scene; its renderer.geometry and crew are set. *out must not be moved, and must be
-// finished, after the job, in any case.
+// Allocates the workers, and prepares the geometry that all devices share. `params` are those of
+// the job and must have its scene; sets params->renderer.geometry and params->crew. *out must not
+// be moved. The caller must call render_devices_finish() in any case, after job_finish().
 bool render_devices_create(const char *text, struct job_params *params, struct render_devices *out,
                            struct err *err);
-// Opens the devices of the workers, whose job has the same goal, and starts them: they create their
-// renderers while the job creates its own. The job's device is open.
+// Opens the devices of the workers and starts their threads. These create their renderers while the
+// job creates its own. The job's device must be open.
 bool render_devices_start(struct render_devices *devices, const struct gpu_params *gpu,
                           const char *text, const struct job_params *params, struct err *err);
-// Ends the workers; waits until each has finished the block that it renders.
+// Ends the workers. Waits until each has finished its current block.
 void render_devices_finish(struct render_devices *devices); // accepts NULL and {0}
 
 #endif

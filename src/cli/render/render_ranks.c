@@ -15,7 +15,7 @@
 
 #define PROGRAM "lampyris-mpi"
 
-// --- how many there are --------------------------------------------------------------------------
+// --- number of ranks -----------------------------------------------------------------------------
 
 static uint32_t number_of(const char *variable)
 {
@@ -23,7 +23,7 @@ static uint32_t number_of(const char *variable)
     return text ? (uint32_t)strtoul(text, NULL, 10) : 0;
 }
 
-// srun sets the number of tasks for batch scripts, too, which have no rank of PMIx.
+// SLURM_NTASKS counts only with PMIX_RANK, because Slurm sets it for batch scripts, too.
 uint32_t render_ranks_expected(void)
 {
     uint32_t count = number_of("OMPI_COMM_WORLD_SIZE");
@@ -41,17 +41,17 @@ int render_ranks_become(const struct options *options)
     sibling_find(PROGRAM, PROGRAM, program, sizeof program);
     process_become(program, options->argv);
     err_set(&err, ERR_SYSTEM,
-            "this is one of %u processes, which share a picture by " PROGRAM ", and %s cannot be "
-            "run: %s; it is built where an MPI is installed (Debian: libopenmpi-dev or "
-            "libmpich-dev); expected it, "
-            "or --shard auto",
+            "this is one of %u processes that share a picture, which needs " PROGRAM ", but %s "
+            "cannot be run: %s; expected a build with MPI (Debian: libopenmpi-dev or "
+            "libmpich-dev), or --shard auto",
             render_ranks_expected(), program, strerror(errno));
     return command_fail(&err);
 }
 
 // --- devices -------------------------------------------------------------------------------------
 
-// Ranks of one machine take its GPUs in turn, or the devices of --device where that has several.
+// Chooses the device of this rank. The ranks of a machine take its GPUs in turn, or the devices of
+// --device if that lists several.
 static bool choose_device(const struct options *options, const struct render_ranks *ranks,
                           struct arena *arena, struct gpu_params *out, struct err *err)
 {
@@ -147,7 +147,7 @@ static bool work(struct render_run *run, struct err *err)
            follow_orders(&run->job, run->ranks, err);
 }
 
-// Rank 0 warns of what all ranks would warn of.
+// Renders as a worker. It prints no warnings, because rank 0 prints the same ones.
 int render_ranks_work(const struct options *options, struct render_ranks *ranks)
 {
     struct render_run run = {.options = options, .ranks = ranks};

@@ -1,15 +1,15 @@
-// Processes that mpirun started and that render one picture: rank 0 is the job, all others are its
-// workers. What carries their messages is in cli/mpi.
+// Processes started by mpirun that render one picture. Rank 0 has the job, and all others are its
+// workers. cli/mpi sends their messages.
 #ifndef LAMPYRIS_CLI_RENDER_RENDER_RANKS_H
 #define LAMPYRIS_CLI_RENDER_RENDER_RANKS_H
 
 #include "cli/options.h"
 #include "job/crew.h"
 
-// What a rank tells the others before they render.
+// The data that each rank sends to rank 0 before rendering.
 struct rank_card {
     char device[256], driver[512];
-    uint64_t hash; // of the command line, the scene and the kernels: that of all ranks
+    uint64_t hash; // of the command line, the scene and the kernels; must be the same for all ranks
 };
 
 enum rank_order_kind { RANK_RENDERS, RANK_GIVES_FILM, RANK_ENDS };
@@ -22,10 +22,10 @@ struct render_ranks {
     uint32_t rank, count;
     uint32_t local_rank; // among the ranks of this machine
     struct crew crew;    // rank 0's
-    // All ranks: tells the others who this one is, and sets crew.members. ERR_INPUT unless all
-    // hashes are the same.
+    // Called by all ranks: sends the card to rank 0. There it sets crew.members, and fails with
+    // ERR_INPUT if the hashes differ.
     bool (*meet)(void *context, const struct rank_card *own, struct err *err);
-    // Workers: wait for an order; tell that a block is finished; hand over a film.
+    // Called by workers: wait for an order, report a finished block, send a film.
     bool (*next)(void *context, struct rank_order *out, struct err *err);
     bool (*report)(void *context, double seconds, struct err *err);
     bool (*hand_over)(void *context, uint32_t aovs, uint64_t bytes, const struct crew_film *film,
@@ -33,11 +33,12 @@ struct render_ranks {
     void *context;
 };
 
-// Returns how many processes mpirun or srun started of which this is one; 1 where none did.
+// Returns the number of processes that mpirun or srun started together with this one; 1 if it was
+// started alone.
 uint32_t render_ranks_expected(void);
 
-// Renders as a rank. Prints the result on rank 0, and failures on any. Returns the exit code. If it
-// is not EXIT_CODE_OK, other ranks may still wait for this one, and the caller must abort them.
+// Renders as a rank. Rank 0 prints the result, and any rank its failure. Returns the exit code. If
+// it is not EXIT_CODE_OK, other ranks may still wait for this one, and the caller must abort them.
 int render_with_ranks(const struct options *options, struct render_ranks *ranks);
 
 #endif

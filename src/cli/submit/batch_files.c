@@ -7,27 +7,28 @@
 #include <stdio.h>
 #include <string.h>
 
-// The second line of both files; a file without it is somebody else's.
+// The second line of both files. A file without this line is not replaced.
 #define MARK "# Written by lampyris submit."
 
-// What a file of Slurm's begins with. Of options that are given twice, Slurm takes the latter: so
-// those of --slurm come last.
+// The head of a batch file. If an option is given twice, Slurm uses the last one, so those of
+// --slurm come last.
 #define HEAD                                                                                       \
     "#!/bin/sh\n" MARK "\n"                                                                        \
     "#SBATCH --job-name=%s\n"                                                                      \
     "#SBATCH --output=%s\n"                                                                        \
     "#SBATCH --open-mode=append\n"
 
-// Slurm sends SIGUSR1 to the shell alone, and SIGTERM, where a task is preempted or cancelled, to
-// all processes of the task. A second SIGTERM would end the render at once, without its part. The
-// first wait ends when a signal comes.
+// The rest of the file of shards. Slurm sends SIGUSR1 only to the shell, but SIGTERM, when a task
+// is preempted or cancelled, to all processes of the task. The shell does not pass SIGTERM on,
+// because a second SIGTERM would end the render at once, without writing its part. `wait` returns
+// when a signal arrives, so it is called in a loop.
 #define SHARDS                                                                                     \
     "#SBATCH --array=1-%u\n"                                                                       \
     "#SBATCH --requeue\n"                                                                          \
     "#SBATCH --signal=B:USR1@60\n"                                                                 \
     "%s%s%s"                                                                                       \
     "# A minute before the time limit, the shard writes its part, and its task is queued again,\n" \
-    "# to go on from it.\n"                                                                        \
+    "# to continue from it.\n"                                                                     \
     "trap 'is_over=1; kill -USR1 \"$shard\"' USR1\n"                                               \
     "trap : TERM\n"                                                                                \
     "%s%s%s --shard \"$SLURM_ARRAY_TASK_ID/%u\" --resume --quiet &\n"                              \
@@ -54,7 +55,8 @@ static const char *quote(struct arena *arena, const char *word)
     return out;
 }
 
-// Returns the scene's name without its extension, which shard_settle() also names parts by.
+// Returns the scene's name without its extension. Names of parts begin with it, too
+// (shard_settle()).
 static const char *stem_of(struct arena *arena, const struct options *options)
 {
     const char *name = path_name(options->arguments[0]), *extension = path_extension(name);
@@ -62,7 +64,9 @@ static const char *stem_of(struct arena *arena, const struct options *options)
     return arena_printf(arena, "%.*s", (int)length, name);
 }
 
-// A word that Slurm takes as a name: its own patterns have '%' and '\', and lines end at '#'.
+// Replaces characters that are special in names in batch files: '%' and '\' are patterns of Slurm,
+// and
+// '#' begins a comment.
 static const char *plain_name(struct arena *arena, const char *stem)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
@@ -73,14 +77,14 @@ static const char *plain_name(struct arena *arena, const char *stem)
     return name;
 }
 
-// Returns this program as a shell takes it: nodes may have another one in their PATH.
+// Returns the path of this program, quoted for a shell. Nodes may have another one in their PATH.
 static const char *own_program(struct arena *arena)
 {
     char own[PATH_MAX];
     return quote(arena, process_own_path(own, sizeof own) ? own : "lampyris");
 }
 
-// Returns the options of the shards' render: of "lampyris submit OPTIONS", " render OPTIONS".
+// Returns the command of the shards: for "lampyris submit OPTIONS", " render OPTIONS".
 static const char *render_words(struct arena *arena, const struct options *options)
 {
     const char *line = options->render.shared_line, *command = strstr(line, " submit");

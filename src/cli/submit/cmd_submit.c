@@ -1,4 +1,4 @@
-// lampyris submit: lets Slurm render a scene in shards, and merge them when they have ended.
+// lampyris submit: lets Slurm render a scene in shards and merge their parts.
 #include "cli/commands.h"
 
 #include "base/file_system.h"
@@ -10,18 +10,17 @@
 #include <stdio.h>
 #include <string.h>
 
-// A job's number, and its cluster where there are several: "12;north".
+// The number of a job. If there are several clusters, the name of its cluster follows: "12;north".
 #define JOB_BYTES 128
 
 struct submission {
     struct batch_files files;
-    char shards[JOB_BYTES], merge[JOB_BYTES]; // jobs; empty where nothing was submitted
+    char shards[JOB_BYTES], merge[JOB_BYTES]; // numbers of the jobs; empty if nothing was submitted
 };
 
 // --- checks --------------------------------------------------------------------------------------
 
-// Settings that a shard would refuse are refused here, before the job waits in a queue. The check
-// needs no device.
+// Refuses settings that a shard would refuse, before the job waits in a queue. Needs no device.
 static bool check_render(const struct options *options, struct err *err)
 {
     struct scene scene = {0};
@@ -104,7 +103,7 @@ static bool submit_both(struct submission *s, struct err *err)
            err_prepend(err, "the shards are job %s, and the merge was not submitted", s->shards);
 }
 
-// --- what is told --------------------------------------------------------------------------------
+// --- output --------------------------------------------------------------------------------------
 
 static void print_summary(const struct submission *s, const struct options *options)
 {
