@@ -21,17 +21,17 @@ bool job_check_divisible(const struct job *job, const char *whose, bool by_tiles
     const char *what = NULL, *why = NULL;
     if (goal->adaptive && !by_tiles) {
         what = "--adaptive on";
-        why = "its tiles have different numbers of samples, and parts have the same samples of "
-              "all pixels: expected --adaptive off, or parts by --shard-by tiles";
+        why = "its tiles have different numbers of samples, but parts have the same samples of "
+              "all pixels: expected --adaptive off, or --shard-by tiles";
     } else if (goal->frames) {
         what = "--frames";
-        why = "samples of parts are those of one picture: expected --spp";
+        why = "all parts have samples of one picture: expected --spp";
     } else if (settings->accumulation != ACCUMULATION_BINNED) {
         what = "--accumulation sum or running";
         why = "these sums depend on the order of samples: expected --accumulation binned";
     } else if (settings->halves == HALVES_CONTIGUOUS && !by_tiles) {
         what = "--halves contiguous";
-        why = "every part needs as many samples of one half as of the other: expected --halves "
+        why = "every part needs equally many samples of both halves: expected --halves "
               "independent";
     }
     return !what || err_set(err, ERR_USAGE, "%s cannot be combined with %s: %s", whose, what, why);
@@ -43,17 +43,16 @@ static bool check_goal(const struct job *job, struct err *err)
     const struct job_goal *goal = &job->params.goal;
     if (goal->error > 0.0)
         return err_set(err, ERR_USAGE,
-                       "--shard cannot be combined with --error: the error is that of all shards "
-                       "together, which no shard knows: expected --spp alone; merge reports the "
-                       "error");
+                       "--shard cannot be combined with --error, which is the error of all shards "
+                       "together: expected only --spp; merge reports the error");
     if (goal->seconds > 0.0)
         return err_set(err, ERR_USAGE,
-                       "--shard cannot be combined with --time: which samples it has must not "
-                       "depend on the clock: expected --spp alone");
+                       "--shard cannot be combined with --time: the samples of a shard must not "
+                       "depend on the clock: expected only --spp");
     if (job->params.reference && job->params.shard.by_tiles)
         return err_set(err, ERR_USAGE,
                        "--shard-by tiles cannot be combined with --reference, which compares whole "
-                       "pictures: expected it with compare, after merge");
+                       "pictures: expected merge, and then compare");
     return job_check_divisible(job, "--shard", job->params.shard.by_tiles, err);
 }
 
@@ -63,9 +62,9 @@ static bool settle_rows(struct job *job, struct err *err)
     const uint32_t rows = job->scene->settings.height, tiles = tiles_along(rows);
     if (shard->count > tiles)
         return err_set(err, ERR_USAGE,
-                       "--shard %u/%u --shard-by tiles: a shard has at least one of the rows of "
-                       "tiles, which are %u pixels high, and the picture has %u of them; expected "
-                       "at most %u shards, or --shard-by samples",
+                       "--shard %u/%u --shard-by tiles: a shard needs at least one row of tiles, "
+                       "%u pixels high, and the picture has %u of them; expected at most %u "
+                       "shards, or --shard-by samples",
                        shard->index, shard->count, TILE_SIDE, tiles, tiles);
     struct sample_range range = shard->range;
     if (shard->count > 0)
@@ -75,7 +74,7 @@ static bool settle_rows(struct job *job, struct err *err)
     if (!is_whole)
         return err_set(err, ERR_USAGE,
                        "--shard %" PRIu64 ":%" PRIu64 " --shard-by tiles: expected rows of pixels, "
-                       "in multiples of %u up to the %u of the picture",
+                       "in multiples of %u up to the %u rows of the picture",
                        range.first, range.end, TILE_SIDE, rows);
     job->rows = range;
     return true;
@@ -94,7 +93,7 @@ bool job_settle_shard(struct job *job, struct err *err)
     if (shard->count > 1 && shard->count > samples / 2)
         return err_set(
             err, ERR_USAGE,
-            "--shard %u/%u: a shard has at least two samples a pixel, and the render has "
+            "--shard %u/%u: a shard needs at least two samples per pixel, and the render has "
             "%" PRIu64 "; expected at most %" PRIu64 " shards, or a larger --spp",
             shard->index, shard->count, samples, samples < 2 ? UINT64_C(1) : samples / 2);
     struct sample_range range = shard->range;
@@ -127,13 +126,13 @@ bool job_check_merged(struct job *job, struct err *err)
     if (!ok)
         err_memory(err, "a merged film", 4 * CHECKPOINT_TEXT_MAX);
     else
-        ok = checkpoint_compare("the sum of the parts", of_parts[1], "the scene as it is here",
-                                of_job[1], err);
+        ok = checkpoint_compare("the sum of the parts", of_parts[1], "the present scene", of_job[1],
+                                err);
     if (ok && strcmp(of_parts[0], of_job[0]) != 0)
-        log_warn(
-            "%s (%s) is not the device, or not the driver, of the parts: the means are computed "
-            "here from their sums, and may be rounded in another way; expected --device",
-            job->gpu->info.name, job->gpu->info.driver);
+        log_warn("%s (%s) is not the device, or not the driver, of the parts: it computes the "
+                 "means from "
+                 "their sums, and may round them differently; expected --device",
+                 job->gpu->info.name, job->gpu->info.driver);
     arena_finish(&arena);
     return ok;
 }

@@ -130,7 +130,7 @@ class Ends(Crews):
                 (['--adaptive', 'on', '--spp', '64'], 'several devices or ranks cannot be combined with --adaptive on'),
                 (['--frames', '3'], 'cannot be combined with --frames'),
                 (['--accumulation', 'sum'], 'depend on the order of samples'),
-                (['--halves', 'contiguous'], 'every part needs as many samples of one half'),
+                (['--halves', 'contiguous'], 'every part needs equally many samples of both halves'),
                 (['--device', '0,77'], '--device 77: '), (['--device', '0,'], "no device has the index or name '0,'")):
             result = self.run_one(*self.command(*TWO, *arguments, '-o', 'z.exr'))
             self.assertIn(result.returncode, (2, 3), result.stderr)

@@ -246,7 +246,7 @@ class Tiles(Shards):
                 (['--shard', '1/6'], 'expected at most 5 shards'), (['--shard', '0:8'], 'in multiples of 16 up to'),
                 (['--shard', '64:80'], 'in multiples of 16 up to the 72'), ([], '--shard-by needs --shard'),
                 (['--shard', '1/2', '--accumulation', 'sum'], 'depend on the order of samples'),
-                (['--shard', '1/2', '--error', '0.1'], 'the error is that of all shards'),
+                (['--shard', '1/2', '--error', '0.1'], 'which is the error of all shards'),
                 (['--shard', '1/2', '--reference', self.path('s')], 'reference')):
             result = self.run_one(*self.command('--spp', '8', '--shard-by', 'tiles', *arguments, size='20x72'))
             self.assertEqual(result.returncode, 2, result.stderr)
@@ -437,12 +437,12 @@ class Refused(Shards):
 
     def test_goals_that_shards_cannot_have(self):
         for arguments, message in (
-                (['--error', '0.1'], 'the error is that of all shards together'),
+                (['--error', '0.1'], 'which is the error of all shards together'),
                 (['--time', '1'], 'must not depend on the clock'),
                 (['--adaptive', 'on', '--spp', '64'], 'parts have the same samples of all pixels'),
-                (['--frames', '3'], 'those of one picture'),
+                (['--frames', '3'], 'samples of one picture'),
                 (['--accumulation', 'sum'], 'depend on the order of samples'),
-                (['--halves', 'contiguous'], 'every part needs as many samples of one half'),
+                (['--halves', 'contiguous'], 'every part needs equally many samples of both halves'),
                 (['--pixel', '1,1'], 'exclude each other'), (['--trace', 'a.csv'], 'exclude each other'),
                 (['--spp', '4', '--shard', '1/3'], 'expected at most 2 shards'),
                 (['--spp', '8', '--shard', '4:10'], 'expected even numbers up to the 8'),

@@ -67,7 +67,7 @@ bool render_find_window(const struct options *options, const struct scene *scene
                         struct render_window *out, struct err *err);
 
 // --- render_ranks.c ---
-// Opens a device of this machine for this rank, and tells the others.
+// Opens a device of this machine for this rank, and reports it to rank 0.
 bool render_ranks_open_device(const struct options *options, struct render_ranks *ranks,
                               const struct scene *scene, struct gpu *gpu, struct err *err);
 // Renders blocks for rank 0 until it ends; returns the exit code.
