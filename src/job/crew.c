@@ -60,8 +60,8 @@ bool job_check_crew(const struct job *job, struct err *err)
 
 // Returns the samples of a member's next block. Blocks become shorter towards the end (guided
 // self-scheduling, Polychronopoulos and Kuck 1987): each is half of an equal share of the
-// remaining samples. It takes at most BLOCK_SECONDS. It has at least the samples of a full wave,
-// but no more than an equal share.
+// remaining samples. It takes at most BLOCK_SECONDS, unless a full wave takes longer: it has at
+// least the samples of one, but no more than an equal share.
 static uint64_t block_samples(const struct job *job, const struct crew_member *member)
 {
     const struct crew_deal *deal = &job->deal;

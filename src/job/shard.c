@@ -130,8 +130,7 @@ bool job_check_merged(struct job *job, struct err *err)
                                 err);
     if (ok && strcmp(of_parts[0], of_job[0]) != 0)
         log_warn("%s (%s) is not the device, or not the driver, of the parts: it computes the "
-                 "means from "
-                 "their sums, and may round them differently; expected --device",
+                 "means from their sums, and may round them differently; expected --device",
                  job->gpu->info.name, job->gpu->info.driver);
     arena_finish(&arena);
     return ok;

@@ -264,7 +264,7 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
     printf("missing   %" PRIu64 " of %" PRIu64 " %s (%s)\n", missing, merge->all, unit(merge),
            text ? text : "");
     if (lacking->unclaimed.count > 0)
-        printf("no shard has been started for some of them; these commands render those:\n");
+        printf("some of them belong to none of these parts; these commands render those:\n");
     print_commands(stdout, merge, &lacking->unclaimed);
 }
 

@@ -18,9 +18,8 @@ struct sequence_progress {
 struct sequence_video {
     const char **paths; // .mp4 and .webm
     uint32_t count;
-    uint32_t source; // index in sequence.names of the PNG files from which videos are made
-    const char
-        *folder; // temporary folder of these files, removed at the end; NULL: the files are outputs
+    uint32_t source;    // index in sequence.names of the PNG files from which videos are made
+    const char *folder; // temporary folder of these files; NULL: the files are outputs
 };
 
 struct sequence {
@@ -39,9 +38,8 @@ struct sequence {
     double ground[2][3];  // centre and normal of the ground that was added to the first picture
     struct turntable turntable;
     struct geometry geometry;
-    struct arena frame_arena; // memory of the names of the current picture
-    uint64_t load_ns,
-        bvh_ns; // time of loading the current scene; the part of it that built the BVH
+    struct arena frame_arena;   // memory of the names of the current picture
+    uint64_t load_ns, bvh_ns;   // time of loading the current scene, and of it for building the BVH
     struct job_seconds seconds; // of all rendered pictures
     double worst_error;         // the greatest local relMSE of a picture; 0: none is known
     uint32_t worst;             // number of that picture, from 1

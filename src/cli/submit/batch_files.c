@@ -65,8 +65,7 @@ static const char *stem_of(struct arena *arena, const struct options *options)
 }
 
 // Replaces characters that are special in names in batch files: '%' and '\' are patterns of Slurm,
-// and
-// '#' begins a comment.
+// and '#' begins a comment.
 static const char *plain_name(struct arena *arena, const char *stem)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
