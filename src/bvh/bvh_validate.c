@@ -156,7 +156,7 @@ static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
     }
     if (!fits(validator, index, i, &bounds))
         return err_set(validator->err, ERR_INPUT,
-                       "BVH: nodes[%u].child[%u]: the box does not fit what is below it", index, i);
+                       "BVH: nodes[%u].child[%u]: the box does not fit its contents", index, i);
     box_add_box(&validator->bounds[index], &bounds);
     return true;
 }

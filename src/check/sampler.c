@@ -87,8 +87,8 @@ enum { SAMPLERS = sizeof samplers / sizeof samplers[0] };
 typedef bool (*judge_fn)(struct renderer *r, struct sampler_run *run, union draw *draws,
                          double *worst, struct err *err);
 
-// Counts the results that are not uniform numbers, for dimensions, pixels, samples and seeds up to
-// 2^32 - 2.
+// Counts the results that no uniform number can have (draw_is_uniform()), for extreme dimensions,
+// pixels and samples up to 2^32 - 2.
 static bool count_outside(struct renderer *r, struct sampler_run *run, union draw *draws,
                           double *worst, struct err *err)
 {

@@ -35,8 +35,8 @@ struct gpu_limit_overrides {
     bool no_mapped_device; // device memory is never mapped, so that uploads and downloads use
                            // staging memory
     bool no_timestamps;    // without timestamps, so that kernels are not timed
-    bool shared_stack;     // the traversal stack of GPUs (shaders/lib/stack.glsl) on any device
-    bool sort_rays;        // rays are sorted on any device, as on GPUs (shaders/lib/sort.glsl)
+    bool shared_stack; // uses the traversal stack of GPUs on any device (shaders/lib/stack.glsl)
+    bool sort_rays;    // sorts rays on any device, as on GPUs (shaders/lib/sort.glsl)
 };
 
 struct gpu_params {

@@ -1,4 +1,4 @@
-// Adds to a module that floating-point operations are rounded to nearest.
+// Makes a module request that floating-point operations are rounded to nearest.
 #ifndef LAMPYRIS_GPU_SPIRV_ROUNDING_H
 #define LAMPYRIS_GPU_SPIRV_ROUNDING_H
 

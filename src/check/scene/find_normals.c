@@ -101,10 +101,11 @@ static bool find_far(struct survey *survey, bool *found, struct err *err)
             .name = "normals",
             .level = FINDING_WRONG,
             .place = survey_object_name(survey, first),
-            .figure = arena_printf(survey->arena,
-                                   "%u object%s with normals more than 60 degrees off on a quarter "
-                                   "or more of the visible surface",
-                                   count, count == 1 ? "" : "s"),
+            .figure =
+                arena_printf(survey->arena,
+                             "%u object%s with normals more than 60 degrees off the surface's "
+                             "own on a quarter or more of the visible surface",
+                             count, count == 1 ? "" : "s"),
             .consequence = "The normals are those of another surface, and the object is shaded "
                            "like that surface.",
             .remedy = "Compute the normals again, and check whether axes were swapped on export.",

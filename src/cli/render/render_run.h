@@ -19,14 +19,14 @@ struct render_tev {
     uint64_t next_sample;       // number of samples after which the next image is sent
 };
 
-// The metadata by which --resume knows a finished picture of a sequence.
+// The key of the metadata by which --resume recognises a finished picture of a sequence.
 #define SEQUENCE_ATTRIBUTE "lampyris:sequence"
 
-// What a picture says of its place in a sequence.
+// The place of a picture in a sequence.
 struct render_frame {
     uint32_t number, count;     // number: from 1; 0: there is no sequence
     double at_seconds, degrees; // NAN: not an animation, or not a turntable
-    const char *identity;       // all that decides the picture, as lines of "name=value"
+    const char *identity;       // everything that determines the picture, as lines "name=value"
 };
 
 struct render_run {
@@ -53,7 +53,7 @@ struct render_run {
     bool is_written;           // the final images were written, or failed to be
     float exposure;            // stops of the last PNG images
     bool exposure_is_kept;     // a sequence has the exposure of its first picture
-    struct render_frame frame; // of a sequence
+    struct render_frame frame; // place of the current picture in its sequence
 };
 
 // --- cmd_render.c ---
@@ -62,7 +62,7 @@ struct job_goal render_goal(const struct options *options);
 bool render_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
                        struct err *err);
 
-// Finds the window of --crop, {0} without it; ERR_USAGE if it is not inside of the picture.
+// Finds the window of --crop; {0} without it. Fails with ERR_USAGE if it is not inside the picture.
 bool render_find_window(const struct options *options, const struct scene *scene,
                         struct render_window *out, struct err *err);
 
@@ -72,12 +72,12 @@ bool render_ranks_open_device(const struct options *options, struct render_ranks
                               const struct scene *scene, struct gpu *gpu, struct err *err);
 // Renders blocks for rank 0 until it ends; returns the exit code.
 int render_ranks_work(const struct options *options, struct render_ranks *ranks);
-// Becomes lampyris-mpi; returns the exit code if there is none.
+// Replaces this process by lampyris-mpi. Returns an exit code if that program cannot be run.
 int render_ranks_become(const struct options *options);
 
 // --- render_stop.c ---
-// The options' progress, which however stops only when every pixel has a sample, or when that takes
-// too long.
+// Returns the progress of the options, but delays a stop until every pixel has a sample, or until
+// that takes too long.
 const struct progress *render_progress(struct render_run *run);
 // Warns if pixels of the film as read last have no sample.
 void render_warn_of_unsampled(const struct render_run *run);
@@ -87,7 +87,7 @@ void render_warn_of_blind_error(const struct render_run *run);
 // --- render_names.c ---
 // Checks that no two outputs, including numbered images, are the same file.
 bool render_check_distinct(const struct render_run *run, struct err *err);
-// When all inputs are known: checks that no output is one of them.
+// Checks that no output is an input. All inputs must be known.
 bool render_check_inputs(struct render_run *run, struct err *err);
 
 // --- render_output.c ---
@@ -98,7 +98,7 @@ bool render_check_outputs(struct render_run *run, struct err *err);
 bool render_default_outputs(struct render_run *run, struct err *err);
 // Returns the most bytes that a picture has in a file of that name, before compression.
 uint64_t render_picture_bytes(const struct render_run *run, const char *path);
-// When the size of the images is known: checks that they fit into the free space.
+// Checks that the images fit into the free space. Their size must be known.
 bool render_check_space(const struct render_run *run, struct err *err);
 // Writes all images; frame > 0: numbered, "NAME.0012.exr". If one cannot be written, the others
 // still are; if no EXR file could be written, the image is saved in the system's folder for
@@ -123,8 +123,8 @@ const char *render_reproducing_command(struct render_run *run);
 // --- render_trace.c ---
 // Reads the reference and compares its size with the image's. Does nothing without --reference.
 bool render_open_reference(struct render_run *run, struct err *err);
-// A render that resumes from a checkpoint also continues its trace. Call it after job_open(); does
-// nothing without --trace.
+// Reads the trace that a resumed render continues. Does nothing without --trace. Call it after
+// job_open().
 bool render_read_trace(struct render_run *run, struct err *err);
 // Writes the rows so far. A file that cannot be written is a warning.
 bool render_update_trace(struct render_run *run, struct err *err);

@@ -54,7 +54,7 @@ struct search {
     const struct renderer *renderer;
     struct projection projection;
     double spread;      // radius by which the filter extends a pixel
-    uint8_t *mask;      // see struct unseen_light
+    uint8_t *mask;      // becomes unseen_light.emitter_in_view
     size_t small_count; // number of emitters smaller than part_max
     float *light;       // for each pixel: sum of radiance times area of the emitters whose centres
                         // it contains

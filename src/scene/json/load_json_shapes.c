@@ -60,8 +60,8 @@ static bool load_named_array(struct json_loader *loader, const struct json_node 
     if (i == params->array_count)
         return node_fail(
             &array, err,
-            "there are no arrays for a mesh \"%s\", which only a program that loads the "
-            "scene can provide; expected \"file\"",
+            "there are no arrays for a mesh \"%s\"; only a program that loads the scene can "
+            "provide arrays; expected \"file\"",
             name);
     if (!load_array(loader->scene, &params->arrays[i], material, &mesh, err))
         return node_prepend(&array, err);
