@@ -185,7 +185,7 @@ struct mark {
 struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
-    struct camera camera;        // the camera in use; its name is the scene's
+    struct camera camera;        // the camera in use; the scene owns its name
     struct render_window window; // window of the picture that the film has; {0}: all of it
     uint64_t pixels;             // capacity: frame.width * frame.height is at most this
     uint32_t aovs;               // AOV_*, as requested

@@ -201,7 +201,8 @@ static bool search(struct survey *survey, struct err *err)
     return true;
 }
 
-// Orders findings by share, then by level.
+// Orders findings by descending share, then by descending level, then by name. Unknown shares are
+// last.
 static int compare(const void *a, const void *b)
 {
     const struct scene_finding *x = a, *y = b;

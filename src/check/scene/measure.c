@@ -176,10 +176,9 @@ static bool has_met_bound(const struct survey *survey, const struct outlier *fir
 static const char *tail_consequence(const struct survey *survey)
 {
     return has_bound(survey)
-               ? "The exponent is below 2, and no upper bound has been reached: with as many "
-                 "samples as these the error decreases more slowly than 1 / samples, and its "
-                 "interval may be too small. No sample exceeds the radiance of the lamps: when "
-                 "many samples have reached that, the error decreases as 1 / samples."
+               ? "The exponent is below 2, and no sample has reached the upper bound, the "
+                 "radiance of the lamps. Until many samples have reached it, the error decreases "
+                 "more slowly than 1 / samples, and its interval may be too small."
                : "The exponent is below 2, and no upper bound is reached or known: with as many "
                  "samples as these the error decreases more slowly than 1 / samples, and longer "
                  "renders find brighter samples.";

@@ -47,7 +47,7 @@ struct survey {
     uint64_t least_bytes;     // device memory that such a render needs without its waves, in bytes
     uint64_t small_bytes;     // device memory that the render of the small image takes
     struct job_params small;  // parameters of the job that renders the small image
-    struct job job;           // that job, until the last two searches start others
+    struct job job;           // that job; end_job() finishes it, and later searches start others
     struct sightline *lines;  // one line for each pixel of the small image
     uint32_t line_count;
     // Set by find_twice(): a number for each object, equal for objects at the same place.
