@@ -1,5 +1,5 @@
-// One thread tests whether a surface is between a vertex of a light path and the camera. Reads the
-// queue of shadow rays. If there is one, the contribution becomes 0.
+// One thread tests whether a surface is between a vertex of a light path and the camera. If so, the
+// contribution becomes 0. Reads the queue of shadow rays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

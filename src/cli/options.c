@@ -226,7 +226,7 @@ bool output_is_video(const char *path)
     return path_has_extension(path, "mp4") || path_has_extension(path, "webm");
 }
 
-// The window is a part of a picture that is rendered alike for all pixels, and by itself.
+// Refuses options that cannot be combined with --crop.
 static bool check_crop(const struct options *options, struct err *err)
 {
     const struct {
@@ -234,10 +234,12 @@ static bool check_crop(const struct options *options, struct err *err)
         const char *option, *why;
     } others[] = {
         {options->render.adaptive, "--adaptive on",
-         "the numbers of samples would not be those of the whole picture"},
-        {options_given(options, OPTION_SHARD), "--shard", "parts are of the whole picture"},
-        {options_given(options, OPTION_REFERENCE), "--reference", "it is a whole picture"},
-        {options_given(options, OPTION_PIXEL), "--pixel", "the path of a pixel needs no window"},
+         "tiles would get other numbers of samples than in the whole picture"},
+        {options_given(options, OPTION_SHARD), "--shard", "shards divide the whole picture"},
+        {options_given(options, OPTION_REFERENCE), "--reference",
+         "the reference has the size of the whole picture"},
+        {options_given(options, OPTION_PIXEL), "--pixel",
+         "it follows one path and renders no window"},
     };
     for (size_t i = 0; options_given(options, OPTION_CROP) && i < sizeof others / sizeof others[0];
          i++)
@@ -247,7 +249,7 @@ static bool check_crop(const struct options *options, struct err *err)
     return true;
 }
 
-// What is about one picture does not go with several.
+// Refuses options that apply to a single picture.
 static bool check_sequence(const struct options *options, struct err *err)
 {
     static const enum option_id of_one_picture[] = {
@@ -262,7 +264,7 @@ static bool check_sequence(const struct options *options, struct err *err)
     if (sequence->is_animation && sequence->views > 0)
         return err_set(err, ERR_USAGE,
                        "--turntable and --at START:END:FPS exclude each other; expected --at "
-                       "SECONDS, the pose that is turned");
+                       "SECONDS, the time that the turntable shows");
     for (size_t i = 0; i < sizeof of_one_picture / sizeof of_one_picture[0]; i++)
         if (options_given(options, of_one_picture[i]))
             return err_set(err, ERR_USAGE, "%s and --%s exclude each other", name,
@@ -270,7 +272,7 @@ static bool check_sequence(const struct options *options, struct err *err)
     return true;
 }
 
-// Checks options that have one meaning for a sequence and another one, or none, without it.
+// Checks options that have another meaning, or none, if no sequence is rendered.
 static bool check_without_sequence(const struct options *options, struct err *err)
 {
     if (options_given(options, OPTION_RESUME) && !options_given(options, OPTION_CHECKPOINT))

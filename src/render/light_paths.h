@@ -1,4 +1,4 @@
-// What light paths (INTEGRATOR_BIDIR) cannot do.
+// Checks whether light paths (INTEGRATOR_BIDIR) support a scene and its settings.
 #ifndef LAMPYRIS_RENDER_LIGHT_PATHS_H
 #define LAMPYRIS_RENDER_LIGHT_PATHS_H
 
@@ -13,8 +13,8 @@ struct light_paths_params {
     bool has_window; // the film is a window of the picture
 };
 
-// Refuses settings and scenes for which light paths would not bring the light that camera paths
-// miss; true for other integrators.
+// Fails with ERR_INPUT for settings and scenes that light paths do not support. Returns true for
+// other integrators.
 bool light_paths_check(const struct light_paths_params *params, struct err *err);
 
 #endif
