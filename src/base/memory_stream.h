@@ -13,9 +13,10 @@ struct memory_stream {
     size_t size;
 };
 
-// Returns false when out of memory.
+// Opens the stream. Returns false when out of memory.
 bool memory_stream_open(struct memory_stream *stream);
-// Returns false if not everything could be stored. Accepts {0}.
+// Closes the stream, and sets `text` and `size`. Returns false if not everything could be stored.
+// Accepts {0}.
 bool memory_stream_close(struct memory_stream *stream);
 // Closes the stream and frees the text. Accepts {0}.
 void memory_stream_finish(struct memory_stream *stream);

@@ -561,7 +561,7 @@ static bool probe_groups(struct renderer *r, struct search *search, struct err *
 
 // --- entry point ---------------------------------------------------------------------------------
 
-// Moves those pixels of the mask that the film has to its beginning.
+// Compacts the mask from the pixels of the whole picture to those of the film.
 static void cut_mask(const struct renderer *r, uint8_t *mask)
 {
     for (uint32_t y = 0; y < r->frame.height; y++)
@@ -569,7 +569,7 @@ static void cut_mask(const struct renderer *r, uint8_t *mask)
                 &mask[r->frame.window_first + (size_t)y * r->frame.picture_width], r->frame.width);
 }
 
-// Returns whether the film has the pixel of an emitter, which becomes that of the film.
+// Converts the pixel of an emitter from the picture to the film. Returns whether the film has it.
 static bool is_in_film(const struct renderer *r, struct small_light *light)
 {
     // Pixels left of the window or above it wrap around.

@@ -104,7 +104,8 @@ static bool list_members(struct tangent_work *work, struct members *members)
     return true;
 }
 
-// Computes the sum for corner `own` of a group. Returns false when nothing is omitted from it.
+// Computes the sum of the directions of a group without those opposite to corner `own`. Returns
+// false if there are none of these.
 static bool sum_without_opposites(const struct tangent_work *work, uint32_t own,
                                   const uint32_t *corners, uint32_t count, struct direction *out)
 {
@@ -132,8 +133,9 @@ static bool is_same_sum(const struct direction *a, const struct direction *b)
     return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1] && a->sum[2] == b->sum[2];
 }
 
-// Moves the corners of one group that omit others to new groups, one for each distinct sum.
-// `directions` are those of all groups so far, with room for one more for each corner.
+// Moves the corners of a group that have opposite corners in it to new groups, one for each
+// distinct sum. `directions` has the sums of all groups so far, and room for one more for each
+// corner.
 static void divide_group(struct tangent_work *work, const uint32_t *corners, uint32_t count,
                          struct direction *directions)
 {
