@@ -31,7 +31,8 @@ static bool is_watched(const struct options *options)
     return terminal_is(stdout) && !options->quiet && !options->json;
 }
 
-// The default is the scene's name with .exr, in the working directory; for people also a PNG.
+// Names the default output: the scene's name with .exr, in the working directory. If a person reads
+// the summary, also a PNG file.
 bool render_default_outputs(struct render_run *run, struct err *err)
 {
     static const char *const formats[] = {"%s.exr", "%s.png"};

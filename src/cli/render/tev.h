@@ -11,7 +11,6 @@
 //
 // A separate thread talks to the viewer. It holds one image; the caller asks whether that was sent
 // before it makes a newer one. Only tev_close waits for the peer, for a limited time.
-// that is gone already. Nothing here waits for the peer but tev_close, for so long.
 #ifndef LAMPYRIS_CLI_RENDER_TEV_H
 #define LAMPYRIS_CLI_RENDER_TEV_H
 
