@@ -10,7 +10,7 @@
 //                      int32 x, y, width, height; floats, one channel after the other
 //
 // A separate thread talks to the viewer. It holds one image; the caller asks whether that was sent
-// before it makes a newer one. Only tev_close waits for the peer, for a limited time.
+// before it makes a newer one. Only tev_wait and tev_close wait for the peer, for a limited time.
 #ifndef LAMPYRIS_CLI_RENDER_TEV_H
 #define LAMPYRIS_CLI_RENDER_TEV_H
 
@@ -22,8 +22,8 @@
 #define TEV_HOST_MAX 255   // bytes of a host name (RFC 1035, section 2.3.4)
 #define TEV_CHANNEL_MAX 64 // bytes of a channel's name, with the NUL
 #define TEV_CHANNELS_MAX 64
-#define TEV_PATIENCE_SECONDS 3.0  // a peer that takes nothing for this long is given up
-#define TEV_FAREWELL_SECONDS 10.0 // and so is one that has not taken the last image after this time
+#define TEV_PATIENCE_SECONDS 3.0  // the connection ends if the peer accepts nothing for this time
+#define TEV_FAREWELL_SECONDS 10.0 // or if it has not accepted the last image after this time
 
 struct tev_address {
     char host[TEV_HOST_MAX + 1];
@@ -31,7 +31,7 @@ struct tev_address {
 };
 
 // Parses "HOST", "HOST:PORT", ":PORT", "PORT" or "[V6]:PORT"; the defaults are 127.0.0.1 and
-// TEV_PORT. ERR_USAGE. Names are resolved when the connection is made.
+// TEV_PORT. Fails with ERR_USAGE. Names are resolved when the connection is made.
 bool tev_parse_address(const char *text, struct tev_address *out, struct err *err);
 
 // Both arrays are allocated with malloc.
@@ -47,12 +47,13 @@ struct tev;
 // Starts to connect. `name` is the image's name in the viewer. Returns NULL when out of memory or
 // threads, with *err set.
 struct tev *tev_open(const struct tev_address *address, const char *name, struct err *err);
-// Returns whether it can take an image: false while one is being sent, and after a failure, of
-// which it has warned.
+// Returns whether tev_send() can be called: false while an image is being sent, and after a
+// failure, which was reported by a warning.
 bool tev_is_ready(struct tev *tev);
 // Takes ownership of the image; call it only when ready.
 void tev_send(struct tev *tev, struct tev_picture *picture);
-void tev_free_picture(struct tev_picture *picture); // for one that was not sent
+void tev_free_picture(
+    struct tev_picture *picture); // for an image that was not passed to tev_send()
 // Waits until nothing is being sent, for at most TEV_FAREWELL_SECONDS.
 void tev_wait(struct tev *tev);
 // Waits likewise and ends the thread. A thread that is resolving a name for too long is left

@@ -34,8 +34,8 @@ void frame_budget_measure_pixels(struct frame_budget *pace, double pixels, doubl
 // Returns the rendering time of a frame, in milliseconds. It is at least a quarter of the target,
 // so that the image progresses even if all other work is slow.
 double frame_budget_render_ms(const struct frame_budget *pace);
-// Returns the rendering time of a frame, in milliseconds, while there is no input. It is longer than
-// frame_budget_render_ms(), so that most of the time is spent on the image.
+// Returns the rendering time of a frame, in milliseconds, while there is no input. It is at least
+// frame_budget_render_ms(), and longer if possible, so that most of the time is spent on the image.
 double frame_budget_calm_render_ms(const struct frame_budget *pace);
 // Returns the number of paths in flight, a power of two, that take at most `render_ms`. A frame can
 // only end between two waves.
