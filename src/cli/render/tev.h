@@ -52,8 +52,7 @@ struct tev *tev_open(const struct tev_address *address, const char *name, struct
 bool tev_is_ready(struct tev *tev);
 // Takes ownership of the image; call it only when ready.
 void tev_send(struct tev *tev, struct tev_picture *picture);
-void tev_free_picture(
-    struct tev_picture *picture); // for an image that was not passed to tev_send()
+void tev_free_picture(struct tev_picture *picture); // if it was not passed to tev_send()
 // Waits until nothing is being sent, for at most TEV_FAREWELL_SECONDS.
 void tev_wait(struct tev *tev);
 // Waits likewise and ends the thread. A thread that is resolving a name for too long is left
