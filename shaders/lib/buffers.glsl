@@ -130,8 +130,8 @@ uint slot_stream(uint slot)
     return (slot & (slots_a_sample() - 1u)) * 0x9e3779b9u;
 }
 
-// Returns the number in the picture of a pixel of the film, which may be a window of the picture. Random
-// numbers depend on it, so that a window has the bits of the whole picture.
+// Returns the number in the picture of a pixel of the film, which may be a window of the picture.
+// Random numbers depend on it, so that a window has the bits of the whole picture.
 uint picture_pixel(uint pixel)
 {
     if (WINDOW == 0u)

@@ -57,15 +57,15 @@ struct job_checkpoint_params {
     bool is_paced;    // shorter intervals, if the checkpoints then take a small part of the time
 };
 
-// A shard: one of several processes that share a render renders some of the samples of every pixel, or
-// all samples of some rows of tiles. Its checkpoint is a part, which merge.h adds to others. Its
+// A shard: one of several processes that share a render renders some of the samples of every pixel,
+// or all samples of some rows of tiles. Its checkpoint is a part, which merge.h adds to others. Its
 // goal can only be a number of samples.
 struct job_shard {
-    // Selects part `index`, from 1, of `count` equal parts of the samples or rows. count = 0: `range`
-    // instead.
+    // Selects part `index`, from 1, of `count` equal parts of the samples or rows. If count is 0,
+    // `range` selects them.
     uint32_t index, count;
     struct sample_range range; // end = 0: the job is not a shard and renders all samples
-    bool by_tiles;             // the range is one of rows; also for a merged film
+    bool by_tiles; // divides rows instead of samples; also set for a film merged from such parts
 };
 
 // The film of a render that was merged from its parts.
@@ -334,8 +334,8 @@ double job_elapsed(const struct job *job); // rendering time since the beginning
 // See renderer_set_camera(). The film is restarted.
 bool job_set_camera(struct job *job, const struct camera *camera, uint32_t width, uint32_t height,
                     bool *fits, struct err *err);
-// Begins the next picture of a sequence: like job_set_camera() with the same size. The records of the
-// former picture are discarded, and the next job_run() is that of a new job.
+// Begins the next picture of a sequence: like job_set_camera() with the same size. The records of
+// the former picture are discarded, and the next job_run() is that of a new job.
 bool job_begin_view(struct job *job, const struct camera *camera, bool *fits, struct err *err);
 // See renderer_clear(). The film is restarted with samples that it did not have before.
 bool job_clear(struct job *job, struct err *err);

@@ -72,7 +72,7 @@ bool job_look_for_trace(struct job *job, struct err *err);
 bool job_checkpoint_open(struct job *job, struct err *err);
 bool job_checkpoint_restore(struct job *job, struct err *err);
 bool job_checkpoint_when_due(struct job *job, struct err *err);
-// Returns in how many seconds one is due; 0: now; INFINITY: never.
+// Returns the number of seconds until the next checkpoint is due; 0: now; INFINITY: never.
 double job_checkpoint_wait(const struct job *job);
 
 // --- shard.c ---

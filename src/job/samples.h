@@ -1,5 +1,5 @@
-// Sets of sample indices, or of rows of the image. A sample index stands for one sample of every pixel
-// of the image; a row stands for all samples of its pixels.
+// Sets of sample indices, or of rows of the image. A sample index stands for one sample of every
+// pixel of the image; a row stands for all samples of its pixels.
 #ifndef LAMPYRIS_JOB_SAMPLES_H
 #define LAMPYRIS_JOB_SAMPLES_H
 
@@ -8,10 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// The samples or rows from `first` up to, but not including, `end`. Of samples, both are even: sample s
-// is number s >> 1 of half-buffer s & 1, so only then do the halves of a part contain the same
-// samples as in the whole render. Of rows, both are multiples of the side of a tile, or the end is
-// that of the image, because tiles may have different numbers of samples.
+// The samples or rows `first` to `end` - 1. For samples, both numbers are even, or `end` is the
+// number of all samples: sample s is number s >> 1 of half-buffer s & 1, so the halves of a part
+// contain the same samples as in the whole render. For rows, both are multiples of the side of a
+// tile, or `end` is the height of the image, because tiles may have different numbers of samples.
 struct sample_range {
     uint64_t first, end;
 };
@@ -27,8 +27,8 @@ struct sample_ranges {
 // must be at least one pair of samples per part, unless count is 1.
 struct sample_range samples_of_part(uint32_t index, uint32_t count, uint64_t samples);
 
-// Returns part `index`, from 1, of `count` parts of `rows` rows, in whole tiles of `side` rows. There
-// must be at least one row of tiles for each part.
+// Returns part `index`, from 1, of `rows` rows divided into `count` parts of whole tiles, which are
+// `side` rows high. There must be at least one row of tiles per part.
 struct sample_range rows_of_part(uint32_t index, uint32_t count, uint32_t rows, uint32_t side);
 
 // Parses "FIRST:END". Returns the rest of the text, or NULL if the text does not begin like that.

@@ -24,7 +24,7 @@ struct losses {
 struct ways {
     struct losses *losses[LOSS_KINDS]; // for each kind, one entry per object
     uint32_t *lost;                    // for each pixel, a bit for each kind
-    uint32_t *told;                    // the same without objects in `named`
+    uint32_t *told;                    // the same, but without the losses at objects of `named`
     const bool *named;                 // objects that another finding already names; NULL: none
 };
 
