@@ -1,255 +1,11 @@
-#include "render/wave.h"
+#include "render/wave_record.h"
 
-#include "base/clock.h"
 #include "render/counters.h"
-#include <math.h>
-#include <string.h>
 
 // Bounces that are recorded before the host checks whether any path is left. The number is small,
 // so that little is recorded in vain, and large enough for waiting not to matter.
 #define BOUNCES_A_SUBMIT 16u
 #define QUEUES_OF_HITS ((1u << (QUEUE_MISS + 1)) - (1u << QUEUE_SURFACE))
-
-// --- recording -----------------------------------------------------------------------------------
-
-static bool is_of_shadow_rays(enum kernel_id kernel)
-{
-    return kernel == KERNEL_intersect_shadow || kernel == KERNEL_intersect_camera ||
-           kernel == KERNEL_add_splats;
-}
-
-// Records a timestamp. The array of marks is in the order of timestamps. items: 0 for a kernel that
-// does little work.
-static void mark(struct renderer *r, enum kernel_id kernel, uint32_t items)
-{
-    uint32_t index = gpu_timestamp(r->gpu, &r->commands);
-    uint32_t bounce = r->push.bounce;
-    if (!r->gpu->has_timestamps && r->mark_count < GPU_MAX_TIMESTAMPS)
-        index = r->mark_count;
-    if (kernel == KERNEL_accumulate)
-        bounce = 0;
-    else if (is_of_shadow_rays(kernel) && bounce > 0)
-        bounce--;
-    if (bounce >= STATS_BOUNCES)
-        bounce = STATS_BOUNCES - 1;
-    if (index == UINT32_MAX)
-        return;
-    r->marks[index] = (struct mark){(uint8_t)kernel, (uint8_t)bounce, r->push.first_item, items};
-    r->mark_count = index + 1;
-}
-
-static bool begin(struct renderer *r, const struct wave *wave, struct err *err)
-{
-    r->recording_ns = clock_ns();
-    if (!gpu_begin(r->gpu, &r->commands, err))
-        return false;
-    gpu_bind(r->gpu, &r->commands, &r->bindings[wave->film_chunk]);
-    r->mark_count = 0;
-    r->pace.recorded_ns = 0.0;
-    r->barrier_is_due = false;
-    mark(r, KERNEL_COUNT, 0);
-    return true;
-}
-
-// Makes the writes of earlier kernels visible to later ones. Kernels between two barriers may run
-// at the same time; docs/architecture.md, "Kernels side by side", explains why that is correct.
-static void barrier(struct renderer *r)
-{
-    if (r->barrier_is_due)
-        gpu_barrier(r->gpu, &r->commands);
-    r->barrier_is_due = false;
-}
-
-static void dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups, uint32_t items)
-{
-    gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
-    gpu_dispatch(r->gpu, &r->commands, &r->kernels[kernel], groups);
-    mark(r, kernel, items);
-    r->stats.kernels[kernel].launches++;
-    r->barrier_is_due = true;
-}
-
-// --- recording of submissions with a limited duration
-// ---------------------------------------------
-
-struct loop {
-    struct renderer *r;
-    const struct wave *wave;
-    const struct wave_observer *observer; // NULL: records as much as possible before running it
-    bool is_paced;
-    bool is_timed;       // gives every part a timestamp of its own
-    uint32_t part_items; // items of a queue or a list that one dispatch processes
-    bool is_light;       // the paths are light paths
-    uint32_t bounce;     // the next bounce to record
-    uint32_t last;       // the last possible bounce of paths
-};
-
-static bool run(struct renderer *r, struct err *err);
-
-// Submits the recorded commands if the submission would become too long with the next part of a
-// kernel, or if every part needs a timestamp and none is left.
-static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, struct err *err)
-{
-    struct renderer *r = l->r;
-    bool is_full = (l->is_paced || l->is_timed) && r->mark_count == GPU_MAX_TIMESTAMPS;
-    if (!is_full && (!l->is_paced || pace_takes(&r->pace, kernel, items)))
-        return true;
-    return run(r, err) && begin(r, l->wave, err) &&
-           (!l->is_paced || pace_takes(&r->pace, kernel, items) ||
-            err_set(err, ERR_BUG, "an empty submission that takes nothing"));
-}
-
-// Records a kernel over `items` items, in parts. work: the number of items of other kernels that
-// take as long as one item of this kernel.
-static bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
-                         struct err *err)
-{
-    struct renderer *r = l->r;
-    uint32_t workgroup = r->specialization.workgroup;
-    uint32_t most = l->is_paced && l->part_items / work > workgroup
-                        ? l->part_items / work / workgroup * workgroup
-                    : l->is_paced ? workgroup
-                                  : l->part_items;
-    for (uint32_t first = 0; first < items; first += most) {
-        uint32_t left = items - first;
-        uint32_t part = left < most ? left : most;
-        if (!make_room(l, kernel, part * work, err))
-            return false;
-        r->push.part_items = most;
-        r->push.first_item = first;
-        dispatch(r, kernel, (part + workgroup - 1) / workgroup, part * work);
-    }
-    return true;
-}
-
-// Records a kernel over a queue whose length only the device knows, in as many parts as it may
-// need, without a barrier after it. Synchronization validation assumes that a kernel reads and
-// writes every buffer that is bound to it; with that layer no two dispatches run at the same time.
-static bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
-{
-    struct renderer *r = l->r;
-    for (uint32_t part = 0; part * (uint64_t)l->part_items < r->wave_items; part++) {
-        size_t at = offsetof(struct gpu_counters, dispatch) +
-                    (queue * DISPATCH_PARTS + part) * sizeof(struct gpu_dispatch);
-        uint32_t first = part * l->part_items, left = r->wave_items - first;
-        uint32_t items = left < l->part_items ? left : l->part_items;
-        if (!make_room(l, kernel, items, err))
-            return false;
-        r->push.queue = queue;
-        r->push.part_items = l->part_items;
-        r->push.first_item = first;
-        gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
-        gpu_dispatch_indirect(r->gpu, &r->commands, &r->kernels[kernel],
-                              &r->buffers[BINDING_QUEUES], at);
-        r->barrier_is_due = true;
-        if (r->gpu->params.validation)
-            barrier(r);
-        r->stats.kernels[kernel].launches++;
-        mark(r, kernel, items);
-    }
-    return true;
-}
-
-static bool record_prepare(struct loop *l, uint32_t queue_mask, struct err *err)
-{
-    struct renderer *r = l->r;
-    if (!make_room(l, KERNEL_prepare_dispatch, 0, err))
-        return false;
-    r->push.queue = queue_mask;
-    r->push.part_items = l->part_items;
-    // The smallest workgroups have fewer threads than there are queues.
-    uint32_t workgroup = r->specialization.workgroup;
-    dispatch(r, KERNEL_prepare_dispatch, (QUEUE_COUNT + workgroup - 1) / workgroup, 0);
-    return true;
-}
-
-// Records the single workgroup of a sort: see lib/sort.glsl.
-static bool record_scan(struct loop *l, uint32_t queue, struct err *err)
-{
-    if (!make_room(l, KERNEL_sort_scan, 0, err))
-        return false;
-    l->r->push.queue = queue;
-    dispatch(l->r, KERNEL_sort_scan, 1, 0);
-    return true;
-}
-
-// --- running -------------------------------------------------------------------------------------
-
-static void add_times(struct renderer *r, const double *ns)
-{
-    for (uint32_t i = 1; i < r->mark_count; i++) {
-        struct kernel_stats *kernel = &r->stats.kernels[r->marks[i].kernel];
-        double ms = (ns[i] - ns[i - 1]) * 1e-6;
-        kernel->ms += ms;
-        r->stats.bounce_ms[r->marks[i].bounce][r->marks[i].kernel] += ms;
-        if (ms > kernel->longest_ms)
-            kernel->longest_ms = ms;
-    }
-}
-
-// Returns the number of items that a dispatch processed, for the queue that was prepared last.
-static uint32_t items_found(const struct renderer *r, const struct mark *m)
-{
-    uint32_t queue = r->push.queue;
-    if (m->kernel == KERNEL_generate_rays || m->kernel == KERNEL_generate_light_rays ||
-        m->kernel == KERNEL_accumulate)
-        return m->items;
-    bool is_hits = queue >= QUEUE_SURFACE && queue <= QUEUE_MISS;
-    uint32_t count = is_hits ? r->counters->queue[queue].count
-                             : r->counters->dispatch[queue * DISPATCH_PARTS].items;
-    uint32_t left = count > m->first ? count - m->first : 0;
-    return left < m->items ? left : m->items;
-}
-
-// Passes a kernel's time to the pace. A kernel whose time is not known was submitted alone, so the
-// number of items that it really processed is known. Later the number includes empty items; the
-// fullest bounces of a wave then determine the time of an item.
-static void learn(struct renderer *r, const struct mark *m, double ns)
-{
-    bool is_known = r->pace.ns[m->kernel] > 0.0;
-    pace_learn(&r->pace, m->kernel, is_known ? m->items : items_found(r, m), ns);
-}
-
-// ns: the times at which marks were passed; NULL: only the total time is known, which is then
-// divided in proportion to the expected times.
-static void learn_all(struct renderer *r, const double *ns, double total_ns)
-{
-    double expected = r->pace.recorded_ns;
-    for (uint32_t i = 1; i < r->mark_count; i++) {
-        const struct mark *m = &r->marks[i];
-        if (m->items == 0)
-            continue;
-        double known = r->pace.ns[m->kernel] * m->items;
-        double share = known > 0.0 && expected > 0.0 ? fmin(known / expected, 1.0) : 1.0;
-        learn(r, m, ns ? ns[i] - ns[i - 1] : total_ns * share);
-    }
-}
-
-// Submits the recorded commands, waits, and reads back times and counters.
-static bool run(struct renderer *r, struct err *err)
-{
-    struct host_stats *host = &r->stats.host;
-    uint64_t recorded = clock_ns();
-    host->recording += (double)(recorded - r->recording_ns) * 1e-6;
-    barrier(r);
-    counters_record_copy(r);
-    if (!gpu_submit(r->gpu, &r->commands, err) || !gpu_wait(r->gpu, &r->commands, err))
-        return false;
-    uint64_t waited = clock_ns();
-    host->submitting += (double)(waited - recorded) * 1e-6;
-    double ns[GPU_MAX_TIMESTAMPS];
-    if (r->gpu->has_timestamps) {
-        if (!gpu_timestamps_ns(r->gpu, &r->commands, ns, err))
-            return false;
-        add_times(r, ns);
-        host->submitting -= ns[r->mark_count - 1] * 1e-6;
-    }
-    counters_read(r);
-    if (r->pace.is_on)
-        learn_all(r, r->gpu->has_timestamps ? ns : NULL, (double)(waited - recorded));
-    host->reading_back += (double)(clock_ns() - waited) * 1e-6;
-    return true;
-}
 
 // --- the loop ------------------------------------------------------------------------------------
 
@@ -259,7 +15,8 @@ static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint
     const struct gpu_push *push = &l->r->push;
     uint32_t light_ray = kernel == KERNEL_intersect_shadow ? push->light_ray : 0;
     const struct wave_step step = {kernel, push->bounce, queue, light_ray, l->part_items};
-    return run(l->r, err) && fn(l->observer->context, &step, err) && begin(l->r, l->wave, err);
+    return record_run(l->r, err) && fn(l->observer->context, &step, err) &&
+           record_begin(l->r, l->wave, err);
 }
 
 static bool before(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
@@ -286,8 +43,9 @@ static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, s
     if (r->specialization.features & FEATURE_SUSPEND) {
         for (uint32_t suspended = QUEUE_SUSPENDED;;
              suspended = 2 * QUEUE_SUSPENDED + 1 - suspended) {
-            barrier(r);
-            if (!record_prepare(l, 1u << suspended, err) || !run(r, err) || !begin(r, l->wave, err))
+            record_barrier(r);
+            if (!record_prepare(l, 1u << suspended, err) || !record_run(r, err) ||
+                !record_begin(r, l->wave, err))
                 return false;
             if (r->counters->dispatch[suspended * DISPATCH_PARTS].items == 0)
                 break;
@@ -328,7 +86,7 @@ static bool add_splats(struct loop *l, struct err *err)
         gpu_bind(r->gpu, &r->commands, &r->bindings[range.film_chunk]);
         r->push.film_first_pixel = (uint32_t)(range.film_chunk * r->plan.film_chunk_pixels);
         for (r->push.light_ray = 0; ok && r->push.light_ray < 2; r->push.light_ray++) {
-            barrier(r);
+            record_barrier(r);
             ok = record_queue(l, KERNEL_add_splats, QUEUE_SHADOW, err);
         }
     }
@@ -352,7 +110,7 @@ static bool trace_shadow_rays(struct loop *l, struct err *err)
     for (uint32_t ray = 0; ray < rays; ray++) {
         r->push.light_ray = ray;
         if (ray > 0)
-            barrier(r);
+            record_barrier(r);
         if (!trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err))
             return false;
     }
@@ -517,7 +275,7 @@ static bool generate_rays(struct loop *l, struct err *err)
     choose_part(l);
     if (!record_items(l, kernel, l->wave->pixel_count << l->wave->sample_shift, 1, err))
         return false;
-    barrier(r);
+    record_barrier(r);
     return after(l, kernel, 0, err);
 }
 
@@ -556,7 +314,7 @@ static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
             if (!ok)
                 return false;
         }
-        barrier(r);
+        record_barrier(r);
     }
     l->bounce++;
     r->ahead.bounce = both ? ++ahead->bounce : 0;
@@ -568,7 +326,7 @@ static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
 static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
-    if (!begin(r, l->wave, err) || (l->bounce == 0 && !generate_rays(l, err)))
+    if (!record_begin(r, l->wave, err) || (l->bounce == 0 && !generate_rays(l, err)))
         return false;
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
         return true;
@@ -577,7 +335,7 @@ static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
             return false;
         if (l->bounce % BOUNCES_A_SUBMIT != 0)
             continue;
-        if (!run(r, err) || !begin(r, l->wave, err))
+        if (!record_run(r, err) || !record_begin(r, l->wave, err))
             return false;
         if (r->counters->queue[queue_of_rays(l)].count == 0 &&
             r->counters->queue[QUEUE_SHADOW].count == 0)
@@ -595,7 +353,7 @@ static bool trace_light_paths(const struct loop *camera, struct err *err)
     l.is_light = true;
     l.observer = NULL;
     return l.r->specialization.integrator != INTEGRATOR_BIDIR ||
-           (trace_paths(&l, NULL, err) && run(l.r, err));
+           (trace_paths(&l, NULL, err) && record_run(l.r, err));
 }
 
 static struct loop make_loop(struct renderer *r, const struct wave *wave,
@@ -680,7 +438,7 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave 
     if (!trace_light_paths(&loop, err) || !trace_paths(&loop, next ? &ahead : NULL, err))
         return false;
     if (!record_items(&loop, KERNEL_accumulate, wave->pixel_count, 1u << wave->sample_shift, err) ||
-        !run(r, err))
+        !record_run(r, err))
         return false;
     pace_end_wave(&r->pace, &r->plan);
     *voided = r->counters->unfinished != 0; // accumulate has not changed the film then
@@ -701,7 +459,7 @@ bool wave_trace_steps(struct renderer *r, const struct wave *wave,
     if (!wave_forget_ahead(r, err))
         return false;
     struct loop loop = make_loop(r, wave, observer);
-    return trace_paths(&loop, NULL, err) && run(r, err);
+    return trace_paths(&loop, NULL, err) && record_run(r, err);
 }
 
 static bool record_step(struct loop *l, const struct wave_step *step, struct err *err)
@@ -735,15 +493,15 @@ bool wave_run_step(struct renderer *r, const struct wave *wave, const struct wav
     loop.is_timed = true;
     if (step->part_items > 0)
         loop.part_items = step->part_items;
-    if (!begin(r, wave, err))
+    if (!record_begin(r, wave, err))
         return false;
     r->push.bounce = step->bounce;
     for (r->push.light_ray = 0; r->push.light_ray < launches; r->push.light_ray++) {
-        barrier(r);
+        record_barrier(r);
         if (!record_step(&loop, step, err))
             return false;
     }
-    if (!run(r, err))
+    if (!record_run(r, err))
         return false;
     *ms = r->gpu->has_timestamps ? *device_ms - before : *host_ms - host_before;
     return true;
@@ -779,14 +537,14 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
     r->push.queue = 0;
     r->push.part_items = 0;
     struct render_stats kept = r->stats; // the time of compiling must not count as run time
-    if (!wave_clear_counters(r, err) || !begin(r, &none, err))
+    if (!wave_clear_counters(r, err) || !record_begin(r, &none, err))
         return false;
     for (int id = 0; id < KERNEL_COUNT; id++) {
-        barrier(r);
+        record_barrier(r);
         if (r->kernels[id].pipeline)
-            dispatch(r, (enum kernel_id)id, 1, 0);
+            record_dispatch(r, (enum kernel_id)id, 1, 0);
     }
-    bool ok = run(r, err);
+    bool ok = record_run(r, err);
     r->stats = kept;
     return ok;
 }
