@@ -107,7 +107,7 @@ TEST(specular_glossiness)
     check_scale(&scene, 0, GROUP_METAL, "-A--");
     // A glossiness of 0 remains 0, with any texture.
     CHECK(m[1].roughness == 1 && m[1].texture_count == 1 && near3(m[1].specular_color, 25, 25, 25));
-    CHECK(has_note(&scene, "2 materials of specular-glossiness"));
+    CHECK(has_note(&scene, "2 specular-glossiness materials"));
     scene_finish(&scene);
 }
 
