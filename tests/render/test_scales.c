@@ -265,7 +265,7 @@ struct beyond {
 
 static const struct beyond beyonds[] = {
     {SEEN_FROM(1e17, 1), "camera.position[2]: 1e+17 is outside [-1e+13, 1e+13]", NULL},
-    {SEEN_FROM(1e8, 40), NULL, "3.4641 m across and 1e+08 m away: 7.6e-07 of a pixel"},
+    {SEEN_FROM(1e8, 40), NULL, "3.4641 m across and 1e+08 m away, and covers 7.6e-07 pixels"},
     {SEEN_FROM(100, 1e-6), NULL, "a pixel is 1.1e-09 radians wide"},
     {{"shapes", JSON([ {"type" : "sphere", "material" : "light", "radius" : 1e-14} ])},
      "far.json: the scene is 2e-14 m across; expected 1e-13 m to 2e+13 m",
