@@ -12,10 +12,10 @@
 #include "lib/roulette.glsl"
 #include "lib/texture.glsl"
 
-// Two ratios of densities, from which MIS weights are computed: those with which shadow rays sample
-// the emitter of this path, and with which camera paths hit it, divided by the light path's own.
-// The factor of the camera's side is missing; with it they are the inverses of the ratios of
-// lib/bidir.glsl.
+// Two ratios of densities, from which MIS weights are computed: the densities of this path by
+// shadow rays to its emitter, and by camera paths that hit the emitter, each divided by the density
+// of the light path. Both lack the factor of the connection to the camera; multiplied by it, they
+// are the inverses of the ratios in lib/bidir.glsl.
 struct ratios {
     float by_shadow_ray;
     float by_hit;

@@ -1,6 +1,6 @@
-// Scattering of light paths. BSDFs are evaluated with the same arguments as for camera paths, so
-// that asymmetric models, and normals that were bent towards the viewer, have the same values for
-// both kinds of path.
+// Scattering of light paths. BSDFs are evaluated with the same arguments as for a camera path that
+// arrives from the opposite end, so that asymmetric models, and normals that were bent towards the
+// viewer, have the same values for both kinds of path.
 #ifndef ADJOINT_GLSL
 #define ADJOINT_GLSL
 

@@ -11,10 +11,10 @@
 //   E Q / p,   Q = I d^2 (F_1 ... F_(k-2)) / (B_2 ... B_(k-1)),
 //
 // and divided by that of camera paths that hit x_0, it is E Q / B_1. Cosines cancel, and the only
-// distance that remains is d, the one to the camera. I is the solid angle that the image covers,
-// measured by the pixel in the path's own direction (image_extent()), because an image has as many
-// light paths as pixels. Q is multiplied by F_j / B_j at each vertex, so no vertices need to be
-// stored (after Georgiev 2012, "Implementing Vertex Connection and Merging", section 4).
+// distance that remains is d, from x_(k-1) to the camera. I is the number of pixels times the solid
+// angle of the pixel in the path's direction (image_extent()), because one light path is traced per
+// pixel and sample. Q is multiplied by F_j / B_j at each vertex, so no vertices need to be stored
+// (after Georgiev 2012, "Implementing Vertex Connection and Merging", section 4).
 //
 // At a delta vertex F_j / B_j counts as 1: both are the same Dirac delta, up to the ratio of two
 // cosines, and the weights need only sum to 1. If the vertex next to the camera is a delta, light
@@ -39,7 +39,7 @@ float heuristic(float ratio)
 // light paths.
 float weight_of_camera_path(float other, float of_light_paths)
 {
-#ifdef LIGHT_PATHS_ALONE // for tests: do light paths alone find all that they can?
+#ifdef LIGHT_PATHS_ALONE // for tests: only light paths contribute, wherever they can
     if (of_light_paths > 0.0)
         return 0.0;
 #endif

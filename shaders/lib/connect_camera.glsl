@@ -1,5 +1,5 @@
-// How the camera sees a point: the ray to it, and the pixel whose filter covers its image. Reads
-// the uniform block.
+// Connects a point to the camera: finds the camera ray that reaches the point, and a pixel whose
+// filter covers the point's position in the image. Reads the uniform block.
 #ifndef CONNECT_CAMERA_GLSL
 #define CONNECT_CAMERA_GLSL
 
@@ -12,7 +12,7 @@ struct camera_sight {
     vec3 direction; // unit direction of that ray
     float distance; // from the camera
     vec2 at;        // position in the image, as in make_camera_ray()
-    bool valid;
+    bool valid;     // the point is in front of the camera
 };
 
 // The inverse of make_camera_ray() for cameras with a lens or a pinhole. `from`: the point relative
@@ -45,6 +45,7 @@ camera_sight see_in_perspective(vec3 from, vec2 u_lens)
     return c;
 }
 
+// The inverse of make_camera_ray() for orthographic cameras.
 camera_sight see_in_parallel(vec3 from)
 {
     camera_sight c;
@@ -132,8 +133,8 @@ float choose_pixel(vec2 at, float u, out uint pixel)
         float row = floor((i + 0.5) / columns);
         vec2 chosen = low + vec2(i - row * columns, row);
         float density = filter_density(place - chosen);
-        // Because of rounding, the last pixel with a positive density may not be reached by the
-        // sum.
+        // Because of rounding, `left` may never fall below a density. Then the last pixel with a
+        // positive density is selected.
         if (density > 0.0 && !found)
             pixel = uint(chosen.y) * frame.picture_width + uint(chosen.x);
         found = found || left < density;

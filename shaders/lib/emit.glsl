@@ -1,5 +1,5 @@
-// The first vertex of light paths: a point on an emitter, selected by power, and a direction; and
-// the densities of both.
+// Samples the first vertex of light paths: a point on an emitter, which is selected by power, and a
+// direction. Also computes the densities of both.
 #ifndef EMIT_GLSL
 #define EMIT_GLSL
 
@@ -59,8 +59,8 @@ struct light_start {
     bool valid;
 };
 
-// Returns a uniformly distributed point on a shape. A shape as seen from its own centre has no
-// hidden part, so all of it is sampled.
+// Returns a uniformly distributed point on a shape. sample_shape() samples the part of a shape that
+// a point sees; from its own centre that is the whole shape.
 vec3 sample_whole_shape(shape_record shape, vec2 u, out vec2 at)
 {
     at = vec2(0.0);
@@ -81,7 +81,7 @@ vec3 sample_whole_shape(shape_record shape, vec2 u, out vec2 at)
     return shape.center + p.from_center;
 }
 
-// u: the point; u_direction: direction x, y, and its side.
+// Starts on a triangle or a shape. u: selects the point; u_direction: direction x, y, and side.
 void start_on_surface(vec2 u, vec4 u_direction, inout light_start l)
 {
     bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) && IS_SHAPE(l.primitive);
@@ -164,8 +164,8 @@ void start_at_light(vec2 u, vec2 u_direction, inout light_start l)
     l.valid = w1.w > 0.0;
 }
 
-// u: emitter; point on it x, y; more bits of the first. u_direction: direction x, y (or the point
-// on the disc); side.
+// u: the emitter; the point on it, x, y; more bits for the emitter. u_direction: the direction x, y
+// (or the point on the disc); the side of the surface.
 light_start start_light_path(vec4 u, vec4 u_direction)
 {
     light_start l;

@@ -69,11 +69,11 @@
 #define LIGHT_CHOICE_AUTO 0u // only as a setting: see render/tables/light_choice.h
 #define LIGHT_CHOICE_UNIFORM 1u
 #define LIGHT_CHOICE_POWER 2u
-#define LIGHT_CHOICE_ALL 3u  // one of each lamp for the first vertices (CONSTANT_LIGHT_VERTICES);
-                             // by the tree for the others
+#define LIGHT_CHOICE_ALL 3u  // one emitter of each lamp for the first vertices
+                             // (CONSTANT_LIGHT_VERTICES); by the tree for the other vertices
 #define LIGHT_CHOICE_TREE 4u // by a bound on the contribution to the vertex, from a light BVH
 
-// MIS weights of the two strategies that find emitters.
+// MIS weights of the strategies that find emitters: shadow rays and paths that hit an emitter.
 #define MIS_POWER 0u
 #define MIS_BALANCE 1u
 #define MIS_NONE 2u      // emitters that shadow rays can sample are found by shadow rays only

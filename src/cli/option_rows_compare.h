@@ -38,9 +38,10 @@
         .name = "reference-variance", .argument = "FILE|auto|VALUE", .type = VALUE_TEXT,
         .group = "Metrics", .commands = FOR_COMPARE, .fallback = "no noise is subtracted",
         .common = FOR_COMPARE, .brief = "Noise of the reference, which is subtracted.",
-        .help = "The reference's own noise, which is subtracted from mse, rmse, relmse and "
-                "local-relmse: a picture with the variance of each value, the layers of --aov "
-                "halves in the reference (auto), or one variance for all values.",
+        .help = "The variance of the reference's own noise, which is subtracted from mse, rmse, "
+                "relmse and local-relmse. FILE: a picture with the variance of each value. auto: "
+                "it is estimated from the layers of --aov halves in the reference. VALUE: one "
+                "variance for all values.",
         FIELD(compare.reference_variance),
     },
     [OPTION_EXPOSURES] = {

@@ -36,6 +36,6 @@
         .name = "accumulate", .argument = "on|off", .type = VALUE_SWITCH, .group = "Frames",
         .commands = FOR_RENDER, .fallback = "on",
         .help = "On: each frame adds its samples to those of the frames before. Off: each frame is "
-                "a separate picture with other samples.",
+                "a separate picture with new samples.",
         FIELD(render.accumulate),
     },

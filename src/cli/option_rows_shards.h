@@ -31,7 +31,7 @@
         .name = "mixed", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_MERGE,
         .common = FOR_MERGE, .brief = "Accept parts of several devices and drivers.",
         .help = "Accept parts that several devices and drivers rendered. The picture's bits are "
-                "then not those of any one device. merge reports whether the devices' pictures "
+                "then not those of any single device. merge reports whether the devices' pictures "
                 "differ by more than their noise.",
         FIELD(merge.mixed),
     },
@@ -46,7 +46,7 @@
         .name = "parts", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = SETTINGS_SPP_MAX / 2,
         .group = "Shards", .commands = FOR_SUBMIT, .common = FOR_SUBMIT,
         .brief = "Number of shards.",
-        .help = "Number of shards, each of which is a task of Slurm.",
+        .help = "Number of shards. Each is one task of a Slurm array.",
         FIELD(submit.parts),
     },
     [OPTION_SLURM] = {
@@ -60,6 +60,6 @@
     [OPTION_DRY_RUN] = {
         .name = "dry-run", .type = VALUE_FLAG, .group = "Shards", .commands = FOR_SUBMIT,
         .common = FOR_SUBMIT, .brief = "Write the batch files, and submit nothing.",
-        .help = "Write the batch files, and print the command that submits them.",
+        .help = "Write the batch files and print the command that would submit them.",
         FIELD(submit.dry_run),
     },

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// --- what the environment says -------------------------------------------------------------------
+// --- environment variables -----------------------------------------------------------------------
 
 // The index of this process among those of the same render, and their number.
 struct place {
@@ -117,12 +117,14 @@ static bool find_place(uint64_t wanted, struct place *out, struct err *err)
     *out = (struct place){array.index * rank.count + rank.index, array.count * rank.count};
     if (out->index >= out->count || out->count > UINT32_MAX)
         return err_set(err, ERR_USAGE,
-                       "the environment says that this is process %" PRIu64 ", from 0, of %" PRIu64
-                       "; expected a number below that, or --shard I/N",
+                       "the environment variables say that this is process %" PRIu64
+                       " (counted from 0) of %" PRIu64
+                       "; expected a smaller process number, or --shard I/N",
                        out->index, out->count);
     return wanted == 0 || wanted == out->count ||
            err_set(err, ERR_USAGE,
-                   "the environment says that there are %" PRIu64 " processes; expected %" PRIu64,
+                   "the environment variables say that there are %" PRIu64
+                   " processes; expected %" PRIu64 ", the number in --shard",
                    out->count, wanted);
 }
 

@@ -12,7 +12,8 @@
 
 // --- a part --------------------------------------------------------------------------------------
 
-// Returns the value of a line of an identity, up to its newline; NULL without such a line.
+// Returns the value of the line of an identity that begins with `name`; the value ends at a
+// newline. Returns NULL if there is no such line.
 static const char *find_value(const char *identity, const char *name)
 {
     size_t length = strlen(name);
@@ -88,18 +89,17 @@ static bool check_even(const struct merge *merge, const struct checkpoint *c,
     if (merge->by_tiles)
         return part->samples.count > 0 ||
                err_set(err, ERR_INPUT,
-                       "%s: is not finished, and its rows lack samples; expected it after: "
+                       "%s: is not finished: its rows lack samples; first run: "
                        "%s --shard-by tiles --shard %" PRIu64 ":%" PRIu64
                        " --checkpoint %s --resume",
                        c->path, c->command, range->first, range->end, c->path);
     if (film.pass.position == 0 && (film.next_sample % 2 == 0 || film.next_sample == end))
         return true;
-    return err_set(
-        err, ERR_INPUT,
-        "%s: is not finished, and some pixels have more samples than others, or one half "
-        "more than the other; expected it after: %s --shard %" PRIu64 ":%" PRIu64
-        " --checkpoint %s --resume",
-        c->path, c->command, range->first, range->end, c->path);
+    return err_set(err, ERR_INPUT,
+                   "%s: is not finished: some pixels have more samples than others, or one half "
+                   "has more than the other; first run: %s --shard %" PRIu64 ":%" PRIu64
+                   " --checkpoint %s --resume",
+                   c->path, c->command, range->first, range->end, c->path);
 }
 
 static bool check_film(const struct checkpoint *c, const struct merge *merge, struct err *err)
@@ -148,7 +148,7 @@ static bool check_plan(const struct merge *merge, const struct checkpoint *c, st
 
 static const char *const own_lines[] = {JOB_SHARD_LINE, "device=", "driver="};
 
-// The lines that all parts must have in common.
+// Returns the lines of an identity that all parts must have in common.
 static const char *common_identity(const char *identity, bool mixed, struct arena *arena)
 {
     return job_identity_without(identity, own_lines, mixed ? 3 : 1, arena);
@@ -260,7 +260,7 @@ static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t i
         return false;
     if (c->note[JOB_NOTE_AOVS] != merge->aovs)
         return err_set(err, ERR_INPUT,
-                       "%s: its layers are not those of %s; expected parts of the same --aov",
+                       "%s: its layers are not those of %s; expected parts with the same --aov",
                        c->path, merge->parts[0].path);
     if (!find_film(merge, c, part, err))
         return false;
@@ -315,7 +315,7 @@ static bool add_film(const struct merge *merge, const struct merge_part *part, c
     bool ok = c.head_hash == part->head_hash ||
               err_set(err, ERR_INPUT,
                       "%s: was replaced while it was merged; expected a file that "
-                      "nobody writes",
+                      "no program writes meanwhile",
                       part->path);
     uint64_t at = 0, bytes;
     while (ok && (bytes = checkpoint_next_bytes(&c)) > 0) {
@@ -344,7 +344,7 @@ static bool create_film(const struct merge *merge, struct arena *arena, struct f
     return out->records || err_memory(err, "the film", merge->film_bytes);
 }
 
-// Adds the films of all parts of one device; of all devices with UINT32_MAX.
+// Adds the films of the parts of `device`, or of all parts if it is UINT32_MAX.
 static bool add_films_of(const struct merge *merge, uint32_t device,
                          const struct progress *progress, char *block, struct film_copy *to,
                          uint32_t *done, struct err *err)
@@ -360,7 +360,7 @@ static bool add_films_of(const struct merge *merge, uint32_t device,
             return err_set(err, ERR_STOPPED, "stopped by a signal; nothing was written");
         if (add_film(merge, part, block, to, &failure))
             continue;
-        if (first.code != ERR_NONE) // the caller reports the last one
+        if (first.code != ERR_NONE) // the caller reports the last failure
             log_message(LOG_ERROR, "%s", first.msg);
         first = failure;
         if (failure.code != ERR_INPUT)
@@ -446,8 +446,8 @@ static bool add_devices(struct merge *merge, const struct progress *progress, ch
     return ok;
 }
 
-// Returns the numbers of samples that the tiles have in the whole render; NULL without tiles, or
-// when out of memory.
+// Returns the number of samples of each tile in the whole render; NULL if the render is not
+// adaptive, or when out of memory.
 static uint32_t *find_done(const struct merge *merge, struct arena *arena)
 {
     uint32_t *done = merge->counts ? ARENA_NEW(arena, uint32_t, merge->tile_count) : NULL;

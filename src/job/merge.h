@@ -48,7 +48,8 @@ struct merge {
     uint64_t planned;             // samples per pixel of the largest render
     uint64_t all;                 // number of samples, or rows, of the whole picture
     uint32_t width, height;
-    uint32_t *counts; // samples of each of `tile_count` tiles in a round; NULL: tiles have none
+    uint32_t *counts; // samples of each of `tile_count` tiles in a round of an adaptive render;
+                      // NULL: the render is not adaptive
     uint32_t tile_count;
     uint64_t rounds; // of the whole render; without tiles, a round is one sample per pixel
     uint64_t film_bytes;

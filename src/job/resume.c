@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-// --- going on -----------------------------------------------------------------------------------
+// --- resuming ------------------------------------------------------------------------------------
 
 static bool is_there(const char *path)
 {
@@ -92,9 +92,9 @@ static bool write_checkpoint(struct job *job, const char *path, struct err *err)
     return ok;
 }
 
-// What is lost when the process is killed is what was rendered since the last checkpoint: with
-// is_paced, at most this many times the time that a checkpoint takes, so that checkpoints take at
-// most 2 % of the time.
+// With is_paced, the interval between checkpoints is this many times the time that one takes, so
+// that checkpoints take about 2 % of the time; but it is never longer than params->seconds. A
+// process that is killed loses what it rendered since its last checkpoint.
 #define CHECKPOINT_PACE 50.0
 
 double job_checkpoint_wait(const struct job *job)

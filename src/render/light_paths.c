@@ -39,7 +39,7 @@ static bool check_settings(const struct light_paths_params *p, struct err *err)
         {is_chosen, "this --light-choice", "light paths choose emitters by power",
          "--light-choice auto or power"},
         {s->directions != DIRECTIONS_BSDF, "these --directions",
-         "light paths scatter as the BSDF does", "--directions bsdf"},
+         "light paths are scattered by sampling the BSDF", "--directions bsdf"},
         {s->clamp_limit > 0.0f, "--clamp",
          "the light that a light path adds to a pixel is no sample of that pixel", "--clamp off"},
         {s->min_density > 0.0f, "--min-density",
@@ -48,7 +48,7 @@ static bool check_settings(const struct light_paths_params *p, struct err *err)
         {s->accumulation != ACCUMULATION_BINNED, "this --accumulation",
          "light paths reach pixels in any order", "--accumulation binned"},
         {!settings_spread_over_pixel(s) || s->pixel_sampling == PIXEL_SAMPLING_GRID,
-         "samples at fixed points of pixels", "no light path meets a point",
+         "samples at fixed points of pixels", "no light path reaches exactly these points",
          "--pixel-jitter on and another --pixel-sampling"},
         {settings_filter_radius(s) < 0.5f, "a filter narrower than a pixel",
          "light paths would seldom meet the area that the filter covers",
@@ -176,13 +176,13 @@ static bool refuse_lamp(const char *kind, uint32_t number, struct err *err)
 {
     return err_set(
         err, ERR_INPUT,
-        "--integrator bidir: a lamp meets the bounds of %s %u, which has a medium inside: "
-        "expected lamps clear of such bounds, because light paths begin in air, or "
+        "--integrator bidir: a lamp intersects the bounding box of %s %u, which has a medium "
+        "inside: expected lamps outside of such boxes, because light paths begin in air, or "
         "--integrator path",
         kind, number);
 }
 
-// Light paths begin in air: refuses emitters that may be in another medium.
+// Refuses emitters that may be inside a medium, because light paths begin in air.
 static bool check_media(const struct light_paths_params *p, struct err *err)
 {
     const struct flat_scene *flat = p->flat;
@@ -230,15 +230,16 @@ static bool check_emitters(const struct light_paths_params *p, struct err *err)
         const struct light *light = &p->scene->lights[i];
         if (!light->hidden && light->kind != LIGHT_DIRECTIONAL && isfinite(light->range))
             return err_set(err, ERR_INPUT,
-                           "--integrator bidir: light %u has a range of %g m, which no emitter "
-                           "has that light leaves in straight lines: expected no range, or "
+                           "--integrator bidir: light %u has a range of %g m, but light paths "
+                           "do not end at a distance: expected no range, or "
                            "--integrator path",
                            i, (double)light->range);
     }
     return p->flat->small_count == 0 ||
            err_set(err, ERR_INPUT,
-                   "--integrator bidir: %u emissive triangles are too small, for where they are, "
-                   "for light paths to begin on: expected larger lamps, or --integrator path",
+                   "--integrator bidir: %u emissive triangles are too small relative to their "
+                   "coordinates for light paths to begin on them: expected larger lamps, or "
+                   "--integrator path",
                    p->flat->small_count);
 }
 

@@ -9,7 +9,7 @@ struct light_paths_params {
     const struct flat_scene *flat;
     const struct camera *camera;
     uint32_t aovs;   // AOV_*
-    bool tiles;      // sample counts by tile
+    bool tiles;      // tiles have sample counts of their own (an adaptive render)
     bool has_window; // the film is a window of the picture
 };
 

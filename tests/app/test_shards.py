@@ -290,7 +290,7 @@ class Tiles(Shards):
         self.assertTrue(report['error']['local_relmse'] > 0.0)
         self.assertNotEqual(report['error']['local_relmse'], whole['error']['local_relmse'])
         os.unlink(self.path('cornell.16-48.part'))
-        self.assertIn('16 to 48 of 72 are this part\'s: the error is theirs alone', self.succeed(*command).stdout)
+        self.assertIn('16 to 48 of 72 are in this part: the error is that of these rows', self.succeed(*command).stdout)
         os.unlink(self.path('cornell.16-48.part'))
         result = self.succeed(*command, '--integrator', 'bidir')
         self.assertIn('light paths of the other parts bring light to these rows', result.stdout)
@@ -301,7 +301,7 @@ class Missing(Shards):
         whole = self.picture(self.command('--spp', '57', '--aov', 'depth'), 'whole.exr')
         parts = self.render_shards(7, '--spp', '57', '--aov', 'depth')
         some = [parts[i] for i in (0, 2, 3)]
-        stderr = self.refuse('samples a pixel are missing (8:16,32:57)', 'merge', *some, '-o', 'z.exr')
+        stderr = self.refuse('samples per pixel are missing (8:16,32:57)', 'merge', *some, '-o', 'z.exr')
         commands = re.findall(r'^lampyris (render .*)$', stderr, re.MULTILINE)
         self.assertGreaterEqual(len(commands), 3)
         for command in commands:
@@ -313,7 +313,7 @@ class Missing(Shards):
     def test_partial(self):
         parts = self.render_shards(4, '--spp', '32')
         result = self.succeed('merge', parts[1], parts[3], '--partial', '-o', 'p.exr', '--json', '-q')
-        self.assertIn('16 of 32 samples a pixel are missing (0:8,16:24)', result.stderr)
+        self.assertIn('16 of 32 samples per pixel are missing (0:8,16:24)', result.stderr)
         self.assertEqual(json.loads(result.stdout)['spp'], 16)
         self.assertNotIn(b'lampyris:repeat\0', self.read('p.exr'))
         self.succeed('merge', *parts, '-o', 'whole.exr', '-q')
@@ -519,11 +519,11 @@ class Auto(Shards):
                 ('auto', self.array(5, 3, 1, 7), 'the part of this task is not known'),
                 ('auto', {'SLURM_ARRAY_TASK_ID': '1'}, 'SLURM_ARRAY_TASK_COUNT is not set'),
                 ('auto', {'JOB_COMPLETION_INDEX': '1'}, 'expected --shard auto/N'),
-                ('auto/2', {'JOB_COMPLETION_INDEX': '2'}, 'process 2, from 0, of 2'),
+                ('auto/2', {'JOB_COMPLETION_INDEX': '2'}, 'process 2 (counted from 0) of 2'),
                 ('auto/5', slurm, 'there are 4 processes; expected 5'),
                 ('auto', {'PMI_RANK': '', 'PMI_SIZE': '3'}, 'PMI_RANK is ""'),
                 ('auto', {'PMI_RANK': '-1', 'PMI_SIZE': '3'}, 'PMI_RANK is "-1"'),
-                ('auto', {'PMI_RANK': '3', 'PMI_SIZE': '3'}, 'process 3, from 0, of 3')):
+                ('auto', {'PMI_RANK': '3', 'PMI_SIZE': '3'}, 'process 3 (counted from 0) of 3')):
             self.refuse(message, *self.command('--shard', shard), **variables)
         self.refuse('expected %i in its name', *self.command('--shard', 'auto', '--checkpoint', 'a'), **slurm)
 
@@ -574,7 +574,7 @@ class Killed(Shards):
         self.render('--spp', '100k', '--shard', '51200:51202', '--checkpoint', 'b')
         result = self.run_one('merge', 'a', 'b', '-o', 'z.exr')
         self.assertEqual(result.returncode, 2)
-        self.assertRegex(result.stderr, '--shard 0:51200 --checkpoint a --resume|samples a pixel are missing')
+        self.assertRegex(result.stderr, '--shard 0:51200 --checkpoint a --resume|samples per pixel are missing')
 
 
 @unittest.skipUnless(os.path.exists(SWIFTSHADER), 'there is no second driver')

@@ -267,7 +267,7 @@ TEST(refusals)
                        "\"radius\": 1}"}},
          0,
          false,
-         "a lamp meets the bounds of shape 0"},
+         "a lamp intersects the bounding box of shape 0"},
         {{{"settings.filter_radius", "0.25"}}, 0, false, "a filter narrower than a pixel"},
         {{{"shapes.0", "{\"type\": \"plane\", \"material\": \"floor\", \"normal\": [0, 1, 0]}"}},
          0,

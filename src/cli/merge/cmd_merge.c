@@ -21,7 +21,7 @@
 // Returns the unit in which the ranges of parts are given.
 static const char *unit(const struct merge *merge)
 {
-    return merge->by_tiles ? "rows" : "samples a pixel";
+    return merge->by_tiles ? "rows" : "samples per pixel";
 }
 
 // Returns the number of samples, or rows, in all ranges.
@@ -120,7 +120,7 @@ static void compare_devices(const struct merge *merge)
             "apart%s",
             one->mean, one->standard_error, one->name, other->mean, other->standard_error,
             other->name, error > 0.0 ? fabs(difference) / error : 0.0,
-            differs ? ", more than noise explains once in 1000 times" : "");
+            differs ? ", a difference that noise exceeds once in 1000 times" : "");
     }
 }
 

@@ -143,8 +143,8 @@ static void mention_stop(struct ranks_context *c)
                  "from the last checkpoint, with or without mpirun: %s%s",
                  c->options->command_line, c->options->render.resume ? "" : " --resume");
     else
-        log_warn("stopping: waiting for the blocks of other ranks; if one was lost, nothing is "
-                 "kept; expected --checkpoint FILE");
+        log_warn("stopping: waiting for the blocks of other ranks; if a rank was lost, all samples "
+                 "are lost; expected --checkpoint FILE");
 }
 
 static bool poll_done(void *context, bool waits, struct crew_done *out, bool *is_there,

@@ -50,8 +50,8 @@ struct job_goal render_goal(const struct options *options)
         .samples_per_frame = options->render.spp_per_frame,
         .accumulate = options->render.accumulate,
     };
-    // A path is followed without tiles, but with the sample sequence of a render without a fixed
-    // number.
+    // A path is followed without the tiles of an adaptive render, but with its sample sequence,
+    // which is that of a render without a fixed number of samples.
     if (follows_path(options) && options->render.adaptive) {
         goal.adaptive = false;
         goal.seconds = INFINITY;
@@ -104,7 +104,7 @@ bool render_load_scene(const struct options *options, struct scene *scene, uint3
     return !scene->is_hidden ||
            err_set(err, ERR_INPUT,
                    "%s: everything in the scene is hidden, and it has no environment; expected "
-                   "something to see",
+                   "a visible object or an environment",
                    scene->path);
 }
 
@@ -116,8 +116,8 @@ bool render_find_window(const struct options *options, const struct scene *scene
     *out = (struct render_window){crop[0], crop[1], crop[2] - crop[0], crop[3] - crop[1]};
     return (crop[2] <= settings->width && crop[3] <= settings->height) ||
            err_set(err, ERR_USAGE,
-                   "--crop %u,%u,%u,%u: is outside of the picture of %u x %u pixels; expected X1 "
-                   "up to %u and Y1 up to %u",
+                   "--crop %u,%u,%u,%u: exceeds the picture of %u x %u pixels; expected X1 of at "
+                   "most %u and Y1 of at most %u",
                    crop[0], crop[1], crop[2], crop[3], settings->width, settings->height,
                    settings->width, settings->height);
 }
@@ -246,7 +246,8 @@ static bool render(struct render_run *run, struct err *err)
     render_warn_of_blind_error(run);
     const char *reproduce = render_reproducing_command(run);
     if (reproduce)
-        log_warn("some contributions were not finite and were left out; this follows one: %s",
+        log_warn("some contributions were not finite and were left out; this command follows "
+                 "one: %s",
                  reproduce);
     return ok;
 }

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DEFAULT_DIGITS 4 // those of path_numbered()
+#define DEFAULT_DIGITS 4 // as in path_numbered()
 
 static bool fail(const char *path, const char *why, struct err *err)
 {

@@ -10,7 +10,7 @@
 struct device_worker;
 
 struct render_devices {
-    struct crew crew; // workers: all but the first device
+    struct crew crew; // its workers are all devices except the first
     struct device_worker *workers;
     uint32_t started; // number of threads that were started
     struct geometry geometry;

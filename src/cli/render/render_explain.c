@@ -72,7 +72,7 @@ static void print_classes(const struct renderer *r)
     putchar('\n');
 }
 
-// Which emitters vertices are connected to.
+// Prints the emitters to which shadow rays are sent.
 static void print_aim(const struct renderer *r)
 {
     const struct settings *settings = &r->scene->settings;
@@ -80,9 +80,8 @@ static void print_aim(const struct renderer *r)
     if (!(r->specialization.features & FEATURE_NEE) ||
         r->specialization.integrator == INTEGRATOR_WHITTED)
         return;
-    printf(
-        "nee       shadow rays go to %s\n",
-        light_choice_print(settings->light_choice, emitters_total(&counts), &r->lamps).text);
+    printf("nee       shadow rays go to %s\n",
+           light_choice_print(settings->light_choice, emitters_total(&counts), &r->lamps).text);
 }
 
 void explain_print(struct render_run *run)
@@ -104,8 +103,8 @@ void explain_print(struct render_run *run)
                r->specialization.iteration_budget);
     report_print_steps(run);
     report_print_kernels(&r->stats);
-    printf("code      %" PRIu64 " SPIR-V instructions are left of %" PRIu64 "\n",
-           totals.instructions, totals.all_instructions);
+    printf("code      %" PRIu64 " SPIR-V instructions remain of %" PRIu64 "\n", totals.instructions,
+           totals.all_instructions);
     if (r->specialization.stack_shared)
         printf("stack     %u of at most %u entries of a traversal are in shared memory\n",
                r->specialization.stack_shared, r->specialization.stack_entries + 2);

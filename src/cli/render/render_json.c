@@ -170,7 +170,7 @@ static json_t *adaptive_json(const struct render_run *run)
                      "least", run->job.plan.least, "most", run->job.plan.most);
 }
 
-// Adds how it ended, and how to resume it.
+// Adds how the render ended, and how to resume it.
 static void add_ending(json_t *object, const struct render_run *run)
 {
     json_object_set_new(object, "ended_by", json_string(job_ended_by(&run->job)));

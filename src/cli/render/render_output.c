@@ -63,7 +63,7 @@ static bool list_locks(struct render_run *run, struct err *err)
     return true;
 }
 
-// Other formats than EXR have no layers.
+// Refuses --aov without an EXR output, because other formats have no layers.
 static bool check_layers(const struct render_run *run, struct err *err)
 {
     bool has_exr = false;
@@ -202,7 +202,8 @@ static bool save(const struct render_run *run, const char *path, uint64_t limit,
     return false;
 }
 
-// Hours of rendering must not be lost because a disk is full or gone, or a compressor fails.
+// Saves the image in the system's folder for temporary files, so that hours of rendering are not
+// lost if a disk is full or missing, or a compressor fails.
 static void save_elsewhere(const struct render_run *run, const struct metadata *metadata,
                            struct arena *arena)
 {

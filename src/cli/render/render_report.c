@@ -35,7 +35,7 @@ const char *render_reproducing_command(struct render_run *run)
     const struct nonfinite_stats *stats = &run->job.renderer.stats.nonfinite;
     if (!stats->recorded)
         return NULL;
-    // Of the whole picture.
+    // Pixels are numbered in the whole picture, of which the film may be a window.
     const uint32_t width = run->window.width > 0 ? run->scene.settings.width : run->job.film.width;
     return arena_printf(&run->arena, "%s --pixel %u,%u --sample %u",
                         run->options->render.following_line, stats->pixel % width,
@@ -116,12 +116,12 @@ static void print_ending(const struct render_run *run)
                100.0 * look->confidence, run->options->render.error,
                look->error.known ? "" : " (a bound alone is known)");
     if (run->job.plan.counts)
-        printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n",
+        printf("adaptive  %u to %u samples for every %u planned ones, after a pilot of 16\n",
                run->job.plan.least, run->job.plan.most, run->job.round_samples);
     if (run->options->render.checkpoint && run->job.has_checkpoint) {
         fputs("kept      ", stdout);
         print_words(run->options->render.checkpoint);
-        puts(", from which --resume goes on");
+        puts(", from which --resume continues");
     }
 }
 
@@ -131,7 +131,7 @@ static void print_memory(const struct render_run *run)
     printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; ",
            (double)run->gpu.peak_bytes / 1048576.0, (double)memory_peak() / 1048576.0);
     if (r->wave_size.least_used < r->wave_size.most_used)
-        printf("waves of %u to %u samples, at last of %u, which was the fastest\n",
+        printf("waves of %u to %u samples, finally of %u, which was the fastest\n",
                r->wave_size.least_used, r->wave_size.most_used, r->wave_size.now);
     else
         printf("wave of %u paths%s\n", r->plan.wave_slots, memory_plan_in_flight(&r->plan));
@@ -322,8 +322,8 @@ void render_print_summary(struct render_run *run)
                                                   : "");
     if (film->rows.end - film->rows.first < film->height)
         printf(
-            "rows      %u to %u of %u are this part's: the error is theirs alone, and the picture "
-            "is black elsewhere\n",
+            "rows      %u to %u of %u are in this part: the error is that of these rows, and all "
+            "others are black\n",
             film->rows.first, film->rows.end, film->height);
     if (film->unsampled)
         printf("unsampled %" PRIu64 " of %" PRIu64 " pixels have no sample and are black\n",
@@ -348,8 +348,8 @@ void render_print_summary(struct render_run *run)
     print_nonfinite(run);
     if (run->job.renderer.stats.media_lost)
         printf("media     %" PRIu64
-               " crossings of surfaces that are open, or nest deeper than four: "
-               "which medium is inside is not certain there\n",
+               " crossings of surfaces that are open, or nested deeper than four: "
+               "the medium inside them may be wrong\n",
                run->job.renderer.stats.media_lost);
     print_memory(run);
     explain_print_line(&run->job.renderer);

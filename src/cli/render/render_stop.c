@@ -72,7 +72,7 @@ void render_warn_of_unsampled(const struct render_run *run)
 void render_warn_of_blind_error(const struct render_run *run)
 {
     if (run->job.params.goal.error > 0.0 && film_error_is_blind(&run->job.film))
-        log_warn("the picture is too dark for --error: below 0.1 local relMSE counts the noise "
-                 "against a constant, 0.01, and not against the picture; `lampyris check` says "
-                 "what it takes");
+        log_warn("the picture is too dark for --error: where it is below 0.1, local relMSE divides "
+                 "the squared error by little more than the constant 0.01, and not by the "
+                 "picture's square; `lampyris check` reports what a brighter picture would take");
 }

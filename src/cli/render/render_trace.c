@@ -12,7 +12,8 @@
 
 // --- the reference -------------------------------------------------------------------------------
 
-// Samples that the image shares with the reference make the error between them too small.
+// Warns if the reference has the same seed: samples that it shares with the image make the error
+// between them too small.
 static void warn_of_shared_samples(struct render_run *run, const char *path)
 {
     struct image_attribute *list;
@@ -41,7 +42,9 @@ bool render_open_reference(struct render_run *run, struct err *err)
         return true;
     if (strcmp(path, "auto") == 0 || strcmp(path, "none") == 0)
         return err_set(err, ERR_USAGE,
-                       "--reference %s: render makes none; expected the file of a picture", path);
+                       "--reference %s: render does not make a reference; expected the file of "
+                       "a picture",
+                       path);
     uint64_t start = clock_ns();
     if (!reference_read(path, run->options->progress, &run->arena, &run->reference, err) ||
         !reference_check_size(&run->reference, path, run->scene.path, settings->width,

@@ -16,7 +16,7 @@ struct sequence_progress {
 
 // The videos that are made of the pictures.
 struct sequence_video {
-    const char **paths; // .mp4 and .webm
+    const char **paths; // names that end in .mp4 or .webm
     uint32_t count;
     uint32_t source;    // index in sequence.names of the PNG files from which videos are made
     const char *folder; // temporary folder of these files; NULL: the files are outputs

@@ -92,8 +92,8 @@ static bool submit_both(struct submission *s, struct err *err)
     const char *merge[] = {"sbatch", "--parsable", dependency, s->files.merge, NULL};
     if (!program_is_installed("sbatch"))
         return err_set(err, ERR_SYSTEM,
-                       "sbatch is not in PATH, and %s was written but not submitted; expected a "
-                       "machine from which Slurm takes jobs, or --dry-run",
+                       "sbatch is not in PATH: %s was written but not submitted; expected a "
+                       "machine that can submit jobs to Slurm, or --dry-run",
                        s->files.shards);
     if (!submit(shards, s->shards, err))
         return false;

@@ -39,7 +39,8 @@ static void join(struct member *members, uint32_t a, uint32_t b)
     members[a > b ? a : b].parent = a < b ? a : b;
 }
 
-// Only members from `first` on may be joined: they belong to one instance.
+// Joins a triangle to an earlier one that has the same corner, or enters the corner into the table.
+// Only members from `first` on may be joined, because they belong to the same instance.
 static void join_at_corner(struct search *s, uint32_t first, uint32_t member, uint32_t corner)
 {
     const float *v = s->flat->triangles[s->members[member].triangle].v[corner];
@@ -96,7 +97,7 @@ static void join_small(struct search *s, uint32_t member, uint32_t lamp)
         s->of_small[lamp] = 1 + member;
 }
 
-// The triangles are sorted by instance.
+// Joins the triangles of each instance. They are sorted by instance.
 static void join_members(struct search *s)
 {
     uint32_t first = 0, last_instance = 0;
@@ -132,7 +133,8 @@ static double diagonal(const struct bounds *b)
     return hypot(hypot(b->max[0] - b->min[0], b->max[1] - b->min[1]), b->max[2] - b->min[2]);
 }
 
-// Compares the longest of the triangles with all of them, by the diagonals of their bounds.
+// Returns whether all triangles are small relative to the lamp: compares the longest diagonal of a
+// triangle's bounds with that of the bounds of all of them.
 static bool are_small_in_lamp(const struct search *s)
 {
     struct bounds all = BOUNDS_EMPTY;

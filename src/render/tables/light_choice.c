@@ -5,13 +5,13 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-// The number of lamps up to which a shadow ray to each is worth its time, at the first vertices of
-// a path: measured (docs/lighting.md).
+// The greatest number of lamps for which a shadow ray to each, from the first vertices of a path,
+// reduces the error by more than it costs: measured (docs/lighting.md).
 #define FEW_LAMPS 5
 #define FIRST_VERTICES 1
-// If the emitters of a single lamp have similar distances, the tree chooses among few of them as
-// power does: on the Cornell box, whose lamp has two emitters, the error is the same and the tree
-// takes 1.2 times the processor time.
+// The number of emitters from which the light tree is used for a single lamp. If the few emitters
+// of a lamp have similar distances, the tree selects about as power does: on the Cornell box, whose
+// lamp has two emitters, the error is the same and the tree takes 1.2 times the processor time.
 #define MANY_EMITTERS 16
 
 static bool is_one_simple_lamp(uint64_t emitters, const struct emitter_lamps *lamps)

@@ -20,7 +20,7 @@ bool light_choice_asks_lamps(uint32_t setting);
 struct light_choice_text {
     char text[160];
 };
-// Returns texts: the emitters at which vertices aim shadow rays, and the reason for the default.
+// Returns texts that tell to which emitters vertices send shadow rays, and why the default is so.
 struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters,
                                             const struct emitter_lamps *lamps);
 
