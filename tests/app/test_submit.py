@@ -100,10 +100,10 @@ class Files(Shards):
         parts = self.render_shards(4, '--spp', '32')
         result = self.succeed('merge', '--status', *parts)
         self.assertIn('part      2.part: samples 8:16, finished, 100 %\n', result.stdout)
-        self.assertIn('complete  all 32 samples a pixel\n', result.stdout)
+        self.assertIn('complete  all 32 samples per pixel\n', result.stdout)
         result = self.run_one('merge', '--status', parts[0], parts[3])
         self.assertEqual((result.returncode, result.stderr), (1, ''))
-        self.assertIn('missing   16 of 32 samples a pixel (8:24)\n', result.stdout)
+        self.assertIn('missing   16 of 32 samples per pixel (8:24)\n', result.stdout)
         for command in re.findall('^lampyris (render .*)$', result.stdout, re.MULTILINE):
             self.succeed(*shlex.split(command), '-q')
         made = [name for name in os.listdir(self.folder.name) if name.startswith('cornell.')]
