@@ -157,11 +157,15 @@ bool shard_parse(const char *text, struct job_shard *out, struct err *err)
     if (rest && *rest == '\0')
         return true;
     out->range = (struct sample_range){0};
-    int length = 0;
-    bool is_plain = text[strspn(text, "0123456789/")] == '\0' && strlen(text) <= 19;
-    if (is_plain && sscanf(text, "%u/%u%n", &out->index, &out->count, &length) == 2 &&
-        text[length] == '\0' && out->index >= 1 && out->index <= out->count)
+    char *end;
+    bool is_plain = text[strspn(text, "0123456789/")] == '\0' && strlen(text) <= 21;
+    uint64_t index = is_plain ? strtoull(text, &end, 10) : 0;
+    uint64_t count = is_plain && *end == '/' ? strtoull(end + 1, &end, 10) : 0;
+    if (is_plain && *end == '\0' && index >= 1 && index <= count && count <= UINT32_MAX) {
+        out->index = (uint32_t)index;
+        out->count = (uint32_t)count;
         return true;
+    }
     return err_set(err, ERR_USAGE,
                    "\"%s\" is no shard; expected I/N with I from 1 to N, FIRST:END with the first "
                    "sample (or row, with --shard-by tiles) and the one after the last, auto or "

@@ -304,15 +304,16 @@ static bool contains_ignoring_case(const char *text, const char *part)
     return !*part;
 }
 
-// Returns whether `wanted` means this device: as its index, if it is a number below `count`, or as
-// a part of its name. So "4090" is part of a name.
+// Returns whether `wanted` means this device: as its index if it is a number below `count`, or as a
+// part of its name. A number of one or two digits is only an index, because most names contain
+// digits; "4090" is part of a name.
 static bool wants(const char *wanted, const struct gpu_device_info *info, uint32_t count)
 {
     if (!wanted)
         return true;
     char *end;
     unsigned long index = strtoul(wanted, &end, 10);
-    if (isdigit((unsigned char)wanted[0]) && !*end && index < count)
+    if (isdigit((unsigned char)wanted[0]) && !*end && (index < count || end - wanted <= 2))
         return index == info->index;
     return contains_ignoring_case(info->name, wanted);
 }

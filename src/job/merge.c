@@ -79,7 +79,8 @@ static bool find_samples(const struct checkpoint *c, const struct merge *merge, 
                : err_set(err, ERR_INPUT, "%s: holds samples of another shard", c->path);
 }
 
-// Refuses a part whose pixels have different numbers of samples: only its shard can complete it.
+// Refuses a part whose pixels or halves have different numbers of samples: only its shard can
+// complete it.
 static bool check_even(const struct merge *merge, const struct checkpoint *c,
                        const struct merge_part *part, struct err *err)
 {
@@ -100,6 +101,21 @@ static bool check_even(const struct merge *merge, const struct checkpoint *c,
                    "has more than the other; first run: %s --shard %" PRIu64 ":%" PRIu64
                    " --checkpoint %s --resume",
                    c->path, c->command, range->first, range->end, c->path);
+}
+
+// With `partial`, leaves out a part that check_even() refuses.
+static bool accept_unfinished(const struct merge *merge, const struct merge_params *params,
+                              const struct checkpoint *c, struct merge_part *part, struct err *err)
+{
+    struct err why = {0};
+    if (params->only_look_at || check_even(merge, c, part, params->partial ? &why : err))
+        return true;
+    if (!params->partial)
+        return false;
+    log_warn("%s; it is left out", why.msg);
+    part->samples.count = 0;
+    part->is_left_out = true;
+    return true;
 }
 
 static bool check_film(const struct checkpoint *c, const struct merge *merge, struct err *err)
@@ -212,6 +228,9 @@ static bool begin_merge(struct merge *merge, const struct checkpoint *c, const c
                        "part of this build",
                        c->path);
     merge->merged.identity = identity;
+    merge->own_identity = common_identity(c->identity, false, &merge->arena);
+    if (!merge->own_identity)
+        return err_memory(err, "a part", strlen(c->identity));
     merge->by_tiles = by && strncmp(by, JOB_BY_TILES, strlen(JOB_BY_TILES)) == 0;
     merge->aovs = (uint32_t)c->note[JOB_NOTE_AOVS];
     merge->film_bytes = 16 * AOV_FILM_WORDS(merge->aovs) * (uint64_t)merge->width * merge->height;
@@ -253,9 +272,9 @@ static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t i
         !find_samples(c, merge, &merge->arena, part, err) || !check_film(c, merge, err))
         return false;
     struct sample_ranges joined;
-    if ((!params->only_look_at && !check_even(merge, c, part, err)) || !check_plan(merge, c, err) ||
+    if (!accept_unfinished(merge, params, c, part, err) || !check_plan(merge, c, err) ||
         !check_overlaps(merge, part, index, err) ||
-        !find_device(merge, c, mixed, &part->device, device_capacity, err) ||
+        !(part->is_left_out || find_device(merge, c, mixed, &part->device, device_capacity, err)) ||
         !samples_join(&merge->samples, &part->samples, &merge->arena, &joined, err))
         return false;
     if (c->note[JOB_NOTE_AOVS] != merge->aovs)
@@ -264,7 +283,8 @@ static bool add_part(struct merge *merge, const struct checkpoint *c, uint32_t i
                        c->path, merge->parts[0].path);
     if (!find_film(merge, c, part, err))
         return false;
-    merge->devices[part->device].part_count++;
+    if (!part->is_left_out)
+        merge->devices[part->device].part_count++;
     merge->samples = joined;
     if (part->planned > merge->planned) {
         merge->planned = part->planned;
@@ -292,6 +312,9 @@ bool merge_open(const struct merge_params *params, struct merge *out, struct err
         if (!ok)
             return false;
     }
+    // Parts of one device have its bits, also with `mixed`.
+    if (out->device_count == 1)
+        out->merged.identity = out->own_identity;
     return out->samples.count > 0 || params->only_look_at ||
            err_set(err, ERR_INPUT, "%s: no part has a sample yet", params->paths[0]);
 }
@@ -353,7 +376,7 @@ static bool add_films_of(const struct merge *merge, uint32_t device,
     for (uint32_t i = 0; i < merge->count; i++) {
         const struct merge_part *part = &merge->parts[i];
         struct err failure = {0};
-        if (device != UINT32_MAX && part->device != device)
+        if (part->is_left_out || (device != UINT32_MAX && part->device != device))
             continue;
         progress_report(progress, "Merging", (double)(*done)++ / merge->count);
         if (progress_should_stop(progress))

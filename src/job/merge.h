@@ -16,6 +16,7 @@ struct merge_params {
     uint32_t count;
     bool mixed;        // accepts parts of several devices and drivers
     bool only_look_at; // accepts parts that were stopped within a pass; films cannot be added then
+    bool partial;      // leaves out parts that were stopped within a pass, with a warning
 };
 
 struct merge_part {
@@ -26,6 +27,7 @@ struct merge_part {
     uint64_t film_at;             // offset of its film in the whole film, in bytes
     uint32_t device;              // index into merge.devices
     uint64_t head_hash;           // identifies the file: the hash of the data before its film
+    bool is_left_out;             // its film is not added
 };
 
 // The picture's mean luminance as rendered by one device, with its standard error. It is computed
@@ -56,6 +58,7 @@ struct merge {
     bool has_whole_films; // parts by tiles have films of the whole picture: light paths reach all
                           // rows
     uint32_t aovs;        // AOV_* of the film
+    const char *own_identity; // of the first part, with its device and driver
     struct job_merged merged;
 };
 

@@ -16,6 +16,21 @@ static bool is_there(const char *path)
     return file_exists(path);
 }
 
+// A shard continues from a part, and a whole render from the checkpoint of a whole render.
+static bool check_kind(const struct job *job, const struct checkpoint *c, struct err *err)
+{
+    bool is_part = !strstr(c->identity, "\n" JOB_SHARD_LINE "none");
+    if (is_part == job_is_shard(job))
+        return true;
+    return is_part
+               ? err_set(err, ERR_INPUT,
+                         "%s: is a part of a render; expected the --shard that wrote it, or "
+                         "lampyris merge",
+                         c->path)
+               : err_set(err, ERR_INPUT,
+                         "%s: is the checkpoint of a whole render; expected no --shard", c->path);
+}
+
 bool job_checkpoint_open(struct job *job, struct err *err)
 {
     const char *path = job->params.checkpoint.path;
@@ -35,6 +50,7 @@ bool job_checkpoint_open(struct job *job, struct err *err)
     }
     return file_inputs_add_own(path, err) &&
            checkpoint_open(path, &job->arena, &job->resumed, err) &&
+           check_kind(job, &job->resumed, err) &&
            checkpoint_check(&job->resumed, job->identity, err);
 }
 

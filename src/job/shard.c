@@ -168,6 +168,7 @@ bool job_begin_shard(struct job *job, struct err *err)
                           &(struct film_rows){(uint32_t)job->rows.first, (uint32_t)job->rows.end});
     else if (job_is_shard(job))
         r->next_sample = r->emptied_at = job->samples_first;
+    r->takes_pairs = job_is_shard(job);
     if (!merged)
         return true;
     bool ok = put_merged(job, merged, err);

@@ -595,7 +595,7 @@ static uint32_t choose_shift(const struct renderer *r, uint64_t samples_left)
     uint32_t shift = renderer_has_all_pixels(r) ? largest_shift(r) : fitting_shift(r);
     while (UINT64_C(1) << shift > samples_left || 1u << shift > pace_samples(&r->pace, &r->plan))
         shift--;
-    return shift;
+    return shift == 0 && r->takes_pairs && samples_left > 1 ? 1 : shift;
 }
 
 uint64_t renderer_samples_at_once(const struct renderer *r)

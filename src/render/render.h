@@ -229,6 +229,8 @@ struct renderer {
     uint64_t round_target;   // with tiles: the round at which the current passes end
     uint64_t emptied_at;     // next_sample when the film was last emptied
     struct pass pass;
+    bool takes_pairs; // passes have an even number of samples, except for the last one: the halves
+                      // of a part that was stopped between two passes have equally many
     struct tiles tiles;
     struct render_stats stats;
     const struct progress *progress;

@@ -11,6 +11,7 @@
 #include "report/text_out.h"
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // Maximum number of printed commands for missing samples; more would hide the other messages.
@@ -65,19 +66,65 @@ static void print_commands(FILE *out, const struct merge *merge,
         fprintf(out, "and %u more commands of this kind\n", printed - COMMANDS_MAX);
 }
 
+// The samples, or rows, that no part has so far, and those that no part will have when all shards
+// have finished.
+struct lacking {
+    struct sample_ranges samples, unclaimed;
+};
+
+static bool find_lacking(struct merge *merge, struct lacking *out, struct err *err)
+{
+    struct sample_ranges wanted = {0}, joined;
+    for (uint32_t i = 0; i < merge->count; i++) {
+        if (!samples_join(&wanted, &merge->parts[i].wanted, &merge->arena, &joined, err))
+            return false;
+        wanted = joined;
+    }
+    return samples_missing(&merge->samples, merge->all, &merge->arena, &out->samples, err) &&
+           samples_missing(&wanted, merge->all, &merge->arena, &out->unclaimed, err);
+}
+
+// Prints the command that finishes a part.
+static void print_resume(FILE *out, const struct merge *merge, const struct merge_part *part)
+{
+    const struct sample_range *range = &part->wanted.list[0];
+    char *path = malloc(4 * strlen(part->path) + 3);
+    if (!path)
+        return;
+    options_quote(part->path, path);
+    fprintf(out, "%s%s --shard %" PRIu64 ":%" PRIu64 " --checkpoint %s --resume\n", part->command,
+            merge->by_tiles ? " --shard-by tiles" : "", range->first, range->end, path);
+    free(path);
+}
+
+static bool is_unfinished(const struct merge_part *part)
+{
+    return part->wanted.count == 1 && count_samples(&part->samples) < count_samples(&part->wanted);
+}
+
+// Prints the commands that finish the unfinished parts, and those that render the samples that
+// belong to no part.
+static void print_remedies(FILE *out, const struct merge *merge, const struct lacking *lacking)
+{
+    for (uint32_t i = 0; i < merge->count; i++)
+        if (is_unfinished(&merge->parts[i]))
+            print_resume(out, merge, &merge->parts[i]);
+    print_commands(out, merge, &lacking->unclaimed);
+}
+
 // Reports missing samples, and refuses to write a picture without them unless --partial is given.
 static bool check_missing(struct merge *merge, const struct options *options, bool writes_picture,
                           struct err *err)
 {
-    struct sample_ranges missing;
-    if (!samples_missing(&merge->samples, merge->all, &merge->arena, &missing, err))
+    struct lacking lacking = {0};
+    if (!find_lacking(merge, &lacking, err))
         return false;
-    if (missing.count == 0 || !writes_picture)
+    if (lacking.samples.count == 0 || !writes_picture)
         return true;
-    const char *text = samples_text(&missing, &merge->arena);
+    const char *text = samples_text(&lacking.samples, &merge->arena);
     if (!text)
         return err_memory(err, "ranges of samples", 64);
-    const uint64_t count = count_samples(&missing);
+    const uint64_t count = count_samples(&lacking.samples);
     merge->merged.is_partial = true;
     if (options->merge.partial) {
         log_warn("%" PRIu64 " of %" PRIu64 " %s are missing (%s): the picture has only the others",
@@ -85,7 +132,13 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
         return true;
     }
     progress_end(options->progress);
-    print_commands(stderr, merge, &missing); // standard output is for results
+    if (!merge->by_tiles && lacking.unclaimed.count > 0 && lacking.unclaimed.list[0].first % 2 != 0)
+        return err_set(err, ERR_INPUT,
+                       "%" PRIu64 " of %" PRIu64 " %s are missing (%s), and no shard can begin at "
+                       "an odd sample: parts of a render with an odd --spp cannot be continued; "
+                       "expected parts of an even --spp, or --partial",
+                       count, merge->all, unit(merge), text);
+    print_remedies(stderr, merge, &lacking); // standard output is for results
     return err_set(err, ERR_INPUT,
                    "%" PRIu64 " of %" PRIu64 " %s are missing (%s): the commands above "
                    "render them; expected their parts, too, or --partial",
@@ -144,6 +197,48 @@ static char *next_word(const char **line, char *out)
     *end = '\0';
     *line = c;
     return out;
+}
+
+// Returns the word after `name` in a command line, or `name` itself for an option without a value;
+// NULL: the option is not given. The result is in `buffer`, which has the length of the line.
+static const char *find_option(const char *line, const char *name, bool has_value, char *buffer)
+{
+    while (next_word(&line, buffer))
+        if (strcmp(buffer, name) == 0)
+            return has_value ? next_word(&line, buffer) : buffer;
+    return NULL;
+}
+
+static const struct {
+    const char *name;
+    bool has_value;
+} output_options[] = {
+    {"--exposure", true}, {"--tone", true}, {"--half", false}, {"--png16", false}};
+
+// Parts do not depend on how the picture is displayed or encoded, so their commands may differ in
+// that. The picture is written by one of them.
+static bool warn_of_outputs(struct merge *merge, struct err *err)
+{
+    for (uint32_t i = 0; i < merge->count; i++) {
+        const char *other = merge->parts[i].command;
+        if (strcmp(other, merge->command) == 0)
+            continue;
+        char *a = ARENA_NEW(&merge->arena, char, strlen(merge->command) + 1);
+        char *b = ARENA_NEW(&merge->arena, char, strlen(other) + 1);
+        if (!a || !b)
+            return err_memory(err, "the command line of a part", strlen(other));
+        for (size_t k = 0; k < sizeof output_options / sizeof *output_options; k++) {
+            const char *name = output_options[k].name;
+            const char *is = find_option(merge->command, name, output_options[k].has_value, a);
+            const char *was = find_option(other, name, output_options[k].has_value, b);
+            if ((is == NULL) == (was == NULL) && (!is || strcmp(is, was) == 0))
+                continue;
+            log_warn("%s: was rendered with another %s; the picture is written as by: %s",
+                     merge->parts[i].path, name, merge->command);
+            return true;
+        }
+    }
+    return true;
 }
 
 // Makes the arguments of the render that these parts belong to, with the outputs given to merge.
@@ -212,7 +307,7 @@ static int write_picture(struct merge *merge, const struct options *options, str
     struct arguments arguments = {0};
     struct options of_render = {0};
     int code = -1;
-    if (make_arguments(merge, options, &arena, &arguments, err) &&
+    if (warn_of_outputs(merge, err) && make_arguments(merge, options, &arena, &arguments, err) &&
         make_options(merge, options, &arguments, &of_render, err)) {
         of_render.render.merged = &merge->merged;
         of_render.render.shard.by_tiles = merge->by_tiles;
@@ -224,24 +319,6 @@ static int write_picture(struct merge *merge, const struct options *options, str
 }
 
 // --- the status ----------------------------------------------------------------------------------
-
-// The samples, or rows, that no part has so far, and those that no part will have when all shards
-// have finished.
-struct lacking {
-    struct sample_ranges samples, unclaimed;
-};
-
-static bool find_lacking(struct merge *merge, struct lacking *out, struct err *err)
-{
-    struct sample_ranges wanted = {0}, joined;
-    for (uint32_t i = 0; i < merge->count; i++) {
-        if (!samples_join(&wanted, &merge->parts[i].wanted, &merge->arena, &joined, err))
-            return false;
-        wanted = joined;
-    }
-    return samples_missing(&merge->samples, merge->all, &merge->arena, &out->samples, err) &&
-           samples_missing(&wanted, merge->all, &merge->arena, &out->unclaimed, err);
-}
 
 static void print_status(struct merge *merge, const struct lacking *lacking)
 {
@@ -266,6 +343,15 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
     if (lacking->unclaimed.count > 0)
         printf("some of them belong to none of these parts; these commands render those:\n");
     print_commands(stdout, merge, &lacking->unclaimed);
+    bool is_first = true;
+    for (uint32_t i = 0; i < merge->count; i++) {
+        if (!is_unfinished(&merge->parts[i]))
+            continue;
+        if (is_first)
+            printf("these commands finish the unfinished parts, unless their shards still run:\n");
+        is_first = false;
+        print_resume(stdout, merge, &merge->parts[i]);
+    }
 }
 
 static json_t *part_json(struct merge *merge, const struct merge_part *part)
@@ -327,6 +413,7 @@ static bool merge_parts(struct merge *merge, const struct options *options, bool
         .paths = options->arguments,
         .count = options->argument_count,
         .mixed = options->merge.mixed,
+        .partial = options->merge.partial,
     };
     if (kept && file_exists(kept))
         return err_set(err, ERR_INPUT, "--checkpoint %s: exists already; expected another name",
@@ -355,6 +442,15 @@ static void print_kept(struct merge *merge, const struct options *options)
            samples ? samples : "", merge->all, merge->count);
 }
 
+static int print_kept_json(struct merge *merge, const struct options *options)
+{
+    const char *samples = samples_text(&merge->samples, &merge->arena);
+    return command_print(
+        json_pack("{s:o, s:s, s:s, s:I, s:I}", "checkpoint", json_words(options->render.checkpoint),
+                  "by", merge->by_tiles ? "tiles" : "samples", "has", samples ? samples : "", "all",
+                  (json_int_t)merge->all, "parts", (json_int_t)merge->count));
+}
+
 int cmd_merge(const struct options *options)
 {
     const bool writes_picture = options->render.output_count > 0 || !options->render.checkpoint;
@@ -371,6 +467,8 @@ int cmd_merge(const struct options *options)
             print_kept(&merge, options);
         if (writes_picture)
             code = write_picture(&merge, options, &err);
+        else if (options->json)
+            code = print_kept_json(&merge, options);
     }
     merge_finish(&merge);
     return code;

@@ -8,6 +8,7 @@
 #include "report/json_out.h"
 #include "report/text_out.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 // The number of a job. If there are several clusters, the name of its cluster follows: "12;north".
@@ -105,6 +106,16 @@ static bool submit_both(struct submission *s, struct err *err)
 
 // --- output --------------------------------------------------------------------------------------
 
+// Prints a word for a shell.
+static void print_quoted(const char *word)
+{
+    char *quoted = malloc(4 * strlen(word) + 3);
+    if (quoted)
+        options_quote(word, quoted);
+    print_words(quoted ? quoted : word);
+    free(quoted);
+}
+
 static void print_summary(const struct submission *s, const struct options *options)
 {
     if (!*s->shards) {
@@ -113,9 +124,9 @@ static void print_summary(const struct submission *s, const struct options *opti
         fputs(", ", stdout);
         print_words(s->files.merge);
         printf("\nsubmit    sbatch --dependency=afterany:$(sbatch --parsable ");
-        print_words(s->files.shards);
+        print_quoted(s->files.shards);
         fputs(") ", stdout);
-        print_words(s->files.merge);
+        print_quoted(s->files.merge);
         printf("\n");
     } else {
         printf("shards    job %s, %u of them: ", s->shards, options->submit.parts);
