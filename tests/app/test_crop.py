@@ -237,7 +237,7 @@ class Refusals(Folder):
                             ('a,0,1,1', 'not of the form'), ('-1,0,4,4', 'not of the form'),
                             ('5,0,5,4', 'has no pixel; expected X0 < X1'), ('0,4,4,3', 'has no pixel'),
                             ('0,0,41,29', 'exceeds the picture of 40 x 29 pixels'),
-                            ('0,0,40,30', 'X1 up to 40 and Y1 up to 29')):
+                            ('0,0,40,30', 'X1 of at most 40 and Y1 of at most 29')):
             self.assertIn(words, self.render(scene('cornell'), *SIZE, f'--crop={crop}', code=2).stderr)
 
     def test_what_needs_the_whole(self):
