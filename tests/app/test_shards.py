@@ -319,6 +319,41 @@ class Missing(Shards):
         self.succeed('merge', *parts, '-o', 'whole.exr', '-q')
         self.assertIn(b'lampyris:repeat\0', self.read('whole.exr'))
 
+    def test_stopped_shards_count(self):
+        """Between passes, both halves of a part have equally many samples."""
+        arguments = self.command('--spp', '4000', size='32x32')
+        parts = [f'p{i}' for i in range(1, 4)]
+        for i, part in enumerate(parts, 1):
+            shard = subprocess.Popen(
+                [LAMPYRIS, *arguments, '--shard', f'{i}/3', '--checkpoint', part, '--checkpoint-every', '0.05', '-q'],
+                cwd=self.folder.name)
+            while shard.poll() is None and not os.path.exists(self.path(part)):
+                time.sleep(0.01)
+            shard.terminate()
+            self.assertIn(shard.wait(), (0, 143))
+        self.succeed('merge', *parts, '--partial', '-o', 'p.exr', '-q')
+        status = self.run_one('merge', '--status', *parts).stdout
+        for command in re.findall(r'^lampyris (render .* --resume)$', status, re.MULTILINE):
+            self.succeed(*shlex.split(command), '-q')
+        self.assertEqual(self.picture(['merge', *parts], 'merged.exr'), self.picture(arguments, 'whole.exr'))
+
+    def test_odd_ends_cannot_be_continued(self):
+        parts = self.render_shards(2, '--spp', '15')
+        self.succeed('merge', *parts, '--checkpoint', 'sum', '-q')
+        self.render('--spp', '32', '--shard', '16:32', '--checkpoint', 'more')
+        self.refuse('no shard can begin at an odd sample', 'merge', 'sum', 'more', '-o', 'z.exr')
+
+    def test_parts_with_other_outputs(self):
+        self.render('--spp', '8', '--shard', '1/2', '--checkpoint', 'a', '--exposure', '3')
+        self.render('--spp', '8', '--shard', '2/2', '--checkpoint', 'b')
+        for parts in (('a', 'b'), ('b', 'a')):
+            result = self.succeed('merge', *parts, '-o', 'z.exr', '-q')
+            self.assertIn(f'{parts[1]}: was rendered with another --exposure', result.stderr)
+        result = self.succeed('merge', 'a', 'b', '--mixed', '--checkpoint', 'sum', '--json')
+        self.assertEqual(json.loads(result.stdout)['has'], '0:8')
+        result = self.succeed('merge', 'b', '--mixed', '--partial', '-o', 'z.exr', '-q')
+        self.assertNotIn('is not the device', result.stderr)
+
     def test_a_sum_without_scene_and_device(self):
         parts = self.render_shards(3, '--spp', '12')
         result = self.run_one('merge', *parts[:2], '--checkpoint', 'sum', VK_DRIVER_FILES='/nowhere',
@@ -449,7 +484,7 @@ class Refused(Shards):
                 (['--spp', '8', '--shard', '3:6'], 'expected even numbers'),
                 (['--shard', '3/2'], 'is no shard'), (['--shard', '0/2'], 'is no shard'),
                 (['--shard', '4:4'], 'is no shard'), (['--shard', '1/2x'], 'is no shard'),
-                (['--shard', '-1/2'], 'is no shard'), (['--shard', 'auto/0'], 'is no number of shards'),
+                (['--shard', '-1/2'], 'is no shard'), (['--shard', '1/4294967297'], 'is no shard'), (['--shard', 'auto/0'], 'is no number of shards'),
                 (['--shard', 'auto'], 'none of SLURM_ARRAY_TASK_ID')):
             self.refuse(message, *self.command('--shard', '1/2', *arguments))
         self.assertEqual(os.listdir(self.folder.name), [])
