@@ -210,7 +210,7 @@ class Explain(Base):
     def explained(self, *arguments):
         """Returns the number of remaining SPIR-V instructions, and the rows of the table by kind and name."""
         text = self.render(scene('cornell'), '--explain', *arguments, spp=1)
-        left, of_all = re.search(r'^code      (\d+) SPIR-V instructions are left of (\d+)$', text,
+        left, of_all = re.search(r'^code      (\d+) SPIR-V instructions remain of (\d+)$', text,
                                  re.MULTILINE).groups()
         self.assertLess(int(left), int(of_all) / 4)
         header, rows = text.partition('left out  ' + ' ' * 20)[2].split('\n', 1)
