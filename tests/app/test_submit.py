@@ -79,7 +79,7 @@ class Files(Shards):
         self.write('bin/sbatch', b'#!/bin/sh\necho hello\n')
         self.assertIn('sbatch answered "hello"', self.submit('--spp', '40', '--parts', '2', code=3, **path).stderr)
         os.unlink(self.path('bin/sbatch'))
-        self.assertIn('sbatch is not in PATH, and cornell.shards.sh was written',
+        self.assertIn('sbatch is not in PATH: cornell.shards.sh was written',
                       self.submit('--spp', '40', '--parts', '2', code=3, PATH=self.path('bin')).stderr)
 
     def test_what_a_shard_would_refuse_is_refused(self):
