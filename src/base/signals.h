@@ -13,6 +13,7 @@ void signals_install(void);
 
 // Returns the signal that requested the stop, or 0.
 int signals_received(void);
+bool signals_received_sigterm(void); // whether that signal is SIGTERM
 // Returns whether there is time to do more than finish the wave in flight. There is none after
 // SIGXCPU if a hard limit on CPU time follows, at which the program is killed.
 bool signals_leave_time(void);

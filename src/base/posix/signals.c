@@ -63,6 +63,11 @@ int signals_received(void)
     return received;
 }
 
+bool signals_received_sigterm(void)
+{
+    return received == SIGTERM;
+}
+
 bool signals_leave_time(void)
 {
     struct rlimit cpu;

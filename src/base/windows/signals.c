@@ -51,6 +51,11 @@ int signals_received(void)
     return (int)received;
 }
 
+bool signals_received_sigterm(void)
+{
+    return received == SIGTERM;
+}
+
 bool signals_leave_time(void)
 {
     return true;

@@ -6,7 +6,6 @@
 #include "base/progress.h"
 #include "base/signals.h"
 #include <mpi.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -180,7 +179,7 @@ static bool gather(void *context, uint32_t aovs, uint64_t bytes, struct crew_fil
 // loss, mpirun sends SIGTERM to all remaining ranks before it kills them.
 static void mention_lost_leader(struct ranks_context *c)
 {
-    if (c->is_told || c->ranks->rank != 1 || signals_received() != SIGTERM)
+    if (c->is_told || c->ranks->rank != 1 || !signals_received_sigterm())
         return;
     c->is_told = true;
     if (c->options->render.checkpoint)

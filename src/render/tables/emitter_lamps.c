@@ -1,6 +1,7 @@
 #include "render/tables/emitter_lamps.h"
 
 #include "base/hash.h"
+#include "base/maths.h"
 #include "render/tables/emitter_power.h"
 #include "render/tables/emitters.h"
 #include "scene/core/bounds.h"
@@ -130,7 +131,8 @@ static bool number_triangles(struct search *s, struct arena *arena, struct emitt
 
 static double diagonal(const struct bounds *b)
 {
-    return hypot(hypot(b->max[0] - b->min[0], b->max[1] - b->min[1]), b->max[2] - b->min[2]);
+    const double extent[3] = {b->max[0] - b->min[0], b->max[1] - b->min[1], b->max[2] - b->min[2]};
+    return vec3_length(extent);
 }
 
 // Returns whether all triangles are small relative to the lamp: compares the longest diagonal of a
