@@ -65,7 +65,8 @@ vec3 half_sum(uint at, uint number)
     return sum;
 }
 
-// The same function as in lib/halves.glsl, which reads the bindings of another kernel.
+// lib/halves.glsl has this function for the kernels that render. It cannot be included here,
+// because it reads their uniform block.
 uint samples_of_first_half(uint samples)
 {
     return denoise.halves == HALVES_CONTIGUOUS ? min(samples, denoise.first_half)

@@ -38,7 +38,8 @@ float aov_scalar(uint at, const uint aov)
     return aov_float(at, AOV_SCALAR_AT(AOVS, aov));
 }
 
-// The same function as in lib/halves.glsl, which reads the bindings of another kernel.
+// lib/halves.glsl has this function for the kernels that render. It cannot be included here,
+// because it reads their uniform block.
 uint samples_of_first_half(uint samples)
 {
     if (HALVES == HALVES_CONTIGUOUS)

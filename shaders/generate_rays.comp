@@ -32,7 +32,8 @@ void main()
 #endif
     vec2 inside = HAS(FEATURE_JITTER) ? filter_position(u.xy) : vec2(0.5);
     vec2 size = vec2(frame.picture_width, frame.picture_height);
-    vec2 at = (vec2(pixel % frame.picture_width, pixel / frame.picture_width) + inside) / size * 2.0 - 1.0;
+    vec2 place = vec2(pixel % frame.picture_width, pixel / frame.picture_width) + inside;
+    vec2 at = place / size * 2.0 - 1.0;
     camera_ray ray = make_camera_ray(at, u.zw);
 
     store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(ray.origin), NO_PRIMITIVE));

@@ -5,11 +5,11 @@
 
 #include "lib/buffers.glsl"
 
-// Whether the selection probability of an emitter depends on the vertex's position, because
+// True if the selection probability of an emitter depends on the vertex's position, because
 // emitters, or those of each lamp, are selected by a bound on their contribution.
 #define CHOOSES_BY_PLACE                                                                           \
     (LIGHT_CHOICE == LIGHT_CHOICE_TREE || LIGHT_CHOICE == LIGHT_CHOICE_ALL)
-// Whether all vertices send a shadow ray to each lamp.
+// True if all vertices send a shadow ray to each lamp.
 #define CONNECTS_ALWAYS_TO_EACH                                                                    \
     (LIGHT_CHOICE == LIGHT_CHOICE_ALL && LIGHT_VERTICES == ALL_VERTICES)
 

@@ -240,7 +240,8 @@ float sine_of(float radians)
 // (docs/sampling.md).
 vec4 random_sine(uint pixel, uint sample_index, uint dimension)
 {
-    vec4 place = vec4(pixel % frame.picture_width, pixel / frame.picture_width, sample_index, frame.seed);
+    uint x = pixel % frame.picture_width, y = pixel / frame.picture_width;
+    vec4 place = vec4(x, y, sample_index, frame.seed);
     float phase = dot(place, vec4(12.9898, 78.233, 45.164, 94.673));
     vec4 phases = phase + 37.719 * (4.0 * float(dimension) + vec4(0.0, 1.0, 2.0, 3.0));
     vec4 sines = vec4(sine_of(phases.x), sine_of(phases.y), sine_of(phases.z), sine_of(phases.w));

@@ -4,7 +4,7 @@
 
 #include "lib/constants.glsl"
 
-// Whether shading needs tangents.
+// True if shading needs tangents.
 #define HAS_TANGENT (HAS(FEATURE_NORMAL_MAPS) || HAS_LOBE(LOBE_ANISOTROPIC))
 
 struct surface {

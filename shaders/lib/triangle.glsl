@@ -13,7 +13,7 @@ struct triangle_record {
     uint emitter; // emitter index; if IS_SMALL, its index among the small triangles
 };
 
-// Whether a triangle with this material word has exact edges, while its corners are rounded. A
+// True if a triangle with this material word has exact edges, while its corners are rounded. A
 // macro, so that constant arguments give constant results.
 #define IS_SMALL(word)                                                                             \
     (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && ((word)&MATERIAL_WORD_EDGES) != 0u)

@@ -68,9 +68,9 @@
 #define CONSTANT_NORMALS 27
 #define CONSTANT_RADIANCE_SCALING 28 // whether refraction scales radiance
 #define CONSTANT_ACCUMULATION 29
-#define CONSTANT_ROUNDING 30     // ROUNDING_*
-#define CONSTANT_STACK_SHARED 31 // entries of a thread's stack that are in shared memory:
-                                 // lib/stack.glsl
+#define CONSTANT_ROUNDING 30 // ROUNDING_*
+// Entries of a thread's stack that are in shared memory: lib/stack.glsl.
+#define CONSTANT_STACK_SHARED 31
 // With LIGHT_CHOICE_ALL: the number of vertices of a path, from its beginning, that send a shadow
 // ray to each lamp.
 #define CONSTANT_LIGHT_VERTICES 32
@@ -134,12 +134,11 @@
 #define GEOMETRY_TUBES (1u << 6)     // cylinders without caps
 #define GEOMETRY_SDFS (1u << 7)      // signed distance fields
 #define GEOMETRY_SHAPES ((1u << 8) - 1u)
-#define GEOMETRY_LARGE_SPHERES (1u << 8)    // spheres whose equation needs more than single
-                                            // precision
-#define GEOMETRY_INSTANCES (1u << 9)        // instances of meshes that have their own BVH
-#define GEOMETRY_DUPLICATES (1u << 10)      // some triangle is in more than one leaf
-#define GEOMETRY_SMALL_TRIANGLES (1u << 11) // some triangles are small relative to their
-                                            // coordinates
+#define GEOMETRY_LARGE_SPHERES (1u << 8) // spheres whose equation needs more than single precision
+#define GEOMETRY_INSTANCES (1u << 9)     // instances of meshes that have their own BVH
+#define GEOMETRY_DUPLICATES (1u << 10)   // some triangle is in more than one leaf
+// Some triangles are small relative to their coordinates.
+#define GEOMETRY_SMALL_TRIANGLES (1u << 11)
 #define GEOMETRY_END (1u << 12)
 
 // Kinds of emitters at which shadow rays are aimed.

@@ -16,21 +16,19 @@
 #define CHECK_SINE 7u          // sin(a), cos(a)
 #define CHECK_TURNS 8u         // cos_sin_turns(a)
 #define CHECK_DENORMALS 9u     // a b
-#define CHECK_INTEGERS 10u     // integers: high and low word of a product, reversed bits, highest
-                               // bit
-#define CHECK_HALVES 11u       // the two halves in the first word, as floats
-#define CHECK_CONVERSIONS 12u  // the first word as a float, floor(b), uint(c)
+#define CHECK_INTEGERS 10u // integers: high and low word of a product, reversed bits, highest bit
+#define CHECK_HALVES 11u   // the two halves in the first word, as floats
+#define CHECK_CONVERSIONS 12u // the first word as a float, floor(b), uint(c)
 
 // Thread routines.
-#define CHECK_LOOP 0u          // the number of iterations of a loop of `count` iterations
-#define CHECK_ATOMICS 1u       // the value of a counter before 1 was added
-#define CHECK_BARRIERS 2u      // values passed around the workgroup `count` times
-#define CHECK_ARRAY 3u         // the sum over an array of `count` elements
-#define CHECK_DISPATCHES 4u    // 3 x + 1, where x is the value that the preceding dispatch has
-                               // stored
-#define CHECK_TEXELS 5u        // the item, read as a texel
-#define CHECK_SUBGROUPS 6u     // the subgroup's size, and the rank among its lanes of odd index
-#define CHECK_RECONVERGENCE 7u // the number of lanes that vote after a branch, and the number of
-                               // lanes
+#define CHECK_LOOP 0u       // the number of iterations of a loop of `count` iterations
+#define CHECK_ATOMICS 1u    // the value of a counter before 1 was added
+#define CHECK_BARRIERS 2u   // values passed around the workgroup `count` times
+#define CHECK_ARRAY 3u      // the sum over an array of `count` elements
+#define CHECK_DISPATCHES 4u // 3 x + 1, where x is the value that the preceding dispatch has stored
+#define CHECK_TEXELS 5u     // the item, read as a texel
+#define CHECK_SUBGROUPS 6u  // the subgroup's size, and the rank among its lanes of odd index
+// The number of lanes that vote after a branch, and the number of lanes.
+#define CHECK_RECONVERGENCE 7u
 
 #endif

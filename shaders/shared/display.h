@@ -38,8 +38,8 @@
 #define DISPLAY_BINDING_SOURCES 2  // tables by which objects of primitives are found: see display.c
 #define DISPLAY_BINDING_FROM 3     // linear image to read
 #define DISPLAY_BINDING_TO 4       // linear image to write
-#define DISPLAY_BINDING_LEFT 5     // linear images of the displayed size, for the left and the
-                                   // right side
+// Linear images of the displayed size, for the left and the right side.
+#define DISPLAY_BINDING_LEFT 5
 #define DISPLAY_BINDING_RIGHT 6
 #define DISPLAY_BINDING_KEPT_LEFT 7
 #define DISPLAY_BINDING_KEPT_RIGHT 8
@@ -68,8 +68,8 @@
 
 #define DISPLAY_WORKGROUP 64u
 #define DISPLAY_SIDE_MAX 32768u // pixels of a displayed image: far below the limit of place_of()
-#define DISPLAY_TAPS_MAX 128u   // maximum number of the film's pixels, along an axis, that make one
-                                // displayed pixel
+// Maximum number of the film's pixels, along an axis, that make one displayed pixel.
+#define DISPLAY_TAPS_MAX 128u
 #define DISPLAY_RANGE_ITEMS 16u // pixels that one thread reads
 
 #define DISPLAY_TONE_NONE 0u

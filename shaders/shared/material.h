@@ -10,8 +10,8 @@
 #define MATERIAL_CONDUCTOR 4u   // smooth or rough, with a complex index (eta, k) for each channel
 #define MATERIAL_PHONG 5u       // Lambert + modified Phong (Lafortune and Willems 1994)
 #define MATERIAL_BLINN_PHONG 6u // Lambert + normalised Blinn-Phong
-#define MATERIAL_MICROFACET 7u  // Lambert + Cook-Torrance / Torrance-Sparrow with selectable D, G
-                                // and F
+// Lambert + Cook-Torrance / Torrance-Sparrow with selectable D, G and F.
+#define MATERIAL_MICROFACET 7u
 #define MATERIAL_MODEL_COUNT 8u
 #define MATERIAL_MODEL_MASK 0xfu
 
@@ -22,17 +22,16 @@
 // The clearcoat is GGX with clearcoat_roughness and full strength (glTF), not GTR1 with
 // clearcoat_gloss and a quarter of the strength (Burley).
 #define MATERIAL_COAT_GGX (1u << 7)
-#define MATERIAL_UNLIT (1u << 8)       // emission is a colour to show, not light, and is never
-                                       // sampled
-#define MATERIAL_COMPENSATE (1u << 9)  // reflection is compensated for the energy of multiple
-                                       // scattering
-#define MATERIAL_SEPARABLE (1u << 10)  // separable instead of height-correlated Smith
-                                       // masking-shadowing
+#define MATERIAL_UNLIT (1u << 8) // emission is a colour to show, not light, and is never sampled
+// Reflection is compensated for the energy of multiple scattering.
+#define MATERIAL_COMPENSATE (1u << 9)
+// Separable instead of height-correlated Smith masking-shadowing.
+#define MATERIAL_SEPARABLE (1u << 10)
 #define MATERIAL_NORMAL_MAP (1u << 11) // one of its textures is a normal map
 #define MATERIAL_MEDIUM (1u << 12)     // encloses a medium: closed, refracting or absorbing
 #define MATERIAL_EMITS (1u << 13)      // emission may be above zero somewhere
-#define MATERIAL_TINT_EACH (1u << 14)  // every crossing tints by base_color (glTF), not by its
-                                       // square root
+// Every crossing tints by base_color (glTF), not by its square root.
+#define MATERIAL_TINT_EACH (1u << 14)
 // Layers are combined as in glTF's appendix B, not as by Burley: a Lambertian base, no colour in
 // the light below the interface, coat over fibres.
 #define MATERIAL_GLTF_LAYERS (1u << 15)
@@ -53,14 +52,14 @@
 #define MASKING_SCHLICK_REMAPPED 5u   // k = (roughness + 1)^2 / 8, Karis 2013
 #define MASKING_RATIONAL_UNBOUNDED 6u // the rational G1 for any distribution; may gain energy
 #define MASKING_COUNT 7u
-#define MATERIAL_EXACT_FRESNEL (1u << 21) // Fresnel's equations by ior, instead of Schlick's
-                                          // approximation
-#define MATERIAL_UNCOUPLED (1u << 22)     // base weighted by 1 - F(wo.h) instead of 1 - F of both
-                                          // directions
-#define MATERIAL_MIXED_FRESNEL (1u << 23) // Fresnel's equations and Schlick's approximation mixed
-                                          // by metallic, coloured
-#define MATERIAL_EXACT_COAT (1u << 24)    // the coat's Fresnel reflectance is exact for index 1.5,
-                                          // not Schlick's
+// Fresnel's equations by ior, instead of Schlick's approximation.
+#define MATERIAL_EXACT_FRESNEL (1u << 21)
+// Base weighted by 1 - F(wo.h) instead of 1 - F of both directions.
+#define MATERIAL_UNCOUPLED (1u << 22)
+// Fresnel's equations and Schlick's approximation mixed by metallic, coloured.
+#define MATERIAL_MIXED_FRESNEL (1u << 23)
+// The coat's Fresnel reflectance is exact for index 1.5, not Schlick's.
+#define MATERIAL_EXACT_COAT (1u << 24)
 // Kernels set these to restrict a material to a part of its lobes: see lib/split.glsl.
 #define MATERIAL_DIFFUSE_PART (1u << 30)
 #define MATERIAL_SPECULAR_PART (1u << 31)
@@ -154,10 +153,9 @@
 #define LOBE_DISPERSION (1u << 20)
 #define LOBE_DIFFUSE_TRANSMISSION (1u << 21)
 #define LOBE_SEPARABLE (1u << 22)
-#define LOBE_BURLEY (1u << 23)    // principled, with layers combined as by Burley
-#define LOBE_GLTF (1u << 24)      // principled, with layers combined as in glTF
-#define LOBE_MASKINGS (1u << 25)  // microfacets with MASKING_SCHLICK or one of the maskings after
-                                  // it
+#define LOBE_BURLEY (1u << 23)   // principled, with layers combined as by Burley
+#define LOBE_GLTF (1u << 24)     // principled, with layers combined as in glTF
+#define LOBE_MASKINGS (1u << 25) // microfacets with MASKING_SCHLICK or one of the maskings after it
 #define LOBE_UNCOUPLED (1u << 26) // microfacets with MATERIAL_UNCOUPLED
 #define LOBE_MIXED_FRESNEL (1u << 27)
 #define LOBE_EXACT_COAT (1u << 28)
@@ -184,7 +182,7 @@
 #define TEXTURE_GROUP_SHIFT 12    // 4 bits
 #define TEXTURE_MASK_SHIFT 16     // 4 bits: which parameters of the group are scaled
 #define TEXTURE_INVERT_SHIFT 20   // 4 bits: scales 1 - parameter instead
-#define TEXTURE_CHANNELS_SHIFT 24 // 4 x 2 bits: the channel of the texture that scales each
-                                  // parameter
+// 4 x 2 bits: the channel of the texture that scales each parameter.
+#define TEXTURE_CHANNELS_SHIFT 24
 
 #endif

@@ -17,9 +17,8 @@
 #define SAMPLER_LCG 2u        // independent: a linear congruential generator seeded by TEA
 #define SAMPLER_STRATIFIED 3u // one random point in each stratum
 #define SAMPLER_GRID 4u       // one point at the centre of each stratum
-#define SAMPLER_BLUE_NOISE                                                                         \
-    5u                  // one sequence for all pixels, assigned so that errors are blue noise
-#define SAMPLER_SINE 6u // fractions of sines, as an example of a bad generator
+#define SAMPLER_BLUE_NOISE 5u // one sequence for all pixels, assigned so that errors are blue noise
+#define SAMPLER_SINE 6u       // fractions of sines, as an example of a bad generator
 
 // First numbers of ranges of dimensions, beyond the 3 * 2^20 + 1 of the longest camera path. They
 // differ in bits that are low enough for pcg4d() to mix. If inputs differ in bit 27 or above,
@@ -58,8 +57,8 @@
 
 // The density with which shadow rays sample directions towards an environment's image.
 #define ENVIRONMENT_SAMPLING_LUMINANCE 0u
-#define ENVIRONMENT_SAMPLING_COMPENSATED 1u // in proportion to the excess of its luminance over the
-                                            // mean
+// In proportion to the excess of its luminance over the mean.
+#define ENVIRONMENT_SAMPLING_COMPENSATED 1u
 
 #define CAMERA_PERSPECTIVE 0u
 #define CAMERA_ORTHOGRAPHIC 1u
@@ -69,8 +68,9 @@
 #define LIGHT_CHOICE_AUTO 0u // only as a setting: see render/tables/light_choice.h
 #define LIGHT_CHOICE_UNIFORM 1u
 #define LIGHT_CHOICE_POWER 2u
-#define LIGHT_CHOICE_ALL 3u  // one emitter of each lamp for the first vertices
-                             // (CONSTANT_LIGHT_VERTICES); by the tree for the other vertices
+// One emitter of each lamp for the first vertices (CONSTANT_LIGHT_VERTICES); by the tree for the
+// other vertices.
+#define LIGHT_CHOICE_ALL 3u
 #define LIGHT_CHOICE_TREE 4u // by a bound on the contribution to the vertex, from a light BVH
 
 // MIS weights of the strategies that find emitters: shadow rays and paths that hit an emitter.
@@ -96,8 +96,8 @@
 #define ROULETTE_THROUGHPUT 0u
 #define ROULETTE_FACTOR 2.5
 #define ROULETTE_CONSTANT 1u // the same probability for all paths
-#define ROULETTE_FRAME 2u    // a geometrically distributed depth for each sample number, shared by
-                             // all pixels
+// A geometrically distributed depth for each sample number, shared by all pixels.
+#define ROULETTE_FRAME 2u
 #define ROULETTE_OFF 3u
 
 // Formats of BVH nodes; selected as in bvh.h, not a setting.

@@ -11,8 +11,8 @@
 
 #ifdef GL_core_profile
 #define RECORD(name) name
-#define VEC3(name) vec3 name // followed by a scalar, because arrays would be padded in uniform
-                             // blocks
+// A vector must be followed by a scalar, because an array would be padded in uniform blocks.
+#define VEC3(name) vec3 name
 #define SHARED_STATIC_ASSERT_SIZE(name, bytes)
 #else
 #include <stdint.h>
@@ -261,7 +261,7 @@ struct gpu_path {
     float origin[3];
     uint ignore;        // primitive on which the ray starts; if planar, it cannot be hit again
     float direction[3]; // unit
-    float bsdf_pdf; // density per solid angle of the direction; 0: camera or delta
+    float bsdf_pdf;     // density per solid angle of the direction; 0: camera or delta
     float throughput[3];
     uint media; // stack of media around the ray, see lib/media.glsl
     float t;    // distance of the hit; not valid for misses
@@ -339,12 +339,12 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 #define RESOLVED_WORDS 2
 
 // Queues of slot indices.
-#define QUEUE_RAYS 0      // even bounces; QUEUE_RAYS + 1: odd bounces
-#define QUEUE_SURFACE 2   // + class, with FEATURE_CLASSES; otherwise the first one has all hits
-#define QUEUE_MISS 6      // with FEATURE_ENVIRONMENT only
-#define QUEUE_SHADOW 7    // only with FEATURE_NEE: slots with at least one shadow ray
-#define QUEUE_SUSPENDED 8 // + 1: the other one of a pair, used alternately; only with
-                          // FEATURE_SUSPEND
+#define QUEUE_RAYS 0    // even bounces; QUEUE_RAYS + 1: odd bounces
+#define QUEUE_SURFACE 2 // + class, with FEATURE_CLASSES; otherwise the first one has all hits
+#define QUEUE_MISS 6    // with FEATURE_ENVIRONMENT only
+#define QUEUE_SHADOW 7  // only with FEATURE_NEE: slots with at least one shadow ray
+// This queue and QUEUE_SUSPENDED + 1 are used alternately; only with FEATURE_SUSPEND.
+#define QUEUE_SUSPENDED 8
 #define QUEUE_COUNT 10
 
 // The places in the code at which non-finite contributions are detected.
@@ -363,8 +363,8 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 #define STEPS_COUNT 4
 
 #define CLAMP_UNITS 1024.0f
-#define CLAMP_UNITS_MOST 2.74877907e11f // limit for one contribution, 2^38: the sum over a wave
-                                        // stays below 2^64
+// Limit for one contribution, 2^38: the sum over a wave stays below 2^64.
+#define CLAMP_UNITS_MOST 2.74877907e11f
 
 struct gpu_dispatch {
     uint x, y, z;
@@ -486,7 +486,7 @@ struct gpu_frame {
     uint picture_height;
     VEC3(cells_a_length); // and number of cells per unit of length
     uint window_first;    // number in the picture of the first pixel of the film
-    VEC3(scene_center); // INTEGRATOR_BIDIR: sphere at which infinitely far light is aimed
+    VEC3(scene_center);   // INTEGRATOR_BIDIR: sphere at which infinitely far light is aimed
     float scene_radius;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_frame, 272);

@@ -74,7 +74,7 @@ double metrics_local_relmse(const float (*image)[3], const float (*reference)[3]
 // The local relMSE of the image (A + B) / 2, estimated from two independent half-buffers A and B:
 // the error of this image, not its expectation over seeds. It does not include bias.
 struct half_error {
-    // Whether the error has an interval. It has none with fewer than two samples, if few pixels
+    // True if the error has an interval. It has none with fewer than two samples, if few pixels
     // have nearly all of the error, if light may still be missing, or if the image is black. The
     // estimate is valid if `bounded` is set, even without an interval.
     bool known;

@@ -248,8 +248,7 @@ static bool get(const struct checkpoint *c, void *data, uint64_t bytes, struct e
 static bool measure(const struct checkpoint *c, uint64_t *bytes, struct err *err)
 {
     return file_stream_size(c->file, bytes) ||
-           err_set(err, ERR_INPUT, "%s: its size is not known: %s", c->path,
-                   strerror(errno));
+           err_set(err, ERR_INPUT, "%s: its size is not known: %s", c->path, strerror(errno));
 }
 
 static bool fail_damaged(const struct checkpoint *c, const char *where, struct err *err)
@@ -423,10 +422,11 @@ bool checkpoint_compare(const char *path, const char *was, const char *whose, co
     }
     // The names differ although all lines before them are equal. The lines before a line determine
     // its name, so the file is from another build.
-    return err_set(err, ERR_INPUT,
-                   "%s: was made by another build of lampyris, which records \"%.*s\" where this one "
-                   "records \"%.*s\"; expected a checkpoint of this build",
-                   path, name_length(was), was, name_length(is), is);
+    return err_set(
+        err, ERR_INPUT,
+        "%s: was made by another build of lampyris, which records \"%.*s\" where this one "
+        "records \"%.*s\"; expected a checkpoint of this build",
+        path, name_length(was), was, name_length(is), is);
 }
 
 bool checkpoint_check(const struct checkpoint *c, const char *identity, struct err *err)

@@ -16,8 +16,9 @@
 #define CHECKPOINT_NOTE_WORDS 4u
 #define CHECKPOINT_TEXT_MAX (1u << 20) // limit in bytes, for the identity and for the command line
 
-#define CHECKPOINT_BLOCK_BYTES (UINT64_C(1) << 20) // limit of a block of the film; each block has a
-                                                   // hash
+#define CHECKPOINT_BLOCK_BYTES                                                                     \
+    (UINT64_C(1) << 20) // limit of a block of the film; each block has a
+                        // hash
 
 struct checkpoint_text {
     const char *identity; // lines of "name=value", each ending with a newline

@@ -73,8 +73,8 @@ struct specialize_params {
     const struct gpu *gpu;
     const struct camera *camera;
     const struct emitter_lamps *lamps; // see light_choice_of(); NULL: none
-    uint32_t aovs;      // AOV_*
-    uint32_t workgroup; // threads; 0: the device's default
+    uint32_t aovs;                     // AOV_*
+    uint32_t workgroup;                // threads; 0: the device's default
     // Compiles in every feature that does not change the result, to measure the benefit of leaving
     // features out, and to test that they change no bit.
     bool compile_all;

@@ -105,10 +105,10 @@ TEST(files_that_are_stored_wrongly)
         bool is_new = i == 2; // an existing checkpoint would be resumed
         REQUIRE(is_new || temporary_write(path, "old"));
         // A checkpoint that is written while rendering may fail with a warning.
-        int code = is_new ? RENDER(((struct fault){.file_byte = 150}), "--checkpoint", path,
-                                   "--checkpoint-every", "60", "-o", "b.exr")
-                          : RENDER(((struct fault){.file_byte = 150}), outputs[i][0], path, "-o",
-                                   "b.exr");
+        int code =
+            is_new ? RENDER(((struct fault){.file_byte = 150}), "--checkpoint", path,
+                            "--checkpoint-every", "60", "-o", "b.exr")
+                   : RENDER(((struct fault){.file_byte = 150}), outputs[i][0], path, "-o", "b.exr");
         if (code == NO_DRIVER) {
             leave(folder);
             SKIP("there is no Vulkan driver");

@@ -1,5 +1,5 @@
-// Measures how often the error that a render reports is correct: docs/convergence.md has the totals,
-// docs/measurements/2026-11-23-error-estimates.md the table.
+// Measures how often the error that a render reports is correct: docs/convergence.md has the
+// totals, docs/measurements/2026-11-23-error-estimates.md the table.
 //
 //   test_coverage [OPTIONS] [SCENE...]
 //

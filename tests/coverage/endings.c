@@ -1,5 +1,5 @@
-// Measures at how many samples renders with an error limit end, and whether their forecasts are correct.
-// docs/convergence.md ("When a bound on the error ends a render") has the totals,
+// Measures at how many samples renders with an error limit end, and whether their forecasts are
+// correct. docs/convergence.md ("When a bound on the error ends a render") has the totals,
 // docs/measurements/2026-11-23-error-estimates.md the table.
 //
 //   test_endings [OPTIONS] [SCENE...]

@@ -426,8 +426,9 @@ TEST(bad_animations)
              "{'channels':[{'sampler':0,'target':{'node':0,'path':'scale'}},"
              "{'sampler':0,'target':{'node':0,'path':'scale'}}],%s}",
              good);
-    check_rejected(&builder, node, both,
-                   "animations[0].channels[1]: another channel already animates a scale of nodes[0]");
+    check_rejected(
+        &builder, node, both,
+        "animations[0].channels[1]: another channel already animates a scale of nodes[0]");
 }
 
 TEST_MAIN(TEST_CASE(linear_and_step), TEST_CASE(one_key), TEST_CASE(cubic_spline), TEST_CASE(scale),

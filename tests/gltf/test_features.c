@@ -185,7 +185,8 @@ TEST(turns_of_strips)
     CHECK(ok && scene.mesh_count == 1 && scene.meshes[0].triangle_count == 3 &&
               memcmp(scene.meshes[0].indices, expected, sizeof expected) == 0,
           "%u triangles", scene.mesh_count ? scene.meshes[0].triangle_count : 0);
-    CHECK(has_note(&scene, "1 primitives are skipped: all of their triangles have a repeated vertex"));
+    CHECK(has_note(&scene,
+                   "1 primitives are skipped: all of their triangles have a repeated vertex"));
     scene_finish(&scene);
 }
 

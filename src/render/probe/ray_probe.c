@@ -59,7 +59,8 @@ static bool upload_closest(struct renderer *r, const struct probe_ray *rays, uin
     struct records records;
     uint32_t *starts;
     if (!find_starts(r, rays, count, scratch, &starts, err) ||
-        !reserve(&records, PATH_WORDS_OF(r->specialization.geometry, r->specialization.integrator), count, scratch, err))
+        !reserve(&records, PATH_WORDS_OF(r->specialization.geometry, r->specialization.integrator),
+                 count, scratch, err))
         return false;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t(*words)[4] = record_of(&records, i);
@@ -172,7 +173,8 @@ static bool download_closest(struct renderer *r, struct probe_hit *hits, uint32_
                              struct arena *scratch, struct err *err)
 {
     struct records records;
-    if (!reserve(&records, PATH_WORDS_OF(r->specialization.geometry, r->specialization.integrator), count, scratch, err) ||
+    if (!reserve(&records, PATH_WORDS_OF(r->specialization.geometry, r->specialization.integrator),
+                 count, scratch, err) ||
         !gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, records.words,
                       bytes_of(&records, count), err))
         return false;

@@ -91,7 +91,8 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     v->queue = is_hit ? "surface" : in_queue(f, QUEUE_MISS) ? "miss" : "none";
     if (is_hit) {
         v->primitive = flat_primitive(r, path.primitive, &v->is_shape);
-        v->instance = r->specialization.geometry & GEOMETRY_INSTANCES ? record.instances[0] : NO_INSTANCE;
+        v->instance =
+            r->specialization.geometry & GEOMETRY_INSTANCES ? record.instances[0] : NO_INSTANCE;
         v->material = material_of(r, v);
     }
     return true;

@@ -57,14 +57,16 @@ struct light_choice_text light_choice_print(uint32_t setting, uint64_t emitters,
                  : emitters <= 1 ? ": there is only one"
                                  : ": they belong to one lamp");
     else if (choice.way == LIGHT_CHOICE_TREE)
-        snprintf(text, size, "one of %" PRIu64 " emitters of %u lamp%s, by the light tree%s", emitters,
-                 lamps->count, lamps->count == 1 ? "" : "s",
+        snprintf(text, size, "one of %" PRIu64 " emitters of %u lamp%s, by the light tree%s",
+                 emitters, lamps->count, lamps->count == 1 ? "" : "s",
                  !is_auto                   ? ""
                  : lamps->count > FEW_LAMPS ? ", since there are many lamps"
                  : emitters < MANY_EMITTERS ? ", since each is small in its lamp"
                                             : "");
     else
         snprintf(text, size, "each of %u lamps, of %" PRIu64 " emitters%s", lamps->count, emitters,
-                 is_auto ? ", from the first vertex, then one chosen by the light tree, since there are few lamps" : "");
+                 is_auto ? ", from the first vertex, then one chosen by the light tree, since "
+                           "there are few lamps"
+                         : "");
     return out;
 }

@@ -113,8 +113,8 @@ static bool check_scales(const struct placement *p, enum shape_kind kind, struct
     const double *s = p->scale;
     bool is_even = s[1] == s[2] && (s[0] == s[1] || is_round_about_axis(kind));
     return is_even || has_free_axes(kind) ||
-           err_set(err, ERR_INPUT, "scales of %g, %g and %g; expected %s for this shape", s[0], s[1],
-                   s[2],
+           err_set(err, ERR_INPUT, "scales of %g, %g and %g; expected %s for this shape", s[0],
+                   s[1], s[2],
                    is_round_about_axis(kind) ? "equal second and third scales (across the axis)"
                                              : "the same scale along all axes");
 }

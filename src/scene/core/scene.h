@@ -333,7 +333,7 @@ const char *mesh_file_hint(const char *path);
 bool scene_unknown_extension(const char *path, struct err *err);
 // Loads an OBJ, PLY or STL file, as its extension says.
 bool load_mesh_by_extension(struct scene *scene, const char *path, uint32_t default_material,
-                    bool allow_outside_paths, uint32_t *index, struct err *err);
+                            bool allow_outside_paths, uint32_t *index, struct err *err);
 // Appends a mesh from the caller's arrays, which are checked and copied.
 bool load_array(struct scene *scene, const struct scene_array *array, uint32_t default_material,
                 uint32_t *index, struct err *err);

@@ -4,12 +4,8 @@
 #include <stdio.h>
 
 const char *const integrator_names[] = {
-    [INTEGRATOR_PATH] = "path",
-    [INTEGRATOR_DIRECT] = "direct",
-    [INTEGRATOR_AO] = "ao",
-    [INTEGRATOR_WHITTED] = "whitted",
-    [INTEGRATOR_BIDIR] = "bidir",
-    NULL,
+    [INTEGRATOR_PATH] = "path",       [INTEGRATOR_DIRECT] = "direct", [INTEGRATOR_AO] = "ao",
+    [INTEGRATOR_WHITTED] = "whitted", [INTEGRATOR_BIDIR] = "bidir",   NULL,
 };
 
 const char *const sampler_names[] = {

@@ -391,7 +391,8 @@ static bool keep_former(struct json_loader *loader, bool has_materials, bool has
     }
     return ((base->materials || !has_materials) &&
             ((base->instances && base->shapes) || !has_objects)) ||
-           err_memory(err, "the objects that are edited", scene->instance_count * sizeof *scene->instances);
+           err_memory(err, "the objects that are edited",
+                      scene->instance_count * sizeof *scene->instances);
 }
 
 bool load_json_edits(struct json_loader *loader, const struct json_node *edits, struct err *err)

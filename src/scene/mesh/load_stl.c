@@ -10,8 +10,9 @@
 #include <string.h>
 
 #define BINARY_HEADER_BYTES 84u // a comment of 80 bytes and the number of triangles
-#define BINARY_FACET_BYTES 50u  // normal, three corners, 16 bits whose meaning depends on the
-                                // program
+#define BINARY_FACET_BYTES                                                                         \
+    50u                              // normal, three corners, 16 bits whose meaning depends on the
+                                     // program
 #define FACETS_BETWEEN_LOOKS 262144u // triangles between two polls for a stop
 
 struct stl_parser {
