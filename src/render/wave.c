@@ -9,7 +9,7 @@
 
 // --- the loop ------------------------------------------------------------------------------------
 
-static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint32_t queue,
+static bool watched(struct wave_loop *l, wave_step_fn fn, enum kernel_id kernel, uint32_t queue,
                     struct err *err)
 {
     const struct gpu_push *push = &l->r->push;
@@ -19,13 +19,13 @@ static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint
            record_begin(l->r, l->wave, err);
 }
 
-static bool before(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+static bool before(struct wave_loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     return !l->observer || !l->observer->before ||
            watched(l, l->observer->before, kernel, queue, err);
 }
 
-static bool after(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+static bool after(struct wave_loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     return !l->observer || !l->observer->after ||
            watched(l, l->observer->after, kernel, queue, err);
@@ -33,7 +33,7 @@ static bool after(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
 
 // Traces the rays of a queue. If rays may exceed their iteration budget, the host checks after each
 // dispatch whether some are suspended, and continues them.
-static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+static bool trace_queue(struct wave_loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     struct renderer *r = l->r;
     if (!before(l, kernel, queue, err))
@@ -75,7 +75,7 @@ static void push_wave(struct renderer *r, const struct wave *wave)
 
 // Adds the contributions of light paths at the camera to each chunk of the film, in two dispatches:
 // in the first, all splats claim the digits that they need (lib/splat.glsl).
-static bool add_splats(struct loop *l, struct err *err)
+static bool add_splats(struct wave_loop *l, struct err *err)
 {
     struct renderer *r = l->r;
     const struct wave *own = l->wave;
@@ -99,7 +99,7 @@ static bool add_splats(struct loop *l, struct err *err)
 
 // Traces the shadow rays of each slot in consecutive dispatches, so that contributions are added in
 // the order of lights.
-static bool trace_shadow_rays(struct loop *l, struct err *err)
+static bool trace_shadow_rays(struct wave_loop *l, struct err *err)
 {
     struct renderer *r = l->r;
     if (l->is_light)
@@ -118,7 +118,7 @@ static bool trace_shadow_rays(struct loop *l, struct err *err)
 }
 
 // Records a kernel over a queue, if the scene needs the kernel.
-static bool consume(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+static bool consume(struct wave_loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     if (!specialization_needs_kernel(&l->r->specialization, kernel))
         return true;
@@ -127,7 +127,7 @@ static bool consume(struct loop *l, enum kernel_id kernel, uint32_t queue, struc
     return record_queue(l, kernel, queue, err) && after(l, kernel, queue, err);
 }
 
-static bool shade_misses(struct loop *l, struct err *err)
+static bool shade_misses(struct wave_loop *l, struct err *err)
 {
     if (l->is_light || !(l->r->specialization.queues >> QUEUE_MISS & 1u))
         return true;
@@ -136,7 +136,7 @@ static bool shade_misses(struct loop *l, struct err *err)
 }
 
 // Surfaces of all classes share one kernel for light paths.
-static bool shade_light(struct loop *l, struct err *err)
+static bool shade_light(struct wave_loop *l, struct err *err)
 {
     uint32_t queues = l->r->specialization.queues;
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
@@ -146,7 +146,7 @@ static bool shade_light(struct loop *l, struct err *err)
     return true;
 }
 
-static bool shade_surfaces(struct loop *l, struct err *err)
+static bool shade_surfaces(struct wave_loop *l, struct err *err)
 {
     if (l->is_light)
         return shade_light(l, err);
@@ -161,7 +161,7 @@ static bool shade_surfaces(struct loop *l, struct err *err)
 // Chooses l->part_items, the maximum number of items of a dispatch. Dispatches that
 // prepare_dispatch has prepared assume the present number, so call this only after all of them were
 // recorded.
-static void choose_part(struct loop *l)
+static void choose_part(struct wave_loop *l)
 {
     struct renderer *r = l->r;
     pace_choose_part(&r->pace, &r->plan, r->specialization.workgroup, r->wave_items);
@@ -170,68 +170,68 @@ static void choose_part(struct loop *l)
 
 // --- stages of a bounce: kernels between two barriers --------------------------------------------
 
-static uint32_t queue_of_rays(const struct loop *l)
+static uint32_t queue_of_rays(const struct wave_loop *l)
 {
     return QUEUE_RAYS + (l->bounce & 1u);
 }
 
-static bool prepare_rays(struct loop *l, struct err *err)
+static bool prepare_rays(struct wave_loop *l, struct err *err)
 {
     uint32_t mask = 1u << queue_of_rays(l) | 1u << QUEUE_SHADOW;
     choose_part(l);
     return before(l, KERNEL_prepare_dispatch, mask, err) && record_prepare(l, mask, err);
 }
 
-static bool sorts_rays(const struct loop *l)
+static bool sorts_rays(const struct wave_loop *l)
 {
     return l->r->specialization.sort_rays && l->bounce >= SORT_FIRST_BOUNCE;
 }
 
 // Returns the queue that holds the rays to trace: if rays are sorted, this is the other queue of
 // rays, because shading fills the usual one.
-static uint32_t queue_to_trace(const struct loop *l)
+static uint32_t queue_to_trace(const struct wave_loop *l)
 {
     return sorts_rays(l) ? 2 * QUEUE_RAYS + 1 - queue_of_rays(l) : queue_of_rays(l);
 }
 
-static bool sort_count(struct loop *l, struct err *err)
+static bool sort_count(struct wave_loop *l, struct err *err)
 {
     return !sorts_rays(l) || consume(l, KERNEL_sort_count, queue_of_rays(l), err);
 }
 
-static bool sort_scan(struct loop *l, struct err *err)
+static bool sort_scan(struct wave_loop *l, struct err *err)
 {
     uint32_t queue = queue_of_rays(l);
     return !sorts_rays(l) || (before(l, KERNEL_sort_scan, queue, err) &&
                               record_scan(l, queue, err) && after(l, KERNEL_sort_scan, queue, err));
 }
 
-static bool sort_scatter(struct loop *l, struct err *err)
+static bool sort_scatter(struct wave_loop *l, struct err *err)
 {
     return !sorts_rays(l) || consume(l, KERNEL_sort_scatter, queue_of_rays(l), err);
 }
 
 // Traces the rays of a bounce. The shadow rays of the preceding bounce come first, so that
 // contributions are added in the order of bounces.
-static bool trace(struct loop *l, struct err *err)
+static bool trace(struct wave_loop *l, struct err *err)
 {
     return (l->bounce == 0 || trace_shadow_rays(l, err)) &&
            trace_queue(l, KERNEL_intersect_closest, queue_to_trace(l), err);
 }
 
-static bool prepare_hits(struct loop *l, struct err *err)
+static bool prepare_hits(struct wave_loop *l, struct err *err)
 {
     const struct specialization *s = &l->r->specialization;
     bool has_queues = s->features & (FEATURE_CLASSES | FEATURE_ENVIRONMENT);
     return !has_queues || record_prepare(l, s->queues & QUEUES_OF_HITS, err);
 }
 
-static bool shade_hits(struct loop *l, struct err *err)
+static bool shade_hits(struct wave_loop *l, struct err *err)
 {
     return shade_misses(l, err) && shade_surfaces(l, err);
 }
 
-static bool (*const stages[])(struct loop *l, struct err *err) = {
+static bool (*const stages[])(struct wave_loop *l, struct err *err) = {
     prepare_rays, sort_count, sort_scan, sort_scatter, trace, prepare_hits, shade_hits};
 
 // --- bounces of waves ----------------------------------------------------------------------------
@@ -256,7 +256,7 @@ void wave_exchange(struct renderer *r)
 }
 
 // Switches to the other wave, whose kernels are then recorded.
-static void turn_to(struct loop *l)
+static void turn_to(struct wave_loop *l)
 {
     struct renderer *r = l->r;
     wave_exchange(r);
@@ -265,7 +265,7 @@ static void turn_to(struct loop *l)
     gpu_bind(r->gpu, &r->commands, &r->bindings[l->wave->film_chunk]);
 }
 
-static bool generate_rays(struct loop *l, struct err *err)
+static bool generate_rays(struct wave_loop *l, struct err *err)
 {
     struct renderer *r = l->r;
     enum kernel_id kernel = l->is_light ? KERNEL_generate_light_rays : KERNEL_generate_rays;
@@ -282,7 +282,7 @@ static bool generate_rays(struct loop *l, struct err *err)
 // Begins the next wave when half of this wave's bounces have been recorded. The remaining bounces
 // have few paths, and leave room on a wide device for the many paths of the next wave's first
 // bounces.
-static bool begin_ahead(struct loop *l, struct loop *ahead, struct err *err)
+static bool begin_ahead(struct wave_loop *l, struct wave_loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
     uint32_t usual = r->bounces ? r->bounces : BOUNCES_A_SUBMIT;
@@ -299,7 +299,7 @@ static bool begin_ahead(struct loop *l, struct loop *ahead, struct err *err)
 }
 
 // Traces the next bounce of a wave, and at the same time that of the wave begun ahead.
-static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
+static bool trace_bounce(struct wave_loop *l, struct wave_loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
     bool both = r->ahead.is_begun;
@@ -323,7 +323,7 @@ static bool trace_bounce(struct loop *l, struct loop *ahead, struct err *err)
 
 // Traces all paths of a wave until they end. Some recorded commands may not have run yet when it
 // returns. ahead: the following wave, which is begun meanwhile; or NULL.
-static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
+static bool trace_paths(struct wave_loop *l, struct wave_loop *ahead, struct err *err)
 {
     struct renderer *r = l->r;
     if (!record_begin(r, l->wave, err) || (l->bounce == 0 && !generate_rays(l, err)))
@@ -347,22 +347,22 @@ static bool trace_paths(struct loop *l, struct loop *ahead, struct err *err)
 
 // Traces light paths before camera paths, because splats are assigned to half-buffers by the number
 // of samples that the film has so far.
-static bool trace_light_paths(const struct loop *camera, struct err *err)
+static bool trace_light_paths(const struct wave_loop *camera, struct err *err)
 {
-    struct loop l = *camera;
+    struct wave_loop l = *camera;
     l.is_light = true;
     l.observer = NULL;
     return l.r->specialization.integrator != INTEGRATOR_BIDIR ||
            (trace_paths(&l, NULL, err) && record_run(l.r, err));
 }
 
-static struct loop make_loop(struct renderer *r, const struct wave *wave,
-                             const struct wave_observer *observer)
+static struct wave_loop make_loop(struct renderer *r, const struct wave *wave,
+                                  const struct wave_observer *observer)
 {
     push_wave(r, wave);
     // With postponed rays a path is a tree, which takes as many bounces as the tree has rays.
     uint32_t last = r->specialization.pending_rays ? UINT32_MAX - 1 : r->frame.max_bounces;
-    return (struct loop){
+    return (struct wave_loop){
         .r = r,
         .wave = wave,
         .observer = observer,
@@ -425,11 +425,11 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave 
     const bool is_begun = r->ahead.is_begun;
     if (is_begun)
         wave_exchange(r);
-    struct loop loop = make_loop(r, wave, observer);
+    struct wave_loop loop = make_loop(r, wave, observer);
     struct gpu_counters before = is_begun ? r->ahead.before : *r->counters;
     loop.bounce = is_begun ? r->ahead.bounce : 0;
     r->ahead = (struct wave_ahead){0};
-    struct loop ahead = loop;
+    struct wave_loop ahead = loop;
     if (next) {
         r->ahead.wave = *next;
         ahead.wave = &r->ahead.wave;
@@ -458,11 +458,11 @@ bool wave_trace_steps(struct renderer *r, const struct wave *wave,
 {
     if (!wave_forget_ahead(r, err))
         return false;
-    struct loop loop = make_loop(r, wave, observer);
+    struct wave_loop loop = make_loop(r, wave, observer);
     return trace_paths(&loop, NULL, err) && record_run(r, err);
 }
 
-static bool record_step(struct loop *l, const struct wave_step *step, struct err *err)
+static bool record_step(struct wave_loop *l, const struct wave_step *step, struct err *err)
 {
     const struct wave *wave = l->wave;
     switch (step->kernel) {
@@ -485,7 +485,7 @@ static bool record_step(struct loop *l, const struct wave_step *step, struct err
 bool wave_run_step(struct renderer *r, const struct wave *wave, const struct wave_step *step,
                    double *ms, struct err *err)
 {
-    struct loop loop = make_loop(r, wave, NULL);
+    struct wave_loop loop = make_loop(r, wave, NULL);
     bool is_shadow = step->kernel == KERNEL_intersect_shadow;
     uint32_t launches = is_shadow ? wave_shadow_launches(r, step->bounce) : 1;
     const double *device_ms = &r->stats.kernels[step->kernel].ms, before = *device_ms;

@@ -65,7 +65,7 @@ void record_dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups,
 
 // Submits the recorded commands if the submission would become too long with the next part of a
 // kernel, or if every part needs a timestamp and none is left.
-static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, struct err *err)
+static bool make_room(struct wave_loop *l, enum kernel_id kernel, uint32_t items, struct err *err)
 {
     struct renderer *r = l->r;
     bool is_full = (l->is_paced || l->is_timed) && r->mark_count == GPU_MAX_TIMESTAMPS;
@@ -76,7 +76,7 @@ static bool make_room(struct loop *l, enum kernel_id kernel, uint32_t items, str
             err_set(err, ERR_BUG, "an empty submission that takes nothing"));
 }
 
-bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
+bool record_items(struct wave_loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
                   struct err *err)
 {
     struct renderer *r = l->r;
@@ -97,7 +97,7 @@ bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, uint32_
     return true;
 }
 
-bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+bool record_queue(struct wave_loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     struct renderer *r = l->r;
     for (uint32_t part = 0; part * (uint64_t)l->part_items < r->wave_items; part++) {
@@ -122,7 +122,7 @@ bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
     return true;
 }
 
-bool record_prepare(struct loop *l, uint32_t queue_mask, struct err *err)
+bool record_prepare(struct wave_loop *l, uint32_t queue_mask, struct err *err)
 {
     struct renderer *r = l->r;
     if (!make_room(l, KERNEL_prepare_dispatch, 0, err))
@@ -135,7 +135,7 @@ bool record_prepare(struct loop *l, uint32_t queue_mask, struct err *err)
     return true;
 }
 
-bool record_scan(struct loop *l, uint32_t queue, struct err *err)
+bool record_scan(struct wave_loop *l, uint32_t queue, struct err *err)
 {
     if (!make_room(l, KERNEL_sort_scan, 0, err))
         return false;

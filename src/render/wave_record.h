@@ -6,7 +6,7 @@
 #include "render/wave.h"
 
 // The state of the loop over the bounces of a wave.
-struct loop {
+struct wave_loop {
     struct renderer *r;
     const struct wave *wave;
     const struct wave_observer *observer; // NULL: records as much as possible before running it
@@ -29,15 +29,15 @@ void record_barrier(struct renderer *r);
 void record_dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups, uint32_t items);
 // Records a kernel over `items` items, in parts. work: the number of items of other kernels that
 // take as long as one item of this kernel.
-bool record_items(struct loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
+bool record_items(struct wave_loop *l, enum kernel_id kernel, uint32_t items, uint32_t work,
                   struct err *err);
 // Records a kernel over a queue whose length only the device knows, in as many parts as it may
 // need, without a barrier after it. Synchronization validation assumes that a kernel reads and
 // writes every buffer that is bound to it; with that layer no two dispatches run at the same time.
-bool record_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err);
+bool record_queue(struct wave_loop *l, enum kernel_id kernel, uint32_t queue, struct err *err);
 // Records the kernel that computes the indirect dispatches of the queues in a mask.
-bool record_prepare(struct loop *l, uint32_t queue_mask, struct err *err);
+bool record_prepare(struct wave_loop *l, uint32_t queue_mask, struct err *err);
 // Records the single workgroup of a sort: see lib/sort.glsl.
-bool record_scan(struct loop *l, uint32_t queue, struct err *err);
+bool record_scan(struct wave_loop *l, uint32_t queue, struct err *err);
 
 #endif
