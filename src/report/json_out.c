@@ -32,6 +32,14 @@ json_t *json_words(const char *text)
     return string;
 }
 
+json_t *json_word_list(const char *const *words, uint32_t count)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(array, json_words(words[i]));
+    return array;
+}
+
 char *json_to_text(json_t *object, size_t flags, struct err *err)
 {
     char *text = object ? json_dumps(object, flags) : NULL;

@@ -12,6 +12,7 @@ json_t *json_interval(struct interval interval); // {value, ci_low, ci_high}
 // Makes a string. Bytes that are not valid UTF-8, which file names may contain, are replaced by
 // '?'.
 json_t *json_words(const char *text);
+json_t *json_word_list(const char *const *words, uint32_t count); // an array of such strings
 
 // Returns the object as text, which is freed with json_release(). Returns NULL and sets *err if
 // memory ran out, either while the object was made (which may then be incomplete) or here, where

@@ -203,12 +203,10 @@ static int print_json(const struct info *info)
         if (shape_is_emitter(kind))
             json_object_set_new(emitters, geometry_name(1u << kind),
                                 json_integer(info->emitters.shapes[kind]));
-    json_t *models = json_object(), *notes = json_array();
+    json_t *models = json_object();
     for (uint32_t model = 0; model < MATERIAL_MODEL_COUNT; model++)
         json_object_set_new(models, material_model_names[model],
                             json_integer(count_materials(scene, model)));
-    for (uint32_t i = 0; i < scene->note_count; i++)
-        json_array_append_new(notes, json_words(scene->notes[i]));
     json_t *object = json_pack(
         "{s:o, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
@@ -220,13 +218,14 @@ static int print_json(const struct info *info)
         scene->image_count, "dropped_degenerate", flat->dropped_degenerate, "skipped_instances",
         flat->skipped_instances, "emitters", emitters, "lights", "point",
         count_lights(scene, LIGHT_POINT), "spot", count_lights(scene, LIGHT_SPOT), "directional",
-        count_lights(scene, LIGHT_DIRECTIONAL), "cameras", scene->camera_count, "notes", notes,
-        "bvh", "nodes", b->node_count, "depth", b->depth, "sah_cost", b->sah_cost, "bytes",
-        (json_int_t)b->bytes, "build_seconds", b->build_seconds, "cached_seconds",
-        b->cached_seconds, "features", "kept", features, "left_out", left_out, "memory",
-        "device_bytes", (json_int_t)info->renderer.plan.total_bytes, "buffers", buffers, "wave",
-        info->renderer.plan.wave_slots, "waves_in_flight", info->renderer.plan.waves, "workgroup",
-        info->renderer.specialization.workgroup, "shaded_as_diffuse", count_reduced(scene));
+        count_lights(scene, LIGHT_DIRECTIONAL), "cameras", scene->camera_count, "notes",
+        json_word_list(scene->notes, scene->note_count), "bvh", "nodes", b->node_count, "depth",
+        b->depth, "sah_cost", b->sah_cost, "bytes", (json_int_t)b->bytes, "build_seconds",
+        b->build_seconds, "cached_seconds", b->cached_seconds, "features", "kept", features,
+        "left_out", left_out, "memory", "device_bytes", (json_int_t)info->renderer.plan.total_bytes,
+        "buffers", buffers, "wave", info->renderer.plan.wave_slots, "waves_in_flight",
+        info->renderer.plan.waves, "workgroup", info->renderer.specialization.workgroup,
+        "shaded_as_diffuse", count_reduced(scene));
     if (info->fits.count > 0)
         json_object_set_new(object, "devices", device_fits_json(&info->fits));
     return command_print(object);

@@ -102,14 +102,17 @@ static bool is_unfinished(const struct merge_part *part)
     return part->wanted.count == 1 && count_samples(&part->samples) < count_samples(&part->wanted);
 }
 
-// Prints the commands that finish the unfinished parts, and those that render the samples that
-// belong to no part.
-static void print_remedies(FILE *out, const struct merge *merge, const struct lacking *lacking)
+// Prints the commands that finish the unfinished parts, after a heading. heading: NULL for none.
+static void print_resumes(FILE *out, const struct merge *merge, const char *heading)
 {
-    for (uint32_t i = 0; i < merge->count; i++)
-        if (is_unfinished(&merge->parts[i]))
-            print_resume(out, merge, &merge->parts[i]);
-    print_commands(out, merge, &lacking->unclaimed);
+    for (uint32_t i = 0; i < merge->count; i++) {
+        if (!is_unfinished(&merge->parts[i]))
+            continue;
+        if (heading)
+            fprintf(out, "%s\n", heading);
+        heading = NULL;
+        print_resume(out, merge, &merge->parts[i]);
+    }
 }
 
 // Reports missing samples, and refuses to write a picture without them unless --partial is given.
@@ -138,7 +141,8 @@ static bool check_missing(struct merge *merge, const struct options *options, bo
                        "an odd sample: parts of a render with an odd --spp cannot be continued; "
                        "expected parts of an even --spp, or --partial",
                        count, merge->all, unit(merge), text);
-    print_remedies(stderr, merge, &lacking); // standard output is for results
+    print_resumes(stderr, merge, NULL); // standard output is for results
+    print_commands(stderr, merge, &lacking.unclaimed);
     return err_set(err, ERR_INPUT,
                    "%" PRIu64 " of %" PRIu64 " %s are missing (%s): the commands above "
                    "render them; expected their parts, too, or --partial",
@@ -343,15 +347,8 @@ static void print_status(struct merge *merge, const struct lacking *lacking)
     if (lacking->unclaimed.count > 0)
         printf("some of them belong to none of these parts; these commands render those:\n");
     print_commands(stdout, merge, &lacking->unclaimed);
-    bool is_first = true;
-    for (uint32_t i = 0; i < merge->count; i++) {
-        if (!is_unfinished(&merge->parts[i]))
-            continue;
-        if (is_first)
-            printf("these commands finish the unfinished parts, unless their shards still run:\n");
-        is_first = false;
-        print_resume(stdout, merge, &merge->parts[i]);
-    }
+    print_resumes(stdout, merge,
+                  "these commands finish the unfinished parts, unless their shards still run:");
 }
 
 static json_t *part_json(struct merge *merge, const struct merge_part *part)

@@ -133,14 +133,6 @@ static json_t *forecast_json(const struct render_run *run)
                      (int)f.looks, "reason", reason ? json_string(reason) : json_null());
 }
 
-static json_t *strings_json(const char *const *strings, uint32_t count)
-{
-    json_t *array = json_array();
-    for (uint32_t i = 0; i < count; i++)
-        json_array_append_new(array, json_words(strings[i]));
-    return array;
-}
-
 static json_t *frames_json(const struct render_run *run)
 {
     json_t *array = json_array();
@@ -237,8 +229,8 @@ bool render_print_json(const struct render_run *run, struct err *err)
         (json_int_t)stats->suspended, "dropped_degenerate",
         (json_int_t)run->job.renderer.flat.dropped_degenerate, "skipped_instances",
         (json_int_t)run->job.renderer.flat.skipped_instances, "image_hash", hash, "outputs",
-        strings_json(run->outputs, run->output_count), "notes",
-        strings_json(run->scene.notes, run->scene.note_count), "stopped_early", run->job.stopped,
+        json_word_list(run->outputs, run->output_count), "notes",
+        json_word_list(run->scene.notes, run->scene.note_count), "stopped_early", run->job.stopped,
         "version", LAMPYRIS_VERSION);
     add_ending(object, run);
     json_object_set_new(object, "rows", json_pack("[i, i]", film->rows.first, film->rows.end));

@@ -67,21 +67,13 @@ bool sequence_report_frame(struct sequence *s, uint64_t start_ns, struct err *er
     return ok;
 }
 
-static json_t *strings(const char *const *list, uint32_t count)
-{
-    json_t *array = json_array();
-    for (uint32_t i = 0; i < count; i++)
-        json_array_append_new(array, json_words(list[i]));
-    return array;
-}
-
 bool sequence_report_skipped(const struct sequence *s, struct err *err)
 {
     const struct render_run *run = &s->run;
     if (run->options->json)
         return json_put_line(json_pack("{s:o, s:o, s:b, s:o}", "scene", json_words(run->scene.path),
                                        "frame", render_frame_json(&run->frame), "skipped", 1,
-                                       "outputs", strings(run->outputs, run->output_count)),
+                                       "outputs", json_word_list(run->outputs, run->output_count)),
                              err);
     return true;
 }
@@ -102,7 +94,7 @@ static void print_end(const struct sequence *s)
         printf(", %u finished before", s->skipped);
     putchar('\n');
     if (s->rendered > 0)
-        printf("time      %.3f s a picture: load %.3f + BVH %.3f + upload %.3f + compile %.3f + "
+        printf("time      %.3f s per picture: load %.3f + BVH %.3f + upload %.3f + compile %.3f + "
                "render %.3f + judge %.3f + write %.3f + other\n",
                sum->total / s->rendered, sum->load / s->rendered, sum->bvh / s->rendered,
                sum->upload / s->rendered, sum->compile / s->rendered, sum->render / s->rendered,
@@ -117,12 +109,12 @@ bool sequence_report_end(const struct sequence *s, struct err *err)
 {
     bool is_whole = s->rendered + s->skipped == s->count;
     if (s->run.options->json)
-        return json_put_line(json_pack("{s:o, s:i, s:i, s:i, s:o, s:o}", "scene",
-                                       json_words(s->run.scene.path), "pictures", (int)s->count,
-                                       "rendered", (int)s->rendered, "skipped", (int)s->skipped,
-                                       "seconds", seconds_json(&s->seconds), "videos",
-                                       strings(s->video.paths, is_whole ? s->video.count : 0)),
-                             err);
+        return json_put_line(
+            json_pack("{s:o, s:i, s:i, s:i, s:o, s:o}", "scene", json_words(s->run.scene.path),
+                      "pictures", (int)s->count, "rendered", (int)s->rendered, "skipped",
+                      (int)s->skipped, "seconds", seconds_json(&s->seconds), "videos",
+                      json_word_list(s->video.paths, is_whole ? s->video.count : 0)),
+            err);
     if (!s->run.options->quiet)
         print_end(s);
     return true;
