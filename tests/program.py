@@ -5,6 +5,8 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
+import unittest
 
 # Child processes inherit an ignored signal, and shells ignore SIGINT for programs that they start in the
 # background.
@@ -29,6 +31,18 @@ def limits(words):
     """Returns LAMPYRIS_LIMITS with these words in addition to those of the test's own environment. If both
     set the same number, that of the environment is used."""
     return ','.join(part for part in (words, os.environ.get('LAMPYRIS_LIMITS')) if part)
+
+
+class FolderCase(unittest.TestCase):
+    """Tests that have a temporary folder each, whose path is self.folder."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
 
 
 def need_device(lampyris):

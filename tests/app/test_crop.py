@@ -99,15 +99,7 @@ def pfm(path):
     return width, height, lines[::-1]
 
 
-class Folder(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class Folder(program.FolderCase):
     def render(self, *arguments, code=0):
         result = program.run(LAMPYRIS, 'render', *arguments, cwd=self.folder)
         self.assertEqual(result.returncode, code, result.stderr)

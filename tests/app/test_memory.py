@@ -20,7 +20,7 @@ import time
 import unittest
 import zlib
 
-from program import by_the_clock
+from program import FolderCase, by_the_clock
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
@@ -87,15 +87,7 @@ def triangle_gltf(**more):
     return document
 
 
-class Base(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class Base(FolderCase):
     def write(self, name, content):
         if not isinstance(content, bytes):
             content = json.dumps(content).encode()

@@ -85,18 +85,13 @@ def texts(path):
     return found, zlib.decompress(pixels)
 
 
-class Folder(unittest.TestCase):
+class Folder(program.FolderCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
+        super().setUp()
         with open(self.path('room.json'), 'w', encoding='utf-8') as file:
             json.dump(ROOM, file)
         gltf(self.path('rises.gltf'), True)
         gltf(self.path('framed.gltf'), False)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
 
     def run_here(self, *arguments, code=0, path=None):
         environment = {**os.environ, **({'PATH': path} if path else {})}

@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-from program import need_device
+from program import FolderCase, need_device
 
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 VIEWER = os.path.abspath(sys.argv.pop(1))
@@ -44,16 +44,8 @@ class Result:
         return json.loads(self.out)
 
 
-class Case(unittest.TestCase):
-    """Each test has a folder of its own, in which the viewer runs."""
-
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+class Case(FolderCase):
+    """The viewer runs in the test's folder."""
 
     def write(self, name, text):
         with open(self.path(name), 'w', encoding='utf-8') as file:
