@@ -482,7 +482,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_SCENE | FOR_DEVICES | FOR_MERGE,
         .fallback = "the first device of the fastest kind",
         .common = FOR_SCENE | FOR_DEVICES, .brief = "Vulkan device, by its number or name.",
-        .help = "The device, by its number in \"lampyris devices\" or by a part of its name. "
+        .help = "The device, by its number in \"lampyris devices\" or by a part of its name (a number of "
+                "one or two digits is never part of a name). "
                 "render accepts several numbers, as in 0,1: these devices share the samples of the "
                 "picture. Devices of the same kind with the same driver render the same bits as "
                 "one of them alone. See docs/scaling.md. info accepts \"all\", and prints on which "
