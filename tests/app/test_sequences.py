@@ -294,6 +294,10 @@ class Resuming(Folder):
         error = self.run_here('room.json', '--turntable', '2', '-o', 'b_#.png', '--resume',
                               code=2).stderr
         self.assertIn('b_1.png: does not name the sequence to which it belongs', error)
+        # Another output of that picture is missing, so it would be rendered and replace the file.
+        error = self.run_here('room.json', '--turntable', '2', '-o', 'b_#.exr', '-o', 'b_#.png',
+                              '--resume', code=2).stderr
+        self.assertIn('b_1.png: does not name the sequence to which it belongs', error)
         error = self.run_here('room.json', '--turntable', '2', '-o', 'b_#.jpg', '--resume',
                               code=2).stderr
         self.assertIn('expected an output in EXR or PNG', error)

@@ -77,17 +77,20 @@ static bool check_file(struct sequence *s, const char *path, struct arena *arena
     return true;
 }
 
+// A picture is finished if all of its files exist and those with metadata belong to this sequence.
+// Files with metadata are checked even if others are missing, because the picture that is rendered
+// then would replace them.
 static bool is_finished(struct sequence *s, bool *out, struct err *err)
 {
     struct arena arena = {0};
     bool ok = true;
     *out = true;
-    for (uint32_t i = 0; i < s->name_count && *out; i++)
-        *out = file_exists(s->run.outputs[i]);
-    // Files of other formats have no metadata; the EXR or PNG file of the picture decides.
-    for (uint32_t i = 0; ok && *out && i < s->name_count; i++) {
-        if (has_metadata(s->run.outputs[i]))
-            ok = check_file(s, s->run.outputs[i], &arena, out, err);
+    for (uint32_t i = 0; ok && i < s->name_count; i++) {
+        const char *path = s->run.outputs[i];
+        bool is_whole = file_exists(path);
+        if (is_whole && has_metadata(path))
+            ok = check_file(s, path, &arena, &is_whole, err);
+        *out = *out && is_whole;
         arena_finish(&arena);
     }
     return ok;

@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/file_handle.h"
 #include "base/file_inputs.h"
 #include "base/file_system.h"
 #include "base/process.h"
@@ -116,8 +117,28 @@ static bool run(const struct sequence *s, const char *const *arguments, struct e
     return ok;
 }
 
+// Copies the file into `path`, which keeps its old content until the copy is durable.
+static bool copy(const char *from, const char *path, struct err *err)
+{
+    struct file_writer writer;
+    uint8_t block[1 << 16];
+    int64_t size = 0;
+    int handle = file_handle_open(from);
+    if (handle < 0)
+        return err_set(err, ERR_OUTPUT, "%s: cannot be read: %s", from, strerror(errno));
+    bool ok = file_writer_open(&writer, path, err);
+    while (ok && (size = file_handle_read(handle, block, sizeof block)) > 0)
+        ok = file_writer_write(&writer, block, (size_t)size, err);
+    if (ok && size < 0)
+        ok = err_set(err, ERR_OUTPUT, "%s: cannot be read: %s", from, strerror(errno));
+    ok = ok && file_writer_commit(&writer, err);
+    file_writer_finish(&writer);
+    file_handle_close(handle);
+    return ok;
+}
+
 // Makes one video. All players show Rec. 709 with chroma for every second pixel (4:2:0). ffmpeg
-// writes a temporary file, which is renamed when it is complete.
+// neither syncs its file nor replaces another one atomically, so it writes a temporary file.
 static bool make(const struct sequence *s, const char *path, struct arena *arena, struct err *err)
 {
     const struct frame_name *source = &s->names[s->video.source];
@@ -169,12 +190,9 @@ static bool make(const struct sequence *s, const char *path, struct arena *arena
                                      codec[2],
                                      out,
                                      NULL};
-    if (!run(s, arguments, err)) {
-        file_remove(made);
-        return false;
-    }
-    return file_rename(made, path) ||
-           err_set(err, ERR_OUTPUT, "%s: cannot be replaced: %s", path, strerror(errno));
+    bool ok = (run(s, arguments, err) || err_prepend(err, "%s", path)) && copy(made, path, err);
+    file_remove(made);
+    return ok;
 }
 
 static void remove_source(struct sequence *s, struct arena *arena)
@@ -193,7 +211,7 @@ bool sequence_video_make(struct sequence *s, struct err *err)
     if (s->video.count > 0)
         progress_report(&s->progress, "Encoding", 0.0);
     for (uint32_t i = 0; ok && i < s->video.count; i++)
-        ok = make(s, s->video.paths[i], &arena, err) || err_prepend(err, "%s", s->video.paths[i]);
+        ok = make(s, s->video.paths[i], &arena, err);
     if (ok && s->video.folder)
         remove_source(s, &arena);
     arena_finish(&arena);
