@@ -9,7 +9,17 @@
 
 #define FILE_BYTES_MAX ((size_t)8 << 30)
 
-enum format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_HDR, FORMAT_PNG, FORMAT_JPEG, FORMAT_PFM };
+enum format {
+    FORMAT_UNKNOWN,
+    FORMAT_EXR,
+    FORMAT_HDR,
+    FORMAT_PNG,
+    FORMAT_JPEG,
+    FORMAT_PFM,
+    FORMAT_WEBP, // this and the following formats are only read
+    FORMAT_TGA,
+    FORMAT_KTX2, // only recognized
+};
 
 static enum format format_of_output(const char *path)
 {
@@ -24,8 +34,14 @@ static enum format format_of_output(const char *path)
     return FORMAT_UNKNOWN;
 }
 
-// Determines the format from a file's first bytes, not from its name.
-static enum format format_of_bytes(const uint8_t *data, size_t size)
+static bool is_webp(const uint8_t *data, size_t size)
+{
+    return size >= 12 && memcmp(data, "RIFF", 4) == 0 && memcmp(data + 8, "WEBP", 4) == 0;
+}
+
+// Determines the format from a file's first bytes. The name matters only for TGA, which has no
+// signature.
+static enum format format_of_bytes(const uint8_t *data, size_t size, const char *path)
 {
     static const struct {
         const char *bytes;
@@ -39,11 +55,20 @@ static enum format format_of_bytes(const uint8_t *data, size_t size)
         {"\xff\xd8\xff", 3, FORMAT_JPEG},
         {"PF\n", 3, FORMAT_PFM},
         {"Pf\n", 3, FORMAT_PFM},
+        {"\xabKTX 20\xbb", 8, FORMAT_KTX2},
     };
     for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++)
         if (size >= signatures[i].size &&
             memcmp(data, signatures[i].bytes, signatures[i].size) == 0)
             return signatures[i].format;
+    if (is_webp(data, size))
+        return FORMAT_WEBP;
+#ifdef HAS_TGA
+    if (path_has_extension(path, "tga") && image_is_tga(data, size))
+        return FORMAT_TGA;
+#else
+    (void)path;
+#endif
     return FORMAT_UNKNOWN;
 }
 
@@ -82,11 +107,9 @@ uint64_t image_pixel_bytes(const struct image_write_params *params)
         return 3;
     case FORMAT_HDR:
         return 4;
-    case FORMAT_PFM:
-    case FORMAT_UNKNOWN:
-        break;
+    default:
+        return 12;
     }
-    return 12;
 }
 
 static _Atomic uint64_t corrupt_place;
@@ -191,7 +214,7 @@ static bool encode_format(const struct image_write_params *params, struct byte_b
         return encode_hdr(params, out, err);
     case FORMAT_PFM:
         return encode_pfm(params, out, err);
-    case FORMAT_UNKNOWN:
+    default:
         break;
     }
     return image_check_format(params->path, err);
@@ -264,7 +287,7 @@ bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, s
 static bool decode(const struct image_source *source, struct arena *arena, struct pixels *out,
                    struct err *err)
 {
-    enum format format = format_of_bytes(source->data, source->size);
+    enum format format = format_of_bytes(source->data, source->size, source->path);
     if (source->layer && format != FORMAT_EXR && format != FORMAT_UNKNOWN)
         return err_set(err, ERR_INPUT, "has no layer \"%s\": only EXR files have layers",
                        source->layer);
@@ -279,11 +302,30 @@ static bool decode(const struct image_source *source, struct arena *arena, struc
         return image_jpeg_read(source, arena, out, err);
     case FORMAT_PFM:
         return image_pfm_read(source, arena, out, err);
+    case FORMAT_WEBP:
+#ifdef HAS_WEBP
+        return image_webp_read(source, arena, out, err);
+#else
+        return err_set(err, ERR_INPUT,
+                       "is a WebP picture, which this build of Lampyris cannot read; expected a "
+                       "build with libwebp, or the picture converted to PNG");
+#endif
+    case FORMAT_TGA:
+#ifdef HAS_TGA
+        return image_tga_read(source, arena, out, err);
+#else
+        break;
+#endif
+    case FORMAT_KTX2:
+        return err_set(err, ERR_INPUT,
+                       "is a KTX2 texture, which cannot be read; convert it to PNG, for example "
+                       "with Khronos' program: ktx extract IN.ktx2 OUT.png");
     case FORMAT_UNKNOWN:
         break;
     }
     return err_set(err, ERR_INPUT,
-                   "is not an image that can be read; expected EXR, HDR, PFM, PNG or JPEG");
+                   "is not an image that can be read; expected EXR, HDR, PFM, PNG, JPEG, WebP or "
+                   "TGA");
 }
 
 static bool decode_params(const struct image_read_params *params, struct image_source *source,
@@ -324,10 +366,26 @@ bool image_decode_texels(const void *data, size_t size, const struct image_read_
     return true;
 }
 
-bool image_has_encoding(const void *data, size_t size)
+bool image_has_encoding(const void *data, size_t size, const char *path)
 {
-    enum format format = format_of_bytes(data, size);
-    return format == FORMAT_PNG || format == FORMAT_JPEG;
+    switch (format_of_bytes(data, size, path)) {
+    case FORMAT_PNG:
+    case FORMAT_JPEG:
+    case FORMAT_WEBP:
+    case FORMAT_TGA:
+        return true;
+    default:
+        return false;
+    }
+}
+
+bool image_reads_webp(void)
+{
+#ifdef HAS_WEBP
+    return true;
+#else
+    return false;
+#endif
 }
 
 bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
@@ -345,7 +403,7 @@ bool image_read(const struct image_read_params *params, struct arena *arena, str
 static bool decode_attributes_of(const struct image_source *source, struct arena *arena,
                                  struct image_attribute **out, uint32_t *count, struct err *err)
 {
-    switch (format_of_bytes(source->data, source->size)) {
+    switch (format_of_bytes(source->data, source->size, source->path)) {
     case FORMAT_EXR:
         return image_exr_read_attributes(source, arena, out, count, err);
     case FORMAT_PNG:

@@ -1,5 +1,5 @@
-// Images in memory and in files: EXR, PNG, Radiance HDR, JPEG, PFM. No Vulkan. All functions may be
-// called by any thread, on different arguments at the same time.
+// Images in memory and in files: EXR, PNG, Radiance HDR, JPEG, PFM; WebP and TGA are only read. No
+// Vulkan. All functions may be called by any thread, on different arguments at the same time.
 #ifndef LAMPYRIS_IMAGE_IMAGE_H
 #define LAMPYRIS_IMAGE_IMAGE_H
 
@@ -85,27 +85,30 @@ bool image_encode_codes(const uint8_t *codes, uint32_t width, uint32_t height, s
 void image_corrupt_at(uint64_t n);
 
 struct image_read_params {
-    const char *path; // .exr, .hdr, .pfm, .png or .jpg; PNG and JPEG are converted from sRGB to
-                      // linear
+    const char *path; // .exr, .hdr, .pfm, .png, .jpg, .webp or .tga; the last four are converted
+                      // from sRGB to linear
     // EXR: the layer to read, with channels R, G, B, or X, Y, Z, or Y, or a single channel by its
     // full name ("depth.Z"); NULL: the channels without a layer.
     const char *layer;
     uint32_t side_max;               // maximum length of the longest side, in pixels; 0: no limit
-    bool is_linear;                  // PNG and JPEG: colours are linear, not sRGB-encoded
+    bool is_linear;                  // colours are linear even where files are sRGB-encoded
     const struct progress *progress; // asked from time to time whether to stop; any thread may call
                                      // it
 };
 
 // Reads an image into `arena`. The memory budget is checked for the pixels, and for what the
 // decoder needs, as soon as the header is read. The file's first bytes determine the format, not
-// its name. EXR: single-part files with scanlines or tiles (the finest level); deep and multi-part
-// files are ERR_INPUT. The image is the data window, wherever the display window is. Non-finite and
-// negative values are kept. Alpha and PNG colour profiles other than sRGB are ignored.
+// its name; only TGA, which has no signature, also needs the extension .tga. EXR: single-part files
+// with scanlines or tiles (the finest level); deep and multi-part files are ERR_INPUT. The image is
+// the data window, wherever the display window is. Non-finite and negative values are kept. Alpha
+// and PNG colour profiles other than sRGB are ignored.
 bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
                 struct err *err);
 // Reads an image from memory, such as one inside another file. params->path names it in messages.
 bool image_decode(const void *data, size_t size, const struct image_read_params *params,
                   struct arena *arena, struct image *out, struct err *err);
+// Returns whether this build reads WebP. It needs libwebp.
+bool image_reads_webp(void);
 
 // Linear values: interleaved RGBA, row 0 at the top.
 struct image_texels {
@@ -114,14 +117,16 @@ struct image_texels {
     void *texels;
 };
 
-// Decodes an image with its alpha. Formats with at most 8 bits per component (PNG, JPEG) are
-// decoded to halves, whose step is at most 2^-11 in [0, 1], an eighth of a code's; all others to
-// floats. Alpha is 1 if a file has none, and is never sRGB-encoded. EXR stores colours multiplied
-// by alpha (OpenEXR technical introduction, "Alpha"): they are divided by it, unless alpha is 0.
+// Decodes an image with its alpha. Formats with at most 8 bits per component (PNG, JPEG, WebP, TGA)
+// are decoded to halves, whose step is at most 2^-11 in [0, 1], an eighth of a code's; all others
+// to floats. Alpha is 1 if a file has none, and is never sRGB-encoded. EXR stores colours
+// multiplied by alpha (OpenEXR technical introduction, "Alpha"): they are divided by it, unless
+// alpha is 0.
 bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
                          struct arena *arena, struct image_texels *out, struct err *err);
-// Returns whether image_read_params.is_linear applies to this file, which is so for PNG and JPEG.
-bool image_has_encoding(const void *data, size_t size);
+// Returns whether image_read_params.is_linear applies to this file: its colours are sRGB-encoded
+// unless the caller knows better. True for PNG, JPEG, WebP and TGA.
+bool image_has_encoding(const void *data, size_t size, const char *path);
 
 // Reads the string attributes of an EXR, or the tEXt, zTXt and iTXt chunks that precede the pixels
 // of a PNG. *out is allocated in the arena.

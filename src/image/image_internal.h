@@ -28,7 +28,7 @@ struct image_source {
     size_t size;
     const char *layer; // EXR: layer to read; NULL: the channels without a layer
     uint32_t side_max; // maximum side; 0: no limit
-    bool is_linear;    // PNG and JPEG: codes are linear, not sRGB-encoded
+    bool is_linear;    // codes are linear, not sRGB-encoded
     bool with_alpha;   // RGBA, in halves if these suffice; else RGB in floats
     const struct progress *progress;
 };
@@ -111,6 +111,14 @@ bool image_jpeg_write(const struct image_write_params *params, const uint8_t *co
 // block, and to the metadata.
 bool image_jpeg_verify(const struct image_write_params *params, const uint8_t *codes,
                        const struct byte_buffer *file, struct err *err);
+
+bool image_webp_read(const struct image_source *source, struct arena *arena, struct pixels *out,
+                     struct err *err);
+
+// Returns whether the bytes can be a TGA file. The format has no signature.
+bool image_is_tga(const uint8_t *data, size_t size);
+bool image_tga_read(const struct image_source *source, struct arena *arena, struct pixels *out,
+                    struct err *err);
 
 bool image_png_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err);

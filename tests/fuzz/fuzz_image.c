@@ -1,4 +1,4 @@
-// Fuzz target for an image of the format FUZZ_FORMAT ("exr", "hdr", "jpeg", "pfm" or "png") in
+// Fuzz target for an image of the format FUZZ_FORMAT ("exr", "hdr", "jpeg", "pfm", "png", "tga" or "webp") in
 // memory, and for its metadata. Inputs of other formats are rejected, so that they do not enter the
 // corpus.
 #include "base/memory.h"
@@ -25,6 +25,14 @@ static bool read_format(const struct image_source *source, struct arena *arena)
         return image_hdr_read(source, arena, &image, NULL);
     if (strcmp(FUZZ_FORMAT, "pfm") == 0)
         return image_pfm_read(source, arena, &image, NULL);
+#ifdef HAS_TGA
+    if (strcmp(FUZZ_FORMAT, "tga") == 0)
+        return image_tga_read(source, arena, &image, NULL);
+#endif
+#ifdef HAS_WEBP
+    if (strcmp(FUZZ_FORMAT, "webp") == 0)
+        return image_webp_read(source, arena, &image, NULL);
+#endif
     return image_jpeg_read(source, arena, &image, NULL);
 }
 

@@ -280,7 +280,7 @@ static const struct {
     {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'bufferView':1}]",
      "images[0].bufferView: 1, expected an index below 1"},
     {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'bufferView':0}]",
-     "test.glb: images[0]: expected a PNG or JPEG file"},
+     "test.glb: images[0]: expected a PNG, JPEG or WebP file"},
     {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'uri':'../a.png'}]",
      "images[0].uri: "},
     {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'uri':'/etc/passwd'}]",

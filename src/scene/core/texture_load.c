@@ -123,7 +123,7 @@ static bool load_file(struct scene *scene, struct texture_file *file, bool is_sr
         .is_linear = !is_srgb,
     };
     // If the encoding makes no difference, uses with both encodings share one image.
-    const uint8_t decoding = is_srgb && image_has_encoding(file->data, file->size);
+    const uint8_t decoding = is_srgb && image_has_encoding(file->data, file->size, file->name);
     struct image_texels texels;
     scene->hash = hash_bytes(scene->hash, file->data, file->size);
     file->hash = hash_bytes(hash_bytes(HASH_INIT, file->data, file->size), &decoding, 1);

@@ -6,10 +6,10 @@
 
 struct texture_source {
     const char *path; // trusted, or confined by the caller; NULL: use `data`
-    const void *data; // a PNG, JPEG, HDR or EXR file in memory
+    const void *data; // the bytes of an image file (image/image.h)
     size_t size;
     const char *name; // for messages; NULL: the path
-    bool is_srgb;     // colours of 8 or 16 bits are sRGB-encoded; ignored for HDR and EXR
+    bool is_srgb;     // colours of 8 or 16 bits are sRGB-encoded; ignored for HDR, EXR and PFM
 };
 
 // Decodes an image into scene->images, or returns the index of an image with the same bytes and

@@ -25,6 +25,7 @@ static const char *const list_names[GLTF_LIST_COUNT] = {
 static const char *const known_extensions[] = {
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",

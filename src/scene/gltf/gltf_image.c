@@ -48,21 +48,29 @@ static bool fail_image(const struct image_source *source, struct err *err)
     return source->is_file ? node_prepend(&source->node, err) : err_false();
 }
 
-// Checks the format. The content determines it; "mimeType" is only compared with it. A file that is
-// neither PNG nor JPEG may belong to an extension that is not supported.
-static bool check_content(struct image_source *source, struct err *err)
+// Returns the MIME type of a PNG, WebP or JPEG file.
+static const char *mime_type(const struct file_bytes *bytes)
 {
     static const uint8_t png_magic[4] = {0x89, 'P', 'N', 'G'};
+    if (bytes->size >= 4 && memcmp(bytes->data, png_magic, sizeof png_magic) == 0)
+        return "image/png";
+    const bool is_webp = bytes->size >= 4 && memcmp(bytes->data, "RIFF", 4) == 0;
+    return is_webp ? "image/webp" : "image/jpeg";
+}
+
+// Checks the format. The content determines it; "mimeType" is only compared with it. A file of
+// another format may belong to an extension that is not supported.
+static bool check_content(struct image_source *source, struct err *err)
+{
     const struct file_bytes *bytes = &source->bytes;
     const char *claimed = NULL;
     if (!node_read_string(&source->node, "mimeType", &claimed, err))
         return false;
-    if (!image_has_encoding(bytes->data, bytes->size)) {
-        err_set(err, ERR_INPUT, "%s: expected a PNG or JPEG file", source->name);
+    if (!image_has_encoding(bytes->data, bytes->size, source->name)) {
+        err_set(err, ERR_INPUT, "%s: expected a PNG, JPEG or WebP file", source->name);
         return fail_image(source, err);
     }
-    bool is_png = bytes->size >= 4 && memcmp(bytes->data, png_magic, sizeof png_magic) == 0;
-    source->is_mislabelled = claimed && strcmp(claimed, is_png ? "image/png" : "image/jpeg") != 0;
+    source->is_mislabelled = claimed && strcmp(claimed, mime_type(bytes)) != 0;
     return true;
 }
 

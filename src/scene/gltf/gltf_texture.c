@@ -1,6 +1,7 @@
 // Reads textures and samplers (glTF 2.0, section 3.8) and KHR_texture_transform.
 #include "scene/gltf/gltf_material.h"
 
+#include "image/image.h"
 #include "scene/core/texture_load.h"
 #include <math.h>
 
@@ -161,6 +162,22 @@ bool gltf_texture_scales(const struct gltf_material_reader *reader, uint32_t par
     return false;
 }
 
+// Reads the image of a texture. EXT_texture_webp names one that replaces the other, which is for
+// programs without WebP.
+static bool read_source(const struct gltf_document *document, const struct json_node *texture,
+                        uint32_t *image, struct err *err)
+{
+    struct json_node extensions, webp;
+    uint32_t replacement;
+    if (!gltf_read_index(texture, "source", document->counts[GLTF_IMAGES], image, err) ||
+        !gltf_read_extension(texture, "EXT_texture_webp", &extensions, &webp, err) ||
+        !gltf_read_index(&webp, "source", document->counts[GLTF_IMAGES], &replacement, err))
+        return false;
+    if (replacement != GLTF_NONE && image_reads_webp())
+        *image = replacement;
+    return true;
+}
+
 bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_node *object,
                        const char *key, const struct gltf_texture_use *use, struct err *err)
 {
@@ -180,7 +197,7 @@ bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_no
         .green = {use->green[0], use->green[1]},
         .texture.flags = use->flags,
     };
-    if (!gltf_read_index(&node, "source", document->counts[GLTF_IMAGES], &texture.image, err) ||
+    if (!read_source(document, &node, &texture.image, err) ||
         !read_sampler(document, &node, &texture.texture.flags, err) ||
         !read_coordinates(&info, &texture.texture, err))
         return false;
