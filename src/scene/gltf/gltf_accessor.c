@@ -250,9 +250,14 @@ static bool open_sparse(const struct gltf_document *document, const struct json_
 
 // --- the view ------------------------------------------------------------------------------------
 
-static bool open_base(const struct gltf_document *document, const struct accessor_rule *rule,
-                      struct accessor_view *out, struct err *err)
+static bool open_base(const struct gltf_document *document, uint32_t index,
+                      const struct accessor_rule *rule, struct accessor_view *out, struct err *err)
 {
+    if (document->decoded_accessors[index]) {
+        out->data = document->decoded_accessors[index];
+        out->stride = components[out->type].size * out->components;
+        return true;
+    }
     if (!json_object_get(out->node.value, "bufferView")) {
         if (json_object_get(out->node.value, "byteOffset"))
             return node_fail(&out->node, err, "\"byteOffset\" without \"bufferView\"");
@@ -273,6 +278,31 @@ static bool open_base(const struct gltf_document *document, const struct accesso
     return open_window(document, &claim, &out->data, &out->stride, err);
 }
 
+static bool read_count(const struct json_node *node, uint32_t *out, struct err *err)
+{
+    uint64_t count = 0;
+    if (!gltf_require(node, "count", err) ||
+        !node_read_integer(node, "count", 1, GLTF_MAX_COUNT, &count, err))
+        return false;
+    *out = (uint32_t)count;
+    return true;
+}
+
+bool accessor_layout(const struct gltf_document *document, uint32_t index,
+                     struct accessor_layout *out, struct err *err)
+{
+    static const char *const names[] = {"SCALAR", "VEC2", "VEC3", "VEC4", NULL};
+    uint32_t type = 0;
+    *out = (struct accessor_layout){.node = gltf_item(document, GLTF_ACCESSORS, index)};
+    if (!read_count(&out->node, &out->count, err) || !gltf_require(&out->node, "type", err) ||
+        !node_read_choice(&out->node, "type", names, &type, err) ||
+        !read_component_type(&out->node, UINT32_MAX, "a compressed mesh", &out->type, err))
+        return false;
+    out->components = type + 1;
+    out->component_size = components[out->type].size;
+    return true;
+}
+
 bool accessor_view(const struct gltf_document *document, uint32_t index,
                    const struct accessor_rule *rule, struct accessor_view *out, struct err *err)
 {
@@ -280,12 +310,8 @@ bool accessor_view(const struct gltf_document *document, uint32_t index,
         .node = gltf_item(document, GLTF_ACCESSORS, index),
     };
     struct json_node sparse;
-    uint64_t count = 0;
-    if (!gltf_require(&out->node, "count", err) ||
-        !node_read_integer(&out->node, "count", 1, GLTF_MAX_COUNT, &count, err))
-        return false;
-    out->count = (uint32_t)count;
-    return read_type(document, rule, out, err) && open_base(document, rule, out, err) &&
+    return read_count(&out->node, &out->count, err) && read_type(document, rule, out, err) &&
+           open_base(document, index, rule, out, err) &&
            gltf_read_object(&out->node, "sparse", &sparse, err) &&
            (!sparse.value || open_sparse(document, &sparse, out, err));
 }

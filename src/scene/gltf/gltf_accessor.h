@@ -57,6 +57,15 @@ struct accessor_view {
 bool accessor_view(const struct gltf_document *document, uint32_t index,
                    const struct accessor_rule *rule, struct accessor_view *out, struct err *err);
 
+// What an accessor says of its elements. Their bytes are not looked at.
+struct accessor_layout {
+    struct json_node node; // for messages
+    uint32_t count, components, component_size;
+    enum component_type type;
+};
+bool accessor_layout(const struct gltf_document *document, uint32_t index,
+                     struct accessor_layout *out, struct err *err);
+
 // Reads count * components numbers. Fails if a number is not finite, naming its element.
 bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err);
 // As accessor_read_floats(), but numbers that are not finite become 0 and are counted in *replaced.

@@ -24,6 +24,10 @@ bool gltf_buffers_load(struct gltf_document *document, const struct file_bytes *
 // document->decoded_views. Buffers that only such views use may lack bytes.
 bool gltf_meshopt_decode(struct gltf_document *document, struct err *err);
 
+// gltf_draco.c: decodes the primitives with KHR_draco_mesh_compression into
+// document->decoded_accessors.
+bool gltf_draco_decode(struct gltf_document *document, struct err *err);
+
 // Loads the bytes of a "uri" into `arena`: a data URI, or a file in a permitted folder. *path is
 // the file's path; NULL for a data URI.
 bool gltf_uri_load(const struct gltf_document *document, const struct json_node *uri,

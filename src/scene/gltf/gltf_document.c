@@ -26,6 +26,9 @@ static const char *const known_extensions[] = {
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+#ifdef HAS_DRACO
+    "KHR_draco_mesh_compression",
+#endif
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -217,6 +220,17 @@ static bool read_extension_names(const struct gltf_document *document, const cha
     return true;
 }
 
+// Returns how to make a file without the extension; "" if there is nothing to say.
+static const char *extension_hint(const char *name)
+{
+    if (strcmp(name, "KHR_draco_mesh_compression") == 0)
+        return " by this build of Lampyris, which lacks libdraco; expected a file without it, such "
+               "as Blender exports with compression off";
+    if (strcmp(name, "KHR_texture_basisu") == 0)
+        return "; expected textures in PNG, JPEG or WebP, to which glTF-Transform converts KTX2";
+    return "";
+}
+
 static bool check_extensions_required(const struct gltf_document *document, struct err *err)
 {
     struct json_node required;
@@ -226,7 +240,8 @@ static bool check_extensions_required(const struct gltf_document *document, stru
         const struct json_node node = node_element(&required, i);
         const char *name = json_string_value(node.value);
         if (!is_known_extension(name))
-            return node_fail(&node, err, "the extension \"%.64s\" is not supported", name);
+            return node_fail(&node, err, "the extension \"%.64s\" is not supported%s", name,
+                             extension_hint(name));
     }
     return true;
 }
@@ -303,6 +318,24 @@ static bool open_container(const struct gltf_source *source, struct glb_chunks *
     return true;
 }
 
+static bool allocate_accessors(struct gltf_document *document, struct err *err)
+{
+    const uint32_t count = document->counts[GLTF_ACCESSORS];
+    document->decoded_accessors = ARENA_NEW(&document->arena, const void *, count);
+    return document->decoded_accessors ||
+           gltf_no_memory(document, "accessors", count * sizeof(void *), err);
+}
+
+static bool decode_meshes(struct gltf_document *document, struct err *err)
+{
+#ifdef HAS_DRACO
+    return gltf_draco_decode(document, err);
+#else
+    (void)document, (void)err;
+    return true;
+#endif
+}
+
 bool gltf_document_open(struct gltf_document *document, const struct gltf_source *source,
                         struct err *err)
 {
@@ -310,7 +343,8 @@ bool gltf_document_open(struct gltf_document *document, const struct gltf_source
     struct glb_chunks chunks;
     return open_container(source, &chunks, err) && parse_json(document, &chunks.json, err) &&
            check_frame(document, err) && gltf_buffers_load(document, &chunks.binary, err) &&
-           gltf_meshopt_decode(document, err);
+           gltf_meshopt_decode(document, err) && allocate_accessors(document, err) &&
+           decode_meshes(document, err);
 }
 
 void gltf_document_close(struct gltf_document *document)

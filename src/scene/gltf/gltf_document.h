@@ -56,6 +56,9 @@ struct gltf_document {
     // counts[GLTF_BUFFER_VIEWS] elements: the byteLength decompressed bytes; NULL: the view is not
     // compressed.
     const uint8_t **decoded_views;
+    // counts[GLTF_ACCESSORS] elements: the decompressed elements without gaps; NULL: the accessor
+    // is not part of a compressed mesh.
+    const void **decoded_accessors;
     bool is_quantized;              // the file declares KHR_mesh_quantization
     const char *ignored_extensions; // "A, B": unknown extensions that the file uses; NULL: none
 };
