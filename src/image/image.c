@@ -379,6 +379,15 @@ bool image_has_encoding(const void *data, size_t size, const char *path)
     }
 }
 
+bool image_has_known_name(const char *path)
+{
+    static const char *const read_only[] = {"webp", "tga"};
+    bool is_known = format_of_output(path) != FORMAT_UNKNOWN;
+    for (size_t i = 0; i < sizeof read_only / sizeof *read_only; i++)
+        is_known = is_known || path_has_extension(path, read_only[i]);
+    return is_known;
+}
+
 bool image_reads_webp(void)
 {
 #ifdef HAS_WEBP

@@ -107,6 +107,8 @@ bool image_read(const struct image_read_params *params, struct arena *arena, str
 // Reads an image from memory, such as one inside another file. params->path names it in messages.
 bool image_decode(const void *data, size_t size, const struct image_read_params *params,
                   struct arena *arena, struct image *out, struct err *err);
+// Returns whether image_read() reads files with the extension of this path.
+bool image_has_known_name(const char *path);
 // Returns whether this build reads WebP. It needs libwebp.
 bool image_reads_webp(void);
 

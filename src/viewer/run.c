@@ -2,10 +2,13 @@
 #include "viewer/run.h"
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "cli/exit_code.h"
 #include "cli/options.h"
+#include "image/image.h"
 #include "viewer/core/changes.h"
 #include "viewer/core/device.h"
+#include "viewer/core/edit.h"
 #include "viewer/core/exposure.h"
 #include "viewer/core/frame.h"
 #include "viewer/core/load.h"
@@ -19,6 +22,7 @@
 #include "viewer/script/script.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 // The default size of the window.
 #define DEFAULT_WIDTH 1280u
@@ -54,6 +58,34 @@ static void take_size(struct viewer *viewer)
         viewer_changed(viewer, CHANGE_CAMERA);
 }
 
+// Makes a dropped image the environment.
+static void take_image(struct viewer *viewer, const char *path)
+{
+    struct surroundings to = viewer->document.surroundings;
+    if (strlen(path) >= sizeof to.image) {
+        viewer_message(viewer, MESSAGE_ERROR, "%s: the path has %zu bytes; expected at most %zu",
+                       path, strlen(path), sizeof to.image - 1);
+        return;
+    }
+    // Unused bytes are 0, because states are compared byte by byte.
+    memset(to.image, 0, sizeof to.image);
+    memcpy(to.image, path, strlen(path));
+    to.kind = SURROUNDINGS_IMAGE;
+    if (edit_surroundings(viewer, &to, "surroundings.image"))
+        viewer_message(viewer, MESSAGE_NOTE, "%s lights the scene now", path_name(path));
+}
+
+static void take_file(struct viewer *viewer, const char *path)
+{
+    if (!image_has_known_name(path))
+        viewer_open_scene(viewer, path, false);
+    else if (viewer->document.has_scene)
+        take_image(viewer, path);
+    else
+        viewer_message(viewer, MESSAGE_WARNING,
+                       "%s: an image becomes the environment of a scene; open a scene first", path);
+}
+
 static void take_event(struct viewer *viewer, const struct event *event)
 {
     const struct gui *gui = &viewer->shell.gui;
@@ -65,7 +97,7 @@ static void take_event(struct viewer *viewer, const struct event *event)
     else if (event->kind == EVENT_RESIZE)
         take_size(viewer);
     else if (event->kind == EVENT_DROP)
-        viewer_open_scene(viewer, event->path, false);
+        take_file(viewer, event->path);
     else if (is_mouse && begins && gui->wants_mouse)
         return;
     else if (event->kind == EVENT_KEY && event->down && gui->wants_keys)

@@ -161,6 +161,14 @@ class Faults(Case):
                   'expect message.kind == error\nexpect message.text ~ note.txt\n'
                   'expect scene ~ cornell.json\nwait 1 samples\n', '--spp', '1')
 
+    def test_dropped_image_that_cannot_be_read(self):
+        self.write('sky.hdr', 'no picture')
+        self.view('wait 1 samples\nhash hash.jsonl\ndrop sky.hdr\nwait 3 frames\n'
+                  'expect message.kind == error\nexpect message.text ~ sky.hdr\n'
+                  'expect item.surroundings.kind == original\nwait 1 samples\n', '--spp', '1')
+        self.view('wait 3 frames\ndrop sky.hdr\nwait 3 frames\nexpect has_scene == false\n'
+                  'expect message.text ~ open\n', scene=None)
+
     def test_moving_while_denoising_rests(self):
         """An AOV is displayed while small pictures are rendered: the denoiser exists, but its layers do
         not."""

@@ -8,7 +8,7 @@ import os
 import unittest
 
 import viewer_run
-from viewer_run import SCENES, Case
+from viewer_run import ROOT, SCENES, Case
 
 SMALL = '80x60'
 
@@ -48,6 +48,19 @@ class Saved(Case):
                     'surroundings.strength 0.01'],
                    ['surroundings.kind constant', 'surroundings.color 0.3,0.5,0.7'],
                    '-D', 'materials.white.base_color=[0.1,0.2,0.9]')
+
+    def test_a_dropped_image_becomes_the_environment(self):
+        sky = os.path.join(ROOT, 'tests', 'fuzz', 'corpus', 'hdr', 'small.hdr')
+        scene = os.path.join(SCENES, 'sky.json')
+        result = self.view(f'wait 1 samples\nhash hash.jsonl\ndrop {sky}\nwait 3 frames\n'
+                           'expect message.text ~ small.hdr\nexpect item.surroundings.kind == image\n'
+                           'wait 3 samples\nhash hash.jsonl\nscene saved.json\npress history.undo\n'
+                           'wait 3 frames\nexpect item.surroundings.kind == original\n',
+                           '--spp', '3', '--allow-outside-paths', scene=scene, size=SMALL)
+        before, shown = (line['image_hash'] for line in result.hashes())
+        self.assertNotEqual(before, shown)
+        saved = self.render(self.path('saved.json'), '--allow-outside-paths', size=SMALL)
+        self.assertEqual(saved['image_hash'], shown)
 
     def test_what_is_seen(self):
         self.check(os.path.join(SCENES, 'shapes.json'),
